@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace trilat {
+
+// The outside world is wrong: a file, a setting, a device. `place` is where a person has to look
+// (`take.csv:17`, `/methods/0/name`, `session.h5:/sensors/k1`), `problem` what is there and what
+// would be right. Caught per work item by the runner and in main, where it becomes exit code 2.
+class InputError : public std::runtime_error {
+ public:
+  InputError(std::string place, std::string problem);
+  const std::string& place() const { return place_; }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  std::string place_;
+  std::string problem_;
+};
+
+// We are wrong: a broken promise inside the program. Becomes exit code 70.
+class InternalError : public std::logic_error {
+ public:
+  using std::logic_error::logic_error;
+};
+
+// A person pressed Ctrl-C or the process was asked to end; what is finished has been kept.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+}  // namespace trilat

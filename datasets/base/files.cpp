@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/base/files.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "datasets/base/error.h"
+
+namespace trilat {
+namespace {
+
+struct Descriptor {
+  int fd = -1;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* doing) {
+  throw InputError(path.string(), std::string("cannot be ") + doing + ": " + std::strerror(errno));
+}
+
+void sync_path(const std::filesystem::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0 || ::fsync(file.fd) != 0) refuse(path, "synced to disk");
+}
+
+}  // namespace
+
+std::filesystem::path partial_name(const std::filesystem::path& path) {
+  return path.string() + ".partial";
+}
+
+void publish_file(const std::filesystem::path& partial, const std::filesystem::path& path) {
+  sync_path(partial);
+  if (std::rename(partial.c_str(), path.c_str()) != 0) refuse(path, "put in place");
+}
+
+void write_file(const std::filesystem::path& path, std::string_view text) {
+  const std::filesystem::path partial = partial_name(path);
+  {
+    const Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
+    if (file.fd < 0) refuse(path, "written");
+    while (!text.empty()) {
+      const ssize_t count = ::write(file.fd, text.data(), text.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        const int reason = errno;
+        ::unlink(partial.c_str());
+        errno = reason;
+        refuse(path, "written");
+      }
+      text.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+  publish_file(partial, path);
+}
+
+std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             std::fclose);
+  if (!file) refuse(path, "opened");
+  std::string text;
+  char block[1 << 16];
+  while (const std::size_t count = std::fread(block, 1, sizeof block, file.get())) {
+    text.append(block, count);
+    if (text.size() > limit_bytes)
+      throw InputError(path.string(),
+                       "is larger than the " + std::to_string(limit_bytes) + " bytes allowed here");
+  }
+  if (std::ferror(file.get())) refuse(path, "read");
+  return text;
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder))
+    throw InputError(folder.string(), "cannot be made a folder: " + error.message());
+}
+
+}  // namespace trilat

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace trilat {
+
+// Keys keep the order in which they were written.
+using Json = nlohmann::ordered_json;
+
+// Parses text and refuses what plain JSON parsers let pass: duplicate keys, NaN, trailing text,
+// nesting beyond 64. `place` is the file name; errors read `place:line: …` or `place /pointer: …`.
+Json parse_json(std::string_view text, const std::string& place);
+Json read_json(const std::filesystem::path& path);
+
+// Walks one JSON object strictly: every key has to be asked for, of the right type, or finish()
+// names it and lists the known ones. A number 1.7 is no integer, -1 is not unsigned, infinity is
+// not a number.
+class JsonObject {
+ public:
+  // `place` and `pointer` say where `value` stands; it must outlive the reader.
+  JsonObject(const Json& value, std::string place, std::string pointer);
+
+  bool has(const std::string& key);
+  double number(const std::string& key);
+  double number(const std::string& key, double fallback);
+  double positive(const std::string& key);
+  double positive(const std::string& key, double fallback);
+  std::int64_t integer(const std::string& key);
+  std::int64_t integer(const std::string& key, std::int64_t fallback);
+  std::uint64_t count(const std::string& key);
+  std::uint64_t count(const std::string& key, std::uint64_t fallback);
+  bool boolean(const std::string& key, bool fallback);
+  std::string text(const std::string& key);
+  std::string text(const std::string& key, std::string fallback);
+  // The position of the text under `key` in `known`; an unknown word is refused with the list.
+  std::size_t choice(const std::string& key, const std::vector<std::string>& known);
+  std::size_t choice(const std::string& key, const std::vector<std::string>& known,
+                     std::size_t fallback);
+  std::vector<double> numbers(const std::string& key, std::size_t size);
+  std::vector<std::string> texts(const std::string& key);
+  std::vector<std::string> texts(const std::string& key, std::vector<std::string> fallback);
+  JsonObject object(const std::string& key);
+  std::vector<JsonObject> objects(const std::string& key);
+  // The value itself, for what has more than one shape.
+  const Json& value(const std::string& key);
+  std::vector<std::string> keys() const;
+
+  // Refuses keys nobody asked for.
+  void finish();
+
+  // An error at `key` of this object.
+  [[noreturn]] void refuse(const std::string& key, const std::string& problem) const;
+  std::string place_of(const std::string& key) const;
+  const std::string& file() const { return place_; }
+
+ private:
+  const Json* find(const std::string& key);
+  const Json& need(const std::string& key);
+  double as_number(const std::string& key, const Json& value) const;
+
+  const Json* value_;
+  std::string place_;
+  std::string pointer_;
+  std::set<std::string> known_;
+};
+
+}  // namespace trilat

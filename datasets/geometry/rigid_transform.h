@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace trilat {
+
+// A rotation followed by a translation, named by the frames it connects: `world_from_sensor` turns
+// a point given in the sensor's frame into the same point given in the world's. Metres.
+struct RigidTransform {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point_m) const {
+    return rotation * point_m + translation_m;
+  }
+  // c_from_b * b_from_a = c_from_a.
+  RigidTransform operator*(const RigidTransform& other) const {
+    return {(rotation * other.rotation).normalized(),
+            rotation * other.translation_m + translation_m};
+  }
+  RigidTransform inverse() const {
+    const Eigen::Quaterniond back = rotation.conjugate();
+    return {back, -(back * translation_m)};
+  }
+};
+
+// The angle between two orientations, in [0, pi].
+double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
+
+// A sensor at `position_m` that looks at `target_m` with its y axis as near to world up (+y) as can
+// be. World and sensor frames as in frames.h. InternalError when the view is vertical or the points
+// coincide.
+RigidTransform world_from_sensor_looking_at(const Eigen::Vector3d& position_m,
+                                            const Eigen::Vector3d& target_m);
+
+}  // namespace trilat

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT
+# One place owns the flags. A room, or a part of one, is a static library made by trilat_room(); its headers
+# are also compiled alone, which proves that each includes what it uses.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(TRILAT_CCACHE ccache)
+if(TRILAT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${TRILAT_CCACHE})
+endif()
+
+add_library(trilat_flags INTERFACE)
+target_include_directories(trilat_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(trilat_flags INTERFACE
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off)
+if(TRILAT_WERROR)
+  target_compile_options(trilat_flags INTERFACE -Werror)
+endif()
+if(TRILAT_SANITIZE)
+  add_compile_options(-fsanitize=${TRILAT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${TRILAT_SANITIZE})
+  # Ceres is a static library whose Eigen allocates differently under the address sanitizer.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
+endif()
+
+# trilat_room(NAME [SOURCES …] [HEADERS …] [PUBLIC targets…] [PRIVATE targets…])
+function(trilat_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  if(ROOM_SOURCES)
+    add_library(${name} STATIC ${ROOM_SOURCES})
+    target_link_libraries(${name} PUBLIC trilat_flags ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE trilat_flags ${ROOM_PUBLIC})
+  endif()
+  target_sources(${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ROOM_HEADERS})
+  set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+endfunction()
+
+# trilat_test(room SOURCES … LINK …): one test binary a room.
+function(trilat_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE ${TEST_LINK} trilat_test_support GTest::gmock_main)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60)
+endfunction()

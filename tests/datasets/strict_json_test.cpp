@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/base/strict_json.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+JsonObject reader_of(const Json& json) {
+  return {json, "a.json", "/methods/0"};
+}
+
+TEST(StrictJson, RefusesDuplicateKeys) {
+  EXPECT_THAT(message_of([] { parse_json(R"({"a": {"b": 1, "b": 2}})", "a.json"); }),
+              AllOf(HasSubstr("a.json"), HasSubstr("\"b\" twice")));
+  EXPECT_EQ(message_of([] { parse_json(R"([{"b": 1}, {"b": 2}])", "a.json"); }), "no error");
+}
+
+TEST(StrictJson, NamesTheLineOfASyntaxError) {
+  EXPECT_THAT(message_of([] { parse_json("{\n\"a\": 1,\n]", "a.json"); }), HasSubstr("a.json:3"));
+  EXPECT_THAT(message_of([] { parse_json("", "a.json"); }), HasSubstr("a.json:1"));
+  EXPECT_THAT(message_of([] { parse_json(R"({"a": NaN})", "a.json"); }), HasSubstr("a.json:1"));
+  EXPECT_THAT(message_of([] { parse_json(R"({"a": 1e999})", "a.json"); }), HasSubstr("overflow"));
+  EXPECT_THAT(message_of([] { parse_json("{} x", "a.json"); }), HasSubstr("a.json:1"));
+}
+
+TEST(StrictJson, RefusesEndlessNesting) {
+  EXPECT_THAT(message_of([] { parse_json(std::string(5000, '['), "a.json"); }),
+              HasSubstr("a.json"));
+  EXPECT_THAT(
+      message_of([] { parse_json(std::string(5000, '[') + std::string(5000, ']'), "a.json"); }),
+      HasSubstr("nests deeper"));
+}
+
+TEST(StrictJson, UnknownKeysAreNamedWithTheKnownOnes) {
+  const Json json = parse_json(R"({"name": "linear", "refrence": 1})", "a.json");
+  JsonObject object = reader_of(json);
+  object.text("name");
+  object.count("reference", 0);
+  EXPECT_THAT(message_of([&] { object.finish(); }), AllOf(HasSubstr("a.json /methods/0/refrence"),
+                                                          HasSubstr("known are: name, reference")));
+}
+
+TEST(StrictJson, TypesAreNotConverted) {
+  const Json json = parse_json(R"({"i": 1.7, "u": -1, "t": 3, "n": "x"})", "a.json");
+  JsonObject object = reader_of(json);
+  EXPECT_THAT(message_of([&] { object.integer("i"); }),
+              HasSubstr("must be an integer, is the number 1.7"));
+  EXPECT_THAT(message_of([&] { object.count("u"); }), HasSubstr("0 or more, is the integer -1"));
+  EXPECT_THAT(message_of([&] { object.text("t"); }), HasSubstr("must be a text"));
+  EXPECT_THAT(message_of([&] { object.number("n"); }), HasSubstr("must be a number"));
+  EXPECT_THAT(message_of([&] { object.number("missing"); }),
+              HasSubstr("/methods/0/missing: is missing"));
+}
+
+TEST(StrictJson, ChoicesListWhatIsKnown) {
+  const Json json = parse_json(R"({"damping": "lw"})", "a.json");
+  JsonObject object = reader_of(json);
+  EXPECT_THAT(message_of([&] {
+                object.choice("damping", {"none", "lm"});
+              }),
+              HasSubstr("is \"lw\", which is unknown; known are: none, lm"));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// Which room may include which: the table is the architecture, and this test holds every file
+// against it.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace {
+
+struct Arrow {
+  std::string from;               // longest matching folder prefix decides
+  std::vector<std::string> into;  // folder prefixes it may include
+};
+
+const std::vector<Arrow> kArrows{
+    {"datasets/base/", {"datasets/base/"}},
+    {"datasets/geometry/", {"datasets/base/", "datasets/geometry/"}},
+    {"datasets/skeleton/", {"datasets/base/", "datasets/skeleton/"}},
+    {"datasets/results/",
+     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/hdf5/",
+      "datasets/results/"}},
+    {"datasets/hdf5/", {"datasets/base/", "datasets/hdf5/"}},
+    {"datasets/mocap/", {"datasets/base/", "datasets/geometry/", "datasets/mocap/"}},
+    {"datasets/", {"datasets/"}},
+    {"recorders/", {"datasets/", "recorders/"}},
+    {"evaluators/",
+     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/calibration/",
+      "evaluators/"}},
+    {"reports/",
+     {"datasets/base/", "datasets/results/", "datasets/paper/", "datasets/skeleton/", "reports/"}},
+    {"pipeline/cli/", {"datasets/", "recorders/", "evaluators/", "reports/", "pipeline/"}},
+    {"pipeline/", {"datasets/", "evaluators/", "pipeline/"}},
+};
+
+bool starts_with_any(const std::string& text, const std::vector<std::string>& prefixes) {
+  for (const std::string& prefix : prefixes)
+    if (text.starts_with(prefix)) return true;
+  return false;
+}
+
+const Arrow* arrow_of(const std::string& file) {
+  const Arrow* best = nullptr;
+  for (const Arrow& arrow : kArrows)
+    if (file.starts_with(arrow.from) && (!best || arrow.from.size() > best->from.size()))
+      best = &arrow;
+  return best;
+}
+
+std::vector<std::string> quoted_includes(const std::filesystem::path& path) {
+  std::vector<std::string> result;
+  std::ifstream stream(path);
+  for (std::string line; std::getline(stream, line);) {
+    const auto start = line.find("#include \"");
+    if (start != 0) continue;
+    result.push_back(line.substr(10, line.find('"', 10) - 10));
+  }
+  return result;
+}
+
+TEST(IncludeArrows, EveryIncludeFollowsTheTable) {
+  const std::filesystem::path root = TRILAT_SOURCE_DIR;
+  std::size_t files = 0;
+  for (const char* room : {"datasets", "recorders", "evaluators", "reports", "pipeline"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
+      const auto extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cpp") continue;
+      ++files;
+      const std::string file = std::filesystem::relative(entry.path(), root).generic_string();
+      const Arrow* arrow = arrow_of(file);
+      ASSERT_NE(arrow, nullptr) << file << " stands in no room of the table";
+      for (const std::string& include : quoted_includes(entry.path()))
+        EXPECT_TRUE(starts_with_any(include, arrow->into))
+            << file << " may not include " << include;
+    }
+  }
+  EXPECT_GT(files, 10u);
+}
+
+TEST(IncludeArrows, TheTableItselfForbidsWhatTheRoomsMustNotSee) {
+  EXPECT_FALSE(starts_with_any("evaluators/x.h", arrow_of("recorders/a.cpp")->into));
+  EXPECT_FALSE(starts_with_any("recorders/x.h", arrow_of("evaluators/a.cpp")->into));
+  EXPECT_FALSE(starts_with_any("evaluators/x.h", arrow_of("reports/a.cpp")->into));
+  EXPECT_FALSE(starts_with_any("pipeline/x.h", arrow_of("reports/a.cpp")->into));
+  EXPECT_FALSE(starts_with_any("reports/x.h", arrow_of("pipeline/run.cpp")->into));
+  EXPECT_FALSE(starts_with_any("evaluators/x.h", arrow_of("datasets/take/a.cpp")->into));
+}
+
+}  // namespace
