@@ -10,8 +10,8 @@ namespace trilat {
 void check_failed(const char* file, int line, const char* what) {
   const std::string path = file;
   const auto slash = path.find_last_of('/');
-  throw InternalError(path.substr(slash == std::string::npos ? 0 : slash + 1) + ":" +
-                      std::to_string(line) + ": " + what);
+  throw InternalError(path.substr(slash == std::string::npos ? 0 : slash + 1) + ":" + std::to_string(line) +
+                      ": " + what);
 }
 
 }  // namespace trilat

@@ -33,8 +33,7 @@ void ContentHash::add(const void* data, std::size_t size) {
 std::string ContentHash::finish() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
-  TRILAT_CHECK(EVP_DigestFinal_ex(state_->context, digest.data(), &length) == 1,
-               "the hash is finished once");
+  TRILAT_CHECK(EVP_DigestFinal_ex(state_->context, digest.data(), &length) == 1, "the hash is finished once");
   static constexpr char kDigits[] = "0123456789abcdef";
   std::string text;
   for (unsigned int i = 0; i < length; ++i) {
@@ -51,8 +50,7 @@ std::string hash_of_text(std::string_view text) {
 }
 
 std::string hash_of_file(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw InputError(path.string(), std::strerror(errno));
   ContentHash hash;
   std::vector<char> block(1 << 18);

@@ -32,9 +32,7 @@ void sync_path(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::filesystem::path partial_name(const std::filesystem::path& path) {
-  return path.string() + ".partial";
-}
+std::filesystem::path partial_name(const std::filesystem::path& path) { return path.string() + ".partial"; }
 
 void publish_file(const std::filesystem::path& partial, const std::filesystem::path& path) {
   sync_path(partial);
@@ -62,8 +60,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
 }
 
 std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) refuse(path, "opened");
   std::string text;
   char block[1 << 16];

@@ -11,8 +11,8 @@ namespace {
 
 std::array<std::uint32_t, 4> block_of(const RandomStream& stream, std::uint32_t index) {
   return philox4x32_10(
-      {index, static_cast<std::uint32_t>(stream.item),
-       static_cast<std::uint32_t>(stream.item >> 32), static_cast<std::uint32_t>(stream.purpose)},
+      {index, static_cast<std::uint32_t>(stream.item), static_cast<std::uint32_t>(stream.item >> 32),
+       static_cast<std::uint32_t>(stream.purpose)},
       {static_cast<std::uint32_t>(stream.seed), static_cast<std::uint32_t>(stream.seed >> 32)});
 }
 
@@ -28,9 +28,8 @@ std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
   for (int round = 0; round < 10; ++round) {
     const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0];
     const std::uint64_t b = std::uint64_t{0xCD9E8D57} * counter[2];
-    counter = {
-        static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
-        static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
+    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
+               static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
     key[0] += 0x9E3779B9;
     key[1] += 0xBB67AE85;
   }
@@ -42,9 +41,7 @@ double RandomStream::uniform(std::uint32_t index) const {
   return open_unit(block[0], block[1]);
 }
 
-double RandomStream::normal(std::uint32_t index) const {
-  return normal_pair(index)[0];
-}
+double RandomStream::normal(std::uint32_t index) const { return normal_pair(index)[0]; }
 
 std::array<double, 2> RandomStream::normal_pair(std::uint32_t index) const {
   const auto block = block_of(*this, index);
@@ -53,8 +50,7 @@ std::array<double, 2> RandomStream::normal_pair(std::uint32_t index) const {
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-std::uint64_t random_item(std::uint64_t take, std::uint64_t unit, std::uint64_t part,
-                          std::uint64_t step) {
+std::uint64_t random_item(std::uint64_t take, std::uint64_t unit, std::uint64_t part, std::uint64_t step) {
   TRILAT_CHECK(take < (1u << 14) && unit < (1u << 10) && part < (1u << 8) && step < (1ull << 32),
                "a random item lies within its bounds");
   return take << 50 | unit << 40 | part << 32 | step;

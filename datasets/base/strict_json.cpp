@@ -23,9 +23,9 @@ std::string join(const std::vector<std::string>& words) {
 }
 
 std::size_t line_at(std::string_view text, std::size_t byte) {
-  return 1 + static_cast<std::size_t>(std::count(
-                 text.begin(),
-                 text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size())), '\n'));
+  return 1 +
+         static_cast<std::size_t>(std::count(
+             text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size())), '\n'));
 }
 
 // Escapes a key for a JSON pointer (RFC 6901).
@@ -70,22 +70,17 @@ Json parse_json(std::string_view text, const std::string& place) {
     std::string what = error.what();
     const auto colon = what.find("column");
     what = colon == std::string::npos ? what : what.substr(what.find(": ", colon) + 2);
-    throw InputError(
-        place + ":" + std::to_string(line_at(text, error.byte == 0 ? 0 : error.byte - 1)),
-        "is not valid JSON: " + what);
+    throw InputError(place + ":" + std::to_string(line_at(text, error.byte == 0 ? 0 : error.byte - 1)),
+                     "is not valid JSON: " + what);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(place, std::string("is not valid JSON: ") + error.what());
   }
-  if (too_deep)
-    throw InputError(place, "nests deeper than " + std::to_string(kMaxDepth) + " levels");
-  if (!duplicate.empty())
-    throw InputError(place, "has the key \"" + duplicate + "\" twice in one object");
+  if (too_deep) throw InputError(place, "nests deeper than " + std::to_string(kMaxDepth) + " levels");
+  if (!duplicate.empty()) throw InputError(place, "has the key \"" + duplicate + "\" twice in one object");
   return result;
 }
 
-Json read_json(const std::filesystem::path& path) {
-  return parse_json(read_file(path), path.string());
-}
+Json read_json(const std::filesystem::path& path) { return parse_json(read_file(path), path.string()); }
 
 JsonObject::JsonObject(const Json& value, std::string place, std::string pointer)
     : value_(&value), place_(std::move(place)), pointer_(std::move(pointer)) {
@@ -114,9 +109,7 @@ const Json& JsonObject::need(const std::string& key) {
   return *found;
 }
 
-bool JsonObject::has(const std::string& key) {
-  return find(key) != nullptr;
-}
+bool JsonObject::has(const std::string& key) { return find(key) != nullptr; }
 
 double JsonObject::as_number(const std::string& key, const Json& value) const {
   if (!value.is_number()) refuse(key, "must be a number, is " + type_of(value));
@@ -125,9 +118,7 @@ double JsonObject::as_number(const std::string& key, const Json& value) const {
   return number;
 }
 
-double JsonObject::number(const std::string& key) {
-  return as_number(key, need(key));
-}
+double JsonObject::number(const std::string& key) { return as_number(key, need(key)); }
 
 double JsonObject::number(const std::string& key, double fallback) {
   const Json* found = find(key);
@@ -148,8 +139,7 @@ std::int64_t JsonObject::integer(const std::string& key) {
   const Json& value = need(key);
   if (!value.is_number_integer()) refuse(key, "must be an integer, is " + type_of(value));
   if (value.is_number_unsigned() &&
-      value.get<std::uint64_t>() >
-          static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+      value.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
     refuse(key, "is too large");
   return value.get<std::int64_t>();
 }
@@ -160,8 +150,7 @@ std::int64_t JsonObject::integer(const std::string& key, std::int64_t fallback) 
 
 std::uint64_t JsonObject::count(const std::string& key) {
   const Json& value = need(key);
-  if (!value.is_number_unsigned())
-    refuse(key, "must be an integer of 0 or more, is " + type_of(value));
+  if (!value.is_number_unsigned()) refuse(key, "must be an integer of 0 or more, is " + type_of(value));
   return value.get<std::uint64_t>();
 }
 
@@ -189,8 +178,7 @@ std::string JsonObject::text(const std::string& key, std::string fallback) {
 std::size_t JsonObject::choice(const std::string& key, const std::vector<std::string>& known) {
   const std::string word = text(key);
   const auto found = std::find(known.begin(), known.end(), word);
-  if (found == known.end())
-    refuse(key, "is \"" + word + "\", which is unknown; known are: " + join(known));
+  if (found == known.end()) refuse(key, "is \"" + word + "\", which is unknown; known are: " + join(known));
   return static_cast<std::size_t>(found - known.begin());
 }
 
@@ -219,8 +207,7 @@ std::vector<std::string> JsonObject::texts(const std::string& key) {
   return result;
 }
 
-std::vector<std::string> JsonObject::texts(const std::string& key,
-                                           std::vector<std::string> fallback) {
+std::vector<std::string> JsonObject::texts(const std::string& key, std::vector<std::string> fallback) {
   return has(key) ? texts(key) : std::move(fallback);
 }
 
@@ -237,9 +224,7 @@ std::vector<JsonObject> JsonObject::objects(const std::string& key) {
   return result;
 }
 
-const Json& JsonObject::value(const std::string& key) {
-  return need(key);
-}
+const Json& JsonObject::value(const std::string& key) { return need(key); }
 
 std::vector<std::string> JsonObject::keys() const {
   std::vector<std::string> result;
@@ -250,8 +235,8 @@ std::vector<std::string> JsonObject::keys() const {
 void JsonObject::finish() {
   for (const auto& item : value_->items())
     if (!known_.contains(item.key()))
-      refuse(item.key(), "is an unknown key; known are: " +
-                             join(std::vector<std::string>(known_.begin(), known_.end())));
+      refuse(item.key(),
+             "is an unknown key; known are: " + join(std::vector<std::string>(known_.begin(), known_.end())));
 }
 
 }  // namespace trilat

@@ -44,8 +44,7 @@ class JsonObject {
   std::string text(const std::string& key, std::string fallback);
   // The position of the text under `key` in `known`; an unknown word is refused with the list.
   std::size_t choice(const std::string& key, const std::vector<std::string>& known);
-  std::size_t choice(const std::string& key, const std::vector<std::string>& known,
-                     std::size_t fallback);
+  std::size_t choice(const std::string& key, const std::vector<std::string>& known, std::size_t fallback);
   std::vector<double> numbers(const std::string& key, std::size_t size);
   std::vector<std::string> texts(const std::string& key);
   std::vector<std::string> texts(const std::string& key, std::vector<std::string> fallback);

@@ -33,21 +33,16 @@ constexpr std::array<UnitWords, 5> kUnits{{
 
 std::optional<LengthUnit> length_unit_from_text(std::string_view text) {
   std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   for (const UnitWords& entry : kUnits)
     for (std::string_view word : entry.words)
       if (!word.empty() && word == lower) return entry.unit;
   return std::nullopt;
 }
 
-std::string_view name_of(LengthUnit unit) {
-  return kUnits[static_cast<std::size_t>(unit)].name;
-}
+std::string_view name_of(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
 
-double metres_per(LengthUnit unit) {
-  return kUnits[static_cast<std::size_t>(unit)].metres;
-}
+double metres_per(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].metres; }
 
 }  // namespace trilat

@@ -13,8 +13,7 @@ namespace {
 constexpr double kMaxNormalisedRadius = 1.2;
 
 // Distorts normalised image coordinates and gives the Jacobian (Brown's model, as in OpenCV).
-Eigen::Vector2d distort(const DepthIntrinsics& in, const Eigen::Vector2d& n,
-                        Eigen::Matrix2d* jacobian) {
+Eigen::Vector2d distort(const DepthIntrinsics& in, const Eigen::Vector2d& n, Eigen::Matrix2d* jacobian) {
   const double x = n.x();
   const double y = n.y();
   const double r2 = x * x + y * y;
@@ -34,26 +33,24 @@ Eigen::Vector2d distort(const DepthIntrinsics& in, const Eigen::Vector2d& n,
 
 std::string implausibility_of(const DepthIntrinsics& in) {
   const auto finite = [](double value) { return std::isfinite(value); };
-  if (!(finite(in.fx_px) && finite(in.fy_px) && finite(in.cx_px) && finite(in.cy_px) &&
-        finite(in.k1) && finite(in.k2) && finite(in.k3) && finite(in.p1) && finite(in.p2)))
+  if (!(finite(in.fx_px) && finite(in.fy_px) && finite(in.cx_px) && finite(in.cy_px) && finite(in.k1) &&
+        finite(in.k2) && finite(in.k3) && finite(in.p1) && finite(in.p2)))
     return "holds a number that is not finite";
   if (in.width_px < 16 || in.height_px < 16 || in.width_px > 8192 || in.height_px > 8192)
     return "has an image size outside 16 to 8192 pixels";
   const double width = in.width_px;
-  if (in.fx_px < 0.3 * width || in.fx_px > 3.0 * width || in.fy_px < 0.3 * width ||
-      in.fy_px > 3.0 * width)
+  if (in.fx_px < 0.3 * width || in.fx_px > 3.0 * width || in.fy_px < 0.3 * width || in.fy_px > 3.0 * width)
     return "has a focal length outside 0.3 to 3 image widths";
   if (in.cx_px < 0.25 * width || in.cx_px > 0.75 * width || in.cy_px < 0.25 * in.height_px ||
       in.cy_px > 0.75 * in.height_px)
     return "has a principal point outside the middle half of the image";
-  if (std::abs(in.k1) > 2.0 || std::abs(in.k2) > 4.0 || std::abs(in.k3) > 4.0 ||
-      std::abs(in.p1) > 0.1 || std::abs(in.p2) > 0.1)
+  if (std::abs(in.k1) > 2.0 || std::abs(in.k2) > 4.0 || std::abs(in.k3) > 4.0 || std::abs(in.p1) > 0.1 ||
+      std::abs(in.p2) > 0.1)
     return "has a distortion coefficient far beyond that of any lens";
   return {};
 }
 
-std::optional<Eigen::Vector2d> project(const DepthIntrinsics& in,
-                                       const Eigen::Vector3d& point_in_sensor_m) {
+std::optional<Eigen::Vector2d> project(const DepthIntrinsics& in, const Eigen::Vector3d& point_in_sensor_m) {
   if (!(point_in_sensor_m.z() > 0.0)) return std::nullopt;
   const Eigen::Vector2d normalised(point_in_sensor_m.x() / point_in_sensor_m.z(),
                                    -point_in_sensor_m.y() / point_in_sensor_m.z());
@@ -62,10 +59,8 @@ std::optional<Eigen::Vector2d> project(const DepthIntrinsics& in,
   return Eigen::Vector2d(in.cx_px + in.fx_px * distorted.x(), in.cy_px + in.fy_px * distorted.y());
 }
 
-std::optional<Eigen::Vector2d> ray_through(const DepthIntrinsics& in,
-                                           const Eigen::Vector2d& pixel_px) {
-  const Eigen::Vector2d target((pixel_px.x() - in.cx_px) / in.fx_px,
-                               (pixel_px.y() - in.cy_px) / in.fy_px);
+std::optional<Eigen::Vector2d> ray_through(const DepthIntrinsics& in, const Eigen::Vector2d& pixel_px) {
+  const Eigen::Vector2d target((pixel_px.x() - in.cx_px) / in.fx_px, (pixel_px.y() - in.cy_px) / in.fy_px);
   Eigen::Vector2d normalised = target;
   for (int step = 0; step < 50; ++step) {
     Eigen::Matrix2d jacobian;

@@ -18,8 +18,7 @@ struct FrameDescription {
 };
 
 inline constexpr std::array<FrameDescription, 4> kFrames{{
-    {"world", "OptiTrack x", "up", "right-handed to x and y", "m",
-     "OptiTrack's origin on the floor"},
+    {"world", "OptiTrack x", "up", "right-handed to x and y", "m", "OptiTrack's origin on the floor"},
     {"sensor", "to the sensor's left", "up", "out of the lens", "m",
      "the infrared camera's centre (Kinect camera space)"},
     {"image", "right, with sensor +x", "down, with sensor -y", "-", "px",

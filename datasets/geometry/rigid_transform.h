@@ -17,8 +17,7 @@ struct RigidTransform {
   }
   // c_from_b * b_from_a = c_from_a.
   RigidTransform operator*(const RigidTransform& other) const {
-    return {(rotation * other.rotation).normalized(),
-            rotation * other.translation_m + translation_m};
+    return {(rotation * other.rotation).normalized(), rotation * other.translation_m + translation_m};
   }
   RigidTransform inverse() const {
     const Eigen::Quaterniond back = rotation.conjugate();

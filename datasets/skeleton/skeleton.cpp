@@ -42,9 +42,7 @@ constexpr std::array<JointEntry, kJointCount> kJoints{{
     {"thumb_right", wrist_right, thumb_left},
 }};
 
-constexpr const JointEntry& entry_of(Joint joint) {
-  return kJoints[static_cast<std::size_t>(joint)];
-}
+constexpr const JointEntry& entry_of(Joint joint) { return kJoints[static_cast<std::size_t>(joint)]; }
 
 constexpr std::array<Joint, 1> kHead{head};
 constexpr std::array<Joint, 2> kShoulder{shoulder_left, shoulder_right};
@@ -63,26 +61,22 @@ constexpr std::array<JointGroup, 7> kGroups{{{"head", kHead},
 
 constexpr std::array<Bone, kBoneCount> make_bones(const std::array<Joint, kJointCount>& order) {
   std::array<Bone, kBoneCount> bones{};
-  for (std::size_t i = 1; i < order.size(); ++i)
-    bones[i - 1] = {entry_of(order[i]).parent, order[i]};
+  for (std::size_t i = 1; i < order.size(); ++i) bones[i - 1] = {entry_of(order[i]).parent, order[i]};
   return bones;
 }
 
 }  // namespace
 
 constexpr std::array<Joint, kJointCount> kRootFirst{
-    spine_base,     spine_mid,      spine_shoulder, neck,        head,
-    shoulder_left,  elbow_left,     wrist_left,     hand_left,   hand_tip_left,
-    thumb_left,     shoulder_right, elbow_right,    wrist_right, hand_right,
-    hand_tip_right, thumb_right,    hip_left,       knee_left,   ankle_left,
-    foot_left,      hip_right,      knee_right,     ankle_right, foot_right};
+    spine_base, spine_mid,      spine_shoulder, neck,       head,           shoulder_left, elbow_left,
+    wrist_left, hand_left,      hand_tip_left,  thumb_left, shoulder_right, elbow_right,   wrist_right,
+    hand_right, hand_tip_right, thumb_right,    hip_left,   knee_left,      ankle_left,    foot_left,
+    hip_right,  knee_right,     ankle_right,    foot_right};
 
 const std::array<Joint, kJointCount> kJointsRootFirst = kRootFirst;
 const std::array<Bone, kBoneCount> kBones = make_bones(kRootFirst);
 
-std::string_view name_of(Joint joint) {
-  return entry_of(joint).name;
-}
+std::string_view name_of(Joint joint) { return entry_of(joint).name; }
 
 std::optional<Joint> joint_from_name(std::string_view name) {
   for (std::size_t i = 0; i < kJoints.size(); ++i)
@@ -95,18 +89,13 @@ std::optional<Joint> parent_of(Joint joint) {
   return parent == joint ? std::nullopt : std::optional(parent);
 }
 
-Joint mirror_of(Joint joint) {
-  return entry_of(joint).mirror;
-}
+Joint mirror_of(Joint joint) { return entry_of(joint).mirror; }
 
-std::span<const JointGroup> joint_groups() {
-  return kGroups;
-}
+std::span<const JointGroup> joint_groups() { return kGroups; }
 
 std::optional<std::string_view> group_of(Joint joint) {
   for (const JointGroup& group : kGroups)
-    if (std::find(group.joints.begin(), group.joints.end(), joint) != group.joints.end())
-      return group.name;
+    if (std::find(group.joints.begin(), group.joints.end(), joint) != group.joints.end()) return group.name;
   return std::nullopt;
 }
 

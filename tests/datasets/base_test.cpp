@@ -37,19 +37,16 @@ TEST(Time, AClockMapAndItsInverseReturnToTheSameNanosecond) {
   const ClockMap<HostClock, SensorClock> host_from_sensor{{1'000'000'000'000}, {77}, 30e-6};
   const SensorTime t{1'600'000'000'123};
   EXPECT_EQ(host_from_sensor(t).ns, 77 + 600'000'000'123 + 18'000'000);
-  EXPECT_NEAR(static_cast<double>(host_from_sensor.inverse()(host_from_sensor(t)).ns - t.ns), 0.0,
-              1.0);
+  EXPECT_NEAR(static_cast<double>(host_from_sensor.inverse()(host_from_sensor(t)).ns - t.ns), 0.0, 1.0);
 }
 
 TEST(Philox, GivesThePublishedKnownAnswers) {
   EXPECT_THAT(philox4x32_10({0, 0, 0, 0}, {0, 0}),
               testing::ElementsAre(0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u));
-  EXPECT_THAT(
-      philox4x32_10({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
-      testing::ElementsAre(0x408f276du, 0x41c83b0eu, 0xa20bc7c6u, 0x6d5451fdu));
-  EXPECT_THAT(
-      philox4x32_10({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
-      testing::ElementsAre(0xd16cfe09u, 0x94fdccebu, 0x5001e420u, 0x24126ea1u));
+  EXPECT_THAT(philox4x32_10({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+              testing::ElementsAre(0x408f276du, 0x41c83b0eu, 0xa20bc7c6u, 0x6d5451fdu));
+  EXPECT_THAT(philox4x32_10({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+              testing::ElementsAre(0xd16cfe09u, 0x94fdccebu, 0x5001e420u, 0x24126ea1u));
 }
 
 TEST(Philox, NormalsHaveTheMomentsOfANormal) {
@@ -87,8 +84,7 @@ TEST(Philox, EveryPartOfTheKeyChangesTheNumber) {
 
 TEST(ContentHash, IsSha256) {
   EXPECT_EQ(hash_of_text(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(hash_of_text("abc"),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(hash_of_text("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(ContentHash, OfAMissingFileNamesIt) {

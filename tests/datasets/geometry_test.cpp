@@ -17,10 +17,9 @@ using Eigen::Vector3d;
 constexpr double kTight = 1e-12;
 
 TEST(RigidTransform, ComposesAndInverts) {
-  const RigidTransform b_from_a{
-      Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized())), {1, 2, 3}};
-  const RigidTransform c_from_b{Eigen::Quaterniond(Eigen::AngleAxisd(-1.1, Vector3d::UnitX())),
-                                {0, -1, 4}};
+  const RigidTransform b_from_a{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized())),
+                                {1, 2, 3}};
+  const RigidTransform c_from_b{Eigen::Quaterniond(Eigen::AngleAxisd(-1.1, Vector3d::UnitX())), {0, -1, 4}};
   const Vector3d p(0.5, -0.25, 2.0);
   EXPECT_LT(((c_from_b * b_from_a) * p - c_from_b * (b_from_a * p)).norm(), kTight);
   EXPECT_LT((b_from_a.inverse() * (b_from_a * p) - p).norm(), kTight);

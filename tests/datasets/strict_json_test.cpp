@@ -21,9 +21,7 @@ std::string message_of(const std::function<void()>& action) {
   return "no error";
 }
 
-JsonObject reader_of(const Json& json) {
-  return {json, "a.json", "/methods/0"};
-}
+JsonObject reader_of(const Json& json) { return {json, "a.json", "/methods/0"}; }
 
 TEST(StrictJson, RefusesDuplicateKeys) {
   EXPECT_THAT(message_of([] { parse_json(R"({"a": {"b": 1, "b": 2}})", "a.json"); }),
@@ -40,11 +38,9 @@ TEST(StrictJson, NamesTheLineOfASyntaxError) {
 }
 
 TEST(StrictJson, RefusesEndlessNesting) {
-  EXPECT_THAT(message_of([] { parse_json(std::string(5000, '['), "a.json"); }),
-              HasSubstr("a.json"));
-  EXPECT_THAT(
-      message_of([] { parse_json(std::string(5000, '[') + std::string(5000, ']'), "a.json"); }),
-      HasSubstr("nests deeper"));
+  EXPECT_THAT(message_of([] { parse_json(std::string(5000, '['), "a.json"); }), HasSubstr("a.json"));
+  EXPECT_THAT(message_of([] { parse_json(std::string(5000, '[') + std::string(5000, ']'), "a.json"); }),
+              HasSubstr("nests deeper"));
 }
 
 TEST(StrictJson, UnknownKeysAreNamedWithTheKnownOnes) {
@@ -52,20 +48,18 @@ TEST(StrictJson, UnknownKeysAreNamedWithTheKnownOnes) {
   JsonObject object = reader_of(json);
   object.text("name");
   object.count("reference", 0);
-  EXPECT_THAT(message_of([&] { object.finish(); }), AllOf(HasSubstr("a.json /methods/0/refrence"),
-                                                          HasSubstr("known are: name, reference")));
+  EXPECT_THAT(message_of([&] { object.finish(); }),
+              AllOf(HasSubstr("a.json /methods/0/refrence"), HasSubstr("known are: name, reference")));
 }
 
 TEST(StrictJson, TypesAreNotConverted) {
   const Json json = parse_json(R"({"i": 1.7, "u": -1, "t": 3, "n": "x"})", "a.json");
   JsonObject object = reader_of(json);
-  EXPECT_THAT(message_of([&] { object.integer("i"); }),
-              HasSubstr("must be an integer, is the number 1.7"));
+  EXPECT_THAT(message_of([&] { object.integer("i"); }), HasSubstr("must be an integer, is the number 1.7"));
   EXPECT_THAT(message_of([&] { object.count("u"); }), HasSubstr("0 or more, is the integer -1"));
   EXPECT_THAT(message_of([&] { object.text("t"); }), HasSubstr("must be a text"));
   EXPECT_THAT(message_of([&] { object.number("n"); }), HasSubstr("must be a number"));
-  EXPECT_THAT(message_of([&] { object.number("missing"); }),
-              HasSubstr("/methods/0/missing: is missing"));
+  EXPECT_THAT(message_of([&] { object.number("missing"); }), HasSubstr("/methods/0/missing: is missing"));
 }
 
 TEST(StrictJson, ChoicesListWhatIsKnown) {

@@ -20,15 +20,13 @@ const std::vector<Arrow> kArrows{
     {"datasets/geometry/", {"datasets/base/", "datasets/geometry/"}},
     {"datasets/skeleton/", {"datasets/base/", "datasets/skeleton/"}},
     {"datasets/results/",
-     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/hdf5/",
-      "datasets/results/"}},
+     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/hdf5/", "datasets/results/"}},
     {"datasets/hdf5/", {"datasets/base/", "datasets/hdf5/"}},
     {"datasets/mocap/", {"datasets/base/", "datasets/geometry/", "datasets/mocap/"}},
     {"datasets/", {"datasets/"}},
     {"recorders/", {"datasets/", "recorders/"}},
     {"evaluators/",
-     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/calibration/",
-      "evaluators/"}},
+     {"datasets/base/", "datasets/geometry/", "datasets/skeleton/", "datasets/calibration/", "evaluators/"}},
     {"reports/",
      {"datasets/base/", "datasets/results/", "datasets/paper/", "datasets/skeleton/", "reports/"}},
     {"pipeline/cli/", {"datasets/", "recorders/", "evaluators/", "reports/", "pipeline/"}},
@@ -44,8 +42,7 @@ bool starts_with_any(const std::string& text, const std::vector<std::string>& pr
 const Arrow* arrow_of(const std::string& file) {
   const Arrow* best = nullptr;
   for (const Arrow& arrow : kArrows)
-    if (file.starts_with(arrow.from) && (!best || arrow.from.size() > best->from.size()))
-      best = &arrow;
+    if (file.starts_with(arrow.from) && (!best || arrow.from.size() > best->from.size())) best = &arrow;
   return best;
 }
 
@@ -72,8 +69,7 @@ TEST(IncludeArrows, EveryIncludeFollowsTheTable) {
       const Arrow* arrow = arrow_of(file);
       ASSERT_NE(arrow, nullptr) << file << " stands in no room of the table";
       for (const std::string& include : quoted_includes(entry.path()))
-        EXPECT_TRUE(starts_with_any(include, arrow->into))
-            << file << " may not include " << include;
+        EXPECT_TRUE(starts_with_any(include, arrow->into)) << file << " may not include " << include;
     }
   }
   EXPECT_GT(files, 10u);

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace trilat {
+
+enum class ChunkCompression { none, blosc, deflate };
+
+inline constexpr int kBloscFilter = 32001;  // the number registered with the HDF Group
+inline constexpr int kDeflateFilter = 1;
+
+// Makes the Blosc filter known to the HDF5 library of this process, so that no plugin is needed to
+// read our files.
+void register_blosc_filter();
+
+// The filter parameters of a table with chunks of `chunk_bytes` bytes of elements of
+// `element_bytes`.
+std::vector<unsigned int> filter_values_of(ChunkCompression compression, std::size_t element_bytes,
+                                           std::size_t chunk_bytes);
+
+// One chunk as it goes to the file: compressed, with HDF5's fletcher32 checksum behind. Pure: any
+// thread may call it. Blosc is Zstandard level 1 with bit shuffle; deflate is level 1. `none` only
+// adds the checksum.
+std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_bytes,
+                                    ChunkCompression compression);
+
+}  // namespace trilat

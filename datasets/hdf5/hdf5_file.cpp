@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/hdf5/hdf5_file.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <hdf5.h>
+
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+#include "datasets/hdf5/chunk_codec.h"
+
+namespace trilat {
+namespace {
+
+static_assert(sizeof(hid_t) == sizeof(std::int64_t));
+
+int close_file(std::int64_t id) { return H5Fclose(id); }
+int close_group(std::int64_t id) { return H5Gclose(id); }
+int close_dataset(std::int64_t id) { return H5Dclose(id); }
+int close_space(std::int64_t id) { return H5Sclose(id); }
+int close_list(std::int64_t id) { return H5Pclose(id); }
+int close_type(std::int64_t id) { return H5Tclose(id); }
+
+// The library's innermost complaint: the one that names the cause.
+std::string library_reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+        auto& text = *static_cast<std::string*>(out);
+        if (text.empty() && error->desc) text = error->desc;
+        return 0;
+      },
+      &reason);
+  return reason.empty() ? "the HDF5 library gives no reason" : reason;
+}
+
+[[noreturn]] void refuse(const std::string& place, const std::string& doing) {
+  throw InputError(place, doing + " (" + library_reason() + ")");
+}
+
+H5Handle wrap(hid_t id, H5Handle::Closer closer, const std::string& place, const std::string& doing) {
+  if (id < 0) refuse(place, doing);
+  return {id, closer};
+}
+
+hid_t memory_type(H5Type type) {
+  switch (type) {
+    case H5Type::u8:
+      return H5T_NATIVE_UINT8;
+    case H5Type::u16:
+      return H5T_NATIVE_UINT16;
+    case H5Type::u32:
+      return H5T_NATIVE_UINT32;
+    case H5Type::u64:
+      return H5T_NATIVE_UINT64;
+    case H5Type::i64:
+      return H5T_NATIVE_INT64;
+    case H5Type::f32:
+      return H5T_NATIVE_FLOAT;
+    case H5Type::f64:
+      return H5T_NATIVE_DOUBLE;
+  }
+  return -1;
+}
+
+hid_t file_type(H5Type type) {
+  switch (type) {
+    case H5Type::u8:
+      return H5T_STD_U8LE;
+    case H5Type::u16:
+      return H5T_STD_U16LE;
+    case H5Type::u32:
+      return H5T_STD_U32LE;
+    case H5Type::u64:
+      return H5T_STD_U64LE;
+    case H5Type::i64:
+      return H5T_STD_I64LE;
+    case H5Type::f32:
+      return H5T_IEEE_F32LE;
+    case H5Type::f64:
+      return H5T_IEEE_F64LE;
+  }
+  return -1;
+}
+
+void prepare_library() {
+  static const bool ready = [] {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    hbool_t safe = false;
+    TRILAT_CHECK(H5open() >= 0 && H5is_library_threadsafe(&safe) >= 0 && safe,
+                 "the HDF5 library is a thread-safe build");
+    register_blosc_filter();
+    return true;
+  }();
+  (void)ready;
+  // the setting is per thread
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+H5Handle access_list(const std::string& place) {
+  H5Handle list = wrap(H5Pcreate(H5P_FILE_ACCESS), close_list, place, "cannot be prepared");
+  H5Pset_libver_bounds(list.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  return list;
+}
+
+}  // namespace
+
+H5Handle& H5Handle::operator=(H5Handle&& other) noexcept {
+  std::swap(id_, other.id_);
+  std::swap(closer_, other.closer_);
+  return *this;
+}
+
+H5Handle::~H5Handle() {
+  if (closer_ && id_ >= 0) closer_(id_);
+}
+
+std::uint64_t H5Table::rows() const {
+  const H5Handle space = wrap(H5Dget_space(id_.id()), close_space, place_, "has no shape");
+  hsize_t dims[H5S_MAX_RANK] = {};
+  if (H5Sget_simple_extent_dims(space.id(), dims, nullptr) < 1) refuse(place_, "has no rows");
+  return dims[0];
+}
+
+std::uint64_t H5Table::stored_bytes() const { return H5Dget_storage_size(id_.id()); }
+
+void H5Table::extend_to(std::uint64_t rows) {
+  std::vector<hsize_t> dims{rows};
+  dims.insert(dims.end(), row_shape_.begin(), row_shape_.end());
+  if (H5Dset_extent(id_.id(), dims.data()) < 0) refuse(place_, "cannot grow");
+}
+
+void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
+  if (elements == 0) return;
+  TRILAT_CHECK(elements % row_elements_ == 0, "whole rows are appended");
+  const std::uint64_t first = rows();
+  extend_to(first + elements / row_elements_);
+  transfer(first, const_cast<void*>(data), elements, type, true);
+}
+
+void H5Table::append_filtered_row(std::span<const std::byte> chunk) {
+  const std::uint64_t row = rows();
+  extend_to(row + 1);
+  std::vector<hsize_t> offset(1 + row_shape_.size(), 0);
+  offset[0] = row;
+  if (H5Dwrite_chunk(id_.id(), H5P_DEFAULT, 0, offset.data(), chunk.size(), chunk.data()) < 0)
+    refuse(place_, "cannot be written");
+}
+
+void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
+  if (elements == 0) return;
+  TRILAT_CHECK(elements % row_elements_ == 0, "whole rows are transferred");
+  prepare_library();
+  std::vector<hsize_t> start(1 + row_shape_.size(), 0);
+  std::vector<hsize_t> count{elements / row_elements_};
+  count.insert(count.end(), row_shape_.begin(), row_shape_.end());
+  start[0] = first_row;
+  if (first_row + count[0] > rows())
+    throw InputError(place_, "ends before row " + std::to_string(first_row + count[0]));
+  const H5Handle file_space = wrap(H5Dget_space(id_.id()), close_space, place_, "has no shape");
+  const H5Handle memory_space = wrap(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                                     close_space, place_, "cannot be addressed");
+  H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  const herr_t result =
+      write ? H5Dwrite(id_.id(), memory_type(type), memory_space.id(), file_space.id(), H5P_DEFAULT, data)
+            : H5Dread(id_.id(), memory_type(type), memory_space.id(), file_space.id(), H5P_DEFAULT, data);
+  if (result < 0) refuse(place_, write ? "cannot be written" : "cannot be read: the stored data are damaged");
+}
+
+std::string H5Node::place_of(const std::string& name) const {
+  return place_ + (place_.ends_with('/') ? "" : "/") + name;
+}
+
+H5Node H5Node::create_group(const std::string& name) {
+  H5Node node;
+  node.place_ = place_of(name);
+  node.id_ = wrap(H5Gcreate2(id_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), close_group,
+                  node.place_, "cannot be created");
+  return node;
+}
+
+H5Node H5Node::group(const std::string& name) const {
+  H5Node node;
+  node.place_ = place_of(name);
+  if (!has(name)) throw InputError(node.place_, "is missing");
+  node.id_ = wrap(H5Gopen2(id_.id(), name.c_str(), H5P_DEFAULT), close_group, node.place_, "is not a group");
+  return node;
+}
+
+bool H5Node::has(const std::string& name) const {
+  prepare_library();
+  H5L_info_t info{};
+  // Only what lies in this file: soft and external links could lead anywhere.
+  return H5Lexists(id_.id(), name.c_str(), H5P_DEFAULT) > 0 &&
+         H5Lget_info(id_.id(), name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
+}
+
+std::vector<std::string> H5Node::children(std::size_t limit) const {
+  H5G_info_t info{};
+  if (H5Gget_info(id_.id(), &info) < 0) refuse(place_, "cannot be listed");
+  if (info.nlinks > limit)
+    throw InputError(place_, "holds " + std::to_string(info.nlinks) + " entries, more than the " +
+                                 std::to_string(limit) + " allowed");
+  std::vector<std::string> names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    char name[256] = {};
+    if (H5Lget_name_by_idx(id_.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT) < 0)
+      refuse(place_, "cannot be listed");
+    names.emplace_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+H5Table H5Node::create_table(const std::string& name, H5Type type,
+                             const std::vector<std::uint64_t>& row_shape, const H5Layout& layout,
+                             std::uint64_t rows) {
+  H5Table table;
+  table.place_ = place_of(name);
+  table.row_shape_ = row_shape;
+  for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
+  std::vector<hsize_t> dims{rows}, limits{layout.chunk_rows ? H5S_UNLIMITED : rows};
+  dims.insert(dims.end(), row_shape.begin(), row_shape.end());
+  limits.insert(limits.end(), row_shape.begin(), row_shape.end());
+  const H5Handle space = wrap(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), limits.data()),
+                              close_space, table.place_, "cannot be shaped");
+  const H5Handle list = wrap(H5Pcreate(H5P_DATASET_CREATE), close_list, table.place_, "cannot be prepared");
+  H5Pset_obj_track_times(list.id(), false);
+  if (layout.chunk_rows > 0) {
+    std::vector<hsize_t> chunk{layout.chunk_rows};
+    chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
+    H5Pset_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data());
+    if (layout.filter != 0 && H5Pset_filter(list.id(), layout.filter, H5Z_FLAG_MANDATORY,
+                                            layout.filter_values.size(), layout.filter_values.data()) < 0)
+      refuse(table.place_, "cannot use the compression filter");
+    if (layout.checksum) H5Pset_fletcher32(list.id());
+  } else {
+    H5Pset_alloc_time(list.id(), H5D_ALLOC_TIME_EARLY);
+  }
+  table.id_ = wrap(
+      H5Dcreate2(id_.id(), name.c_str(), file_type(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+      close_dataset, table.place_, "cannot be created");
+  return table;
+}
+
+H5Table H5Node::table(const std::string& name, H5Type type,
+                      const std::vector<std::uint64_t>& row_shape) const {
+  H5Table table;
+  table.place_ = place_of(name);
+  if (!has(name)) throw InputError(table.place_, "is missing");
+  table.id_ =
+      wrap(H5Dopen2(id_.id(), name.c_str(), H5P_DEFAULT), close_dataset, table.place_, "is not a dataset");
+  const H5Handle space = wrap(H5Dget_space(table.id_.id()), close_space, table.place_, "has no shape");
+  const int rank = H5Sget_simple_extent_ndims(space.id());
+  hsize_t dims[H5S_MAX_RANK] = {};
+  if (rank < 1 || H5Sget_simple_extent_dims(space.id(), dims, nullptr) != rank)
+    refuse(table.place_, "has no rows");
+  const bool same_shape = static_cast<std::size_t>(rank) == row_shape.size() + 1 &&
+                          std::equal(row_shape.begin(), row_shape.end(), dims + 1);
+  const H5Handle stored = wrap(H5Dget_type(table.id_.id()), close_type, table.place_, "has no type");
+  if (!same_shape || H5Tequal(stored.id(), file_type(type)) <= 0)
+    throw InputError(table.place_, "has another shape or element type than this format version has");
+  table.row_shape_ = row_shape;
+  for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
+  return table;
+}
+
+H5File H5File::create(const std::filesystem::path& path) {
+  prepare_library();
+  H5File file;
+  file.place_ = path.string() + ":";
+  const H5Handle access = access_list(file.place_);
+  file.id_ = wrap(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), close_file, path.string(),
+                  "cannot be created");
+  return file;
+}
+
+H5File H5File::open(const std::filesystem::path& path) {
+  prepare_library();
+  if (!std::filesystem::exists(path)) throw InputError(path.string(), "does not exist");
+  H5File file;
+  file.place_ = path.string() + ":";
+  hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (id < 0) {
+    id = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+    file.unfinished_ = true;
+  }
+  file.id_ = wrap(id, close_file, path.string(), "is not a readable HDF5 file");
+  return file;
+}
+
+H5File H5File::open_for_update(const std::filesystem::path& path) {
+  prepare_library();
+  H5File file;
+  file.place_ = path.string() + ":";
+  const H5Handle access = access_list(file.place_);
+  file.id_ = wrap(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), close_file, path.string(),
+                  "cannot be opened for writing");
+  return file;
+}
+
+void H5File::start_swmr() {
+  if (H5Fstart_swmr_write(id_.id()) < 0) refuse(place_, "cannot be written for followers");
+}
+
+void H5File::flush() {
+  if (H5Fflush(id_.id(), H5F_SCOPE_GLOBAL) < 0) refuse(place_, "cannot be flushed to disk");
+}
+
+void H5File::close() { id_ = H5Handle(); }
+
+}  // namespace trilat

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trilat {
+
+// Owns one identifier of the HDF5 library.
+class H5Handle {
+ public:
+  using Closer = int (*)(std::int64_t);
+  H5Handle() = default;
+  H5Handle(std::int64_t id, Closer closer) : id_(id), closer_(closer) {}
+  H5Handle(H5Handle&& other) noexcept
+      : id_(std::exchange(other.id_, -1)), closer_(std::exchange(other.closer_, nullptr)) {}
+  H5Handle& operator=(H5Handle&& other) noexcept;
+  ~H5Handle();
+  std::int64_t id() const { return id_; }
+
+ private:
+  std::int64_t id_ = -1;
+  Closer closer_ = nullptr;
+};
+
+enum class H5Type { u8, u16, u32, u64, i64, f32, f64 };
+
+template <class T>
+constexpr H5Type h5_type_of();
+
+// How the rows of a table lie in the file.
+struct H5Layout {
+  std::size_t chunk_rows = 0;  // 0: contiguous and of fixed size
+  bool checksum = false;       // fletcher32 behind every chunk
+  int filter = 0;              // an HDF5 filter number in front of the checksum; 0: none
+  std::vector<unsigned int> filter_values{};
+};
+
+// Rows of one shape and type. Reads never exceed what the file really holds: rows() is the
+// library's own count, and the shape is checked when the table is opened. All errors are InputError
+// with the place `file.h5:/path`.
+class H5Table {
+ public:
+  std::uint64_t rows() const;
+  const std::string& place() const { return place_; }
+  std::uint64_t row_elements() const { return row_elements_; }
+
+  template <class T>
+  void append(std::span<const T> values) {
+    append_raw(values.data(), values.size(), h5_type_of<T>());
+  }
+  // Appends one row whose chunk (of one row) has already been through the filters.
+  void append_filtered_row(std::span<const std::byte> chunk);
+  template <class T>
+  void write(std::uint64_t first_row, std::span<const T> values) {
+    transfer(first_row, const_cast<T*>(values.data()), values.size(), h5_type_of<T>(), true);
+  }
+  template <class T>
+  void read(std::uint64_t first_row, std::span<T> values) const {
+    const_cast<H5Table*>(this)->transfer(first_row, values.data(), values.size(), h5_type_of<T>(), false);
+  }
+  // Bytes that the rows take in the file, filters applied.
+  std::uint64_t stored_bytes() const;
+
+ private:
+  friend class H5Node;
+  void append_raw(const void* data, std::size_t elements, H5Type type);
+  void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
+  void extend_to(std::uint64_t rows);
+
+  H5Handle id_;
+  std::string place_;
+  std::vector<std::uint64_t> row_shape_;
+  std::uint64_t row_elements_ = 1;
+};
+
+// A group, or the root of a file.
+class H5Node {
+ public:
+  H5Node() = default;
+  const std::string& place() const { return place_; }
+
+  H5Node create_group(const std::string& name);
+  H5Node group(const std::string& name) const;
+  bool has(const std::string& name) const;
+  // Names of the children, sorted; refuses more than `limit`.
+  std::vector<std::string> children(std::size_t limit) const;
+
+  void set_text(const std::string& name, const std::string& text);
+  void set_integer(const std::string& name, std::int64_t value);
+  void set_number(const std::string& name, double value);
+  void set_texts(const std::string& name, const std::vector<std::string>& texts);
+  std::string text(const std::string& name) const;
+  std::int64_t integer(const std::string& name) const;
+  double number(const std::string& name) const;
+  std::vector<std::string> texts(const std::string& name) const;
+  bool has_attribute(const std::string& name) const;
+
+  // An empty table that grows by appending (layout.chunk_rows > 0), or one of `rows` rows filled
+  // with zeros.
+  H5Table create_table(const std::string& name, H5Type type, const std::vector<std::uint64_t>& row_shape,
+                       const H5Layout& layout, std::uint64_t rows = 0);
+  // Opens a table and refuses any other element kind (integer or floating) or row shape.
+  H5Table table(const std::string& name, H5Type type, const std::vector<std::uint64_t>& row_shape) const;
+
+ protected:
+  std::string place_of(const std::string& name) const;
+  H5Handle id_;
+  std::string place_;
+};
+
+// A file opened for one purpose. Files are written in the latest format, so that SWMR writing is
+// possible.
+class H5File : public H5Node {
+ public:
+  static H5File create(const std::filesystem::path& path);
+  // For reading. A file whose writer is at work, or was killed, is opened as an SWMR reader: what
+  // was flushed is there.
+  static H5File open(const std::filesystem::path& path);
+  static H5File open_for_update(const std::filesystem::path& path);
+
+  // From now on nothing new can be created, and a reader may follow.
+  void start_swmr();
+  void flush();
+  void close();
+  // True when the file was opened while its writer had not closed it.
+  bool unfinished() const { return unfinished_; }
+
+ private:
+  bool unfinished_ = false;
+};
+
+template <>
+constexpr H5Type h5_type_of<std::uint8_t>() {
+  return H5Type::u8;
+}
+template <>
+constexpr H5Type h5_type_of<std::uint16_t>() {
+  return H5Type::u16;
+}
+template <>
+constexpr H5Type h5_type_of<std::uint32_t>() {
+  return H5Type::u32;
+}
+template <>
+constexpr H5Type h5_type_of<std::uint64_t>() {
+  return H5Type::u64;
+}
+template <>
+constexpr H5Type h5_type_of<std::int64_t>() {
+  return H5Type::i64;
+}
+template <>
+constexpr H5Type h5_type_of<float>() {
+  return H5Type::f32;
+}
+template <>
+constexpr H5Type h5_type_of<double>() {
+  return H5Type::f64;
+}
+
+}  // namespace trilat

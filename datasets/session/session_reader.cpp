@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/session/session_reader.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include "datasets/base/error.h"
+#include "datasets/session/session_layout.h"
+
+namespace trilat {
+namespace {
+
+namespace layout = session_layout;
+
+constexpr std::uint64_t kCheckpoint = 1024;              // frames between remembered body rows
+constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that sums of two times cannot overflow
+
+struct StampColumns {
+  H5Table sequence, device_ticks, arrival_ns;
+  explicit StampColumns(const H5Node& node)
+      : sequence(node.table("sequence", H5Type::i64, {})),
+        device_ticks(node.table("device_ticks", H5Type::i64, {})),
+        arrival_ns(node.table("arrival_ns", H5Type::i64, {})) {}
+};
+
+struct BodyColumns {
+  H5Table frame, tracking_id, position_m, orientation, tracking_state, hand_state, hand_confidence;
+  static H5Table open(const H5Node& node, const layout::Column& column) {
+    return node.table(column.name, column.type, column.row_shape);
+  }
+  explicit BodyColumns(const H5Node& node)
+      : frame(open(node, layout::kBodyColumns[0])),
+        tracking_id(open(node, layout::kBodyColumns[1])),
+        position_m(open(node, layout::kBodyColumns[2])),
+        orientation(open(node, layout::kBodyColumns[3])),
+        tracking_state(open(node, layout::kBodyColumns[4])),
+        hand_state(open(node, layout::kBodyColumns[5])),
+        hand_confidence(open(node, layout::kBodyColumns[6])) {}
+};
+
+// The rows that all tables have, and how many some have beyond.
+struct CommonRows {
+  std::uint64_t rows = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t most = 0;
+  CommonRows& with(const H5Table& table) {
+    const std::uint64_t count = table.rows();
+    rows = std::min(rows, count);
+    most = std::max(most, count);
+    return *this;
+  }
+};
+
+struct SensorTables {
+  StampColumns body_stamps;
+  H5Table floor_plane, body_count;
+  BodyColumns bodies;
+  std::optional<StampColumns> depth_stamps;
+  std::optional<H5Table> depth_frames;
+  H5Table clock_exchanges, drop_counts;
+  std::vector<std::uint64_t> body_row_at;  // of every kCheckpoint-th frame
+  SensorCounts counts;
+};
+
+DepthIntrinsics read_intrinsics(const H5Node& node) {
+  DepthIntrinsics in;
+  const auto pixels = [&](const char* name) {
+    return static_cast<int>(std::clamp<std::int64_t>(node.integer(name), 0, 1 << 20));
+  };
+  in.width_px = pixels("width_px");
+  in.height_px = pixels("height_px");
+  in.fx_px = node.number("fx_px");
+  in.fy_px = node.number("fy_px");
+  in.cx_px = node.number("cx_px");
+  in.cy_px = node.number("cy_px");
+  in.k1 = node.number("k1");
+  in.k2 = node.number("k2");
+  in.k3 = node.number("k3");
+  in.p1 = node.number("p1");
+  in.p2 = node.number("p2");
+  if (const std::string why = implausibility_of(in); !why.empty())
+    throw InputError(node.place(), "has intrinsics that cannot be: it " + why);
+  return in;
+}
+
+SensorDescription read_description(const H5Node& node, const std::string& name) {
+  SensorDescription sensor;
+  sensor.name = name;
+  sensor.serial = node.text("serial");
+  sensor.model = node.text("model");
+  sensor.source = node.text("source");
+  sensor.tick_ns = node.integer("tick_ns");
+  sensor.nominal_rate_hz = node.number("nominal_rate_hz");
+  sensor.latency_ns = node.integer("latency_ns");
+  if (sensor.tick_ns < 1 || sensor.tick_ns > 1'000'000'000)
+    throw InputError(node.place() + "@tick_ns", "must lie between 1 and 1000000000");
+  if (!(sensor.nominal_rate_hz > 0.1 && sensor.nominal_rate_hz < 10'000.0))
+    throw InputError(node.place() + "@nominal_rate_hz", "must lie between 0.1 and 10000");
+  sensor.intrinsics = read_intrinsics(node);
+  sensor.has_depth = node.has("depth");
+  return sensor;
+}
+
+// Follows the body counts through all frames: how many frames have all their bodies, and where
+// bodies start.
+void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows) {
+  std::vector<std::uint8_t> block(kCheckpoint);
+  std::uint64_t row = 0, frame = 0;
+  while (frame < frames) {
+    const std::uint64_t count = std::min(kCheckpoint, frames - frame);
+    t.body_count.read(frame, std::span(block).first(count));
+    t.body_row_at.push_back(row);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (block[i] > kMaxBodies)
+        throw InputError(t.body_count.place(), "row " + std::to_string(frame + i) + " claims " +
+                                                   std::to_string(block[i]) +
+                                                   " bodies; a frame has at most 6");
+      if (row + block[i] > body_rows) {
+        t.counts.body_frames = frame + i;
+        t.counts.bodies = row;
+        return;
+      }
+      row += block[i];
+    }
+    frame += count;
+  }
+  t.counts.body_frames = frames;
+  t.counts.bodies = row;
+}
+
+SensorTables open_tables(const H5Node& node) {
+  const H5Node frames = node.group("body_frames");
+  SensorTables t{StampColumns(frames),
+                 frames.table("floor_plane", H5Type::f32, {4}),
+                 frames.table("body_count", H5Type::u8, {}),
+                 BodyColumns(node.group("bodies")),
+                 {},
+                 {},
+                 node.table(layout::kClockExchanges.name, H5Type::i64, {4}),
+                 node.table(layout::kDropCounts.name, H5Type::i64, {3}),
+                 {},
+                 {}};
+  const CommonRows frame_rows = CommonRows{}
+                                    .with(t.body_stamps.sequence)
+                                    .with(t.body_stamps.device_ticks)
+                                    .with(t.body_stamps.arrival_ns)
+                                    .with(t.floor_plane)
+                                    .with(t.body_count);
+  const CommonRows body_rows = CommonRows{}
+                                   .with(t.bodies.frame)
+                                   .with(t.bodies.tracking_id)
+                                   .with(t.bodies.position_m)
+                                   .with(t.bodies.orientation)
+                                   .with(t.bodies.tracking_state)
+                                   .with(t.bodies.hand_state)
+                                   .with(t.bodies.hand_confidence);
+  index_bodies(t, frame_rows.rows, body_rows.rows);
+  t.counts.torn_rows = frame_rows.most - t.counts.body_frames + body_rows.most - t.counts.bodies;
+  if (node.has("depth")) {
+    const H5Node depth = node.group("depth");
+    t.depth_stamps.emplace(depth);
+    t.depth_frames.emplace(
+        depth.table(layout::kDepthFrames.name, layout::kDepthFrames.type, layout::kDepthFrames.row_shape));
+    const CommonRows rows = CommonRows{}
+                                .with(t.depth_stamps->sequence)
+                                .with(t.depth_stamps->device_ticks)
+                                .with(t.depth_stamps->arrival_ns)
+                                .with(*t.depth_frames);
+    t.counts.depth_frames = rows.rows;
+    t.counts.torn_rows += rows.most - rows.rows;
+    t.counts.depth_stored_bytes = t.depth_frames->stored_bytes();
+  }
+  t.counts.clock_exchanges = t.clock_exchanges.rows();
+  return t;
+}
+
+template <class T>
+std::vector<T> read_rows(const H5Table& table, std::uint64_t first, std::uint64_t count) {
+  std::vector<T> values(count * table.row_elements());
+  table.read(first, std::span<T>(values));
+  return values;
+}
+
+void check_range(const std::string& place, std::uint64_t first, std::uint64_t count, std::uint64_t rows) {
+  if (first > rows || count > rows - first)
+    throw InputError(place, "has " + std::to_string(rows) + " whole rows; rows " + std::to_string(first) +
+                                " to " + std::to_string(first + count) + " were asked for");
+}
+
+void read_bodies(const BodyColumns& columns, std::uint64_t first, std::span<Body> bodies) {
+  const std::uint64_t n = bodies.size();
+  const auto ids = read_rows<std::uint64_t>(columns.tracking_id, first, n);
+  const auto positions = read_rows<float>(columns.position_m, first, n);
+  const auto orientations = read_rows<float>(columns.orientation, first, n);
+  const auto states = read_rows<std::uint8_t>(columns.tracking_state, first, n);
+  const auto hands = read_rows<std::uint8_t>(columns.hand_state, first, n);
+  const auto confidences = read_rows<std::uint8_t>(columns.hand_confidence, first, n);
+  for (std::size_t b = 0; b < n; ++b) {
+    Body& body = bodies[b];
+    body.tracking_id = ids[b];
+    std::copy_n(&positions[b * kJointCount * 3], kJointCount * 3, body.position_m[0].data());
+    std::copy_n(&orientations[b * kJointCount * 4], kJointCount * 4, body.orientation_xyzw[0].data());
+    std::copy_n(&states[b * kJointCount], kJointCount, body.tracking_state.data());
+    std::copy_n(&hands[b * 2], 2, body.hand_state.data());
+    std::copy_n(&confidences[b * 2], 2, body.hand_confidence.data());
+  }
+}
+
+}  // namespace
+
+struct SessionReader::State {
+  std::filesystem::path path;
+  H5File file;
+  SessionHeader header;
+  std::string created_by;
+  bool complete = false;
+  std::vector<SensorTables> sensors;
+};
+
+SessionReader::SessionReader(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.path = path;
+  s.file = H5File::open(path);
+  if (!s.file.has_attribute("format") || s.file.text("format") != layout::kFormat)
+    throw InputError(path.string(), "is an HDF5 file, but not a session of this program");
+  if (const auto version = s.file.integer("version"); version != layout::kVersion)
+    throw InputError(path.string(), "is a session of format version " + std::to_string(version) +
+                                        "; this program reads version " + std::to_string(layout::kVersion));
+  s.created_by = s.file.text("created_by");
+  s.complete = s.file.integer("complete") == 1 && !s.file.unfinished();
+  s.header.simulated = s.file.integer("simulated") != 0;
+  s.header.started_utc = s.file.text("started_utc");
+  s.header.note = s.file.text("note");
+  const H5Node sensors = s.file.group("sensors");
+  for (const std::string& name : sensors.children(kMaxSessionSensors)) {
+    const H5Node node = sensors.group(name);
+    s.header.sensors.push_back(read_description(node, name));
+    s.sensors.push_back(open_tables(node));
+  }
+  if (s.sensors.empty()) throw InputError(sensors.place(), "holds no sensor");
+}
+
+SessionReader::~SessionReader() = default;
+SessionReader::SessionReader(SessionReader&&) noexcept = default;
+
+const std::filesystem::path& SessionReader::path() const { return state_->path; }
+const SessionHeader& SessionReader::header() const { return state_->header; }
+const std::string& SessionReader::created_by() const { return state_->created_by; }
+bool SessionReader::complete() const { return state_->complete; }
+const SensorCounts& SessionReader::counts(std::size_t sensor) const {
+  return state_->sensors.at(sensor).counts;
+}
+
+std::size_t SessionReader::sensor_index(const std::string& name) const {
+  std::string known;
+  for (std::size_t i = 0; i < state_->header.sensors.size(); ++i) {
+    if (state_->header.sensors[i].name == name) return i;
+    known += (known.empty() ? "" : ", ") + state_->header.sensors[i].name;
+  }
+  throw InputError(state_->path.string(), "has no sensor \"" + name + "\"; it has " + known);
+}
+
+std::vector<FrameStamp> SessionReader::stamps(std::size_t sensor, FrameStream stream, std::uint64_t first,
+                                              std::uint64_t count) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  if (stream == FrameStream::depth && !t.depth_stamps)
+    throw InputError(t.body_count.place(), "belongs to a sensor without depth");
+  const StampColumns& columns = stream == FrameStream::depth ? *t.depth_stamps : t.body_stamps;
+  check_range(columns.sequence.place(), first, count,
+              stream == FrameStream::depth ? t.counts.depth_frames : t.counts.body_frames);
+  const auto sequence = read_rows<std::int64_t>(columns.sequence, first, count);
+  const auto ticks = read_rows<std::int64_t>(columns.device_ticks, first, count);
+  const auto arrival = read_rows<std::int64_t>(columns.arrival_ns, first, count);
+  std::vector<FrameStamp> result(count);
+  const std::int64_t most_ticks = kMostNs / state_->header.sensors[sensor].tick_ns;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::abs(ticks[i] / 2) > most_ticks / 2 || std::abs(arrival[i] / 2) > kMostNs / 2)
+      throw InputError(
+          columns.device_ticks.place(),
+          "row " + std::to_string(first + i) + " holds a time beyond 73 years, which no clock shows");
+    result[i] = {sequence[i], ticks[i], arrival[i]};
+  }
+  return result;
+}
+
+std::vector<BodyFrame> SessionReader::body_frames(std::size_t sensor, std::uint64_t first,
+                                                  std::uint64_t count) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  check_range(t.body_count.place(), first, count, t.counts.body_frames);
+  std::vector<BodyFrame> frames(count);
+  if (count == 0) return frames;
+  const auto stamps_of = stamps(sensor, FrameStream::bodies, first, count);
+  const auto floors = read_rows<float>(t.floor_plane, first, count);
+  const std::uint64_t checkpoint = first / kCheckpoint * kCheckpoint;
+  const auto counts = read_rows<std::uint8_t>(t.body_count, checkpoint, first + count - checkpoint);
+  std::uint64_t row = t.body_row_at[checkpoint / kCheckpoint], total = 0;
+  for (std::uint64_t i = 0; i < counts.size(); ++i) (i < first - checkpoint ? row : total) += counts[i];
+  std::vector<Body> bodies(total);
+  read_bodies(t.bodies, row, bodies);
+  auto next = bodies.begin();
+  for (std::size_t i = 0; i < count; ++i) {
+    frames[i].stamp = stamps_of[i];
+    std::copy_n(&floors[4 * i], 4, frames[i].floor_plane.data());
+    const auto end = next + counts[first - checkpoint + i];
+    frames[i].bodies.assign(next, end);
+    next = end;
+  }
+  return frames;
+}
+
+void SessionReader::depth_frame(std::size_t sensor, std::uint64_t index,
+                                std::span<std::uint16_t> depth_mm) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
+  check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
+  t.depth_frames->read(index, depth_mm);
+}
+
+std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  const auto values = read_rows<std::int64_t>(t.clock_exchanges, 0, t.counts.clock_exchanges);
+  std::vector<ClockExchange> result(t.counts.clock_exchanges);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]};
+    for (std::size_t k = 0; k < 4; ++k)
+      if (std::abs(values[4 * i + k] / 2) > kMostNs / 4)
+        throw InputError(t.clock_exchanges.place(), "row " + std::to_string(i) + " holds an impossible time");
+  }
+  return result;
+}
+
+std::vector<DropCount> SessionReader::drop_counts(std::size_t sensor) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  const std::uint64_t rows = t.drop_counts.rows();
+  const auto values = read_rows<std::int64_t>(t.drop_counts, 0, rows);
+  std::vector<DropCount> result(rows);
+  for (std::size_t i = 0; i < rows; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  return result;
+}
+
+}  // namespace trilat

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "datasets/session/session_types.h"
+
+namespace trilat {
+
+struct SensorCounts {
+  std::uint64_t body_frames = 0;
+  std::uint64_t bodies = 0;
+  std::uint64_t depth_frames = 0;
+  std::uint64_t clock_exchanges = 0;
+  std::uint64_t depth_stored_bytes = 0;
+  // Rows that stand in some columns of a table but not in all: what a killed writer was in the
+  // middle of.
+  std::uint64_t torn_rows = 0;
+};
+
+enum class FrameStream { bodies, depth };
+
+// Reads session.h5 in blocks, so that memory does not depend on the recording's length. Opens a
+// file that is being written, or whose writer was killed. Counts are what all columns of a table
+// hold in common; nothing is read on the word of a stored length. InputError with `file.h5:/path`
+// for whatever is not as this format version has it. Separate readers may be used by separate
+// threads.
+class SessionReader {
+ public:
+  explicit SessionReader(const std::filesystem::path& path);
+  ~SessionReader();
+  SessionReader(SessionReader&&) noexcept;
+
+  const std::filesystem::path& path() const;
+  const SessionHeader& header() const;
+  const std::string& created_by() const;
+  // False when the recording was not closed properly (or still goes on).
+  bool complete() const;
+  const SensorCounts& counts(std::size_t sensor) const;
+  std::size_t sensor_index(const std::string& name) const;  // InputError listing those that exist
+
+  // Each reads rows [first, first + count) and refuses a range beyond counts().
+  std::vector<FrameStamp> stamps(std::size_t sensor, FrameStream stream, std::uint64_t first,
+                                 std::uint64_t count) const;
+  std::vector<BodyFrame> body_frames(std::size_t sensor, std::uint64_t first, std::uint64_t count) const;
+  void depth_frame(std::size_t sensor, std::uint64_t index, std::span<std::uint16_t> depth_mm) const;
+  std::vector<ClockExchange> clock_exchanges(std::size_t sensor) const;
+  std::vector<DropCount> drop_counts(std::size_t sensor) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trilat

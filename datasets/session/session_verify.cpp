@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/session/session_verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/session/session_clock.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kBlock = 1024;
+
+struct Place {
+  std::string sensor;  // file.h5:/sensors/NAME
+  std::vector<Finding>* findings;
+  void say(Severity severity, const std::string& part, const std::string& text) const {
+    findings->push_back({severity, sensor + part, text});
+  }
+};
+
+// What the stamps of one stream show; counted first, said once.
+struct StampCounts {
+  std::uint64_t sequence_missing = 0, sequence_backward = 0, ticks_backward = 0, arrival_backward = 0,
+                gaps = 0;
+  double longest_gap_s = 0.0;
+
+  void add(const FrameStamp& a, const FrameStamp& b, const SensorDescription& sensor, double gap_periods) {
+    if (b.sequence <= a.sequence)
+      ++sequence_backward;
+    else
+      sequence_missing += static_cast<std::uint64_t>(b.sequence - a.sequence - 1);
+    if (b.device_ticks <= a.device_ticks) ++ticks_backward;
+    if (b.arrival_ns < a.arrival_ns) ++arrival_backward;
+    const double step_s = (device_time(sensor, b) - device_time(sensor, a)).seconds();
+    if (step_s > gap_periods / sensor.nominal_rate_hz) {
+      ++gaps;
+      longest_gap_s = std::max(longest_gap_s, step_s);
+    }
+  }
+
+  void say(const Place& place, const std::string& part) const {
+    if (sequence_missing > 0)
+      place.say(
+          Severity::warning, part,
+          fmt::format("{} frames are missing by their sequence numbers; coverage falls", sequence_missing));
+    if (sequence_backward > 0)
+      place.say(Severity::error, part,
+                fmt::format("sequence numbers do not rise at {} places", sequence_backward));
+    if (ticks_backward > 0)
+      place.say(Severity::error, part,
+                fmt::format("device ticks do not rise at {} places (a reset clock?); times there "
+                            "are not to be trusted",
+                            ticks_backward));
+    if (arrival_backward > 0)
+      place.say(Severity::warning, part, fmt::format("arrival times go back at {} places", arrival_backward));
+    if (gaps > 0)
+      place.say(Severity::note, part,
+                fmt::format("{} gaps in time, the longest {:.3f} s", gaps, longest_gap_s));
+  }
+};
+
+void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream stream, std::uint64_t frames,
+                   double gap_periods, const Place& place, const std::string& part) {
+  StampCounts counts;
+  std::optional<FrameStamp> last;
+  for (std::uint64_t first = 0; first < frames; first += kBlock) {
+    for (const FrameStamp& stamp : session.stamps(sensor, stream, first, std::min(kBlock, frames - first))) {
+      if (last) counts.add(*last, stamp, session.header().sensors[sensor], gap_periods);
+      last = stamp;
+    }
+  }
+  counts.say(place, part);
+}
+
+struct BodyCounts {
+  std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, too_far = 0;
+
+  void add(const Body& body) {
+    if (body.tracking_id == 0) ++without_id;
+    for (int j = 0; j < kJointCount; ++j) {
+      const auto& p = body.position_m[static_cast<std::size_t>(j)];
+      const auto state = body.tracking_state[static_cast<std::size_t>(j)];
+      if (state > 2) ++odd_states;
+      if (state == 0) continue;
+      if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
+        ++not_finite;
+      else if (std::abs(p[0]) > 20.0f || std::abs(p[1]) > 20.0f || std::abs(p[2]) > 20.0f)
+        ++too_far;
+    }
+  }
+
+  void say(const Place& place, std::uint64_t frames) const {
+    if (frames_without > 0)
+      place.say(frames_without == frames ? Severity::warning : Severity::note, "/body_frames",
+                fmt::format("{} of {} frames hold no body", frames_without, frames));
+    if (not_finite > 0)
+      place.say(
+          Severity::error, "/bodies/position_m",
+          fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite));
+    if (too_far > 0)
+      place.say(Severity::error, "/bodies/position_m",
+                fmt::format("{} joints lie beyond 20 m: are positions in metres?", too_far));
+    if (odd_states > 0)
+      place.say(Severity::error, "/bodies/tracking_state",
+                fmt::format("{} states are none of 0, 1, 2", odd_states));
+    if (without_id > 0)
+      place.say(Severity::warning, "/bodies/tracking_id", fmt::format("{} bodies have the id 0", without_id));
+  }
+};
+
+void verify_bodies(const SessionReader& session, std::size_t sensor, const Place& place,
+                   const std::function<void(std::uint64_t)>& advance) {
+  const std::uint64_t frames = session.counts(sensor).body_frames;
+  BodyCounts counts;
+  for (std::uint64_t first = 0; first < frames; first += kBlock) {
+    const std::uint64_t count = std::min(kBlock, frames - first);
+    for (const BodyFrame& frame : session.body_frames(sensor, first, count)) {
+      if (frame.bodies.empty()) ++counts.frames_without;
+      for (const Body& body : frame.bodies) counts.add(body);
+    }
+    advance(count);
+  }
+  counts.say(place, frames);
+}
+
+void verify_depth(const SessionReader& session, std::size_t sensor, const Place& place,
+                  const std::function<void(std::uint64_t)>& advance) {
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  std::uint64_t unreadable = 0, first_unreadable = 0, empty = 0;
+  for (std::uint64_t i = 0; i < session.counts(sensor).depth_frames; ++i) {
+    try {
+      session.depth_frame(sensor, i, depth_mm);
+      if (std::all_of(depth_mm.begin(), depth_mm.end(), [](std::uint16_t d) { return d == 0; })) ++empty;
+    } catch (const InputError&) {
+      if (unreadable++ == 0) first_unreadable = i;
+    }
+    advance(1);
+  }
+  if (unreadable > 0)
+    place.say(Severity::error, "/depth/frame_mm",
+              fmt::format("{} frames are damaged, the first is number {}", unreadable, first_unreadable));
+  if (empty > 0)
+    place.say(Severity::warning, "/depth/frame_mm", fmt::format("{} frames hold no depth at all", empty));
+}
+
+void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
+  const auto exchanges = session.clock_exchanges(sensor);
+  const auto broken = std::count_if(exchanges.begin(), exchanges.end(), [](const ClockExchange& e) {
+    return e.t4_ns < e.t1_ns || e.t3_ns < e.t2_ns || (e.t4_ns - e.t1_ns) < (e.t3_ns - e.t2_ns);
+  });
+  if (broken > 0)
+    place.say(Severity::error, "/clock_exchanges_ns",
+              fmt::format("{} of {} exchanges run backwards", broken, exchanges.size()));
+  if (exchanges.empty())
+    place.say(Severity::note, "/clock_exchanges_ns",
+              "no clock exchanges: the sensor is taken to share the recording machine's clock");
+  const SensorCounts& counts = session.counts(sensor);
+  if (counts.body_frames + counts.depth_frames > 0) fit_sensor_clock(session, sensor);
+}
+
+}  // namespace
+
+std::string_view name_of(Severity severity) {
+  return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
+}
+
+std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
+                                    const std::function<void(double)>& progress) {
+  std::vector<Finding> findings;
+  if (!session.complete())
+    findings.push_back({Severity::warning, session.path().string(),
+                        "was not closed by its recorder; what was flushed is readable"});
+  constexpr std::uint64_t kDepthWeight = 20;  // a depth frame costs about as much as this many body frames
+  std::uint64_t total = 1, done = 0;
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
+    total += session.counts(s).body_frames +
+             (options.read_depth ? kDepthWeight * session.counts(s).depth_frames : 0);
+  const auto advance = [&](std::uint64_t amount) {
+    done += amount;
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(total));
+  };
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
+    const Place place{session.path().string() + ":/sensors/" + session.header().sensors[s].name, &findings};
+    const SensorCounts& counts = session.counts(s);
+    const auto check = [&](const auto& part) {
+      try {
+        part();
+      } catch (const InputError& error) {
+        findings.push_back({Severity::error, error.place(), error.problem()});
+      }
+    };
+    if (counts.torn_rows > 0)
+      place.say(Severity::warning, "",
+                fmt::format("{} rows were not written to the end and are left out", counts.torn_rows));
+    if (counts.body_frames == 0 && counts.depth_frames == 0)
+      place.say(Severity::error, "", "holds no frames");
+    check([&] {
+      verify_stamps(session, s, FrameStream::bodies, counts.body_frames, options.gap_periods, place,
+                    "/body_frames");
+    });
+    check([&] { verify_bodies(session, s, place, advance); });
+    if (counts.depth_frames > 0) {
+      check([&] {
+        verify_stamps(session, s, FrameStream::depth, counts.depth_frames, options.gap_periods, place,
+                      "/depth");
+      });
+      if (options.read_depth)
+        verify_depth(session, s, place, [&](std::uint64_t n) { advance(n * kDepthWeight); });
+    }
+    check([&] { verify_clock(session, s, place); });
+  }
+  return findings;
+}
+
+}  // namespace trilat

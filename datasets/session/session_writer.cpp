@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/session/session_writer.h"
+
+#include <set>
+
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/version.h"
+#include "datasets/session/session_layout.h"
+
+namespace trilat {
+namespace {
+
+namespace layout = session_layout;
+
+constexpr std::size_t kRowsPerChunk = 32;  // about a second: a chunk is rewritten by few flushes
+
+// A column of one table that gathers rows and appends them when flushed.
+template <class T>
+struct Gathered {
+  H5Table table;
+  std::vector<T> rows{};
+  void flush() {
+    table.append(std::span<const T>(rows));
+    rows.clear();
+  }
+};
+
+template <class T>
+Gathered<T> gathered(H5Node& node, const layout::Column& column) {
+  return {node.create_table(column.name, column.type, column.row_shape,
+                            {.chunk_rows = kRowsPerChunk, .checksum = true})};
+}
+
+struct Stamps {
+  Gathered<std::int64_t> sequence, device_ticks, arrival_ns;
+  Stamps(H5Node& node, const std::vector<layout::Column>& columns)
+      : sequence(gathered<std::int64_t>(node, columns[0])),
+        device_ticks(gathered<std::int64_t>(node, columns[1])),
+        arrival_ns(gathered<std::int64_t>(node, columns[2])) {}
+  void add(const FrameStamp& stamp) {
+    sequence.rows.push_back(stamp.sequence);
+    device_ticks.rows.push_back(stamp.device_ticks);
+    arrival_ns.rows.push_back(stamp.arrival_ns);
+  }
+  void flush() {
+    sequence.flush();
+    device_ticks.flush();
+    arrival_ns.flush();
+  }
+};
+
+struct BodyTables {
+  Stamps stamps;
+  Gathered<float> floor_plane;
+  Gathered<std::uint8_t> body_count;
+  Gathered<std::uint64_t> frame, tracking_id;
+  Gathered<float> position_m, orientation;
+  Gathered<std::uint8_t> tracking_state, hand_state, hand_confidence;
+  std::uint64_t frames = 0;
+
+  BodyTables(H5Node frames_node, H5Node bodies_node)
+      : stamps(frames_node, layout::kBodyFrameColumns),
+        floor_plane(gathered<float>(frames_node, layout::kBodyFrameColumns[3])),
+        body_count(gathered<std::uint8_t>(frames_node, layout::kBodyFrameColumns[4])),
+        frame(gathered<std::uint64_t>(bodies_node, layout::kBodyColumns[0])),
+        tracking_id(gathered<std::uint64_t>(bodies_node, layout::kBodyColumns[1])),
+        position_m(gathered<float>(bodies_node, layout::kBodyColumns[2])),
+        orientation(gathered<float>(bodies_node, layout::kBodyColumns[3])),
+        tracking_state(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[4])),
+        hand_state(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[5])),
+        hand_confidence(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[6])) {}
+
+  void add_body(const Body& body) {
+    frame.rows.push_back(frames);
+    tracking_id.rows.push_back(body.tracking_id);
+    for (const auto& point : body.position_m)
+      position_m.rows.insert(position_m.rows.end(), point.begin(), point.end());
+    for (const auto& turn : body.orientation_xyzw)
+      orientation.rows.insert(orientation.rows.end(), turn.begin(), turn.end());
+    const auto put = [](auto& column, const auto& values) {
+      column.rows.insert(column.rows.end(), values.begin(), values.end());
+    };
+    put(tracking_state, body.tracking_state);
+    put(hand_state, body.hand_state);
+    put(hand_confidence, body.hand_confidence);
+  }
+
+  // Bodies first: a frame that is there has its bodies.
+  void flush() {
+    frame.flush();
+    tracking_id.flush();
+    position_m.flush();
+    orientation.flush();
+    tracking_state.flush();
+    hand_state.flush();
+    hand_confidence.flush();
+    stamps.flush();
+    floor_plane.flush();
+    body_count.flush();
+  }
+};
+
+struct DepthTables {
+  H5Table frames;
+  Stamps stamps;
+};
+
+struct SensorTables {
+  BodyTables bodies;
+  std::unique_ptr<DepthTables> depth;
+  Gathered<std::int64_t> clock_exchanges, drop_counts;
+};
+
+void describe(H5Node& node, const SensorDescription& sensor) {
+  node.set_text("serial", sensor.serial);
+  node.set_text("model", sensor.model);
+  node.set_text("source", sensor.source);
+  node.set_integer("tick_ns", sensor.tick_ns);
+  node.set_number("nominal_rate_hz", sensor.nominal_rate_hz);
+  node.set_integer("latency_ns", sensor.latency_ns);
+  const DepthIntrinsics& in = sensor.intrinsics;
+  node.set_integer("width_px", in.width_px);
+  node.set_integer("height_px", in.height_px);
+  const std::pair<const char*, double> numbers[] = {
+      {"fx_px", in.fx_px}, {"fy_px", in.fy_px}, {"cx_px", in.cx_px}, {"cy_px", in.cy_px}, {"k1", in.k1},
+      {"k2", in.k2},       {"k3", in.k3},       {"p1", in.p1},       {"p2", in.p2}};
+  for (const auto& [name, value] : numbers) node.set_number(name, value);
+}
+
+std::unique_ptr<DepthTables> depth_tables(H5Node node, ChunkCompression compression) {
+  H5Layout layout{.chunk_rows = 1, .checksum = true};
+  layout.filter = compression == ChunkCompression::blosc     ? kBloscFilter
+                  : compression == ChunkCompression::deflate ? kDeflateFilter
+                                                             : 0;
+  layout.filter_values = filter_values_of(compression, 2, kDepthPixels * 2);
+  return std::make_unique<DepthTables>(
+      DepthTables{node.create_table(layout::kDepthFrames.name, layout::kDepthFrames.type,
+                                    layout::kDepthFrames.row_shape, layout),
+                  Stamps(node, layout::kDepthStampColumns)});
+}
+
+void check_header(const SessionHeader& header, const std::string& place) {
+  std::set<std::string> names;
+  for (const SensorDescription& sensor : header.sensors) {
+    if (sensor.name.empty() || sensor.name.find('/') != std::string::npos || sensor.name.size() > 64)
+      throw InputError(place,
+                       "a sensor's name must have 1 to 64 characters and no '/', is \"" + sensor.name + '"');
+    if (!names.insert(sensor.name).second)
+      throw InputError(place, "has two sensors named \"" + sensor.name + '"');
+  }
+  if (names.empty() || names.size() > kMaxSessionSensors)
+    throw InputError(place, "a session has 1 to " + std::to_string(kMaxSessionSensors) + " sensors");
+}
+
+}  // namespace
+
+struct SessionWriter::State {
+  std::filesystem::path path;
+  H5File file;
+  std::vector<SensorTables> sensors;
+};
+
+EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const std::uint16_t> depth_mm,
+                                     ChunkCompression compression) {
+  TRILAT_CHECK(depth_mm.size() == kDepthPixels, "a depth frame has 512 x 424 pixels");
+  return {stamp, encode_chunk(std::as_bytes(depth_mm), 2, compression)};
+}
+
+SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
+                             ChunkCompression depth_compression)
+    : state_(std::make_unique<State>()) {
+  check_header(header, path.string());
+  state_->path = path;
+  state_->file = H5File::create(partial_name(path));
+  H5File& file = state_->file;
+  file.set_text("format", layout::kFormat);
+  file.set_integer("version", layout::kVersion);
+  file.set_text("created_by", kProgramVersion);
+  file.set_integer("simulated", header.simulated);
+  file.set_integer("complete", 0);
+  file.set_text("started_utc", header.started_utc);
+  file.set_text("note", header.note);
+  H5Node sensors = file.create_group("sensors");
+  for (const SensorDescription& sensor : header.sensors) {
+    H5Node node = sensors.create_group(sensor.name);
+    describe(node, sensor);
+    state_->sensors.push_back(
+        {BodyTables(node.create_group("body_frames"), node.create_group("bodies")),
+         sensor.has_depth ? depth_tables(node.create_group("depth"), depth_compression) : nullptr,
+         gathered<std::int64_t>(node, layout::kClockExchanges),
+         gathered<std::int64_t>(node, layout::kDropCounts)});
+  }
+  file.start_swmr();
+}
+
+SessionWriter::~SessionWriter() = default;
+
+void SessionWriter::add_body_frame(std::size_t sensor, const BodyFrame& frame) {
+  TRILAT_CHECK(sensor < state_->sensors.size() && frame.bodies.size() <= kMaxBodies,
+               "a body frame belongs to a sensor and has at most six bodies");
+  BodyTables& tables = state_->sensors[sensor].bodies;
+  for (const Body& body : frame.bodies) tables.add_body(body);
+  tables.stamps.add(frame.stamp);
+  tables.floor_plane.rows.insert(tables.floor_plane.rows.end(), frame.floor_plane.begin(),
+                                 frame.floor_plane.end());
+  tables.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
+  ++tables.frames;
+}
+
+void SessionWriter::add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame) {
+  TRILAT_CHECK(sensor < state_->sensors.size() && state_->sensors[sensor].depth,
+               "a depth frame belongs to a sensor that has depth");
+  DepthTables& tables = *state_->sensors[sensor].depth;
+  tables.frames.append_filtered_row(frame.chunk);
+  tables.stamps.add(frame.stamp);
+}
+
+void SessionWriter::add_clock_exchange(std::size_t sensor, const ClockExchange& e) {
+  auto& rows = state_->sensors.at(sensor).clock_exchanges.rows;
+  rows.insert(rows.end(), {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
+}
+
+void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
+  auto& rows = state_->sensors.at(sensor).drop_counts.rows;
+  rows.insert(rows.end(), {count.host_ns, count.at_source, count.in_queue});
+}
+
+void SessionWriter::flush() {
+  for (SensorTables& sensor : state_->sensors) {
+    sensor.bodies.flush();
+    if (sensor.depth) sensor.depth->stamps.flush();
+    sensor.clock_exchanges.flush();
+    sensor.drop_counts.flush();
+  }
+  state_->file.flush();
+}
+
+void SessionWriter::finish() {
+  flush();
+  state_->sensors.clear();
+  state_->file.close();
+  H5File file = H5File::open_for_update(partial_name(state_->path));
+  file.set_integer("complete", 1);
+  file.close();
+  publish_file(partial_name(state_->path), state_->path);
+}
+
+}  // namespace trilat

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "datasets/hdf5/chunk_codec.h"
+#include "datasets/session/session_types.h"
+
+namespace trilat {
+
+// One depth frame ready for the file. Made by encode_depth_frame() on any thread.
+struct EncodedDepthFrame {
+  FrameStamp stamp;
+  std::vector<std::byte> chunk;
+};
+
+// `depth_mm` holds kDepthPixels values, row by row, exactly as received; 0 is invalid.
+EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const std::uint16_t> depth_mm,
+                                     ChunkCompression compression);
+
+// Writes session.h5 (format 1), append-only. The file is `path`.partial until finish() renames it;
+// all that was flushed is readable if the process dies (see the README: a killed file is opened as
+// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are InputError and
+// leave what was flushed.
+class SessionWriter {
+ public:
+  SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
+                ChunkCompression depth_compression = ChunkCompression::blosc);
+  ~SessionWriter();
+  SessionWriter(const SessionWriter&) = delete;
+  SessionWriter& operator=(const SessionWriter&) = delete;
+
+  void add_body_frame(std::size_t sensor, const BodyFrame& frame);
+  void add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame);
+  void add_clock_exchange(std::size_t sensor, const ClockExchange& exchange);
+  void add_drop_count(std::size_t sensor, const DropCount& count);
+  // Everything added so far survives a kill from here on. Call once a second.
+  void flush();
+  // Marks the file complete and gives it its final name.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trilat

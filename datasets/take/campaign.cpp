@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/take/campaign.h"
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/strict_json.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kCampaignFormat = "trilat.campaign";
+constexpr const char* kMappingFormat = "trilat.mapping";
+
+void check_format(JsonObject& object, const char* format) {
+  if (object.text("format") != format) object.refuse("format", std::string("must be \"") + format + '"');
+  if (object.integer("version") != 1)
+    object.refuse("version", "is another version; this program reads version 1");
+}
+
+bool is_plain_name(const std::string& text) {
+  return !text.empty() && text.size() <= 100 && text[0] != '.' &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                  c == '_' || c == '.';
+         });
+}
+
+Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
+  Take take;
+  take.id = entry.text("id");
+  if (!is_plain_name(take.id))
+    entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
+  take.participant = entry.text("participant");
+  take.activity = entry.text("activity", "");
+  take.session = folder / entry.text("session");
+  take.calibration = folder / entry.text("calibration");
+  take.mocap = folder / entry.text("mocap");
+  take.mapping = folder / entry.text("mapping");
+  take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  entry.finish();
+  return take;
+}
+
+}  // namespace
+
+JointMapping read_mapping(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  JsonObject object(json, path.string(), "");
+  check_format(object, kMappingFormat);
+  JointMapping mapping;
+  JsonObject joints = object.object("joints");
+  for (const std::string& key : joints.keys()) {
+    const auto joint = joint_from_name(key);
+    if (!joint) {
+      std::string known;
+      for (int j = 0; j < kJointCount; ++j)
+        known += (j ? ", " : "") + std::string(name_of(static_cast<Joint>(j)));
+      joints.refuse(key, "is no joint; known are: " + known);
+    }
+    auto assets = joints.texts(key);
+    if (assets.empty()) joints.refuse(key, "must name at least one asset");
+    mapping.joints.push_back({*joint, std::move(assets)});
+  }
+  if (mapping.joints.empty()) object.refuse("joints", "must map at least one joint");
+  object.finish();
+  return mapping;
+}
+
+void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
+  Json joints = Json::object();
+  for (const auto& entry : mapping.joints) joints[std::string(name_of(entry.joint))] = entry.assets;
+  write_file(path, Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}.dump(2) + "\n");
+}
+
+Campaign read_campaign(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "campaign.json" : path;
+  const Json json = read_json(file);
+  JsonObject object(json, file.string(), "");
+  check_format(object, kCampaignFormat);
+  Campaign campaign;
+  campaign.name = object.text("name");
+  campaign.simulated = object.boolean("simulated", false);
+  std::set<std::string> ids;
+  for (JsonObject& entry : object.objects("takes")) {
+    campaign.takes.push_back(read_take(entry, file.parent_path()));
+    if (!ids.insert(campaign.takes.back().id).second)
+      entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
+  }
+  if (campaign.takes.empty()) object.refuse("takes", "must hold at least one take");
+  object.finish();
+  return campaign;
+}
+
+void write_campaign(const std::filesystem::path& folder, const Campaign& campaign) {
+  Json takes = Json::array();
+  const auto inside = [&](const std::filesystem::path& path) {
+    return path.is_absolute() || path.string().starts_with(folder.string())
+               ? std::filesystem::relative(path, folder).generic_string()
+               : path.generic_string();
+  };
+  for (const Take& take : campaign.takes)
+    takes.push_back({{"id", take.id},
+                     {"participant", take.participant},
+                     {"activity", take.activity},
+                     {"session", inside(take.session)},
+                     {"calibration", inside(take.calibration)},
+                     {"mocap", inside(take.mocap)},
+                     {"mapping", inside(take.mapping)},
+                     {"mocap_start_host_ns", take.mocap_start_host_ns}});
+  write_file(folder / "campaign.json", Json{{"format", kCampaignFormat},
+                                            {"version", 1},
+                                            {"name", campaign.name},
+                                            {"simulated", campaign.simulated},
+                                            {"takes", takes}}
+                                               .dump(2) +
+                                           "\n");
+}
+
+}  // namespace trilat

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <hdf5.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/philox.h"
+#include "datasets/hdf5/hdf5_file.h"
+#include "datasets/session/session_clock.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/session_verify.h"
+#include "datasets/session/session_writer.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path scratch(const std::string& name) {
+  const auto folder =
+      std::filesystem::path(testing::TempDir()) / ("trilat_session_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  return folder / name;
+}
+
+SessionHeader header_of(std::size_t sensors, bool depth = false) {
+  SessionHeader header;
+  header.simulated = true;
+  for (std::size_t i = 0; i < sensors; ++i) {
+    SensorDescription sensor;
+    sensor.name = "k" + std::to_string(i);
+    sensor.serial = "0000" + std::to_string(i);
+    sensor.source = "simulated";
+    sensor.has_depth = depth;
+    header.sensors.push_back(sensor);
+  }
+  return header;
+}
+
+Body body_of(std::uint64_t id, float offset) {
+  Body body;
+  body.tracking_id = id;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    body.position_m[j] = {offset + static_cast<float>(j), -offset, 2.0f};
+    body.tracking_state[j] = static_cast<std::uint8_t>(j % 3);
+  }
+  body.hand_state = {2, 3};
+  return body;
+}
+
+BodyFrame frame_of(std::int64_t i, std::size_t bodies) {
+  BodyFrame frame;
+  frame.stamp = {i, 1000 + i * 333'333, 5'000'000'000 + i * 33'333'300};
+  frame.floor_plane = {0, 1, 0, 1.5f};
+  for (std::size_t b = 0; b < bodies; ++b)
+    frame.bodies.push_back(body_of((std::uint64_t{1} << 56) + b + 1, static_cast<float>(i)));
+  return frame;
+}
+
+std::vector<std::uint16_t> depth_of(std::uint16_t seed) {
+  std::vector<std::uint16_t> depth(kDepthPixels);
+  for (std::size_t p = 0; p < depth.size(); ++p)
+    depth[p] = static_cast<std::uint16_t>(p % 7 == 0 ? 0 : 2000 + seed + (p * 31) % 50);
+  return depth;
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Session, WhatIsWrittenIsReadBack) {
+  const auto path = scratch("round_trip.h5");
+  SessionWriter writer(path, header_of(2));
+  for (std::int64_t i = 0; i < 2500; ++i) {
+    writer.add_body_frame(0, frame_of(i, static_cast<std::size_t>(i) % 3));
+    if (i % 30 == 0) writer.flush();
+  }
+  writer.add_clock_exchange(1, {1, 2, 3, 4});
+  writer.add_drop_count(1, {9, 8, 7});
+  writer.finish();
+
+  const SessionReader reader(path);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_TRUE(reader.header().simulated);
+  EXPECT_EQ(reader.header().sensors[1].serial, "00001");
+  EXPECT_EQ(reader.header().sensors[0].intrinsics.fx_px, DepthIntrinsics{}.fx_px);
+  EXPECT_EQ(reader.counts(0).body_frames, 2500u);
+  EXPECT_EQ(reader.counts(0).bodies, 2499u);
+  EXPECT_EQ(reader.counts(1).body_frames, 0u);
+  const auto frames = reader.body_frames(0, 1500, 700);  // across blocks, from the middle
+  ASSERT_EQ(frames.size(), 700u);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const BodyFrame expected = frame_of(static_cast<std::int64_t>(1500 + i), (1500 + i) % 3);
+    EXPECT_EQ(frames[i].stamp.device_ticks, expected.stamp.device_ticks);
+    EXPECT_EQ(frames[i].floor_plane, expected.floor_plane);
+    ASSERT_EQ(frames[i].bodies.size(), expected.bodies.size());
+    for (std::size_t b = 0; b < expected.bodies.size(); ++b) {
+      EXPECT_EQ(frames[i].bodies[b].tracking_id, expected.bodies[b].tracking_id);
+      EXPECT_EQ(frames[i].bodies[b].position_m, expected.bodies[b].position_m);
+      EXPECT_EQ(frames[i].bodies[b].tracking_state, expected.bodies[b].tracking_state);
+      EXPECT_EQ(frames[i].bodies[b].hand_state, expected.bodies[b].hand_state);
+    }
+  }
+  EXPECT_EQ(reader.clock_exchanges(1)[0].t3_ns, 3);
+  EXPECT_EQ(reader.drop_counts(1)[0].in_queue, 7);
+}
+
+TEST(Session, DepthSurvivesEveryCompressionBitByBit) {
+  for (const auto compression :
+       {ChunkCompression::none, ChunkCompression::blosc, ChunkCompression::deflate}) {
+    const auto path = scratch("depth.h5");
+    SessionWriter writer(path, header_of(1, true), compression);
+    for (std::uint16_t i = 0; i < 5; ++i)
+      writer.add_depth_frame(0,
+                             encode_depth_frame({i, i * 333'333, i * 33'333'300}, depth_of(i), compression));
+    writer.finish();
+    const SessionReader reader(path);
+    ASSERT_EQ(reader.counts(0).depth_frames, 5u);
+    std::vector<std::uint16_t> depth(kDepthPixels);
+    for (std::uint16_t i = 0; i < 5; ++i) {
+      reader.depth_frame(0, i, depth);
+      EXPECT_EQ(depth, depth_of(i)) << "compression " << static_cast<int>(compression);
+    }
+    if (compression != ChunkCompression::none) {
+      EXPECT_LT(reader.counts(0).depth_stored_bytes, 5 * kDepthPixels);
+    }
+  }
+}
+
+TEST(Session, AChangedByteOfDepthIsFoundByVerify) {
+  const auto path = scratch("damaged.h5");
+  SessionWriter writer(path, header_of(1, true));
+  const auto encoded = encode_depth_frame({1, 333'333, 33'333'300}, depth_of(3), ChunkCompression::blosc);
+  writer.add_depth_frame(0, encoded);
+  writer.finish();
+  std::string bytes = read_file(path);
+  const std::string chunk(reinterpret_cast<const char*>(encoded.chunk.data()), encoded.chunk.size());
+  const auto at = bytes.find(chunk);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + chunk.size() / 2] ^= 0x10;
+  std::ofstream(path, std::ios::binary) << bytes;
+  const auto findings = verify_session(SessionReader(path), {});
+  EXPECT_THAT(findings, testing::Contains(testing::Field(&Finding::text, HasSubstr("1 frames are damaged"))));
+}
+
+TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
+  const auto path = scratch("killed.h5");
+  std::filesystem::remove(path);
+  const pid_t child = fork();
+  if (child == 0) {
+    SessionWriter writer(path, header_of(1));
+    for (std::int64_t i = 0; i < 100; ++i) {
+      writer.add_body_frame(0, frame_of(i, 1));
+      if (i == 74) writer.flush();
+    }
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  const SessionReader reader(partial_name(path));
+  EXPECT_FALSE(reader.complete());
+  EXPECT_EQ(reader.counts(0).body_frames, 75u);
+  EXPECT_EQ(reader.body_frames(0, 74, 1)[0].bodies.at(0).position_m, frame_of(74, 1).bodies[0].position_m);
+}
+
+TEST(Session, OtherFilesAreRefusedWithTheReason) {
+  EXPECT_THAT(message_of([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
+  const auto text = scratch("text.h5");
+  std::ofstream(text) << "not HDF5";
+  EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
+  const auto other = scratch("other.h5");
+  H5File::create(other).set_text("format", "something else");
+  EXPECT_THAT(message_of([&] { SessionReader reader(other); }), HasSubstr("not a session"));
+  const auto newer = scratch("newer.h5");
+  {
+    H5File file = H5File::create(newer);
+    file.set_text("format", "trilat.session");
+    file.set_integer("version", 2);
+  }
+  EXPECT_THAT(message_of([&] { SessionReader reader(newer); }), HasSubstr("format version 2"));
+}
+
+TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
+  const auto path = scratch("whole.h5");
+  SessionWriter writer(path, header_of(2));
+  for (std::int64_t i = 0; i < 200; ++i) writer.add_body_frame(0, frame_of(i, 2));
+  writer.finish();
+  const std::string bytes = read_file(path);
+  const auto cut = scratch("cut.h5");
+  for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 37) {
+    std::ofstream(cut, std::ios::binary) << bytes.substr(0, size);
+    EXPECT_THAT(message_of([&] {
+                  const SessionReader reader(cut);
+                  reader.body_frames(0, 0, reader.counts(0).body_frames);
+                }),
+                HasSubstr("cut.h5"));
+  }
+}
+
+TEST(Session, AskingBeyondTheEndIsRefused) {
+  const auto path = scratch("short.h5");
+  SessionWriter writer(path, header_of(1));
+  for (std::int64_t i = 0; i < 3; ++i) writer.add_body_frame(0, frame_of(i, 0));
+  writer.finish();
+  const SessionReader reader(path);
+  EXPECT_THAT(message_of([&] { reader.body_frames(0, 2, 2); }), HasSubstr("has 3 whole rows"));
+  EXPECT_THAT(message_of([&] { reader.body_frames(0, 1, ~std::uint64_t{0}); }),
+              HasSubstr("has 3 whole rows"));
+  EXPECT_THAT(message_of([&] { reader.sensor_index("k9"); }), HasSubstr("it has k0"));
+}
+
+TEST(Session, VerifySaysWhatIsOdd) {
+  const auto path = scratch("odd.h5");
+  SessionWriter writer(path, header_of(1));
+  for (std::int64_t i = 0; i < 60; ++i) {
+    if (i == 20 || i == 21) continue;
+    BodyFrame frame = frame_of(i, 1);
+    if (i == 30) frame.bodies[0].position_m[1][0] = std::numeric_limits<float>::quiet_NaN();
+    if (i == 40) frame.bodies[0].tracking_state[5] = 9;
+    writer.add_body_frame(0, frame);
+  }
+  writer.finish();
+  const auto findings = verify_session(SessionReader(path), {});
+  const auto has = [&](const std::string& text) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [&](const Finding& f) { return f.text.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(has("2 frames are missing"));
+  EXPECT_TRUE(has("1 gaps in time, the longest 0.100 s"));
+  EXPECT_TRUE(has("1 tracked or inferred joints are not finite"));
+  EXPECT_TRUE(has("1 states are none of 0, 1, 2"));
+  EXPECT_FALSE(has("damaged"));
+}
+
+TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {
+  std::vector<ClockExchange> exchanges;
+  const RandomStream noise{5, Purpose::test, 0};
+  constexpr double kDrift = 40e-6;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const std::int64_t t1 = 1'000'000'000'000 + std::int64_t{i} * 250'000'000;
+    const auto out = static_cast<std::int64_t>(200'000 - 300'000 * std::log(noise.uniform(2 * i)));
+    const auto back = static_cast<std::int64_t>(200'000 - 300'000 * std::log(noise.uniform(2 * i + 1)));
+    const auto agent = [&](std::int64_t host) {
+      return host - 123'456'789 + std::llround(kDrift * static_cast<double>(host - 1'000'000'000'000));
+    };
+    exchanges.push_back({t1, agent(t1 + out), agent(t1 + out + 50'000), t1 + out + 50'000 + back});
+  }
+  const AgentClock clock = fit_agent_clock(exchanges);
+  EXPECT_NEAR(clock.host_from_agent.drift, -kDrift, 2e-6);
+  for (const std::int64_t host : {1'000'000'000'000, 1'050'000'000'000, 1'100'000'000'000}) {
+    const std::int64_t agent =
+        host - 123'456'789 + std::llround(kDrift * static_cast<double>(host - 1'000'000'000'000));
+    EXPECT_NEAR(static_cast<double>(clock.host_from_agent({agent}).ns - host), 0.0, 100'000.0);
+  }
+}
+
+TEST(SessionClock, TheLowerEnvelopeIgnoresLateFrames) {
+  ArrivalEnvelope envelope;
+  const RandomStream noise{6, Purpose::test, 0};
+  const auto arrival = [](std::int64_t device) {
+    return device + 777'000'000 + std::llround(-25e-6 * static_cast<double>(device));
+  };
+  for (std::uint32_t i = 0; i < 1050; ++i) {
+    const std::int64_t device = std::int64_t{i} * 33'333'333;
+    envelope.add({{device}, arrival(device) + static_cast<std::int64_t>(-2e6 * std::log(noise.uniform(i)))});
+  }
+  const auto line = envelope.line();
+  EXPECT_NEAR(line.drift, -25e-6, 3e-6);
+  for (const std::int64_t device :
+       {std::int64_t{0}, std::int64_t{17'500'000'000}, std::int64_t{35'000'000'000}})
+    EXPECT_NEAR(static_cast<double>(line({device}).ns - arrival(device)), 0.0, 60'000.0);
+}
+
+}  // namespace
+}  // namespace trilat
