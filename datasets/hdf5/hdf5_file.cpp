@@ -238,6 +238,7 @@ H5Table H5Node::create_table(const std::string& name, H5Type type,
     if (layout.checksum) H5Pset_fletcher32(list.id());
   } else {
     H5Pset_alloc_time(list.id(), H5D_ALLOC_TIME_EARLY);
+    H5Pset_fill_time(list.id(), H5D_FILL_TIME_NEVER);
   }
   table.id_ = wrap(
       H5Dcreate2(id_.id(), name.c_str(), file_type(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),

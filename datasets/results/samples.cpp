@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/samples.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+#include "datasets/base/version.h"
+#include "datasets/hdf5/hdf5_file.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.samples";
+constexpr std::int64_t kVersion = 1;
+constexpr std::size_t kMaxTakes = 20'000;
+
+struct TakeTables {
+  H5Table time_ns, truth_m, ranges, estimate_m, error_m, status, iterations, cost_m2, gdop;
+};
+
+// Makes or opens one table of a take.
+template <class Table>
+TakeTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table& table) {
+  return {table("time_ns", H5Type::i64, {}),
+          table("truth_m", H5Type::f64, {joints, 3}),
+          table("ranges", H5Type::u8, {joints}),
+          table("estimate_m", H5Type::f64, {joints, methods, 3}),
+          table("error_m", H5Type::f32, {joints, methods, 3}),
+          table("status", H5Type::u8, {joints, methods}),
+          table("iterations", H5Type::u32, {joints, methods}),
+          table("cost_m2", H5Type::f64, {joints, methods}),
+          table("gdop", H5Type::f32, {joints, methods})};
+}
+
+using Shape = std::vector<std::uint64_t>;
+
+// Groups are numbered so that they sort in the order of the takes.
+std::string group_name(std::size_t take) { return fmt::format("{:05}", take); }
+
+}  // namespace
+
+void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  first_instant = first;
+  instants = count;
+  time_ns.assign(count, 0);
+  truth_m.assign(count * joints * 3, kNaN);
+  ranges.assign(count * joints, 0);
+  estimate_m.assign(count * joints * methods * 3, kNaN);
+  status.assign(count * joints * methods, 0);
+  iterations.assign(count * joints * methods, 0);
+  cost_m2.assign(count * joints * methods, kNaN);
+  gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
+}
+
+struct SamplesWriter::State {
+  H5File file;
+  std::vector<TakeTables> takes;
+};
+
+SamplesWriter::SamplesWriter(const std::filesystem::path& path, const SamplesHeader& header)
+    : state_(std::make_unique<State>()) {
+  H5File& file = state_->file;
+  file = H5File::create(path);
+  file.set_text("format", kFormat);
+  file.set_integer("version", kVersion);
+  file.set_text("created_by", kProgramVersion);
+  file.set_texts("joints", header.joints);
+  file.set_texts("methods", header.methods);
+  file.set_texts("status_names", header.status_names);
+  file.set_text("alignment", header.alignment);
+  H5Node takes = file.create_group("takes");
+  for (std::size_t t = 0; t < header.takes.size(); ++t) {
+    H5Node node = takes.create_group(group_name(t));
+    node.set_text("id", header.takes[t].id);
+    const std::uint64_t instants = header.takes[t].instants;
+    state_->takes.push_back(tables_of(header.joints.size(), header.methods.size(),
+                                      [&](const char* name, H5Type type, const Shape& shape) {
+                                        return node.create_table(name, type, shape, {}, instants);
+                                      }));
+  }
+}
+
+SamplesWriter::~SamplesWriter() = default;
+
+void SamplesWriter::write(std::size_t take, const SampleBlock& b) {
+  TakeTables& t = state_->takes.at(take);
+  const auto put = [&](H5Table& table, const auto& values) {
+    table.write(b.first_instant, std::span(values.data(), values.size()));
+  };
+  put(t.time_ns, b.time_ns);
+  put(t.truth_m, b.truth_m);
+  put(t.ranges, b.ranges);
+  put(t.estimate_m, b.estimate_m);
+  put(t.status, b.status);
+  put(t.iterations, b.iterations);
+  put(t.cost_m2, b.cost_m2);
+  put(t.gdop, b.gdop);
+}
+
+void SamplesWriter::write_errors(std::size_t take, std::uint64_t first_instant,
+                                 std::span<const float> error_m) {
+  state_->takes.at(take).error_m.write(first_instant, error_m);
+}
+
+void SamplesWriter::close() {
+  state_->takes.clear();
+  state_->file.close();
+}
+
+struct SamplesReader::State {
+  H5File file;
+  SamplesHeader header;
+  std::vector<TakeTables> takes;
+};
+
+SamplesReader::SamplesReader(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.file = H5File::open(path);
+  if (!s.file.has_attribute("format") || s.file.text("format") != kFormat)
+    throw InputError(path.string(), "is not a samples file of this program");
+  if (s.file.integer("version") != kVersion)
+    throw InputError(path.string(), "is a samples file of another format version");
+  s.header.joints = s.file.texts("joints");
+  s.header.methods = s.file.texts("methods");
+  s.header.status_names = s.file.texts("status_names");
+  s.header.alignment = s.file.text("alignment");
+  const H5Node takes = s.file.group("takes");
+  for (const std::string& name : takes.children(kMaxTakes)) {
+    const H5Node node = takes.group(name);
+    s.takes.push_back(tables_of(
+        s.header.joints.size(), s.header.methods.size(),
+        [&](const char* table, H5Type type, const Shape& shape) { return node.table(table, type, shape); }));
+    s.header.takes.push_back({node.text("id"), s.takes.back().time_ns.rows()});
+  }
+}
+
+SamplesReader::~SamplesReader() = default;
+
+const SamplesHeader& SamplesReader::header() const { return state_->header; }
+
+SampleBlock SamplesReader::read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const {
+  const TakeTables& t = state_->takes.at(take);
+  SampleBlock b;
+  b.reset(first_instant, instants, state_->header.joints.size(), state_->header.methods.size());
+  const auto get = [&](const H5Table& table, auto& values) {
+    table.read(first_instant, std::span(values.data(), values.size()));
+  };
+  get(t.time_ns, b.time_ns);
+  get(t.truth_m, b.truth_m);
+  get(t.ranges, b.ranges);
+  get(t.estimate_m, b.estimate_m);
+  get(t.status, b.status);
+  get(t.iterations, b.iterations);
+  get(t.cost_m2, b.cost_m2);
+  get(t.gdop, b.gdop);
+  return b;
+}
+
+std::vector<float> SamplesReader::read_errors(std::size_t take, std::uint64_t first_instant,
+                                              std::uint64_t instants) const {
+  std::vector<float> errors(instants * state_->header.joints.size() * state_->header.methods.size() * 3);
+  state_->takes.at(take).error_m.read(first_instant, std::span<float>(errors));
+  return errors;
+}
+
+}  // namespace trilat

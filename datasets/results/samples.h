@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// The shape of one take's samples: every instant has a slot for every joint and method, whether answered or
+// not.
+struct TakeShape {
+  std::string id;
+  std::uint64_t instants = 0;
+};
+
+// What every take of a results folder shares.
+struct SamplesHeader {
+  std::vector<std::string> joints;
+  std::vector<std::string> methods;
+  std::vector<std::string> status_names;  // status number -> name
+  std::string alignment;                  // that of the error column
+  std::vector<TakeShape> takes;
+};
+
+// Rows [first_instant, first_instant + instants) of one take. Per instant: time_ns; per instant and joint:
+// truth (x, y, z); per instant, joint and method: everything else, joints before methods.
+struct SampleBlock {
+  std::uint64_t first_instant = 0;
+  std::uint64_t instants = 0;
+  std::vector<std::int64_t> time_ns;  // host clock
+  std::vector<double> truth_m;        // NaN where there is none
+  std::vector<double> estimate_m;     // x, y, z; NaN where there is none
+  std::vector<std::uint8_t> status;
+  std::vector<std::uint32_t> iterations;
+  std::vector<double> cost_m2;
+  std::vector<float> gdop;
+  std::vector<std::uint8_t> ranges;  // how many sensors saw the joint (per instant and joint)
+
+  // Sizes every column and fills it with what says "nothing happened": NaN, zero, status 0.
+  void reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods);
+};
+
+// samples.h5 (results format 1), written slot by slot: blocks may come in any order and from any thread, the
+// bytes are the same. All space is laid out when the file is made.
+class SamplesWriter {
+ public:
+  SamplesWriter(const std::filesystem::path& path, const SamplesHeader& header);
+  ~SamplesWriter();
+  void write(std::size_t take, const SampleBlock& block);
+  // x, y, z of estimate - truth after alignment; joints before methods. Metres.
+  void write_errors(std::size_t take, std::uint64_t first_instant, std::span<const float> error_m);
+  void close();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+class SamplesReader {
+ public:
+  explicit SamplesReader(const std::filesystem::path& path);
+  ~SamplesReader();
+  const SamplesHeader& header() const;
+  SampleBlock read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const;
+  std::vector<float> read_errors(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trilat

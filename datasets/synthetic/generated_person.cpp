@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/synthetic/generated_person.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "datasets/base/philox.h"
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+// Heights and lengths as fractions of the stature.
+namespace fraction {
+constexpr double kHip = 0.530, kHipHalfWidth = 0.0955, kThigh = 0.245, kShank = 0.246, kFoot = 0.10;
+constexpr double kSpineMid = 0.66, kSpineShoulder = 0.80, kShoulder = 0.818, kShoulderHalfWidth = 0.129;
+constexpr double kUpperArm = 0.186, kForearm = 0.146, kHand = 0.054, kHandTip = 0.108, kThumb = 0.06;
+constexpr double kNeck = 0.85, kHead = 0.93;
+}  // namespace fraction
+
+// Joint angles of one instant, in radians; [0] is left, [1] right. Flexion swings a limb forward.
+struct Angles {
+  double shoulder[2] = {0.0, 0.0};
+  double elbow[2] = {0.2, 0.2};
+  double abduction[2] = {0.12, 0.12};
+  double hip[2] = {0.0, 0.0};
+  double knee[2] = {0.05, 0.05};
+  double adduction[2] = {0.0, 0.0};  // swings the leg across the middle
+  double trunk = 0.0;                // lean forward
+};
+
+struct BodyFrame {
+  Vector3d origin_m, forward, left, up;
+};
+
+BodyFrame body_frame(const Vector3d& origin_m, double heading_rad) {
+  return {origin_m,
+          {std::sin(heading_rad), 0.0, std::cos(heading_rad)},
+          {std::cos(heading_rad), 0.0, -std::sin(heading_rad)},
+          Vector3d::UnitY()};
+}
+
+// A limb hanging down, swung forward by `flexion` and outwards (along `outward`) by `abduction`.
+Vector3d hanging(const BodyFrame& body, const Vector3d& outward, double flexion, double abduction) {
+  const Vector3d swung = -std::cos(flexion) * body.up + std::sin(flexion) * body.forward;
+  return std::cos(abduction) * swung + std::sin(abduction) * outward;
+}
+
+Joint sided(Joint left, int side) { return side == 0 ? left : mirror_of(left); }
+
+void place_leg(SkeletonPose& pose, const BodyFrame& body, const Angles& a, int side, double stature) {
+  const Vector3d outward = side == 0 ? body.left : Vector3d(-body.left);
+  const Vector3d hip = body.origin_m + fraction::kHipHalfWidth * stature * outward;
+  const Vector3d knee =
+      hip + fraction::kThigh * stature * hanging(body, outward, a.hip[side], -a.adduction[side]);
+  const Vector3d ankle = knee + fraction::kShank * stature *
+                                    hanging(body, outward, a.hip[side] - a.knee[side], -a.adduction[side]);
+  pose.at(sided(Joint::hip_left, side)) = hip;
+  pose.at(sided(Joint::knee_left, side)) = knee;
+  pose.at(sided(Joint::ankle_left, side)) = ankle;
+  pose.at(sided(Joint::foot_left, side)) =
+      ankle + stature * (fraction::kFoot * body.forward - 0.025 * body.up);
+}
+
+void place_arm(SkeletonPose& pose, const BodyFrame& body, const Vector3d& chest_m, const Angles& a, int side,
+               double stature) {
+  const Vector3d outward = side == 0 ? body.left : Vector3d(-body.left);
+  const Vector3d shoulder = chest_m + stature * (fraction::kShoulderHalfWidth * outward +
+                                                 (fraction::kShoulder - fraction::kSpineShoulder) * body.up);
+  const Vector3d upper = hanging(body, outward, a.shoulder[side], a.abduction[side]);
+  const Vector3d lower = hanging(body, outward, a.shoulder[side] + a.elbow[side], a.abduction[side]);
+  const Vector3d elbow = shoulder + fraction::kUpperArm * stature * upper;
+  const Vector3d wrist = elbow + fraction::kForearm * stature * lower;
+  pose.at(sided(Joint::shoulder_left, side)) = shoulder;
+  pose.at(sided(Joint::elbow_left, side)) = elbow;
+  pose.at(sided(Joint::wrist_left, side)) = wrist;
+  pose.at(sided(Joint::hand_left, side)) = wrist + fraction::kHand * stature * lower;
+  pose.at(sided(Joint::hand_tip_left, side)) = wrist + fraction::kHandTip * stature * lower;
+  pose.at(sided(Joint::thumb_left, side)) =
+      wrist + stature * (fraction::kThumb * lower + 0.02 * body.forward);
+}
+
+SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_rad, double stature) {
+  SkeletonPose pose;
+  pose.heading_rad = heading_rad;
+  pose.present.set();
+  const BodyFrame body = body_frame(origin_m, heading_rad);
+  const Vector3d spine = std::cos(a.trunk) * body.up + std::sin(a.trunk) * body.forward;
+  const auto on_spine = [&](double height) -> Vector3d {
+    return body.origin_m + (height - fraction::kHip) * stature * spine;
+  };
+  pose.at(Joint::spine_base) = on_spine(fraction::kHip + 0.02);
+  pose.at(Joint::spine_mid) = on_spine(fraction::kSpineMid);
+  pose.at(Joint::spine_shoulder) = on_spine(fraction::kSpineShoulder);
+  pose.at(Joint::neck) = on_spine(fraction::kNeck);
+  pose.at(Joint::head) = on_spine(fraction::kHead);
+  for (int side : {0, 1}) {
+    place_leg(pose, body, a, side, stature);
+    place_arm(pose, body, pose.at(Joint::spine_shoulder), a, side, stature);
+  }
+  return pose;
+}
+
+SkeletonPose walk(const Person& p, double t) {
+  constexpr double kLaps_hz = 4.0 / 35.0, kStride_hz = 0.9, kRadius_m = 0.4;
+  const double lap = kTwoPi * kLaps_hz * p.tempo * t + p.phase_rad;
+  const double stride = kTwoPi * kStride_hz * p.tempo * t + p.phase_rad;
+  Angles a;
+  for (int side : {0, 1}) {
+    const double s = side == 0 ? 1.0 : -1.0;
+    a.hip[side] = p.amplitude * 0.38 * s * std::sin(stride);
+    a.knee[side] = 0.12 + p.amplitude * 0.25 * (1.0 + s * std::cos(stride + 0.4));
+    a.shoulder[side] = -p.amplitude * 0.45 * s * std::sin(stride);
+    a.elbow[side] = 0.35 + p.amplitude * 0.15 * (1.0 - s * std::sin(stride));
+  }
+  a.trunk = 0.05;
+  const Vector3d origin(kRadius_m * std::cos(lap),
+                        fraction::kHip * p.stature_m - 0.02 + 0.015 * std::cos(2.0 * stride),
+                        -kRadius_m * std::sin(lap));
+  return pose_of(a, origin, lap + std::numbers::pi, p.stature_m);
+}
+
+SkeletonPose swing_arms(const Person& p, double t) {
+  const double swing = kTwoPi / 3.0 * p.tempo * t + p.phase_rad;
+  Angles a;
+  for (int side : {0, 1}) {
+    const double s = side == 0 ? 1.0 : -1.0;
+    a.shoulder[side] = 0.2 + p.amplitude * 0.9 * s * std::sin(swing);
+    a.elbow[side] = 0.3 + p.amplitude * 0.2 * (1.0 + s * std::sin(swing));
+  }
+  a.trunk = 0.02 * std::sin(swing);
+  return pose_of(a, {0.0, fraction::kHip * p.stature_m, 0.0}, 0.0, p.stature_m);
+}
+
+SkeletonPose cross_legs(const Person& p, double t) {
+  const double step = kTwoPi / 1.75 * p.tempo * t + p.phase_rad;
+  Angles a;
+  for (int side : {0, 1}) {
+    const double s = side == 0 ? 1.0 : -1.0;
+    a.hip[side] = p.amplitude * 0.3 * s * std::sin(step);
+    a.knee[side] = 0.1 + p.amplitude * 0.15 * (1.0 + s * std::cos(step));
+    a.adduction[side] = p.amplitude * 0.16 * (1.0 + s * std::sin(step));
+    a.shoulder[side] = -p.amplitude * 0.15 * s * std::sin(step);
+  }
+  return pose_of(a, {0.0, fraction::kHip * p.stature_m - 0.01, 0.15 * std::sin(0.5 * step)}, 0.0,
+                 p.stature_m);
+}
+
+}  // namespace
+
+const std::vector<std::string>& activity_names() {
+  static const std::vector<std::string> names{"walking", "arm_swing", "leg_crossing", "standing"};
+  return names;
+}
+
+Person draw_person(std::uint64_t seed, std::uint64_t index, double stature_mean_m,
+                   double stature_half_range_m) {
+  const RandomStream random{seed, Purpose::participant, index};
+  Person person;
+  person.stature_m =
+      random.uniform(0, stature_mean_m - stature_half_range_m, stature_mean_m + stature_half_range_m);
+  person.tempo = random.uniform(1, 0.9, 1.1);
+  person.amplitude = random.uniform(2, 0.9, 1.1);
+  person.phase_rad = random.uniform(3, 0.0, kTwoPi);
+  return person;
+}
+
+Motion generated_motion(const Person& person, Activity activity) {
+  switch (activity) {
+    case Activity::walking:
+      return [person](double t) { return walk(person, t); };
+    case Activity::arm_swing:
+      return [person](double t) { return swing_arms(person, t); };
+    case Activity::leg_crossing:
+      return [person](double t) { return cross_legs(person, t); };
+    case Activity::standing:
+      break;
+  }
+  return [person](double) {
+    return pose_of({}, {0.0, fraction::kHip * person.stature_m, 0.0}, 0.0, person.stature_m);
+  };
+}
+
+}  // namespace trilat

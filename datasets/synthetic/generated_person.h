@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datasets/synthetic/motion.h"
+
+namespace trilat {
+
+// What a generated person does, after the paper's experiments: `walking` with arm swing on a small circle
+// (Table III, four laps in 35 s), `arm_swing` standing (Table II, experiment 1: two swings in 6 s) and
+// `leg_crossing` (Table II, experiment 2: four crossing steps in 7 s).
+enum class Activity { walking, arm_swing, leg_crossing, standing };
+const std::vector<std::string>& activity_names();
+
+// A body and its habits. Segment lengths are fractions of the stature (Drillis and Contini 1966, as tabulated
+// in Winter, "Biomechanics and Motor Control of Human Movement").
+struct Person {
+  double stature_m = 1.70;
+  double tempo = 1.0;      // scales the pace of every movement
+  double amplitude = 1.0;  // scales the swing of limbs
+  double phase_rad = 0.0;  // where in the cycle the motion starts
+};
+
+// Person number `index` of a campaign; stature uniform in mean +- half range (paper: 170 +- 17 cm), tempo and
+// amplitude within 10 % of normal.
+Person draw_person(std::uint64_t seed, std::uint64_t index, double stature_mean_m,
+                   double stature_half_range_m);
+
+// Smooth in time: all joint paths are sums of sines, so that they may be sampled at any rate. All 25 joints.
+Motion generated_motion(const Person& person, Activity activity);
+
+}  // namespace trilat

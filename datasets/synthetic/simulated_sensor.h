@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "datasets/base/time.h"
+#include "datasets/session/session_clock.h"
+#include "datasets/session/session_types.h"
+#include "datasets/synthetic/motion.h"
+#include "datasets/synthetic/simulation_spec.h"
+
+namespace trilat {
+
+// Where in the campaign a simulated recording stands: the keys of its random numbers.
+struct SimulatedItem {
+  std::uint64_t seed = 1;
+  std::uint64_t take = 0;
+  std::uint64_t participant = 0;
+};
+
+// One virtual Kinect in one take, with what only the simulator knows: its true pose and clocks.
+struct SimulatedSensor {
+  std::uint64_t index = 0;
+  SensorPose pose;
+  DepthIntrinsics intrinsics;
+  ClockMap<HostClock, SensorClock> host_from_sensor;
+  ClockMap<AgentClock::AgentTag, HostClock> agent_from_host;
+  SensorTime first_exposure;
+};
+
+// The motion starts at this reading of the recording's host clock in every simulated take.
+inline constexpr HostTime kMotionStart{1'000'000'000'000};
+
+SimulatedSensor draw_sensor(const SensorSpec& spec, const SimulatedItem& item, std::uint64_t index,
+                            const SensorPose& pose);
+SensorDescription description_of(const SimulatedSensor& sensor, const SensorSpec& spec);
+
+// Exposure of frame number `frame` on the true host clock.
+HostTime exposure_of(const SimulatedSensor& sensor, const SensorSpec& spec, std::uint64_t frame);
+
+// The frame as the recorder would get it, or nothing when it was dropped. Joints outside the image or the
+// range are not tracked; a share of stretches is inferred. (Body-shape occlusion is not simulated here.)
+std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
+                                             const SimulatedItem& item, const Motion& motion,
+                                             std::uint64_t frame);
+
+// Exchange number `number`; one every spec.exchange_period_s from the start of the motion.
+ClockExchange simulate_exchange(const SimulatedSensor& sensor, const SensorSpec& spec,
+                                const SimulatedItem& item, std::uint64_t number);
+
+}  // namespace trilat

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/synthetic/simulation_spec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.simulation";
+
+double share(JsonObject& object, const std::string& key, double fallback) {
+  const double value = object.number(key, fallback);
+  if (!(value >= 0.0 && value <= 1.0)) object.refuse(key, "must lie between 0 and 1");
+  return value;
+}
+
+double not_negative(JsonObject& object, const std::string& key, double fallback) {
+  const double value = object.number(key, fallback);
+  if (!(value >= 0.0)) object.refuse(key, "must not be negative");
+  return value;
+}
+
+double within(JsonObject& object, const std::string& key, double fallback, double low, double high) {
+  const double value = object.number(key, fallback);
+  if (!(value >= low && value <= high))
+    object.refuse(key, "must lie between " + Json(low).dump() + " and " + Json(high).dump());
+  return value;
+}
+
+RigSpec read_rig(JsonObject object) {
+  RigSpec rig;
+  rig.radius_m = within(object, "radius_m", rig.radius_m, 0.3, 20.0);
+  if (object.has("heights_m")) {
+    const std::size_t sensors = object.value("heights_m").size();
+    if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
+    rig.heights_m = object.numbers("heights_m", sensors);
+  }
+  if (object.has("centre_m")) {
+    const auto c = object.numbers("centre_m", 3);
+    rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
+  }
+  object.finish();
+  return rig;
+}
+
+SensorSpec read_sensor(JsonObject object) {
+  SensorSpec s;
+  s.rate_hz = within(object, "rate_hz", s.rate_hz, 1.0, 1000.0);
+  s.nearest_m = not_negative(object, "nearest_m", s.nearest_m);
+  s.farthest_m = object.positive("farthest_m", s.farthest_m);
+  s.joint_bias_sigma_m = not_negative(object, "joint_bias_sigma_m", s.joint_bias_sigma_m);
+  s.joint_noise_sigma_m = not_negative(object, "joint_noise_sigma_m", s.joint_noise_sigma_m);
+  s.inferred_share = share(object, "inferred_share", s.inferred_share);
+  s.inferred_noise_factor = not_negative(object, "inferred_noise_factor", s.inferred_noise_factor);
+  s.dropped_share = share(object, "dropped_share", s.dropped_share);
+  s.clock_drift_ppm = within(object, "clock_drift_ppm", s.clock_drift_ppm, 0.0, 500.0);
+  s.latency_s = within(object, "latency_s", s.latency_s, 0.0, 1.0);
+  s.arrival_jitter_s = within(object, "arrival_jitter_s", s.arrival_jitter_s, 0.0, 1.0);
+  s.exchange_period_s = within(object, "exchange_period_s", s.exchange_period_s, 0.01, 3600.0);
+  s.exchange_jitter_s = within(object, "exchange_jitter_s", s.exchange_jitter_s, 0.0, 1.0);
+  s.free_running = object.boolean("free_running", s.free_running);
+  s.focal_spread_px = within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
+  s.centre_spread_px = within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
+  object.finish();
+  return s;
+}
+
+MocapSpec read_mocap_spec(JsonObject object) {
+  MocapSpec m;
+  m.rate_hz = within(object, "rate_hz", m.rate_hz, 1.0, 2000.0);
+  m.marker_noise_sigma_m = not_negative(object, "marker_noise_sigma_m", m.marker_noise_sigma_m);
+  m.marker_offset_m = not_negative(object, "marker_offset_m", m.marker_offset_m);
+  m.gap_share = share(object, "gap_share", m.gap_share);
+  m.clock_error_s = within(object, "clock_error_s", m.clock_error_s, 0.0, 10.0);
+  object.finish();
+  return m;
+}
+
+std::vector<Joint> joints_of_groups(const std::vector<std::string>& groups) {
+  std::vector<Joint> joints;
+  for (const JointGroup& group : joint_groups())
+    for (const std::string& name : groups)
+      if (name == group.name) joints.insert(joints.end(), group.joints.begin(), group.joints.end());
+  return joints;
+}
+
+// The paper's markers: the upper body when walking, arms and legs in the two occlusion experiments.
+std::vector<Joint> default_marker_joints(Activity activity) {
+  return activity == Activity::leg_crossing ? joints_of_groups({"hip", "knee", "ankle"})
+         : activity == Activity::arm_swing  ? joints_of_groups({"shoulder", "elbow", "wrist"})
+                                            : joints_of_groups({"head", "shoulder", "elbow", "wrist"});
+}
+
+ActivitySpec read_activity(JsonObject& object) {
+  ActivitySpec activity;
+  activity.activity = static_cast<Activity>(object.choice("name", activity_names()));
+  activity.duration_s = within(object, "duration_s", activity.duration_s, 0.1, 1e6);
+  activity.marker_joints = default_marker_joints(activity.activity);
+  if (object.has("marker_joints")) {
+    activity.marker_joints.clear();
+    for (const std::string& name : object.texts("marker_joints")) {
+      const auto joint = joint_from_name(name);
+      if (!joint) object.refuse("marker_joints", "names \"" + name + "\", which is no joint");
+      activity.marker_joints.push_back(*joint);
+    }
+    if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
+  }
+  object.finish();
+  return activity;
+}
+
+}  // namespace
+
+SimulationSpec parse_simulation(const Json& json, const std::string& place,
+                                const std::filesystem::path& folder) {
+  JsonObject object(json, place, "");
+  SimulationSpec spec;
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  spec.name = object.text("name", spec.name);
+  spec.seed = object.count("seed", spec.seed);
+  spec.participants = object.count("participants", spec.participants);
+  if (spec.participants < 1 || spec.participants > 10'000)
+    object.refuse("participants", "must be 1 to 10000");
+  if (object.has("stature_m")) {
+    JsonObject stature = object.object("stature_m");
+    spec.stature_mean_m = within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
+    spec.stature_half_range_m = within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
+    stature.finish();
+  }
+  if (object.has("recorded")) {
+    JsonObject recorded = object.object("recorded");
+    spec.recorded = RecordedSpec{folder / recorded.text("mocap"), folder / recorded.text("mapping")};
+    recorded.finish();
+  }
+  if (object.has("activities"))
+    for (JsonObject& entry : object.objects("activities")) spec.activities.push_back(read_activity(entry));
+  if (spec.recorded && !spec.activities.empty())
+    object.refuse("activities", "cannot stand beside \"recorded\": the recorded take is the activity");
+  if (!spec.recorded && spec.activities.empty())
+    spec.activities.push_back({Activity::walking, 35.0, default_marker_joints(Activity::walking)});
+  if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
+  if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
+  if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
+  object.finish();
+  if (spec.recorded) spec.participants = 1;
+  if (spec.participants * std::max<std::size_t>(1, spec.activities.size()) > 16'000)
+    object.refuse("participants", "make more than 16000 takes with these activities");
+  return spec;
+}
+
+SimulationSpec read_simulation(const std::filesystem::path& path) {
+  return parse_simulation(read_json(path), path.string(), path.parent_path());
+}
+
+std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m) {
+  const Eigen::Vector3d centre = rig.centre_m.value_or(default_centre_m);
+  std::vector<SensorPose> poses;
+  const double step = 2.0 * std::numbers::pi / static_cast<double>(rig.heights_m.size());
+  for (std::size_t i = 0; i < rig.heights_m.size(); ++i) {
+    const double angle = step * (static_cast<double>(i) + 0.5);
+    const Eigen::Vector3d position(centre.x() + rig.radius_m * std::sin(angle), rig.heights_m[i],
+                                   centre.z() + rig.radius_m * std::cos(angle));
+    SensorPose pose;
+    pose.name = "k" + std::to_string(i + 1);
+    pose.world_from_sensor = world_from_sensor_looking_at(position, centre);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+}  // namespace trilat

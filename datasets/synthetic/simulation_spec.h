@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/geometry/depth_camera.h"
+#include "datasets/synthetic/generated_person.h"
+
+namespace trilat {
+
+// Where the virtual sensors stand: on a circle about `centre_m` (its y is the height they look at), at one
+// height each. Different heights make the vertical observable from ranges; see the README on rigs of one
+// height.
+struct RigSpec {
+  double radius_m = 2.0;
+  std::vector<double> heights_m{0.6, 2.2, 0.9, 1.9};
+  std::optional<Eigen::Vector3d> centre_m;  // default: (0, 1, 0), or the middle of a real take's assets
+};
+
+// The virtual sensor and its body tracker. Every value is a declared assumption; sources in README.md.
+// Nothing is tuned to the paper's tables.
+struct SensorSpec {
+  double rate_hz = 30.0;
+  double nearest_m = 0.5;
+  double farthest_m = 4.5;
+  double joint_bias_sigma_m = 0.03;    // per axis, fixed per participant, sensor and joint
+  double joint_noise_sigma_m = 0.015;  // per axis and frame
+  double inferred_share = 0.05;        // share of half-second stretches in which a joint is only inferred
+  double inferred_noise_factor = 3.0;  // on the noise of inferred joints
+  double dropped_share = 0.01;         // of frames
+  double clock_drift_ppm = 30.0;       // uniform in +-, of sensor and of its PC
+  double latency_s = 0.020;            // exposure to arrival, the constant part
+  double arrival_jitter_s = 0.001;     // mean of the exponential part
+  double exchange_period_s = 0.25;
+  double exchange_jitter_s = 0.0003;  // mean of the exponential part of each way's delay
+  bool free_running = true;           // each sensor with its own phase, clock origin and drift
+  double focal_spread_px = 1.0;       // uniform in +-, between units
+  double centre_spread_px = 6.0;
+};
+
+// The virtual OptiTrack.
+struct MocapSpec {
+  double rate_hz = 100.0;
+  double marker_noise_sigma_m = 0.0003;
+  double marker_offset_m = 0.04;  // of each of a joint's four markers from the joint; their mean is the joint
+  double gap_share = 0.01;        // share of 0.2 s stretches in which a marker is lost
+  double clock_error_s =
+      0.005;  // uniform in +-, the paper's "less than 5 ms", between the stated and true start
+};
+
+struct ActivitySpec {
+  Activity activity = Activity::walking;
+  double duration_s = 35.0;
+  std::vector<Joint> marker_joints;  // joints that carry markers
+};
+
+// A real OptiTrack take to be watched instead of a generated person.
+struct RecordedSpec {
+  std::filesystem::path mocap;
+  std::filesystem::path mapping;
+};
+
+// simulation.json, format 1: what `trilat simulate` makes a campaign from.
+struct SimulationSpec {
+  std::string name = "simulated";
+  std::uint64_t seed = 1;
+  std::uint64_t participants = 16;
+  double stature_mean_m = 1.70;
+  double stature_half_range_m = 0.17;
+  std::vector<ActivitySpec> activities;
+  std::optional<RecordedSpec> recorded;
+  RigSpec rig;
+  SensorSpec sensor;
+  MocapSpec mocap;
+};
+
+// Paths inside are taken relative to `folder`.
+SimulationSpec parse_simulation(const Json& json, const std::string& place,
+                                const std::filesystem::path& folder);
+SimulationSpec read_simulation(const std::filesystem::path& path);
+
+// The poses of the rig's sensors, named k1, k2, …; they look at the centre.
+std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m);
+
+}  // namespace trilat

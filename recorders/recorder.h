@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "datasets/hdf5/chunk_codec.h"
+#include "recorders/frame_source.h"
+
+namespace trilat {
+
+struct RecordOptions {
+  ChunkCompression depth_compression = ChunkCompression::blosc;
+  std::uint64_t flush_every_events = 240;     // about a second of four sensors with depth and bodies
+  std::function<bool()> stop_requested = {};  // asked between events
+};
+
+struct RecordSummary {
+  std::uint64_t body_frames = 0;
+  std::uint64_t depth_frames = 0;
+};
+
+// Stores everything the source delivers in `path` (session.h5) until it ends. Throws Interrupted when asked
+// to stop: the unfinished file then keeps its ".partial" name and what was flushed.
+RecordSummary record(FrameSource& source, const std::filesystem::path& path, const RecordOptions& options);
+
+}  // namespace trilat

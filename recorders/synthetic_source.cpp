@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/synthetic_source.h"
+
+namespace trilat {
+
+SyntheticSource::SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion,
+                                 std::vector<SimulatedSensor> sensors, double duration_s)
+    : spec_(spec),
+      item_(item),
+      motion_(std::move(motion)),
+      sensors_(std::move(sensors)),
+      duration_s_(duration_s),
+      next_frame_(sensors_.size(), 0),
+      next_exchange_(sensors_.size(), 0) {
+  header_.simulated = true;
+  header_.note = "simulated";
+  for (const SimulatedSensor& sensor : sensors_) header_.sensors.push_back(description_of(sensor, spec_));
+}
+
+std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
+  const std::uint64_t number = next_exchange_[sensor];
+  const double due_s = static_cast<double>(number) * spec_.exchange_period_s;
+  const double frame_s = static_cast<double>(next_frame_[sensor]) / spec_.rate_hz;
+  if (!spec_.free_running || due_s > frame_s || due_s > duration_s_) return std::nullopt;
+  ++next_exchange_[sensor];
+  return SourceEvent{sensor, simulate_exchange(sensors_[sensor], spec_, item_, number)};
+}
+
+std::optional<SourceEvent> SyntheticSource::frame_of(std::size_t sensor) {
+  while (exposure_of(sensors_[sensor], spec_, next_frame_[sensor]) - kMotionStart <=
+         duration_from_s(duration_s_)) {
+    const std::uint64_t frame = next_frame_[sensor]++;
+    if (auto result = simulate_body_frame(sensors_[sensor], spec_, item_, motion_, frame))
+      return SourceEvent{sensor, std::move(*result)};
+  }
+  return std::nullopt;
+}
+
+std::optional<SourceEvent> SyntheticSource::next() {
+  // the sensor that is furthest behind delivers next
+  std::vector<bool> ended(sensors_.size(), false);
+  for (std::size_t tries = 0; tries < sensors_.size(); ++tries) {
+    std::size_t behind = sensors_.size();
+    for (std::size_t s = 0; s < sensors_.size(); ++s)
+      if (!ended[s] && (behind == sensors_.size() || next_frame_[s] < next_frame_[behind])) behind = s;
+    if (auto exchange = exchange_of(behind)) return exchange;
+    if (auto frame = frame_of(behind)) return frame;
+    ended[behind] = true;
+  }
+  return std::nullopt;
+}
+
+}  // namespace trilat
