@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/alignment/alignment.h"
+
+#include <array>
+
+#include <Eigen/Eigenvalues>
+
+namespace trilat {
+namespace {
+
+constexpr double kDegenerateRatio = 1e-9;
+
+// Horn 1987: the unit quaternion of the largest eigenvalue of N, made of S = cross. N's eigenvalues
+// are sums of S's singular values, and the gap of the two largest is 2 (s_2 + sign(det) s_3).
+Eigen::Matrix4d horn_matrix(const Eigen::Matrix3d& s) {
+  const Eigen::Vector3d twist{s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0)};
+  Eigen::Matrix4d n;
+  n(0, 0) = s.trace();
+  n.block<1, 3>(0, 1) = twist.transpose();
+  n.block<3, 1>(1, 0) = twist;
+  n.block<3, 3>(1, 1) = s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity();
+  return n;
+}
+
+void solve_rigid(const AlignmentSums& sums, Alignment& result) {
+  if (!sums.cross_m2().allFinite() || !sums.mean_estimate_m().allFinite() ||
+      !sums.mean_truth_m().allFinite()) {
+    result.status = AlignmentStatus::not_finite;
+    return;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(horn_matrix(sums.cross_m2()));
+  const Eigen::Vector4d& value = eigen.eigenvalues();
+  if (!(value[3] - value[2] > kDegenerateRatio * value[3])) {
+    result.status = AlignmentStatus::degenerate;
+    return;
+  }
+  const Eigen::Vector4d q = eigen.eigenvectors().col(3);
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  result.truth_from_estimate = {rotation, sums.mean_truth_m() - rotation * sums.mean_estimate_m()};
+}
+
+}  // namespace
+
+std::string_view name_of(AlignmentKind kind) {
+  constexpr std::array<std::string_view, 4> kNames{"none", "first", "mean", "rigid"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+std::string_view name_of(AlignmentStatus status) {
+  constexpr std::array<std::string_view, 5> kNames{"not_solved", "aligned", "no_pairs",
+                                                   "not_finite", "degenerate"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
+
+void AlignmentSums::add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m) {
+  if (count_ == 0) {
+    first_estimate_m_ = estimate_m;
+    first_truth_m_ = truth_m;
+  }
+  ++count_;
+  const Eigen::Vector3d from_old_mean_m = estimate_m - mean_estimate_m_;
+  mean_estimate_m_ += from_old_mean_m / static_cast<double>(count_);
+  mean_truth_m_ += (truth_m - mean_truth_m_) / static_cast<double>(count_);
+  cross_m2_ += from_old_mean_m * (truth_m - mean_truth_m_).transpose();
+}
+
+void AlignmentSums::merge(const AlignmentSums& later) {
+  if (later.count_ == 0) return;
+  if (count_ == 0) {
+    *this = later;
+    return;
+  }
+  const double share =
+      static_cast<double>(later.count_) / static_cast<double>(count_ + later.count_);
+  const Eigen::Vector3d estimate_shift_m = later.mean_estimate_m_ - mean_estimate_m_;
+  const Eigen::Vector3d truth_shift_m = later.mean_truth_m_ - mean_truth_m_;
+  cross_m2_ += later.cross_m2_ +
+               static_cast<double>(count_) * share * estimate_shift_m * truth_shift_m.transpose();
+  mean_estimate_m_ += share * estimate_shift_m;
+  mean_truth_m_ += share * truth_shift_m;
+  count_ += later.count_;
+}
+
+Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind) {
+  Alignment result;
+  result.pairs = sums.count();
+  if (sums.count() == 0 && kind != AlignmentKind::none) {
+    result.status = AlignmentStatus::no_pairs;
+    return result;
+  }
+  result.status = AlignmentStatus::aligned;
+  const auto translate = [&](const Eigen::Vector3d& by_m) {
+    result.truth_from_estimate = {Eigen::Quaterniond::Identity(), by_m};
+    if (!by_m.allFinite())
+      result = {AlignmentStatus::not_finite, Alignment{}.truth_from_estimate, sums.count()};
+  };
+  switch (kind) {
+    case AlignmentKind::none:
+      translate(Eigen::Vector3d::Zero());
+      break;
+    case AlignmentKind::first:
+      translate(sums.first_truth_m() - sums.first_estimate_m());
+      break;
+    case AlignmentKind::mean:
+      translate(sums.mean_truth_m() - sums.mean_estimate_m());
+      break;
+    case AlignmentKind::rigid:
+      solve_rigid(sums, result);
+      break;
+  }
+  return result;
+}
+
+}  // namespace trilat

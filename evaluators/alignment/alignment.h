@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "datasets/geometry/rigid_transform.h"
+#include "evaluators/solvers/point_estimate.h"
+
+namespace trilat {
+
+// How estimates are laid over the truth before errors are taken. first and mean are kept for each
+// joint by itself; rigid is one transform for all joints of a method in a take.
+enum class AlignmentKind : std::uint8_t {
+  none,
+  first,  // movement relative to the first pair
+  mean,   // movement relative to the mean: the paper's "relative movement"
+  rigid,  // rotation and translation of least squares, no scale (Horn 1987)
+};
+
+enum class AlignmentStatus : std::uint8_t {
+  not_solved = 0,
+  aligned = 1,
+  no_pairs = 2,    // nothing was added
+  not_finite = 3,  // a point that was added, or a sum, is NaN or infinite
+  // rigid: 2 (s_2 + sign(det) s_3) <= 1e-9 (s_1 + s_2 + sign(det) s_3), s the singular values of
+  // the cross-covariance: all points on one line, or one point; the rotation is not determined.
+  degenerate = 4,
+};
+std::string_view name_of(AlignmentKind kind);
+std::string_view name_of(AlignmentStatus status);
+
+// All that any alignment needs to know of a stream of pairs. Deviations are taken from running
+// means (Welford), so that metres far from the origin lose nothing. The result depends on the order
+// of the pairs only by rounding; for equal bytes add and merge in a fixed order.
+class AlignmentSums {
+ public:
+  void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m);
+  // As if `later` had been added after what is here.
+  void merge(const AlignmentSums& later);
+
+  std::int64_t count() const { return count_; }
+  const Eigen::Vector3d& first_estimate_m() const { return first_estimate_m_; }
+  const Eigen::Vector3d& first_truth_m() const { return first_truth_m_; }
+  const Eigen::Vector3d& mean_estimate_m() const { return mean_estimate_m_; }
+  const Eigen::Vector3d& mean_truth_m() const { return mean_truth_m_; }
+  // Sum of (estimate - mean)(truth - mean)^T.
+  const Eigen::Matrix3d& cross_m2() const { return cross_m2_; }
+
+ private:
+  std::int64_t count_ = 0;
+  Eigen::Vector3d first_estimate_m_ = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d first_truth_m_ = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d mean_estimate_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_truth_m_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d cross_m2_ = Eigen::Matrix3d::Zero();
+};
+
+struct Alignment {
+  AlignmentStatus status = AlignmentStatus::not_solved;
+  // To be applied to estimates. NaN unless aligned.
+  RigidTransform truth_from_estimate{Eigen::Quaterniond(kNaN, kNaN, kNaN, kNaN),
+                                     Eigen::Vector3d::Constant(kNaN)};
+  std::int64_t pairs = 0;
+};
+
+// none is the identity, and aligned even without pairs.
+[[nodiscard]] Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind);
+
+}  // namespace trilat

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/ceres/ceres_trilateration.h"
+
+#include <cmath>
+#include <memory>
+
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
+
+#include "evaluators/solvers/both_sides.h"
+#include "evaluators/solvers/range_equations.h"
+
+namespace trilat {
+namespace {
+
+// sqrt(w) (|x - s| - r) of one sensor.
+class RangeResidual final : public ceres::SizedCostFunction<1, 3> {
+ public:
+  RangeResidual(const Eigen::Vector3d& sensor_m, double range_m, double weight)
+      : sensor_m_(sensor_m), range_m_(range_m), scale_(std::sqrt(weight)) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Eigen::Vector3d from_sensor =
+        Eigen::Map<const Eigen::Vector3d>(parameters[0]) - sensor_m_;
+    const double distance = from_sensor.norm();
+    residuals[0] = scale_ * (distance - range_m_);
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    const double factor = distance > kOnSensor_m ? scale_ / distance : 0.0;
+    Eigen::Map<Eigen::Vector3d> row(jacobians[0]);
+    row = factor * from_sensor;
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d sensor_m_;
+  double range_m_;
+  double scale_;
+};
+
+ceres::Solver::Options solver_options(const CeresOptions& options) {
+  ceres::Solver::Options result;
+  result.linear_solver_type = ceres::DENSE_QR;
+  result.logging_type = ceres::SILENT;
+  result.num_threads = 1;
+  result.function_tolerance = options.function_tolerance;
+  result.gradient_tolerance = options.gradient_tolerance;
+  result.parameter_tolerance = options.parameter_tolerance;
+  result.max_num_iterations = options.max_iterations;
+  return result;
+}
+
+Descent descend(const RangeProblem& problem, const CeresOptions& options,
+                const Eigen::Vector3d& start_m) {
+  Eigen::Vector3d x = start_m;
+  ceres::Problem least_squares;
+  for (int i = 0; i < problem.count; ++i) {
+    auto residual =
+        std::make_unique<RangeResidual>(problem.sensor_m[i], problem.range_m[i], problem.weight[i]);
+    least_squares.AddResidualBlock(residual.release(), nullptr, x.data());
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver_options(options), &least_squares, &summary);
+  Descent result{x, SolveStatus::diverged, 0, 2.0 * summary.final_cost};
+  result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps;
+  if (summary.termination_type == ceres::CONVERGENCE) result.status = SolveStatus::converged;
+  if (summary.termination_type == ceres::NO_CONVERGENCE)
+    result.status = SolveStatus::iteration_limit;
+  return result;
+}
+
+}  // namespace
+
+PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options) {
+  const SolveStatus refusal = refusal_of(problem);
+  if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
+  if (options.start == Start::point && !options.start_point_m.allFinite())
+    return failed_estimate(SolveStatus::non_finite_input);
+  const SensorPlane plane = plane_of(problem);
+  if (plane.collinear) return failed_estimate(SolveStatus::rank_deficient);
+  const Eigen::Vector3d wanted_m =
+      wanted_start_m(problem, options.start, options.start_point_m, options.linear);
+  return estimate_of(
+      problem, descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
+                                     options.same_residual_m, [&](const Eigen::Vector3d& start_m) {
+                                       return descend(problem, options, start_m);
+                                     }));
+}
+
+}  // namespace trilat

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "evaluators/solvers/nonlinear.h"
+#include "evaluators/solvers/point_estimate.h"
+#include "evaluators/solvers/range_problem.h"
+
+namespace trilat {
+
+struct CeresOptions {
+  double function_tolerance = 1e-30;   // |F_k - F_{k-1}| < tolerance * F
+  double gradient_tolerance = 1e-20;   // max |dF/dx| < tolerance
+  double parameter_tolerance = 1e-13;  // |x_k - x_{k-1}| < tolerance * |x|
+  int max_iterations = 1000;           // of each descent
+  Start start = Start::linear;
+  Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
+  LinearOptions linear;  // of the linear start
+  double same_residual_m = 1e-9;
+};
+
+// The cost, starts, choice between two solutions and statuses of solve_nonlinear() with lm, but
+// minimised by Ceres (Levenberg-Marquardt, dense QR, analytic derivatives, one thread): an
+// independent second opinion.
+[[nodiscard]] PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options);
+
+}  // namespace trilat

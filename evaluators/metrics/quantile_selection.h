@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace trilat {
+
+// Exact quantiles of any number of values in bounded memory: the same values are shown once per
+// pass, in any order, and each pass fixes the next 11 bits of every order statistic wanted. Doubles
+// >= 0 sort like their IEEE 754 bits, so six passes settle all 64. About 16 KiB for each distinct
+// prefix, at most two a quantile.
+//
+//   while (!selection.done()) { for (x : values) selection.add(x); selection.end_pass(); }
+//
+// A quantile q of n values in order is x at position (n - 1) q, interpolated linearly between
+// neighbours (type 7 of Hyndman and Fan 1996). Without values it is NaN.
+class QuantileSelection {
+ public:
+  // Each quantile in [0, 1].
+  explicit QuantileSelection(std::vector<double> quantiles);
+
+  bool done() const { return shift_ < 0; }
+  // InternalError for a negative value or NaN; infinity is allowed.
+  void add(double value);
+  // InternalError when a pass has shown another number of values than the first.
+  void end_pass();
+  // The passes one after the other, as if `later`'s values of this pass had been added here.
+  // Counts are integers: any order of merging gives the same result.
+  void merge_pass(const QuantileSelection& later);
+
+  // Values a pass.
+  std::int64_t count() const { return count_; }
+  // In the order asked for. InternalError before done().
+  std::vector<double> quantiles() const;
+
+ private:
+  struct Prefix {
+    std::uint64_t bits = 0;  // of the values it counts, from shift_ + 11 up
+    std::vector<std::int64_t> histogram;
+  };
+  struct Rank {
+    std::int64_t within = 0;  // among the values that share the prefix
+    std::uint64_t bits = 0;   // settled so far
+  };
+  void start_ranks();
+  void settle_digit(Rank& rank) const;
+  void open_prefixes();
+  Prefix* find_prefix(std::uint64_t bits);
+
+  std::vector<double> wanted_;
+  std::vector<Rank> ranks_;  // two a quantile: below and above its position
+  std::vector<Prefix> prefixes_;
+  std::int64_t count_ = -1;  // not known before the first pass has ended
+  std::int64_t shown_ = 0;   // in this pass
+  int shift_ = 0;            // of the digit this pass settles; negative when done
+};
+
+// The same for values in memory.
+std::vector<double> quantiles_of(std::span<const double> values, std::vector<double> quantiles);
+
+}  // namespace trilat

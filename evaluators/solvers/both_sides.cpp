@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/solvers/both_sides.h"
+
+#include <cmath>
+
+#include "evaluators/solvers/range_equations.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kFarthestStart = 2.0;     // of the mean range
+constexpr double kLeastStartOffset = 0.1;  // of the mean range
+
+double residual_rms_m(const RangeProblem& problem, double cost_m2) {
+  double weights = 0.0;
+  for (int i = 0; i < problem.count; ++i) weights += problem.weight[i];
+  return std::sqrt(cost_m2 / weights);
+}
+
+}  // namespace
+
+Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
+                           const Eigen::Vector3d& wanted_m) {
+  Eigen::Vector3d start = wanted_m;
+  // Negated, so that NaN counts as far.
+  if (!((start - plane.centroid_m).norm() <= kFarthestStart * plane.mean_range_m))
+    start = problem.hint_m.value_or(plane.centroid_m + plane.mean_range_m * plane.normal);
+  const double offset_m = plane.offset_m(start);
+  const double least_m = kLeastStartOffset * plane.mean_range_m;
+  if (std::abs(offset_m) < least_m)
+    start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal;
+  return start;
+}
+
+Descent choose_minimum(const RangeProblem& problem, const Descent& first, const Descent& second,
+                       double same_residual_m) {
+  const int iterations = first.iterations + second.iterations;
+  const bool both = is_usable(first.status) && is_usable(second.status);
+  Descent chosen = is_usable(second.status) && !is_usable(first.status) ? second : first;
+  if (both && (first.position_m - second.position_m).norm() > kSameMinimum_m) {
+    const double first_rms_m = residual_rms_m(problem, first.cost_m2);
+    const double second_rms_m = residual_rms_m(problem, second.cost_m2);
+    if (std::abs(first_rms_m - second_rms_m) > same_residual_m) {
+      chosen = first_rms_m < second_rms_m ? first : second;
+    } else {
+      const MirrorChoice choice =
+          choose_mirror(first.position_m, second.position_m, problem.hint_m);
+      chosen = choice.first ? first : second;
+      if (!choice.decided) chosen.status = SolveStatus::mirror_ambiguous;
+    }
+  }
+  chosen.iterations = iterations;
+  return chosen;
+}
+
+PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent) {
+  PointEstimate failure = failed_estimate(descent.status);
+  failure.iterations = descent.iterations;
+  if (descent.status == SolveStatus::rank_deficient || descent.status == SolveStatus::diverged)
+    return failure;
+  const PointEstimate result =
+      estimate_at(problem, descent.position_m, descent.status, descent.iterations);
+  if (std::isfinite(result.gdop) || descent.status == SolveStatus::iteration_limit) return result;
+  failure.status = SolveStatus::rank_deficient;
+  failure.gdop = result.gdop;
+  return failure;
+}
+
+}  // namespace trilat

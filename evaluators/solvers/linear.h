@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "evaluators/solvers/point_estimate.h"
+#include "evaluators/solvers/range_problem.h"
+
+namespace trilat {
+
+enum class LinearReference : std::uint8_t {
+  one_sensor,  // subtract one sensor's sphere from every other
+  all_pairs,   // subtract every two spheres: no sensor is special
+};
+
+struct LinearOptions {
+  LinearReference reference = LinearReference::one_sensor;
+  // For one_sensor: the rig's number of the reference. When it does not see the joint, the next
+  // higher number that does, then the lowest.
+  int reference_sensor = 0;
+  // rank_deficient with fewer than four ranges, or when the smallest pivot of the QR factors is <=
+  // rank_ratio times the largest: sensors within about rank_ratio of their spread of a common
+  // plane. Then ranges differ in two directions only, whatever the joint, and the position is NaN.
+  // Rounding errors of a position stay below about 1e-16 / rank_ratio of the distances.
+  double rank_ratio = 1e-6;
+};
+
+// Linear least squares on differences of spheres, 2 (s_i - s_j).x = r_j^2 - r_i^2 + |s_i|^2 -
+// |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends
+// on the reference whenever the ranges do not agree. Ends with closed_form or rank_deficient.
+[[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);
+
+}  // namespace trilat
