@@ -56,69 +56,44 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
 }
 
-struct SamplesWriter::State {
-  H5File file;
-  std::vector<TakeTables> takes;
-};
-
-SamplesWriter::SamplesWriter(const std::filesystem::path& path, const SamplesHeader& header)
-    : state_(std::make_unique<State>()) {
-  H5File& file = state_->file;
-  file = H5File::create(path);
-  file.set_text("format", kFormat);
-  file.set_integer("version", kVersion);
-  file.set_text("created_by", kProgramVersion);
-  file.set_texts("joints", header.joints);
-  file.set_texts("methods", header.methods);
-  file.set_texts("status_names", header.status_names);
-  file.set_text("alignment", header.alignment);
-  H5Node takes = file.create_group("takes");
-  for (std::size_t t = 0; t < header.takes.size(); ++t) {
-    H5Node node = takes.create_group(group_name(t));
-    node.set_text("id", header.takes[t].id);
-    const std::uint64_t instants = header.takes[t].instants;
-    state_->takes.push_back(tables_of(header.joints.size(), header.methods.size(),
-                                      [&](const char* name, H5Type type, const Shape& shape) {
-                                        return node.create_table(name, type, shape, {}, instants);
-                                      }));
-  }
-}
-
-SamplesWriter::~SamplesWriter() = default;
-
-void SamplesWriter::write(std::size_t take, const SampleBlock& b) {
-  TakeTables& t = state_->takes.at(take);
-  const auto put = [&](H5Table& table, const auto& values) {
-    table.write(b.first_instant, std::span(values.data(), values.size()));
-  };
-  put(t.time_ns, b.time_ns);
-  put(t.truth_m, b.truth_m);
-  put(t.ranges, b.ranges);
-  put(t.estimate_m, b.estimate_m);
-  put(t.status, b.status);
-  put(t.iterations, b.iterations);
-  put(t.cost_m2, b.cost_m2);
-  put(t.gdop, b.gdop);
-}
-
-void SamplesWriter::write_errors(std::size_t take, std::uint64_t first_instant,
-                                 std::span<const float> error_m) {
-  state_->takes.at(take).error_m.write(first_instant, error_m);
-}
-
-void SamplesWriter::close() {
-  state_->takes.clear();
-  state_->file.close();
-}
-
-struct SamplesReader::State {
+struct SamplesFile::State {
   H5File file;
   SamplesHeader header;
   std::vector<TakeTables> takes;
 };
 
-SamplesReader::SamplesReader(const std::filesystem::path& path) : state_(std::make_unique<State>()) {
-  State& s = *state_;
+SamplesFile::SamplesFile() : state_(std::make_unique<State>()) {}
+SamplesFile::~SamplesFile() = default;
+SamplesFile::SamplesFile(SamplesFile&&) noexcept = default;
+
+SamplesFile SamplesFile::create(const std::filesystem::path& path, const SamplesHeader& header) {
+  SamplesFile samples;
+  State& s = *samples.state_;
+  s.header = header;
+  s.file = H5File::create(path);
+  s.file.set_text("format", kFormat);
+  s.file.set_integer("version", kVersion);
+  s.file.set_text("created_by", kProgramVersion);
+  s.file.set_texts("joints", header.joints);
+  s.file.set_texts("methods", header.methods);
+  s.file.set_texts("status_names", header.status_names);
+  s.file.set_text("alignment", header.alignment);
+  H5Node takes = s.file.create_group("takes");
+  for (std::size_t t = 0; t < header.takes.size(); ++t) {
+    H5Node node = takes.create_group(group_name(t));
+    node.set_text("id", header.takes[t].id);
+    const std::uint64_t instants = header.takes[t].instants;
+    s.takes.push_back(tables_of(header.joints.size(), header.methods.size(),
+                                [&](const char* name, H5Type type, const Shape& shape) {
+                                  return node.create_table(name, type, shape, {}, instants);
+                                }));
+  }
+  return samples;
+}
+
+SamplesFile SamplesFile::open(const std::filesystem::path& path) {
+  SamplesFile samples;
+  State& s = *samples.state_;
   s.file = H5File::open(path);
   if (!s.file.has_attribute("format") || s.file.text("format") != kFormat)
     throw InputError(path.string(), "is not a samples file of this program");
@@ -136,13 +111,33 @@ SamplesReader::SamplesReader(const std::filesystem::path& path) : state_(std::ma
         [&](const char* table, H5Type type, const Shape& shape) { return node.table(table, type, shape); }));
     s.header.takes.push_back({node.text("id"), s.takes.back().time_ns.rows()});
   }
+  return samples;
 }
 
-SamplesReader::~SamplesReader() = default;
+const SamplesHeader& SamplesFile::header() const { return state_->header; }
 
-const SamplesHeader& SamplesReader::header() const { return state_->header; }
+void SamplesFile::write(std::size_t take, const SampleBlock& b) {
+  TakeTables& t = state_->takes.at(take);
+  const auto put = [&](H5Table& table, const auto& values) {
+    table.write(b.first_instant, std::span(values.data(), values.size()));
+  };
+  put(t.time_ns, b.time_ns);
+  put(t.truth_m, b.truth_m);
+  put(t.ranges, b.ranges);
+  put(t.estimate_m, b.estimate_m);
+  put(t.status, b.status);
+  put(t.iterations, b.iterations);
+  put(t.cost_m2, b.cost_m2);
+  put(t.gdop, b.gdop);
+}
 
-SampleBlock SamplesReader::read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const {
+void SamplesFile::write_errors(std::size_t take, std::uint64_t first_instant,
+                               std::span<const float> error_m) {
+  state_->takes.at(take).error_m.write(first_instant, error_m);
+}
+
+SampleBlock SamplesFile::read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,
+                              SampleColumns columns) const {
   const TakeTables& t = state_->takes.at(take);
   SampleBlock b;
   b.reset(first_instant, instants, state_->header.joints.size(), state_->header.methods.size());
@@ -151,17 +146,18 @@ SampleBlock SamplesReader::read(std::size_t take, std::uint64_t first_instant, s
   };
   get(t.time_ns, b.time_ns);
   get(t.truth_m, b.truth_m);
-  get(t.ranges, b.ranges);
   get(t.estimate_m, b.estimate_m);
   get(t.status, b.status);
+  if (columns == SampleColumns::positions) return b;
+  get(t.ranges, b.ranges);
   get(t.iterations, b.iterations);
   get(t.cost_m2, b.cost_m2);
   get(t.gdop, b.gdop);
   return b;
 }
 
-std::vector<float> SamplesReader::read_errors(std::size_t take, std::uint64_t first_instant,
-                                              std::uint64_t instants) const {
+std::vector<float> SamplesFile::read_errors(std::size_t take, std::uint64_t first_instant,
+                                            std::uint64_t instants) const {
   std::vector<float> errors(instants * state_->header.joints.size() * state_->header.methods.size() * 3);
   state_->takes.at(take).error_m.read(first_instant, std::span<float>(errors));
   return errors;

@@ -44,31 +44,29 @@ struct SampleBlock {
   void reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods);
 };
 
-// samples.h5 (results format 1), written slot by slot: blocks may come in any order and from any thread, the
-// bytes are the same. All space is laid out when the file is made.
-class SamplesWriter {
+// Which columns of a block to read: positions are time, truth, estimate and status.
+enum class SampleColumns { positions, all };
+
+// samples.h5 (results format 1). Written slot by slot: blocks may come in any order and from any thread, the
+// bytes are the same. All space is laid out when the file is made; what is never written must be written
+// empty.
+class SamplesFile {
  public:
-  SamplesWriter(const std::filesystem::path& path, const SamplesHeader& header);
-  ~SamplesWriter();
+  static SamplesFile create(const std::filesystem::path& path, const SamplesHeader& header);
+  static SamplesFile open(const std::filesystem::path& path);
+  SamplesFile(SamplesFile&&) noexcept;
+  ~SamplesFile();
+
+  const SamplesHeader& header() const;
   void write(std::size_t take, const SampleBlock& block);
   // x, y, z of estimate - truth after alignment; joints before methods. Metres.
   void write_errors(std::size_t take, std::uint64_t first_instant, std::span<const float> error_m);
-  void close();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
-
-class SamplesReader {
- public:
-  explicit SamplesReader(const std::filesystem::path& path);
-  ~SamplesReader();
-  const SamplesHeader& header() const;
-  SampleBlock read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const;
+  SampleBlock read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,
+                   SampleColumns columns = SampleColumns::all) const;
   std::vector<float> read_errors(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const;
 
  private:
+  SamplesFile();
   struct State;
   std::unique_ptr<State> state_;
 };

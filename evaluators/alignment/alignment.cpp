@@ -46,9 +46,16 @@ std::string_view name_of(AlignmentKind kind) {
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
+std::optional<AlignmentKind> alignment_from_name(std::string_view name) {
+  for (const auto kind :
+       {AlignmentKind::none, AlignmentKind::first, AlignmentKind::mean, AlignmentKind::rigid})
+    if (name_of(kind) == name) return kind;
+  return std::nullopt;
+}
+
 std::string_view name_of(AlignmentStatus status) {
-  constexpr std::array<std::string_view, 5> kNames{"not_solved", "aligned", "no_pairs",
-                                                   "not_finite", "degenerate"};
+  constexpr std::array<std::string_view, 5> kNames{"not_solved", "aligned", "no_pairs", "not_finite",
+                                                   "degenerate"};
   return kNames.at(static_cast<std::size_t>(status));
 }
 
@@ -70,12 +77,11 @@ void AlignmentSums::merge(const AlignmentSums& later) {
     *this = later;
     return;
   }
-  const double share =
-      static_cast<double>(later.count_) / static_cast<double>(count_ + later.count_);
+  const double share = static_cast<double>(later.count_) / static_cast<double>(count_ + later.count_);
   const Eigen::Vector3d estimate_shift_m = later.mean_estimate_m_ - mean_estimate_m_;
   const Eigen::Vector3d truth_shift_m = later.mean_truth_m_ - mean_truth_m_;
-  cross_m2_ += later.cross_m2_ +
-               static_cast<double>(count_) * share * estimate_shift_m * truth_shift_m.transpose();
+  cross_m2_ +=
+      later.cross_m2_ + static_cast<double>(count_) * share * estimate_shift_m * truth_shift_m.transpose();
   mean_estimate_m_ += share * estimate_shift_m;
   mean_truth_m_ += share * truth_shift_m;
   count_ += later.count_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -30,6 +31,7 @@ enum class AlignmentStatus : std::uint8_t {
   degenerate = 4,
 };
 std::string_view name_of(AlignmentKind kind);
+std::optional<AlignmentKind> alignment_from_name(std::string_view name);
 std::string_view name_of(AlignmentStatus status);
 
 // All that any alignment needs to know of a stream of pairs. Deviations are taken from running

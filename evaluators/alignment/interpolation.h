@@ -32,8 +32,7 @@ std::optional<Eigen::Vector3d> interpolate(Instant<Clock> t, Instant<Clock> time
   if (t == time_a) return a_m;
   if (t == time_b) return b_m;
   if (t < time_a || time_b < t || time_b - time_a > max_gap) return std::nullopt;
-  const double share =
-      static_cast<double>((t - time_a).ns) / static_cast<double>((time_b - time_a).ns);
+  const double share = static_cast<double>((t - time_a).ns) / static_cast<double>((time_b - time_a).ns);
   return a_m + share * (b_m - a_m);
 }
 
@@ -51,8 +50,7 @@ std::optional<Eigen::Vector3d> interpolate(const SampledTrack<Clock>& track, Ins
   while (b < size && track.valid[b] == 0 && track.time[b] - t <= max_gap) ++b;
   while (a > 0 && track.valid[a - 1] == 0 && t - track.time[a - 1] <= max_gap) --a;
   if (a == 0 || b == size || track.valid[a - 1] == 0 || track.valid[b] == 0) return std::nullopt;
-  return interpolate(t, track.time[a - 1], track.point_m[a - 1], track.time[b], track.point_m[b],
-                     max_gap);
+  return interpolate(t, track.time[a - 1], track.point_m[a - 1], track.time[b], track.point_m[b], max_gap);
 }
 
 }  // namespace trilat

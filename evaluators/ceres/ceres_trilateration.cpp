@@ -20,10 +20,8 @@ class RangeResidual final : public ceres::SizedCostFunction<1, 3> {
   RangeResidual(const Eigen::Vector3d& sensor_m, double range_m, double weight)
       : sensor_m_(sensor_m), range_m_(range_m), scale_(std::sqrt(weight)) {}
 
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Eigen::Vector3d from_sensor =
-        Eigen::Map<const Eigen::Vector3d>(parameters[0]) - sensor_m_;
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Eigen::Vector3d from_sensor = Eigen::Map<const Eigen::Vector3d>(parameters[0]) - sensor_m_;
     const double distance = from_sensor.norm();
     residuals[0] = scale_ * (distance - range_m_);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
@@ -51,8 +49,7 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
   return result;
 }
 
-Descent descend(const RangeProblem& problem, const CeresOptions& options,
-                const Eigen::Vector3d& start_m) {
+Descent descend(const RangeProblem& problem, const CeresOptions& options, const Eigen::Vector3d& start_m) {
   Eigen::Vector3d x = start_m;
   ceres::Problem least_squares;
   for (int i = 0; i < problem.count; ++i) {
@@ -65,8 +62,7 @@ Descent descend(const RangeProblem& problem, const CeresOptions& options,
   Descent result{x, SolveStatus::diverged, 0, 2.0 * summary.final_cost};
   result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps;
   if (summary.termination_type == ceres::CONVERGENCE) result.status = SolveStatus::converged;
-  if (summary.termination_type == ceres::NO_CONVERGENCE)
-    result.status = SolveStatus::iteration_limit;
+  if (summary.termination_type == ceres::NO_CONVERGENCE) result.status = SolveStatus::iteration_limit;
   return result;
 }
 
@@ -81,11 +77,10 @@ PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& optio
   if (plane.collinear) return failed_estimate(SolveStatus::rank_deficient);
   const Eigen::Vector3d wanted_m =
       wanted_start_m(problem, options.start, options.start_point_m, options.linear);
-  return estimate_of(
-      problem, descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
-                                     options.same_residual_m, [&](const Eigen::Vector3d& start_m) {
-                                       return descend(problem, options, start_m);
-                                     }));
+  return estimate_of(problem,
+                     descend_on_both_sides(
+                         problem, plane, safe_start(problem, plane, wanted_m), options.same_residual_m,
+                         [&](const Eigen::Vector3d& start_m) { return descend(problem, options, start_m); }));
 }
 
 }  // namespace trilat

@@ -18,16 +18,14 @@ PointEstimate baseline_at(const Eigen::Vector3d& position_m) {
 
 PointEstimate solve_single_sensor(std::span<const JointObservation> observations,
                                   const SingleSensorOptions& options) {
-  TRILAT_CHECK(
-      options.sensor >= 0 && static_cast<std::size_t>(options.sensor) < observations.size(),
-      "the rig has the sensor");
+  TRILAT_CHECK(options.sensor >= 0 && static_cast<std::size_t>(options.sensor) < observations.size(),
+               "the rig has the sensor");
   const JointObservation& observation = observations[options.sensor];
   return observation.seen ? baseline_at(observation.point_in_world_m)
                           : failed_estimate(SolveStatus::no_observation);
 }
 
-PointEstimate solve_mean(std::span<const JointObservation> observations,
-                         const MeanOptions& options) {
+PointEstimate solve_mean(std::span<const JointObservation> observations, const MeanOptions& options) {
   TRILAT_CHECK(observations.size() <= kMaxSensors, "the rig is within the capacity");
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d tracked_sum_m = Eigen::Vector3d::Zero();

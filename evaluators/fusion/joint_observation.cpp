@@ -13,9 +13,8 @@ JointObservation observe(const Eigen::Vector3d& point_in_sensor_m, TrackingState
 
 RangeProblem ranges_of(std::span<const JointObservation> observations,
                        std::span<const RigidTransform> world_from_sensor, SensorMask allowed) {
-  TRILAT_CHECK(
-      observations.size() == world_from_sensor.size() && observations.size() <= kMaxSensors,
-      "every sensor has one observation and one pose");
+  TRILAT_CHECK(observations.size() == world_from_sensor.size() && observations.size() <= kMaxSensors,
+               "every sensor has one observation and one pose");
   RangeProblem problem;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < observations.size(); ++i) {

@@ -35,8 +35,7 @@ void ErrorSums::add(SolveStatus status, const Eigen::Vector3d& error_m) {
 void ErrorSums::merge(const ErrorSums& later) {
   asked_ += later.asked_;
   answered_ += later.answered_;
-  for (std::size_t i = 0; i < status_counts_.size(); ++i)
-    status_counts_[i] += later.status_counts_[i];
+  for (std::size_t i = 0; i < status_counts_.size(); ++i) status_counts_[i] += later.status_counts_[i];
   distance_m_.merge(later.distance_m_);
   squared_m2_.merge(later.squared_m2_);
   for (int axis = 0; axis < 3; ++axis) axis_distance_m_[axis].merge(later.axis_distance_m_[axis]);
@@ -56,8 +55,7 @@ ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, const QuantileSelecti
   if (sums.answered_ == 0) return result;
   const auto n = static_cast<double>(sums.answered_);
   result.mae_m = sums.distance_m_.value() / n;
-  for (int axis = 0; axis < 3; ++axis)
-    result.axis_mae_m[axis] = sums.axis_distance_m_[axis].value() / n;
+  for (int axis = 0; axis < 3; ++axis) result.axis_mae_m[axis] = sums.axis_distance_m_[axis].value() / n;
   result.rmse_m = std::sqrt(sums.squared_m2_.value() / n);
   result.median_m = quantiles[0];
   result.p90_m = quantiles[1];

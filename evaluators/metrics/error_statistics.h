@@ -37,9 +37,7 @@ class ErrorSums {
 
   std::int64_t asked() const { return asked_; }
   std::int64_t answered() const { return answered_; }
-  std::int64_t count_of(SolveStatus status) const {
-    return status_counts_[static_cast<std::size_t>(status)];
-  }
+  std::int64_t count_of(SolveStatus status) const { return status_counts_[static_cast<std::size_t>(status)]; }
 
  private:
   friend struct ErrorStatistics;

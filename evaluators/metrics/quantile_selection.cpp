@@ -42,9 +42,9 @@ void QuantileSelection::add(double value) {
 }
 
 void QuantileSelection::merge_pass(const QuantileSelection& later) {
-  TRILAT_CHECK(shift_ == later.shift_ && wanted_ == later.wanted_ &&
-                   prefixes_.size() == later.prefixes_.size(),
-               "only the same pass of the same selection merges");
+  TRILAT_CHECK(
+      shift_ == later.shift_ && wanted_ == later.wanted_ && prefixes_.size() == later.prefixes_.size(),
+      "only the same pass of the same selection merges");
   shown_ += later.shown_;
   for (std::size_t p = 0; p < prefixes_.size(); ++p) {
     TRILAT_CHECK(prefixes_[p].bits == later.prefixes_[p].bits, "both follow the same values");
@@ -65,8 +65,8 @@ void QuantileSelection::start_ranks() {
 
 void QuantileSelection::settle_digit(Rank& rank) const {
   const std::uint64_t above = above_digit(rank.bits, shift_);
-  const auto prefix = std::find_if(prefixes_.begin(), prefixes_.end(),
-                                   [&](const Prefix& p) { return p.bits == above; });
+  const auto prefix =
+      std::find_if(prefixes_.begin(), prefixes_.end(), [&](const Prefix& p) { return p.bits == above; });
   TRILAT_CHECK(prefix != prefixes_.end(), "every rank has a prefix");
   std::uint64_t digit = 0;
   while (digit < kDigitMask && rank.within >= prefix->histogram[digit])
@@ -80,8 +80,7 @@ void QuantileSelection::open_prefixes() {
   if (done()) return;
   for (const Rank& rank : ranks_) {
     const std::uint64_t above = above_digit(rank.bits, shift_);
-    if (!find_prefix(above))
-      prefixes_.push_back({above, std::vector<std::int64_t>(kDigitMask + 1)});
+    if (!find_prefix(above)) prefixes_.push_back({above, std::vector<std::int64_t>(kDigitMask + 1)});
   }
 }
 

@@ -27,8 +27,7 @@ Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane
     start = problem.hint_m.value_or(plane.centroid_m + plane.mean_range_m * plane.normal);
   const double offset_m = plane.offset_m(start);
   const double least_m = kLeastStartOffset * plane.mean_range_m;
-  if (std::abs(offset_m) < least_m)
-    start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal;
+  if (std::abs(offset_m) < least_m) start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal;
   return start;
 }
 
@@ -43,8 +42,7 @@ Descent choose_minimum(const RangeProblem& problem, const Descent& first, const 
     if (std::abs(first_rms_m - second_rms_m) > same_residual_m) {
       chosen = first_rms_m < second_rms_m ? first : second;
     } else {
-      const MirrorChoice choice =
-          choose_mirror(first.position_m, second.position_m, problem.hint_m);
+      const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);
       chosen = choice.first ? first : second;
       if (!choice.decided) chosen.status = SolveStatus::mirror_ambiguous;
     }
@@ -58,8 +56,7 @@ PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent) {
   failure.iterations = descent.iterations;
   if (descent.status == SolveStatus::rank_deficient || descent.status == SolveStatus::diverged)
     return failure;
-  const PointEstimate result =
-      estimate_at(problem, descent.position_m, descent.status, descent.iterations);
+  const PointEstimate result = estimate_at(problem, descent.position_m, descent.status, descent.iterations);
   if (std::isfinite(result.gdop) || descent.status == SolveStatus::iteration_limit) return result;
   failure.status = SolveStatus::rank_deficient;
   failure.gdop = result.gdop;

@@ -57,8 +57,7 @@ SphereMeeting meeting_of(const RangeProblem& three) {
   const Eigen::Vector3d ey = across / j;
   const double square = three.range_m[0] * three.range_m[0];
   const double x = (square - three.range_m[1] * three.range_m[1] + d * d) / (2.0 * d);
-  const double y =
-      (square - three.range_m[2] * three.range_m[2] + i * i + j * j - 2.0 * i * x) / (2.0 * j);
+  const double y = (square - three.range_m[2] * three.range_m[2] + i * i + j * j - 2.0 * i * x) / (2.0 * j);
   result.foot_m = three.sensor_m[0] + x * ex + y * ey;
   result.normal = ex.cross(ey);
   result.height_squared_m2 = square - x * x - y * y;

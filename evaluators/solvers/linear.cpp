@@ -30,8 +30,7 @@ int reference_entry(const RangeProblem& problem, int reference_sensor) {
 // Row i: 2 (s_i - o).x' = |s_i - o|^2 - r_i^2, minus the same of the reference, with x' = x - o
 // relative to the origin o. Centred on the mean row, the least squares are those of all pairs:
 // sum over i < j of (a_i - a_j)(a_i - a_j)^T is n times the sum of (a_i - mean)(a_i - mean)^T.
-LinearSystem differences(const RangeProblem& problem, const Eigen::Vector3d& origin_m,
-                         int reference) {
+LinearSystem differences(const RangeProblem& problem, const Eigen::Vector3d& origin_m, int reference) {
   LinearSystem system;
   std::array<double, 4> subtrahend{};
   for (int i = 0; i < problem.count; ++i) {

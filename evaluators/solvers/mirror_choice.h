@@ -20,8 +20,7 @@ inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::V
   if (!hint_m) return {};
   const double to_first_m = (*hint_m - first_m).norm();
   const double to_second_m = (*hint_m - second_m).norm();
-  return {to_first_m <= to_second_m,
-          to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
+  return {to_first_m <= to_second_m, to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
 }
 
 }  // namespace trilat

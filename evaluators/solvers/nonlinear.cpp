@@ -15,9 +15,8 @@ constexpr double kDampingFactor = 10.0;
 
 RangeEquations equations_at(const RangeProblem& problem, const NonlinearOptions& options,
                             const Eigen::Vector3d& x_m) {
-  return options.gradient == Gradient::printed
-             ? linearise_as_printed(problem, x_m, options.printed_unit_m)
-             : linearise(problem, x_m);
+  return options.gradient == Gradient::printed ? linearise_as_printed(problem, x_m, options.printed_unit_m)
+                                               : linearise(problem, x_m);
 }
 
 bool objective_rule_holds(const NonlinearOptions& options, double cost_m2, double previous_m2) {
@@ -54,8 +53,7 @@ Descent descend_undamped(const RangeProblem& problem, const NonlinearOptions& op
       now.status = SolveStatus::diverged;
       return now;
     }
-    if (objective_rule_holds(options, now.cost_m2, previous_m2) ||
-        step_rule_holds(options, step_m)) {
+    if (objective_rule_holds(options, now.cost_m2, previous_m2) || step_rule_holds(options, step_m)) {
       now.status = SolveStatus::converged;
       return now;
     }
@@ -76,8 +74,7 @@ Descent descend_damped(const RangeProblem& problem, const NonlinearOptions& opti
     Symmetric3 damped = equations.normal;
     damped.add_to_diagonal(damping * equations.normal.trace());
     const Symmetric3 adjugate = damped.adjugate();
-    const Eigen::Vector3d step_m =
-        (adjugate * equations.gradient) * (-1.0 / damped.determinant(adjugate));
+    const Eigen::Vector3d step_m = (adjugate * equations.gradient) * (-1.0 / damped.determinant(adjugate));
     const Eigen::Vector3d trial_m = now.position_m + step_m;
     ++now.iterations;
     if (step_rule_holds(options, step_m)) {
@@ -104,10 +101,9 @@ Descent descend_damped(const RangeProblem& problem, const NonlinearOptions& opti
   return now;
 }
 
-Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& options,
-                       const SensorPlane& plane, const Eigen::Vector3d& wanted_m) {
-  const Eigen::Vector3d start_m =
-      wanted_m.allFinite() ? wanted_m : safe_start(problem, plane, wanted_m);
+Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& options, const SensorPlane& plane,
+                       const Eigen::Vector3d& wanted_m) {
+  const Eigen::Vector3d start_m = wanted_m.allFinite() ? wanted_m : safe_start(problem, plane, wanted_m);
   const Descent descent = descend_undamped(problem, options, start_m);
   if (!plane.exact) return descent;
   return choose_minimum(problem, descent, mirrored(plane, descent), options.same_residual_m);
@@ -115,8 +111,8 @@ Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& opti
 
 }  // namespace
 
-Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start,
-                               const Eigen::Vector3d& start_point_m, const LinearOptions& linear) {
+Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start, const Eigen::Vector3d& start_point_m,
+                               const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
   const PointEstimate estimate = solve_linear(problem, linear);
@@ -140,9 +136,8 @@ PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOption
   const auto descend = [&](const Eigen::Vector3d& start_m) {
     return descend_damped(problem, options, start_m);
   };
-  return estimate_of(problem,
-                     descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
-                                           options.same_residual_m, descend));
+  return estimate_of(problem, descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
+                                                    options.same_residual_m, descend));
 }
 
 }  // namespace trilat

@@ -58,11 +58,10 @@ struct NonlinearOptions {
 //                    any iterate: a joint in the plane of the sensors is such a case
 //   mirror_ambiguous, iteration_limit, diverged, or a refusal of the problem.
 // InternalError when lm is asked to follow the printed gradient, which is not one of F.
-[[nodiscard]] PointEstimate solve_nonlinear(const RangeProblem& problem,
-                                            const NonlinearOptions& options);
+[[nodiscard]] PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options);
 
 // Where the options want to start; NaN when there is no such point.
-Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start,
-                               const Eigen::Vector3d& start_point_m, const LinearOptions& linear);
+Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start, const Eigen::Vector3d& start_point_m,
+                               const LinearOptions& linear);
 
 }  // namespace trilat

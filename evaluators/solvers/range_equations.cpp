@@ -9,14 +9,12 @@ namespace {
 
 // `printed_unit_m` is read only by the printed gradient.
 template <bool printed>
-RangeEquations equations_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
-                            double printed_unit_m) {
+RangeEquations equations_at(const RangeProblem& problem, const Eigen::Vector3d& x_m, double printed_unit_m) {
   RangeEquations result{{}, Eigen::Vector3d::Zero(), 0.0};
   for (int i = 0; i < problem.count; ++i) {
     const Eigen::Vector3d from_sensor = x_m - problem.sensor_m[i];
-    const double distance =
-        std::sqrt(from_sensor.x() * from_sensor.x() + from_sensor.y() * from_sensor.y() +
-                  from_sensor.z() * from_sensor.z());
+    const double distance = std::sqrt(from_sensor.x() * from_sensor.x() + from_sensor.y() * from_sensor.y() +
+                                      from_sensor.z() * from_sensor.z());
     const double inverse = distance > kOnSensor_m ? 1.0 / distance : 0.0;
     const Eigen::Vector3d unit = from_sensor * inverse;
     const double f = distance - problem.range_m[i];
@@ -34,8 +32,7 @@ RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m
   return equations_at<false>(problem, x_m, 0.0);
 }
 
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m,
-                                    double unit_m) {
+RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m, double unit_m) {
   return equations_at<true>(problem, x_m, unit_m);
 }
 
@@ -46,8 +43,8 @@ bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, dou
   return !(pairs > kRankRatio * trace * trace && determinant > kRankRatio * trace * pairs);
 }
 
-PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
-                          SolveStatus status, int iterations) {
+PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m, SolveStatus status,
+                          int iterations) {
   PointEstimate result;
   result.position_m = x_m;
   result.status = status;

@@ -29,8 +29,7 @@ RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m
 // The same with the right-hand side of eq. 17 as printed (erratum E7): (x - s) f over the squared
 // distance, every length counted in `unit_m`, and the result given in metres. It is J^T W f with
 // each row scaled by unit / distance, so the step depends on the unit.
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m,
-                                    double unit_m);
+RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m, double unit_m);
 
 // `determinant` and `adjugate` are those of `normal`.
 bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant);

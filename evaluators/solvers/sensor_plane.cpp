@@ -18,8 +18,7 @@ SensorPlane plane_of(const RangeProblem& problem) {
     plane.mean_range_m += problem.range_m[i] / problem.count;
   }
   Symmetric3 scatter;
-  for (int i = 0; i < problem.count; ++i)
-    scatter.add_outer(1.0, problem.sensor_m[i] - plane.centroid_m);
+  for (int i = 0; i < problem.count; ++i) scatter.add_outer(1.0, problem.sensor_m[i] - plane.centroid_m);
   const Symmetric3 adjugate = scatter.adjugate();
   const double trace = scatter.trace();
   const double pairs = adjugate.trace();

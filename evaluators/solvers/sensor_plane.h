@@ -20,9 +20,7 @@ struct SensorPlane {
   bool exact = false;
 
   double offset_m(const Eigen::Vector3d& x_m) const { return normal.dot(x_m - centroid_m); }
-  Eigen::Vector3d mirrored(const Eigen::Vector3d& x_m) const {
-    return x_m - 2.0 * offset_m(x_m) * normal;
-  }
+  Eigen::Vector3d mirrored(const Eigen::Vector3d& x_m) const { return x_m - 2.0 * offset_m(x_m) * normal; }
 };
 
 SensorPlane plane_of(const RangeProblem& problem);

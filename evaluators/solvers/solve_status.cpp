@@ -13,8 +13,6 @@ constexpr std::array<std::string_view, kSolveStatusCount> kNames{
 
 }  // namespace
 
-std::string_view name_of(SolveStatus status) {
-  return kNames.at(static_cast<std::size_t>(status));
-}
+std::string_view name_of(SolveStatus status) { return kNames.at(static_cast<std::size_t>(status)); }
 
 }  // namespace trilat

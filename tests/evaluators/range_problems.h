@@ -24,9 +24,7 @@ inline std::vector<Eigen::Vector3d> ring_m(double h0_m, double h1_m, double h2_m
   return {{2, h0_m, 0}, {0, h1_m, 2}, {-2, h2_m, 0}, {0, h3_m, -2}};
 }
 
-inline std::vector<Eigen::Vector3d> well_posed_sensors_m() {
-  return ring_m(0.3, 2.3, 0.3, 2.3);
-}
+inline std::vector<Eigen::Vector3d> well_posed_sensors_m() { return ring_m(0.3, 2.3, 0.3, 2.3); }
 
 // A joint of a person in the middle of the ring.
 inline Eigen::Vector3d random_joint_m(const RandomStream& random, std::uint32_t index) {

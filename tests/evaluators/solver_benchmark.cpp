@@ -88,8 +88,7 @@ void report(const char* title, const std::vector<RangeProblem>& all) {
       {"nonlinear printed, C = 1e-4 cm2", 5, nonlinear(undamped(Gradient::printed, 1e-4))},
       {"ceres", 1, [](const RangeProblem& p) { return solve_ceres(p, {}); }},
   };
-  std::printf("%s\n%-34s %12s %10s %8s %9s\n", title, "method", "ns/solve", "steps", "usable",
-              "x lm");
+  std::printf("%s\n%-34s %12s %10s %8s %9s\n", title, "method", "ns/solve", "steps", "usable", "x lm");
   double lm_ns = 0.0;
   std::vector<Timing> timings;
   for (const Row& row : rows) timings.push_back(time_of(all, row.repeats, row.solve));

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/version.h"
+#include "pipeline/cli/verbs.h"
+
+namespace trilat {
+namespace {
+
+std::atomic<int> stop_signals{0};
+
+// The first signal asks for an orderly end; the second takes the default way out.
+void on_signal(int number) {
+  if (stop_signals.fetch_add(1) > 0) {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+}
+
+void add_json(CLI::App& verb, bool& json) {
+  verb.add_flag("--json", json, "one JSON document on stdout, and nothing else there");
+}
+
+struct AllArguments {
+  InfoArguments info;
+  VerifyArguments verify;
+  MocapArguments mocap;
+  SimulateArguments simulate;
+  RunArguments run;
+  ReportArguments report;
+  ReproduceArguments reproduce;
+};
+
+void add_inspection(CLI::App& app, AllArguments& a, int& code) {
+  auto* info_verb = app.add_subcommand("info", "what is in a session");
+  info_verb->add_option("session", a.info.session, "session.h5")->required();
+  add_json(*info_verb, a.info.json);
+  info_verb->callback([&] { code = info(a.info); });
+
+  auto* verify_verb = app.add_subcommand("verify", "read everything in a session and say what is odd");
+  verify_verb->add_option("session", a.verify.session, "session.h5")->required();
+  verify_verb->add_flag("--skip-depth", a.verify.skip_depth, "do not decompress the depth frames");
+  add_json(*verify_verb, a.verify.json);
+  verify_verb->callback([&] { code = verify(a.verify); });
+
+  auto* mocap_verb = app.add_subcommand(
+      "mocap",
+      "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches");
+  mocap_verb->add_option("file", a.mocap.file, "CSV export of Motive, Arena or Tracking Tools")->required();
+  add_json(*mocap_verb, a.mocap.json);
+  mocap_verb->callback([&] { code = mocap(a.mocap); });
+}
+
+void add_work(CLI::App& app, AllArguments& a, int& code) {
+  auto* simulate_verb =
+      app.add_subcommand("simulate", "virtual Kinects watch a generated person or a real OptiTrack take");
+  simulate_verb->add_option("spec", a.simulate.spec, "simulation.json")->required();
+  simulate_verb->add_option("-o,--output", a.simulate.output, "folder of the campaign")->required();
+  add_json(*simulate_verb, a.simulate.json);
+  simulate_verb->callback([&] { code = simulate(a.simulate); });
+
+  auto* run_verb = app.add_subcommand("run", "a study: takes x methods x settings -> results");
+  run_verb->add_option("study", a.run.study, "study.json")->required();
+  run_verb->add_option("--campaign", a.run.campaign, "folder of takes, instead of the study's own");
+  run_verb->add_option("-o,--output", a.run.output, "results folder; not needed with --dry-run");
+  run_verb->add_option("--threads", a.run.threads, "how many threads; 0: one a processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  run_verb->add_flag("--cross-check", a.run.cross_check,
+                     "solve again with Ceres, report the worst difference and fail beyond the study's limit");
+  run_verb->add_flag("--dry-run", a.run.dry_run, "print the plan and stop");
+  add_json(*run_verb, a.run.json);
+  run_verb->callback([&] { code = run(a.run); });
+
+  auto* report_verb =
+      app.add_subcommand("report", "results to Markdown, CSV and LaTeX; nothing is computed again");
+  report_verb->add_option("results", a.report.results, "results folders")->required();
+  report_verb->add_option("-o,--output", a.report.output, "folder of the report")->required();
+  add_json(*report_verb, a.report.json);
+  report_verb->callback([&] { code = report(a.report); });
+
+  auto* reproduce_verb = app.add_subcommand(
+      "reproduce",
+      "everything: a simulated campaign after the paper, its studies, and the tables beside the paper's");
+  reproduce_verb->add_option("-o,--output", a.reproduce.output, "folder of everything that is made")
+      ->capture_default_str();
+  reproduce_verb->add_option("--scale", a.reproduce.scale, "quick: 4 participants; paper: all 16")
+      ->check(CLI::IsMember({"quick", "paper"}))
+      ->capture_default_str();
+  reproduce_verb->add_option("--seed", a.reproduce.seed, "of every random number")->capture_default_str();
+  reproduce_verb->add_option("--threads", a.reproduce.threads, "how many threads; 0: one a processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_json(*reproduce_verb, a.reproduce.json);
+  reproduce_verb->callback([&] { code = reproduce(a.reproduce); });
+}
+
+int guarded_main(int argc, char** argv) {
+  CLI::App app(
+      "Offline evaluation of trilateration with several Kinect v2 sensors against OptiTrack.\n"
+      "Exit codes: 0 done; 1 done, but items failed; 2 bad input or usage; 70 a bug of this program.",
+      "trilat");
+  app.set_version_flag("--version", kProgramVersion);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::help);
+  AllArguments arguments;
+  int code = kDone;
+  add_work(app, arguments, code);
+  add_inspection(app, arguments, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForAllHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "trilat: %s; `trilat --help` and `trilat VERB --help` say what can be asked\n",
+                 error.what());
+    return kBadInput;
+  }
+  return code;
+}
+
+}  // namespace
+
+bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0; }
+
+}  // namespace trilat
+
+int main(int argc, char** argv) {
+  std::signal(SIGINT, trilat::on_signal);
+  std::signal(SIGTERM, trilat::on_signal);
+  try {
+    return trilat::guarded_main(argc, argv);
+  } catch (const trilat::InputError& error) {
+    std::fprintf(stderr, "trilat: %s\n", error.what());
+    return trilat::kBadInput;
+  } catch (const trilat::Interrupted&) {
+    std::fprintf(stderr, "trilat: interrupted; what was finished has been kept\n");
+    return trilat::kItemsFailed;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "trilat: there is not enough memory\n");
+    return trilat::kBadInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "trilat: this is a bug of the program, please report it: %s\n", error.what());
+    return trilat::kOurBug;
+  }
+}

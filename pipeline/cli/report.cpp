@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// `trilat report`.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/strict_json.h"
+#include "pipeline/cli/verbs.h"
+#include "reports/write_report.h"
+
+namespace trilat {
+
+int report(const ReportArguments& arguments) {
+  const ReportFiles files = write_report(arguments.results, arguments.output);
+  if (arguments.json) {
+    Json list = Json::array();
+    for (const auto& path : files.written) list.push_back(path.string());
+    fmt::print("{}\n", Json{{"tables", files.tables.size()}, {"files", list}}.dump(2));
+  } else {
+    fmt::print("{} tables: {}\n", files.tables.size(), (arguments.output / "report.md").string());
+  }
+  return kDone;
+}
+
+}  // namespace trilat

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/take/campaign.h"
+
+namespace trilat {
+
+// One take to be simulated: who does what, watched by which sensors.
+struct SimulatedTakePlan {
+  std::string id;
+  std::string participant;
+  std::string activity;
+  SimulatedItem item;
+  Motion motion;
+  double duration_s = 0.0;
+  std::vector<Joint> marker_joints;      // empty when the mocap is a real take
+  std::filesystem::path recorded_mocap;  // the real take, or empty
+  std::filesystem::path recorded_mapping;
+};
+
+// Writes `folder`/session.h5, mocap.csv, truth.csv, truth.json and mapping.json for one take, and returns its
+// entry for the campaign. For a real take mocap.csv and mapping.json are copies of what was given, and there
+// is no truth.csv.
+Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan,
+                   const std::vector<SensorPose>& poses, const std::filesystem::path& folder,
+                   const std::filesystem::path& calibration, const std::function<bool()>& stop_requested);
+
+// Simulates a whole campaign into `folder` on all processors and writes calibration.json and campaign.json.
+Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
+                           const std::function<bool()>& stop_requested,
+                           const std::function<void(double)>& progress);
+
+}  // namespace trilat

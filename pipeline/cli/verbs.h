@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// Exit codes of every verb. Bad input and bugs leave by exception: 2 and 70.
+enum ExitCode { kDone = 0, kItemsFailed = 1, kBadInput = 2, kOurBug = 70 };
+
+// True once the process has been asked to end (Ctrl-C, SIGTERM). Long work asks between items.
+bool stop_requested();
+
+struct InfoArguments {
+  std::filesystem::path session;
+  bool json = false;
+};
+int info(const InfoArguments& arguments);
+
+struct VerifyArguments {
+  std::filesystem::path session;
+  bool skip_depth = false;
+  bool json = false;
+};
+int verify(const VerifyArguments& arguments);
+
+struct MocapArguments {
+  std::filesystem::path file;
+  bool json = false;
+};
+int mocap(const MocapArguments& arguments);
+
+struct SimulateArguments {
+  std::filesystem::path spec;
+  std::filesystem::path output;
+  bool json = false;
+};
+int simulate(const SimulateArguments& arguments);
+
+struct RunArguments {
+  std::filesystem::path study;
+  std::filesystem::path campaign;
+  std::filesystem::path output;
+  int threads = 0;  // 0: as many as there are processors
+  bool cross_check = false;
+  bool dry_run = false;
+  bool json = false;
+};
+int run(const RunArguments& arguments);
+
+struct ReportArguments {
+  std::vector<std::filesystem::path> results;
+  std::filesystem::path output;
+  bool json = false;
+};
+int report(const ReportArguments& arguments);
+
+struct ReproduceArguments {
+  std::filesystem::path output = "out/reproduce";
+  std::string scale = "quick";
+  std::uint64_t seed = 1;
+  int threads = 0;
+  bool json = false;
+};
+int reproduce(const ReproduceArguments& arguments);
+
+}  // namespace trilat

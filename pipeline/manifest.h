@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "pipeline/plan.h"
+#include "pipeline/runner.h"
+
+namespace trilat {
+
+// manifest.json: what went into these results, equal for equal inputs: the resolved study and its hash, the
+// SHA-256 of every input file, program version, rig, counts. Files that cannot be read are listed without a
+// hash.
+void write_manifest(const std::filesystem::path& folder, const Plan& plan,
+                    const std::function<bool()>& stop_requested);
+
+// run.json: what may differ between equal runs: the machine, the number of threads, the times.
+void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,
+                      int threads);
+
+}  // namespace trilat

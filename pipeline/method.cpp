@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/method.h"
+
+#include <algorithm>
+
+#include "datasets/base/error.h"
+
+namespace trilat {
+namespace {
+
+int rig_index(const std::string& sensor, const std::vector<std::string>& rig, const std::string& method) {
+  const auto found = std::find(rig.begin(), rig.end(), sensor);
+  if (found != rig.end()) return static_cast<int>(found - rig.begin());
+  std::string known;
+  for (const std::string& name : rig) known += (known.empty() ? "" : ", ") + name;
+  throw InputError("method \"" + method + '"', "names the sensor \"" + sensor + "\"; the rig has " + known);
+}
+
+Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
+  Method method;
+  method.spec = spec;
+  std::vector<int> indices;
+  for (const std::string& sensor : spec.sensors) indices.push_back(rig_index(sensor, rig, spec.name));
+  if (!indices.empty()) {
+    method.allowed.reset();
+    for (int i : indices) method.allowed.set(static_cast<std::size_t>(i));
+  }
+  if (!spec.reference.empty())
+    method.spec.linear.reference_sensor = rig_index(spec.reference, rig, spec.name);
+  if (spec.kind == MethodKind::geometric && indices.size() == 3)
+    method.geometric.sensors = {indices[0], indices[1], indices[2]};
+  if (spec.kind == MethodKind::single) {
+    if (indices.size() != 1)
+      throw InputError("method \"" + spec.name + '"',
+                       "of kind single uses one sensor, or names none for each in turn");
+    method.single.sensor = indices[0];
+  }
+  return method;
+}
+
+}  // namespace
+
+std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig) {
+  std::vector<Method> methods;
+  for (const MethodSpec& m : spec.methods) {
+    if (m.kind != MethodKind::single || !m.sensors.empty()) {
+      methods.push_back(resolve(m, rig));
+      continue;
+    }
+    for (const std::string& sensor : rig) {
+      MethodSpec one = m;
+      one.sensors = {sensor};
+      one.name = m.name + " " + sensor;
+      methods.push_back(resolve(one, rig));
+    }
+  }
+  return methods;
+}
+
+PointEstimate evaluate(const Method& method, const JointInstant& instant) {
+  const MethodKind kind = method.spec.kind;
+  if (kind == MethodKind::single) return solve_single_sensor(instant.observations, method.single);
+  if (kind == MethodKind::mean || kind == MethodKind::tracked_mean)
+    return solve_mean(instant.observations, {method.allowed, kind == MethodKind::tracked_mean});
+  RangeProblem chosen;
+  const bool all = method.allowed == kAllSensors;
+  if (!all) chosen = ranges_of(instant.observations, instant.world_from_sensor, method.allowed);
+  const RangeProblem& ranges = all ? instant.ranges : chosen;
+  switch (kind) {
+    case MethodKind::linear:
+      return solve_linear(ranges, method.spec.linear);
+    case MethodKind::geometric:
+      return solve_geometric(ranges, method.geometric);
+    case MethodKind::ceres:
+      return solve_ceres(ranges, method.spec.ceres);
+    default:
+      return solve_nonlinear(ranges, method.spec.nonlinear);
+  }
+}
+
+}  // namespace trilat

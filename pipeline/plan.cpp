@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/plan.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/session/session_clock.h"
+#include "datasets/session/session_reader.h"
+
+namespace trilat {
+namespace {
+
+struct HostSpan {
+  HostTime first, last;
+};
+
+HostSpan span_of(const SessionReader& session, std::size_t sensor,
+                 const ClockMap<HostClock, SensorClock>& map) {
+  const SensorDescription& description = session.header().sensors[sensor];
+  const std::uint64_t frames = session.counts(sensor).body_frames;
+  const std::string place = session.path().string() + ":/sensors/" + description.name + "/body_frames";
+  if (frames == 0) throw InputError(place, "holds no body frames, so there is nothing to trilaterate");
+  const auto first = session.stamps(sensor, FrameStream::bodies, 0, 1);
+  const auto last = session.stamps(sensor, FrameStream::bodies, frames - 1, 1);
+  return {map(device_time(description, first[0])), map(device_time(description, last[0]))};
+}
+
+// The instants that all sensors of the rig cover.
+void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, double rate_hz) {
+  HostTime start = spans[0].first, end = spans[0].last;
+  for (const HostSpan& span : spans) {
+    start = std::max(start, span.first);
+    end = std::min(end, span.last);
+  }
+  if (end < start)
+    throw InputError(
+        planned.take.session.string(),
+        fmt::format("has sensors that did not record at the same time: one starts {:.3f} s after another "
+                    "has ended",
+                    (start - end).seconds()));
+  planned.start = start;
+  planned.instants = static_cast<std::uint64_t>(std::floor((end - start).seconds() * rate_hz)) + 1;
+  constexpr std::uint64_t kMost = 100'000'000;
+  if (planned.instants > kMost)
+    throw InputError(planned.take.session.string(),
+                     fmt::format("covers {:.0f} s, more than can be evaluated at {} Hz",
+                                 (end - start).seconds(), rate_hz));
+}
+
+void look_into(PlannedTake& planned, const std::vector<std::string>& rig, double rate_hz) {
+  const SessionReader session(planned.take.session);
+  planned.simulated = session.header().simulated;
+  planned.mapping = read_mapping(planned.take.mapping);
+  const Calibration calibration = read_calibration(planned.take.calibration);
+  std::vector<HostSpan> spans;
+  for (const std::string& name : rig) {
+    const std::size_t sensor = session.sensor_index(name);
+    planned.session_sensor.push_back(sensor);
+    planned.world_from_sensor.push_back(
+        pose_of(calibration, name, planned.take.calibration.string()).world_from_sensor);
+    planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
+    spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
+  }
+  plan_instants(planned, spans, rate_hz);
+  if (!std::filesystem::exists(planned.take.mocap))
+    throw InputError(planned.take.mocap.string(), "does not exist");
+  planned.ok = true;
+}
+
+std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign) {
+  std::vector<std::string> rig = study.sensors;
+  std::string reason;
+  for (std::size_t t = 0; rig.empty() && t < campaign.takes.size(); ++t) {
+    try {
+      const SessionReader session(campaign.takes[t].session);
+      for (const SensorDescription& sensor : session.header().sensors) rig.push_back(sensor.name);
+    } catch (const InputError& error) {
+      if (reason.empty()) reason = error.what();
+    }
+  }
+  if (rig.empty())
+    throw InputError("campaign \"" + campaign.name + '"', "has no take that can be opened: " + reason);
+  if (rig.size() > kMaxSensors)
+    throw InputError("study \"" + study.name + '"',
+                     fmt::format("would use {} sensors, the limit is {}; name those to "
+                                 "use under \"sensors\"",
+                                 rig.size(), kMaxSensors));
+  return rig;
+}
+
+// All joints that any take maps, in the order of the tables.
+std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
+  std::set<Joint> mapped;
+  for (const PlannedTake& take : takes)
+    for (const auto& entry : take.mapping.joints)
+      if (study.joints.empty() ||
+          std::find(study.joints.begin(), study.joints.end(), name_of(entry.joint)) != study.joints.end())
+        mapped.insert(entry.joint);
+  std::vector<Joint> joints;
+  for (const JointGroup& group : joint_groups())
+    for (Joint joint : group.joints)
+      if (mapped.erase(joint) > 0) joints.push_back(joint);
+  joints.insert(joints.end(), mapped.begin(), mapped.end());
+  return joints;
+}
+
+}  // namespace
+
+Plan make_plan(const StudySpec& study, const Campaign& campaign,
+               const std::function<void(double)>& progress) {
+  Plan plan;
+  plan.study = study;
+  plan.campaign = campaign;
+  plan.rig = rig_of(study, campaign);
+  plan.methods = resolve_methods(study, plan.rig);
+  plan.takes.resize(campaign.takes.size());
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(std::size_t{0}, campaign.takes.size(), [&](std::size_t t) {
+    PlannedTake& planned = plan.takes[t];
+    planned.take = campaign.takes[t];
+    try {
+      look_into(planned, plan.rig, study.rate_hz);
+    } catch (const InputError& error) {
+      planned.place = error.place();
+      planned.problem = error.problem();
+    }
+    if (progress) progress(static_cast<double>(++done) / static_cast<double>(campaign.takes.size()));
+  });
+  plan.joints = joints_of(study, plan.takes);
+  const bool any =
+      std::any_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
+  if (any && plan.joints.empty())
+    throw InputError("study \"" + study.name + '"', "asks for joints that no take's mapping maps");
+  plan.simulated = campaign.simulated;
+  for (const PlannedTake& take : plan.takes) plan.simulated |= take.simulated;
+  return plan;
+}
+
+std::string table_group(Joint joint) {
+  const auto group = group_of(joint);
+  return std::string(group ? *group : name_of(joint));
+}
+
+}  // namespace trilat

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "datasets/base/time.h"
+#include "datasets/geometry/rigid_transform.h"
+#include "datasets/results/summary.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/method.h"
+#include "pipeline/study_spec.h"
+
+namespace trilat {
+
+// One take, looked into: which sensor of its session is which of the rig, where they stand, how their clocks
+// run, and the instants to evaluate: start + i / rate_hz for i < instants. A take that cannot be evaluated
+// says why.
+struct PlannedTake {
+  Take take;
+  bool ok = false;
+  std::string place, problem;
+  bool simulated = false;
+  JointMapping mapping;
+  std::vector<std::size_t> session_sensor;        // by rig sensor
+  std::vector<RigidTransform> world_from_sensor;  // by rig sensor
+  std::vector<ClockMap<HostClock, SensorClock>> host_from_sensor;
+  HostTime start;
+  std::uint64_t instants = 0;
+};
+
+// What a run will do, in an order that does not depend on threads. The id of a work item is the id of its
+// take.
+struct Plan {
+  StudySpec study;
+  Campaign campaign;
+  std::vector<std::string> rig;  // names of the sensors
+  std::vector<Method> methods;
+  std::vector<Joint> joints;  // skeleton groups first, in the tables' order
+  std::vector<PlannedTake> takes;
+  bool simulated = false;
+
+  Duration instant(std::uint64_t i) const { return duration_from_s(static_cast<double>(i) / study.rate_hz); }
+};
+
+// Opens every take once. Only what concerns all takes is an exception: a study that fits no rig, no joint
+// mapped.
+Plan make_plan(const StudySpec& study, const Campaign& campaign,
+               const std::function<void(double)>& progress = {});
+
+// The row a joint belongs to in the tables: its group, or its own name.
+std::string table_group(Joint joint);
+
+}  // namespace trilat

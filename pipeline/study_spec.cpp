@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/study_spec.h"
+
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/units.h"
+#include "datasets/skeleton/skeleton.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.study";
+
+const std::vector<std::string> kGradients{"printed", "corrected"};
+const std::vector<std::string> kDampings{"none", "lm"};
+const std::vector<std::string> kStops{"printed", "objective", "step"};
+const std::vector<std::string> kStarts{"linear", "hint"};
+
+template <class Enum>
+Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<std::string>& names,
+                 Enum fallback) {
+  return static_cast<Enum>(object.choice(key, names, static_cast<std::size_t>(fallback)));
+}
+
+void read_linear(JsonObject& object, MethodSpec& method) {
+  method.reference = object.text("reference", "");
+  if (method.reference != "all_pairs") return;
+  method.linear.reference = LinearReference::all_pairs;
+  method.reference.clear();
+}
+
+void read_nonlinear(JsonObject& object, MethodSpec& method) {
+  NonlinearOptions& o = method.nonlinear;
+  o.gradient = enum_choice(object, "gradient", kGradients, o.gradient);
+  o.damping = enum_choice(object, "damping", kDampings, o.damping);
+  o.stop = enum_choice(object, "stop", kStops, o.stop);
+  o.threshold_m2 = object.positive("threshold_cm2", o.threshold_m2 / kSquareMetresPerSquareCentimetre) *
+                   kSquareMetresPerSquareCentimetre;
+  o.step_tolerance_m = object.positive("step_tolerance_m", o.step_tolerance_m);
+  const std::uint64_t limit = object.count("max_iterations", static_cast<std::uint64_t>(o.max_iterations));
+  if (limit < 1 || limit > 1'000'000) object.refuse("max_iterations", "must be 1 to 1000000");
+  o.max_iterations = static_cast<int>(limit);
+  o.printed_unit_m = object.positive("printed_unit_m", o.printed_unit_m);
+  o.start = enum_choice(object, "start", kStarts, o.start);
+  if (o.gradient == Gradient::printed && o.damping == Damping::lm)
+    object.refuse("damping",
+                  "lm needs the corrected gradient: the printed one is not a gradient of the cost");
+}
+
+MethodSpec read_method(JsonObject& object) {
+  MethodSpec method;
+  method.kind = static_cast<MethodKind>(object.choice("method", method_kind_names()));
+  method.name = object.text("name", method_kind_names()[static_cast<std::size_t>(method.kind)]);
+  if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
+  method.sensors = object.texts("sensors", {});
+  if (method.kind == MethodKind::linear) read_linear(object, method);
+  if (method.kind == MethodKind::nonlinear) read_nonlinear(object, method);
+  if (method.kind == MethodKind::geometric && !method.sensors.empty() && method.sensors.size() != 3)
+    object.refuse("sensors", "must name the three sensors that geometric trilateration uses");
+  object.finish();
+  return method;
+}
+
+std::vector<AlignmentKind> read_alignments(JsonObject& object) {
+  std::vector<AlignmentKind> result;
+  for (const std::string& word : object.texts("alignments")) {
+    const auto kind = alignment_from_name(word);
+    if (!kind) object.refuse("alignments", "has \"" + word + "\"; known are: none, first, mean, rigid");
+    result.push_back(*kind);
+  }
+  if (result.empty()) object.refuse("alignments", "must name at least one alignment");
+  return result;
+}
+
+void check_names(JsonObject& object, const StudySpec& spec) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < spec.methods.size(); ++i)
+    if (!names.insert(spec.methods[i].name).second)
+      object.refuse(
+          "methods/" + std::to_string(i) + "/name",
+          "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
+  for (const std::string& joint : spec.joints)
+    if (!joint_from_name(joint)) object.refuse("joints", "has \"" + joint + "\", which is no joint");
+}
+
+}  // namespace
+
+const std::vector<std::string>& method_kind_names() {
+  static const std::vector<std::string> names{"linear", "geometric",    "nonlinear", "ceres",
+                                              "mean",   "tracked_mean", "single"};
+  return names;
+}
+
+StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
+  JsonObject object(json, place, "");
+  StudySpec spec;
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.choice("kind", {"accuracy"});
+  spec.name = object.text("name");
+  if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
+    spec.campaign = folder / campaign;
+  spec.sensors = object.texts("sensors", {});
+  spec.joints = object.texts("joints", {});
+  if (object.has("alignments")) spec.alignments = read_alignments(object);
+  spec.rate_hz = object.positive("rate_hz", spec.rate_hz);
+  if (spec.rate_hz > 1000.0) object.refuse("rate_hz", "must not be above 1000");
+  spec.sensor_gap_s = object.positive("sensor_gap_s", spec.sensor_gap_s);
+  spec.truth_gap_s = object.positive("truth_gap_s", spec.truth_gap_s);
+  spec.cross_check_limit_m = object.positive("cross_check_limit_m", spec.cross_check_limit_m);
+  for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
+  if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
+  check_names(object, spec);
+  object.finish();
+  return spec;
+}
+
+StudySpec read_study(const std::filesystem::path& path) {
+  return parse_study(read_json(path), path.string(), path.parent_path());
+}
+
+Json resolved_json(const StudySpec& spec) {
+  Json methods = Json::array();
+  for (const MethodSpec& m : spec.methods) {
+    Json entry{{"method", method_kind_names()[static_cast<std::size_t>(m.kind)]},
+               {"name", m.name},
+               {"sensors", m.sensors}};
+    if (m.kind == MethodKind::linear)
+      entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
+    if (m.kind == MethodKind::nonlinear) {
+      const NonlinearOptions& o = m.nonlinear;
+      entry["gradient"] = kGradients[static_cast<std::size_t>(o.gradient)];
+      entry["damping"] = kDampings[static_cast<std::size_t>(o.damping)];
+      entry["stop"] = kStops[static_cast<std::size_t>(o.stop)];
+      entry["threshold_cm2"] = o.threshold_m2 / kSquareMetresPerSquareCentimetre;
+      entry["step_tolerance_m"] = o.step_tolerance_m;
+      entry["max_iterations"] = o.max_iterations;
+      entry["printed_unit_m"] = o.printed_unit_m;
+      entry["start"] = kStarts[static_cast<std::size_t>(o.start)];
+    }
+    methods.push_back(entry);
+  }
+  Json alignments = Json::array();
+  for (AlignmentKind kind : spec.alignments) alignments.push_back(std::string(name_of(kind)));
+  return {{"format", kFormat},
+          {"version", 1},
+          {"kind", "accuracy"},
+          {"name", spec.name},
+          {"sensors", spec.sensors},
+          {"joints", spec.joints},
+          {"alignments", alignments},
+          {"rate_hz", spec.rate_hz},
+          {"sensor_gap_s", spec.sensor_gap_s},
+          {"truth_gap_s", spec.truth_gap_s},
+          {"cross_check_limit_m", spec.cross_check_limit_m},
+          {"methods", methods}};
+}
+
+}  // namespace trilat

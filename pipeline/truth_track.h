@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/base/time.h"
+#include "datasets/take/campaign.h"
+
+namespace trilat {
+
+// The mapped joints of an OptiTrack export as a function of mocap time, streamed. Each asset is interpolated
+// by itself between its two nearest samples, never across more than `longest_gap`; frozen stretches are no
+// samples. A joint is the mean of its assets and is there only when all of them are: the mean of the rest
+// would be another point.
+class TruthTrack {
+ public:
+  // `joints` in the order wanted; those that the mapping does not map are never there. InputError for an
+  // asset that does not exist or has no position.
+  TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
+             const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
+             Duration longest_gap);
+  ~TruthTrack();
+  TruthTrack(TruthTrack&&) noexcept;
+
+  // One point a joint in the world, metres, NaN where there is none; `t` must not go back from call to call.
+  void at(MocapTime t, std::span<Eigen::Vector3d> joints);
+  // The last sample's time; complete once at() has been asked for a later time.
+  MocapTime last_read() const;
+  std::uint64_t samples_frozen() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trilat

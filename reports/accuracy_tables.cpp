@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "reports/accuracy_tables.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr int kCmDecimals = 2;
+
+TableValue cm(double metres) { return TableValue::of(metres * kCentimetresPerMetre, kCmDecimals); }
+TableValue count(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
+
+// "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
+std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
+  std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [name, n] : sorted) {
+    const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);
+    const std::string number = share < 0.05                 ? "<0.1"
+                               : share > 99.95 && n < asked ? ">99.9"
+                                                            : fmt::format("{:.1f}", share);
+    text += (text.empty() ? "" : ", ") + name + " " + number + " %";
+  }
+  return text;
+}
+
+std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
+  return fmt::format("{}, {}{}; alignment: {}; {} of {} takes, {} participants", s.campaign,
+                     condition.empty() ? "" : condition + ", ",
+                     s.simulated ? "simulated sensors" : "recorded sensors", alignment,
+                     s.takes - s.takes_failed, s.takes, s.participants);
+}
+
+void add_failure_notes(const ResultsSummary& summary, Table& table) {
+  for (const TakeNote& note : summary.notes)
+    table.notes.push_back(
+        fmt::format("Take {}{}: {}: {}.", note.take, note.failed ? " failed" : "", note.place, note.text));
+}
+
+Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
+  Table table;
+  table.id = fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment);
+  table.title = fmt::format("Position error by joint group and method ({})", about(s, condition, alignment));
+  table.columns = {{"joint", "joint", true},
+                   {"method", "method", true},
+                   {"n", "n", false},
+                   {"coverage (%)", "coverage_percent", false},
+                   {"MAE (cm)", "mae_cm", false},
+                   {"RMSE (cm)", "rmse_cm", false},
+                   {"median (cm)", "median_cm", false},
+                   {"p90 (cm)", "p90_cm", false},
+                   {"p95 (cm)", "p95_cm", false},
+                   {"max (cm)", "max_cm", false},
+                   {"MAE x (cm)", "mae_x_cm", false},
+                   {"MAE y (cm)", "mae_y_cm", false},
+                   {"MAE z (cm)", "mae_z_cm", false},
+                   {"GDOP", "gdop", false},
+                   {"iterations", "iterations", false},
+                   {"statuses", "statuses", true}};
+  for (const SummaryCell& c : s.cells) {
+    if (c.condition != condition || c.alignment != alignment) continue;
+    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count(c.answered),
+                          TableValue::of(100.0 * c.coverage(), 1), cm(c.mae_m), cm(c.rmse_m), cm(c.median_m),
+                          cm(c.p90_m), cm(c.p95_m), cm(c.max_m), cm(c.axis_mae_m[0]), cm(c.axis_mae_m[1]),
+                          cm(c.axis_mae_m[2]), TableValue::of(c.mean_gdop, 2),
+                          TableValue::of(c.mean_iterations, 1),
+                          TableValue::of(statuses_text(c.statuses, c.asked))});
+  }
+  table.notes = {
+      "MAE is the mean Euclidean distance; n counts instants and joints with ground truth that the method "
+      "answered; coverage is n over all that have ground truth.",
+      "x, y, z are the world's axes, y up."};
+  add_failure_notes(s, table);
+  return table;
+}
+
+// The column of the printed table that a method of ours belongs beside, or none.
+std::optional<std::size_t> printed_column(const PrintedTable3& printed, const std::string& method) {
+  const std::string word = method.substr(0, method.find(' '));
+  const auto found = std::find(printed.methods.begin(), printed.methods.end(), word);
+  if (found == printed.methods.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - printed.methods.begin());
+}
+
+// The plain mean of the groups' errors, as the paper's last row; NaN when a group is missing or unanswered.
+SummaryCell average_cell(const ResultsSummary& s, const PrintedTable3& printed, const std::string& method,
+                         const std::string& condition) {
+  SummaryCell average;
+  double sum_m = 0.0;
+  std::size_t groups = 0;
+  for (const auto& row : printed.rows) {
+    const SummaryCell* cell = find_cell(s, method, condition, row.group, "mean");
+    if (row.group == "average") continue;
+    ++groups;
+    sum_m += cell ? cell->mae_m : kNoNumber;
+    if (!cell) continue;
+    average.asked += cell->asked;
+    average.answered += cell->answered;
+    for (const auto& [status, n] : cell->statuses) average.statuses[status] += n;
+  }
+  average.mae_m = sum_m / static_cast<double>(groups);
+  return average;
+}
+
+void add_table3_row(Table& table, const PrintedTable3& printed, const PrintedTable3::Row& row,
+                    const std::string& method, const SummaryCell& cell) {
+  const auto column = printed_column(printed, method);
+  const double paper_cm = column ? row.mae_cm[*column] : kNoNumber;
+  table.rows.push_back({TableValue::of(row.group), TableValue::of(method), TableValue::of(paper_cm, 1),
+                        cm(cell.mae_m), TableValue::of(cell.mae_m * kCentimetresPerMetre / paper_cm, 2),
+                        count(cell.answered), TableValue::of(100.0 * cell.coverage(), 1),
+                        TableValue::of(statuses_text(cell.statuses, cell.asked))});
+}
+
+}  // namespace
+
+std::vector<Table> accuracy_tables(const ResultsSummary& summary) {
+  std::vector<Table> tables;
+  for (const std::string& condition : summary.conditions)
+    for (const std::string& alignment : summary.alignments) {
+      Table table = detail_table(summary, condition, alignment);
+      if (!table.rows.empty()) tables.push_back(std::move(table));
+    }
+  return tables;
+}
+
+std::vector<Table> table3(const ResultsSummary& summary) {
+  const PrintedTable3 printed = printed_table3();
+  std::vector<Table> tables;
+  for (const std::string& condition : summary.conditions) {
+    if (condition != "walking") continue;
+    Table table;
+    table.id = "table3";
+    table.title =
+        "Table III: mean absolute error, the paper's beside ours (" + about(summary, condition, "mean") + ")";
+    table.columns = {{"joint", "joint", true},
+                     {"method", "method", true},
+                     {"paper (cm)", "paper_mae_cm", false},
+                     {summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm", false},
+                     {"ours / paper", "ratio", false},
+                     {"n", "n", false},
+                     {"coverage (%)", "coverage_percent", false},
+                     {"statuses", "statuses", true}};
+    for (const auto& row : printed.rows)
+      for (const std::string& method : summary.methods) {
+        const SummaryCell* cell = find_cell(summary, method, condition, row.group, "mean");
+        if (row.group == "average")
+          add_table3_row(table, printed, row, method, average_cell(summary, printed, method, condition));
+        else if (cell)
+          add_table3_row(table, printed, row, method, *cell);
+      }
+    if (table.rows.empty()) continue;
+    table.notes = {
+        "Paper: " + printed.source +
+            "; 16 participants, relative movement; geometric uses 3 sensors, the "
+            "others 4.",
+        "The average is the plain mean of the four groups. The printed averages 10.8 and 8.7 do not follow "
+        "from the printed rows, which give 10.7 and 8.6."};
+    if (summary.simulated)
+      table.notes.push_back(
+          "Our numbers come from simulated sensors with declared errors, not from the paper's "
+          "recordings: compare the ordering, not the size.");
+    add_failure_notes(summary, table);
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace trilat

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "reports/render.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace trilat {
+namespace {
+
+// Characters of a text, not bytes: UTF-8 continuation bytes do not count.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width, bool left) {
+  const std::string space(width - std::min(width, width_of(text)), ' ');
+  return left ? text + space : space + text;
+}
+
+std::string without_bars(std::string text) {
+  std::replace(text.begin(), text.end(), '|', '/');
+  return text;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string latex_text(const std::string& text) {
+  std::string result;
+  for (char c : text) {
+    switch (c) {
+      case '&':
+      case '%':
+      case '$':
+      case '#':
+      case '_':
+      case '{':
+      case '}':
+        result += std::string("\\") + c;
+        break;
+      case '~':
+        result += "\\textasciitilde{}";
+        break;
+      case '^':
+        result += "\\textasciicircum{}";
+        break;
+      case '\\':
+        result += "\\textbackslash{}";
+        break;
+      case '<':
+        result += "\\textless{}";
+        break;
+      case '>':
+        result += "\\textgreater{}";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string printed(const TableValue& value) {
+  if (!value.number) return value.text;
+  if (!std::isfinite(*value.number)) return "–";
+  return fmt::format("{:.{}f}", *value.number, value.decimals);
+}
+
+std::string markdown_of(const Table& table) {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    std::size_t width = std::max<std::size_t>(3, width_of(table.columns[c].name));
+    for (const auto& row : table.rows) width = std::max(width, width_of(printed(row[c])));
+    widths.push_back(width);
+  }
+  std::string text = "**" + table.title + "**\n\n|", rule = "|";
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const bool left = table.columns[c].is_text;
+    text += ' ' + padded(table.columns[c].name, widths[c], left) + " |";
+    rule += ' ' + std::string(widths[c] - 1, '-') + (left ? "-" : ":") + " |";
+  }
+  text += '\n' + rule + '\n';
+  for (const auto& row : table.rows) {
+    text += '|';
+    for (std::size_t c = 0; c < row.size(); ++c)
+      text += ' ' + padded(without_bars(printed(row[c])), widths[c], table.columns[c].is_text) + " |";
+    text += '\n';
+  }
+  for (const std::string& note : table.notes) text += "\n- " + note;
+  return text + (table.notes.empty() ? "" : "\n");
+}
+
+std::string csv_of(const Table& table) {
+  std::string text;
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    text += (c ? "," : "") + csv_field(table.columns[c].key);
+  text += "\r\n";
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (c > 0) text += ',';
+      if (!row[c].number)
+        text += csv_field(row[c].text);
+      else if (std::isfinite(*row[c].number))
+        text += fmt::format("{}", *row[c].number);
+    }
+    text += "\r\n";
+  }
+  return text;
+}
+
+std::string latex_of(const Table& table) {
+  std::string alignment, text;
+  for (const TableColumn& column : table.columns) alignment += column.is_text ? 'l' : 'r';
+  text += "\\begin{table}\n\\centering\\small\n\\caption{" + latex_text(table.title) +
+          "}\n\\label{tab:" + table.id + "}\n\\begin{tabular}{" + alignment + "}\n\\toprule\n";
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    text += (c ? " & " : "") + latex_text(table.columns[c].name);
+  text += " \\\\\n\\midrule\n";
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const bool dash = row[c].number && !std::isfinite(*row[c].number);
+      text += (c ? " & " : "") + (dash ? std::string("--") : latex_text(printed(row[c])));
+    }
+    text += " \\\\\n";
+  }
+  text += "\\bottomrule\n\\end{tabular}\n";
+  for (const std::string& note : table.notes) text += "\\par\\footnotesize " + latex_text(note) + "\n";
+  return text + "\\end{table}\n";
+}
+
+std::string latex_document(const std::vector<Table>& tables) {
+  std::string text =
+      "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[T1]{fontenc}\n\\usepackage{"
+      "booktabs}\n"
+      "\\usepackage[a4paper,landscape,margin=15mm]{geometry}\n\\begin{document}\n";
+  for (const Table& table : tables) text += latex_of(table) + "\\clearpage\n";
+  return text + "\\end{document}\n";
+}
+
+}  // namespace trilat

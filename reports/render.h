@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "reports/table.h"
+
+namespace trilat {
+
+// A value as Markdown and LaTeX print it; NaN becomes a dash.
+std::string printed(const TableValue& value);
+
+std::string markdown_of(const Table& table);
+// RFC 4180 with full precision; NaN is an empty field.
+std::string csv_of(const Table& table);
+// A table environment that needs the packages booktabs and nothing else.
+std::string latex_of(const Table& table);
+// A document that holds the given tables and compiles as it is.
+std::string latex_document(const std::vector<Table>& tables);
+
+}  // namespace trilat

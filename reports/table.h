@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// One cell: a number with the digits it is printed with, or a text. CSV gets the number unrounded.
+struct TableValue {
+  std::optional<double> number;
+  int decimals = 1;
+  std::string text;
+
+  static TableValue of(double value, int decimals) { return {value, decimals, {}}; }
+  static TableValue of(std::string text) { return {std::nullopt, 0, std::move(text)}; }
+};
+
+struct TableColumn {
+  std::string name;  // with its unit, as in "MAE (cm)"
+  std::string key;   // lower_snake with unit, for CSV
+  bool is_text = false;
+};
+
+// A table as data; renderings are made from it and never compute.
+struct Table {
+  std::string id;     // usable as a file name and a LaTeX label
+  std::string title;  // what was measured on what, with every setting that changes a number; says "simulated"
+  std::vector<TableColumn> columns;
+  std::vector<std::vector<TableValue>> rows;
+  std::vector<std::string> notes;  // one sentence each
+};
+
+}  // namespace trilat

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "reports/table.h"
+
+namespace trilat {
+
+// What a report is made of.
+struct ReportFiles {
+  std::vector<Table> tables;
+  std::vector<std::filesystem::path> written;
+};
+
+// Reads results folders and writes report.md, report.tex (compiles as it is) and, per table, ID.csv and
+// ID.tex into `folder`. Nothing is computed again: the same results give the same bytes.
+ReportFiles write_report(const std::vector<std::filesystem::path>& results,
+                         const std::filesystem::path& folder);
+
+}  // namespace trilat
