@@ -11,101 +11,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "datasets/base/check.h"
-#include "datasets/results/samples.h"
 #include "evaluators/metrics/error_statistics.h"
+#include "pipeline/aligned_errors.h"
 
 namespace trilat {
 namespace {
-
-constexpr std::uint64_t kBlock = 1024;
-
-struct Axes {
-  std::size_t joints, methods, groups, alignments;
-  std::vector<std::size_t> group_of_joint;
-  std::size_t cell(std::size_t group, std::size_t method, std::size_t alignment) const {
-    return (group * methods + method) * alignments + alignment;
-  }
-  std::size_t cells() const { return groups * methods * alignments; }
-};
-
-// One take's alignments: by alignment, then joint (one entry for rigid), then method.
-using TakeAlignments = std::vector<std::vector<Alignment>>;
-
-struct SampleView {
-  const SampleBlock& block;
-  const Axes& axes;
-  std::size_t slot(std::uint64_t i, std::size_t j, std::size_t m) const {
-    return (i * axes.joints + j) * axes.methods + m;
-  }
-  Eigen::Vector3d truth(std::uint64_t i, std::size_t j) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[(i * axes.joints + j) * 3]);
-  }
-  Eigen::Vector3d estimate(std::size_t slot) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
-  }
-  SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
-};
-
-// Calls visit(i, j, m, slot, view) for every sample that has a truth, and end_block(block) behind each block.
-template <class Visit, class EndBlock>
-void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes, SampleColumns columns,
-                 const Visit& visit, const EndBlock& end_block) {
-  const std::uint64_t instants = samples.header().takes[take].instants;
-  for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    const SampleBlock block = samples.read(take, first, std::min(kBlock, instants - first), columns);
-    const SampleView view{block, axes};
-    for (std::uint64_t i = 0; i < block.instants; ++i)
-      for (std::size_t j = 0; j < axes.joints; ++j) {
-        if (!view.truth(i, j).allFinite()) continue;
-        for (std::size_t m = 0; m < axes.methods; ++m) visit(i, j, m, view.slot(i, j, m), view);
-      }
-    end_block(block);
-  }
-}
-
-constexpr auto kNothing = [](const SampleBlock&) {};
-
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds) {
-  std::vector<AlignmentSums> sums(axes.joints * axes.methods);
-  stream_take(
-      samples, take, axes, SampleColumns::positions,
-      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-        if (is_usable(view.status(slot)))
-          sums[j * axes.methods + m].add(view.estimate(slot), view.truth(i, j));
-      },
-      kNothing);
-  TakeAlignments result;
-  for (AlignmentKind kind : kinds) {
-    std::vector<Alignment> solved(axes.joints * axes.methods);
-    for (std::size_t m = 0; m < axes.methods; ++m) {
-      AlignmentSums whole;
-      for (std::size_t j = 0; j < axes.joints; ++j) whole.merge(sums[j * axes.methods + m]);
-      for (std::size_t j = 0; j < axes.joints; ++j)
-        solved[j * axes.methods + m] =
-            solve_alignment(kind == AlignmentKind::rigid ? whole : sums[j * axes.methods + m], kind);
-    }
-    result.push_back(std::move(solved));
-  }
-  return result;
-}
-
-struct AlignedError {
-  SolveStatus status;
-  Eigen::Vector3d error_m;
-};
-
-// The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved.
-AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                      const std::vector<Alignment>& alignment) {
-  const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNaN);
-  const SolveStatus status = view.status(slot);
-  if (!is_usable(status)) return {status, none};
-  const Alignment& a = alignment[j * view.axes.methods + m];
-  if (a.status != AlignmentStatus::aligned) return {SolveStatus::not_solved, none};
-  return {status, a.truth_from_estimate * view.estimate(slot) - view.truth(i, j)};
-}
 
 // Everything one take adds to the cells of its condition.
 struct TakeSums {
@@ -133,73 +43,110 @@ struct TakeSums {
   }
 };
 
-// Adds one take to sums and writes the error column of the first alignment.
-TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes,
-                  const TakeAlignments& alignments) {
+// The distances of one take's answered samples, by cell.
+using TakeDistances = std::vector<std::vector<double>>;
+
+// Adds one take to sums, writes the error column of the first alignment, and keeps the distances when asked
+// to.
+TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, const TakeAlignments& alignments,
+                  TakeDistances* distances_m) {
   TakeSums sums(axes.cells());
-  const std::uint64_t instants = samples.header().takes[take].instants;
   std::vector<float> errors;
-  const auto fresh = [&](std::uint64_t count) {
-    errors.assign(count * axes.joints * axes.methods * 3, std::numeric_limits<float>::quiet_NaN());
+  if (distances_m) distances_m->resize(axes.cells());
+  const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
+                         const SampleView& view) {
+    errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t a = 0; a < axes.alignments; ++a) {
+      const std::size_t cell = axes.cell(axes.group_of_joint[j], m, a);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
+      sums.add(cell, e, view.block, slot);
+      if (distances_m && is_usable(e.status)) (*distances_m)[cell].push_back(e.error_m.norm());
+      for (int axis = 0; a == 0 && axis < 3; ++axis)
+        errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
+    }
   };
-  fresh(std::min(kBlock, instants));
-  stream_take(
-      samples, take, axes, SampleColumns::all,
-      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-        for (std::size_t a = 0; a < axes.alignments; ++a) {
-          const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
-          sums.add(axes.cell(axes.group_of_joint[j], m, a), e, view.block, slot);
-          for (int axis = 0; a == 0 && axis < 3; ++axis)
-            errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
-        }
-      },
-      [&](const SampleBlock& block) {
-        samples.write_errors(take, block.first_instant, errors);
-        fresh(std::min(kBlock, instants - block.first_instant - block.instants));
-      });
+  stream_take(samples, take, axes, SampleColumns::all, visit, [&](const SampleBlock& block) {
+    errors.resize(block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    samples.write_errors(take, block.first_instant, errors);
+    errors.clear();
+  });
   return sums;
 }
 
-// One pass of all takes of a condition over the quantiles of cells [first, first + selections.size()).
-void quantile_pass(const SamplesFile& samples, const std::vector<std::size_t>& takes, const Axes& axes,
-                   const std::vector<TakeAlignments>& alignments, std::size_t first,
-                   std::vector<QuantileSelection>& selections) {
-  tbb::enumerable_thread_specific<std::vector<QuantileSelection>> local(selections);
-  tbb::parallel_for(std::size_t{0}, takes.size(), [&](std::size_t t) {
-    std::vector<QuantileSelection>& mine = local.local();
-    stream_take(
-        samples, takes[t], axes, SampleColumns::positions,
-        [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-          for (std::size_t a = 0; a < axes.alignments; ++a) {
-            const std::size_t cell = axes.cell(axes.group_of_joint[j], m, a);
-            if (cell < first || cell >= first + mine.size()) continue;
-            const AlignedError e = error_of(view, i, j, m, slot, alignments[takes[t]][a]);
-            if (is_usable(e.status)) mine[cell - first].add(e.error_m.norm());
-          }
-        },
-        kNothing);
-  });
-  for (const auto& mine : local)
-    for (std::size_t c = 0; c < selections.size(); ++c) selections[c].merge_pass(mine[c]);
-  for (QuantileSelection& selection : selections) selection.end_pass();
-}
-
-// Cells are taken in batches, so that the histograms of all threads stay below about 60 MB.
-std::vector<QuantileSelection> quantiles_of_condition(const SamplesFile& samples,
-                                                      const std::vector<std::size_t>& takes, const Axes& axes,
-                                                      const std::vector<TakeAlignments>& alignments) {
-  constexpr std::size_t kCellBytes = 100'000, kBudgetBytes = 60'000'000;
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t batch = std::max<std::size_t>(1, kBudgetBytes / (kCellBytes * (threads + 1)));
-  std::vector<QuantileSelection> all;
-  for (std::size_t first = 0; first < axes.cells(); first += batch) {
-    std::vector<QuantileSelection> selections(std::min(batch, axes.cells() - first),
-                                              QuantileSelection(kErrorQuantiles));
-    while (!selections.front().done()) quantile_pass(samples, takes, axes, alignments, first, selections);
-    std::move(selections.begin(), selections.end(), std::back_inserter(all));
+// Where the quantiles get their distances: from memory while they fit, else from the samples again, once per
+// pass.
+class DistanceSource {
+ public:
+  DistanceSource(const SamplesFile& samples, const Axes& axes, const std::vector<TakeAlignments>& alignments)
+      : samples_(samples), axes_(axes), alignments_(alignments) {
+    std::uint64_t instants = 0;
+    for (const TakeShape& take : samples.header().takes) instants += take.instants;
+    const std::uint64_t bytes = instants * axes.joints * axes.methods * axes.alignments * sizeof(double);
+    if (bytes <= kMemoryBudgetBytes) kept_.resize(samples.header().takes.size());
   }
-  return all;
-}
+  TakeDistances* keep(std::size_t take) { return kept_.empty() ? nullptr : &kept_[take]; }
+
+  std::vector<QuantileSelection> quantiles(const std::vector<std::size_t>& takes) const {
+    std::vector<QuantileSelection> all;
+    const std::size_t step = kept_.empty() ? cells_a_batch() : axes_.cells();
+    for (std::size_t first = 0; first < axes_.cells(); first += step) {
+      std::vector<QuantileSelection> batch(std::min(step, axes_.cells() - first),
+                                           QuantileSelection(kErrorQuantiles));
+      if (kept_.empty())
+        while (!batch.front().done()) stream_pass(takes, first, batch);
+      else
+        select_from_memory(takes, batch);
+      std::move(batch.begin(), batch.end(), std::back_inserter(all));
+    }
+    return all;
+  }
+
+ private:
+  static constexpr std::uint64_t kMemoryBudgetBytes = 64'000'000;
+  static constexpr std::size_t kCellBytes = 100'000;  // of one selection's histograms
+
+  static std::size_t cells_a_batch() {
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    return std::max<std::size_t>(1, kMemoryBudgetBytes / (kCellBytes * (threads + 1)));
+  }
+
+  void select_from_memory(const std::vector<std::size_t>& takes,
+                          std::vector<QuantileSelection>& selections) const {
+    tbb::parallel_for(std::size_t{0}, selections.size(), [&](std::size_t cell) {
+      while (!selections[cell].done()) {
+        for (std::size_t t : takes)
+          for (double distance_m : kept_[t][cell]) selections[cell].add(distance_m);
+        selections[cell].end_pass();
+      }
+    });
+  }
+
+  void stream_pass(const std::vector<std::size_t>& takes, std::size_t first,
+                   std::vector<QuantileSelection>& selections) const {
+    tbb::enumerable_thread_specific<std::vector<QuantileSelection>> local(selections);
+    tbb::parallel_for(std::size_t{0}, takes.size(), [&](std::size_t t) {
+      std::vector<QuantileSelection>& mine = local.local();
+      const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
+                             const SampleView& view) {
+        for (std::size_t a = 0; a < axes_.alignments; ++a) {
+          const std::size_t cell = axes_.cell(axes_.group_of_joint[j], m, a);
+          if (cell < first || cell >= first + mine.size()) continue;
+          const AlignedError e = error_of(view, i, j, m, slot, alignments_[takes[t]][a]);
+          if (is_usable(e.status)) mine[cell - first].add(e.error_m.norm());
+        }
+      };
+      stream_take(samples_, takes[t], axes_, SampleColumns::positions, visit, [](const SampleBlock&) {});
+    });
+    for (const auto& mine : local)
+      for (std::size_t c = 0; c < selections.size(); ++c) selections[c].merge_pass(mine[c]);
+    for (QuantileSelection& selection : selections) selection.end_pass();
+  }
+
+  const SamplesFile& samples_;
+  const Axes& axes_;
+  const std::vector<TakeAlignments>& alignments_;
+  std::vector<TakeDistances> kept_;
+};
 
 SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelection& quantiles) {
   const ErrorStatistics s = ErrorStatistics::of(sums.errors[cell], quantiles);
@@ -224,12 +171,12 @@ SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelect
   return result;
 }
 
-void add_condition(const SamplesFile& samples, const std::vector<std::size_t>& takes, const Axes& axes,
-                   const std::vector<TakeAlignments>& alignments, const std::vector<TakeSums>& by_take,
-                   const std::string& condition, ResultsSummary& summary) {
+void add_condition(const DistanceSource& distances, const std::vector<std::size_t>& takes, const Axes& axes,
+                   const std::vector<TakeSums>& by_take, const std::string& condition,
+                   ResultsSummary& summary) {
   TakeSums sums(axes.cells());
   for (std::size_t t : takes) sums.merge(by_take[t]);
-  const auto quantiles = quantiles_of_condition(samples, takes, axes, alignments);
+  const auto quantiles = distances.quantiles(takes);
   for (std::size_t g = 0; g < axes.groups; ++g)
     for (std::size_t m = 0; m < axes.methods; ++m)
       for (std::size_t a = 0; a < axes.alignments; ++a) {
@@ -284,16 +231,17 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   ResultsSummary summary = empty_summary(plan, outcome);
   const Axes axes = axes_of(plan, summary.groups);
   std::vector<TakeAlignments> alignments(plan.takes.size());
+  DistanceSource distances(samples, axes, alignments);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
   tbb::parallel_for(std::size_t{0}, plan.takes.size(), [&](std::size_t t) {
     alignments[t] = align_take(samples, t, axes, plan.study.alignments);
-    sums[t] = sum_take(samples, t, axes, alignments[t]);
+    sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
   });
   for (const std::string& condition : summary.conditions) {
     std::vector<std::size_t> takes;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
       if (plan.takes[t].take.activity == condition) takes.push_back(t);
-    add_condition(samples, takes, axes, alignments, sums, condition, summary);
+    add_condition(distances, takes, axes, sums, condition, summary);
   }
   return summary;
 }

@@ -176,7 +176,9 @@ std::string H5Node::place_of(const std::string& name) const {
 H5Node H5Node::create_group(const std::string& name) {
   H5Node node;
   node.place_ = place_of(name);
-  node.id_ = wrap(H5Gcreate2(id_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), close_group,
+  const H5Handle list = wrap(H5Pcreate(H5P_GROUP_CREATE), close_list, node.place_, "cannot be prepared");
+  H5Pset_obj_track_times(list.id(), false);
+  node.id_ = wrap(H5Gcreate2(id_.id(), name.c_str(), H5P_DEFAULT, list.id(), H5P_DEFAULT), close_group,
                   node.place_, "cannot be created");
   return node;
 }
@@ -273,8 +275,11 @@ H5File H5File::create(const std::filesystem::path& path) {
   H5File file;
   file.place_ = path.string() + ":";
   const H5Handle access = access_list(file.place_);
-  file.id_ = wrap(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), close_file, path.string(),
-                  "cannot be created");
+  // time stamps would make equal contents unequal files
+  const H5Handle creation = wrap(H5Pcreate(H5P_FILE_CREATE), close_list, file.place_, "cannot be prepared");
+  H5Pset_obj_track_times(creation.id(), false);
+  file.id_ = wrap(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), close_file,
+                  path.string(), "cannot be created");
   return file;
 }
 

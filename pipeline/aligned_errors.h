@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "datasets/results/samples.h"
+#include "evaluators/alignment/alignment.h"
+#include "evaluators/solvers/solve_status.h"
+
+namespace trilat {
+
+// The axes of a results folder: what its samples are numbered by, and which cell of the summary a sample
+// belongs to.
+struct Axes {
+  std::size_t joints = 0, methods = 0, groups = 0, alignments = 0;
+  std::vector<std::size_t> group_of_joint;
+  std::size_t cell(std::size_t group, std::size_t method, std::size_t alignment) const {
+    return (group * methods + method) * alignments + alignment;
+  }
+  std::size_t cells() const { return groups * methods * alignments; }
+};
+
+// One take's alignments: by alignment, then joint and method.
+using TakeAlignments = std::vector<std::vector<Alignment>>;
+
+// One block of samples, addressed by instant, joint and method.
+struct SampleView {
+  const SampleBlock& block;
+  const Axes& axes;
+  std::size_t slot(std::uint64_t i, std::size_t j, std::size_t m) const {
+    return (i * axes.joints + j) * axes.methods + m;
+  }
+  Eigen::Vector3d truth(std::uint64_t i, std::size_t j) const {
+    return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[(i * axes.joints + j) * 3]);
+  }
+  Eigen::Vector3d estimate(std::size_t slot) const {
+    return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
+  }
+  SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
+};
+
+// Calls visit(i, j, m, slot, view) for every sample that has a truth, and end_block(block) behind each block.
+template <class Visit, class EndBlock>
+void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes, SampleColumns columns,
+                 const Visit& visit, const EndBlock& end_block) {
+  constexpr std::uint64_t kBlock = 1024;
+  const std::uint64_t instants = samples.header().takes[take].instants;
+  for (std::uint64_t first = 0; first < instants; first += kBlock) {
+    const SampleBlock block = samples.read(take, first, std::min(kBlock, instants - first), columns);
+    const SampleView view{block, axes};
+    for (std::uint64_t i = 0; i < block.instants; ++i)
+      for (std::size_t j = 0; j < axes.joints; ++j) {
+        if (!view.truth(i, j).allFinite()) continue;
+        for (std::size_t m = 0; m < axes.methods; ++m) visit(i, j, m, view.slot(i, j, m), view);
+      }
+    end_block(block);
+  }
+}
+
+TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
+                          const std::vector<AlignmentKind>& kinds);
+
+// The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved.
+struct AlignedError {
+  SolveStatus status;
+  Eigen::Vector3d error_m;
+};
+AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
+                      const std::vector<Alignment>& alignment);
+
+}  // namespace trilat
