@@ -9,34 +9,64 @@ namespace {
 
 // `printed_unit_m` is read only by the printed gradient.
 template <bool printed>
-RangeEquations equations_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
+RangeEquations equations_at(const PackedRanges& ranges, const Eigen::Vector3d& x_m,
                             double printed_unit_m) {
-  RangeEquations result{{}, Eigen::Vector3d::Zero(), 0.0};
-  for (int i = 0; i < problem.count; ++i) {
-    const Eigen::Vector3d from_sensor = x_m - problem.sensor_m[i];
-    const double distance =
-        std::sqrt(from_sensor.x() * from_sensor.x() + from_sensor.y() * from_sensor.y() +
-                  from_sensor.z() * from_sensor.z());
-    const double inverse = distance > kOnSensor_m ? 1.0 / distance : 0.0;
-    const Eigen::Vector3d unit = from_sensor * inverse;
-    const double f = distance - problem.range_m[i];
-    const double wf = problem.weight[i] * f;
-    result.normal.add_outer(problem.weight[i], unit);
-    result.gradient += unit * (printed ? wf * (printed_unit_m * inverse) : wf);
-    result.cost_m2 += wf * f;
+  using Eigen::Array2d;
+  Array2d xx = Array2d::Zero(), xy = xx, xz = xx, yy = xx, yz = xx, zz = xx;
+  Array2d gx = xx, gy = xx, gz = xx, cost = xx;
+  for (int p = 0; p < ranges.pairs; ++p) {
+    Array2d ux = x_m.x() - ranges.x_m[p];
+    Array2d uy = x_m.y() - ranges.y_m[p];
+    Array2d uz = x_m.z() - ranges.z_m[p];
+    const Array2d distance = (ux * ux + uy * uy + uz * uz).sqrt();
+    const Array2d inverse = 1.0 / distance.max(kOnSensor_m);
+    ux *= inverse;
+    uy *= inverse;
+    uz *= inverse;
+    const Array2d f = distance - ranges.range_m[p];
+    const Array2d wf = ranges.weight[p] * f;
+    cost += wf * f;
+    const Array2d right = printed ? (wf * (printed_unit_m * inverse)).eval() : wf;
+    gx += ux * right;
+    gy += uy * right;
+    gz += uz * right;
+    const Array2d wx = ranges.weight[p] * ux;
+    const Array2d wy = ranges.weight[p] * uy;
+    xx += wx * ux;
+    xy += wx * uy;
+    xz += wx * uz;
+    yy += wy * uy;
+    yz += wy * uz;
+    zz += ranges.weight[p] * uz * uz;
   }
-  return result;
+  return {{xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()},
+          {gx.sum(), gy.sum(), gz.sum()},
+          cost.sum()};
 }
 
 }  // namespace
 
-RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m) {
-  return equations_at<false>(problem, x_m, 0.0);
+PackedRanges packed(const RangeProblem& problem) {
+  PackedRanges result;
+  result.pairs = (problem.count + 1) / 2;
+  for (int i = 0; i < 2 * result.pairs; ++i) {
+    const int from = i < problem.count ? i : 0;
+    result.x_m[i / 2][i % 2] = problem.sensor_m[from].x();
+    result.y_m[i / 2][i % 2] = problem.sensor_m[from].y();
+    result.z_m[i / 2][i % 2] = problem.sensor_m[from].z();
+    result.range_m[i / 2][i % 2] = problem.range_m[from];
+    result.weight[i / 2][i % 2] = i < problem.count ? problem.weight[from] : 0.0;
+  }
+  return result;
 }
 
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m,
+RangeEquations linearise(const PackedRanges& ranges, const Eigen::Vector3d& x_m) {
+  return equations_at<false>(ranges, x_m, 0.0);
+}
+
+RangeEquations linearise_as_printed(const PackedRanges& ranges, const Eigen::Vector3d& x_m,
                                     double unit_m) {
-  return equations_at<true>(problem, x_m, unit_m);
+  return equations_at<true>(ranges, x_m, unit_m);
 }
 
 bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant) {
@@ -52,19 +82,11 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
   result.position_m = x_m;
   result.status = status;
   result.iterations = iterations;
-  Symmetric3 unweighted;
-  Symmetric3 weighted;
-  result.cost_m2 = 0.0;
-  for (int i = 0; i < problem.count; ++i) {
-    const Eigen::Vector3d from_sensor = x_m - problem.sensor_m[i];
-    const double distance = from_sensor.norm();
-    const Eigen::Vector3d unit =
-        distance > kOnSensor_m ? from_sensor * (1.0 / distance) : Eigen::Vector3d::Zero().eval();
-    const double f = distance - problem.range_m[i];
-    unweighted.add_outer(1.0, unit);
-    weighted.add_outer(problem.weight[i], unit);
-    result.cost_m2 += problem.weight[i] * f * f;
-  }
+  PackedRanges ranges = packed(problem);
+  const RangeEquations equations = linearise(ranges, x_m);
+  result.cost_m2 = equations.cost_m2;
+  for (int i = 0; i < problem.count; ++i) ranges.weight[i / 2][i % 2] = 1.0;
+  const Symmetric3 unweighted = linearise(ranges, x_m).normal;
   const Symmetric3 adjugate = unweighted.adjugate();
   const double determinant = unweighted.determinant(adjugate);
   if (is_rank_deficient(unweighted, adjugate, determinant)) {
@@ -72,8 +94,8 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
     return result;
   }
   result.gdop = std::sqrt(adjugate.trace() / determinant);
-  const Symmetric3 weighted_adjugate = weighted.adjugate();
-  result.covariance = weighted_adjugate.matrix() / weighted.determinant(weighted_adjugate);
+  const Symmetric3 inverse = equations.normal.adjugate();
+  result.covariance = inverse.matrix() / equations.normal.determinant(inverse);
   return result;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+
 #include <Eigen/Core>
 
 #include "evaluators/solvers/point_estimate.h"
@@ -14,7 +16,7 @@ namespace trilat {
 // m from sensors in one plane that is a joint within about 30 um of the plane.
 inline constexpr double kRankRatio = 1e-10;
 
-// Below this distance from a sensor the direction to it is rounding: its row of J is zero.
+// Nearer than this to a sensor the direction to it is rounding: its row of J shrinks to zero.
 inline constexpr double kOnSensor_m = 1e-12;
 
 // F = sum w f^2, f = |x - s| - r, and its linearisation at x: rows of J are the unit vectors from
@@ -24,12 +26,21 @@ struct RangeEquations {
   Eigen::Vector3d gradient;  // J^T W f, half the derivative of F
   double cost_m2;            // F
 };
-RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m);
+
+// A problem laid out for linearising many times: coordinates by axis and two sensors at a time. An
+// odd count is filled up with a sensor of weight 0.
+struct PackedRanges {
+  int pairs = 0;
+  std::array<Eigen::Array2d, kMaxSensors / 2> x_m, y_m, z_m, range_m, weight;
+};
+PackedRanges packed(const RangeProblem& problem);
+
+RangeEquations linearise(const PackedRanges& ranges, const Eigen::Vector3d& x_m);
 
 // The same with the right-hand side of eq. 17 as printed (erratum E7): (x - s) f over the squared
 // distance, every length counted in `unit_m`, and the result given in metres. It is J^T W f with
 // each row scaled by unit / distance, so the step depends on the unit.
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m,
+RangeEquations linearise_as_printed(const PackedRanges& ranges, const Eigen::Vector3d& x_m,
                                     double unit_m);
 
 // `determinant` and `adjugate` are those of `normal`.
