@@ -15,13 +15,6 @@ constexpr double kFirstDamping = 1e-4;
 constexpr double kGoodPrediction = 0.1;
 constexpr double kFastDecay = 0.05;
 
-RangeEquations equations_at(const PackedRanges& ranges, const NonlinearOptions& options,
-                            const Eigen::Vector3d& x_m) {
-  return options.gradient == Gradient::printed
-             ? linearise_as_printed(ranges, x_m, options.printed_unit_m)
-             : linearise(ranges, x_m);
-}
-
 bool objective_rule_holds(const NonlinearOptions& options, double cost_m2, double previous_m2) {
   const double change_m2 = cost_m2 - previous_m2;
   if (options.stop == StopRule::printed) return change_m2 < options.threshold_m2;
@@ -34,10 +27,11 @@ bool step_rule_holds(const NonlinearOptions& options, const Eigen::Vector3d& ste
 }
 
 // R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
+template <bool printed>
 Descent descend_undamped(const PackedRanges& ranges, const NonlinearOptions& options,
                          const Eigen::Vector3d& start_m) {
   Descent now{start_m, SolveStatus::iteration_limit, 0, kNaN};
-  RangeEquations equations = equations_at(ranges, options, start_m);
+  RangeEquations equations = linearise<printed>(ranges, start_m, options.printed_unit_m);
   now.cost_m2 = equations.cost_m2;
   while (now.iterations < options.max_iterations) {
     const Symmetric3 adjugate = equations.normal.adjugate();
@@ -50,7 +44,7 @@ Descent descend_undamped(const PackedRanges& ranges, const NonlinearOptions& opt
     const double previous_m2 = now.cost_m2;
     now.position_m += step_m;
     ++now.iterations;
-    equations = equations_at(ranges, options, now.position_m);
+    equations = linearise<printed>(ranges, now.position_m, options.printed_unit_m);
     now.cost_m2 = equations.cost_m2;
     if (!std::isfinite(now.cost_m2)) {
       now.status = SolveStatus::diverged;
@@ -94,7 +88,7 @@ Descent descend_damped(const PackedRanges& ranges, const NonlinearOptions& optio
   Descent now{start_m, SolveStatus::iteration_limit, 0, equations.cost_m2};
   if (!std::isfinite(now.cost_m2)) now.status = SolveStatus::diverged;
   LmDamping damping;
-  bool done = now.status == SolveStatus::diverged;
+  bool done = !std::isfinite(now.cost_m2);
   while (!done && now.iterations < options.max_iterations) {
     Symmetric3 damped = equations.normal;
     const double lambda = damping.share * damped.trace();
@@ -103,10 +97,13 @@ Descent descend_damped(const PackedRanges& ranges, const NonlinearOptions& optio
     const Eigen::Vector3d step_m =
         (adjugate * equations.gradient) * (-1.0 / damped.determinant(adjugate));
     ++now.iterations;
-    done = step_rule_holds(options, step_m);
+    if (step_rule_holds(options, step_m)) {
+      now.status = SolveStatus::converged;
+      return now;
+    }
     const RangeEquations trial = linearise(ranges, now.position_m + step_m);
     if (trial.cost_m2 <= now.cost_m2) {
-      done = done || objective_rule_holds(options, trial.cost_m2, now.cost_m2);
+      done = objective_rule_holds(options, trial.cost_m2, now.cost_m2);
       const double predicted_m2 = lambda * step_m.squaredNorm() - step_m.dot(equations.gradient);
       damping.step_taken((now.cost_m2 - trial.cost_m2) / predicted_m2);
       now.position_m += step_m;
@@ -124,7 +121,10 @@ Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& opti
                        const SensorPlane& plane, const Eigen::Vector3d& wanted_m) {
   const Eigen::Vector3d start_m =
       wanted_m.allFinite() ? wanted_m : safe_start(problem, plane, wanted_m);
-  const Descent descent = descend_undamped(packed(problem), options, start_m);
+  const PackedRanges ranges = packed(problem);
+  const Descent descent = options.gradient == Gradient::printed
+                              ? descend_undamped<true>(ranges, options, start_m)
+                              : descend_undamped<false>(ranges, options, start_m);
   if (!plane.exact) return descent;
   return choose_minimum(problem, descent, mirrored(plane, descent), options.same_residual_m);
 }
@@ -135,8 +135,7 @@ Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start,
                                const Eigen::Vector3d& start_point_m, const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
-  const PointEstimate estimate = solve_linear(problem, linear);
-  if (is_usable(estimate.status)) return estimate.position_m;
+  if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
   return problem.hint_m.value_or(Eigen::Vector3d::Constant(kNaN));
 }
 

@@ -72,8 +72,8 @@ TEST(RangeEquations, PrintedGradientIsScaledByUnitOverDistance) {
   problem.range_m[0] = 1.5;
   const Vector3d x(2, 0, 0);  // f = 0.5 m along x, at a distance of 2 m
   EXPECT_NEAR(linearise(packed(problem), x).gradient.x(), 0.5, 1e-15);
-  EXPECT_NEAR(linearise_as_printed(packed(problem), x, 1.0).gradient.x(), 0.25, 1e-15);
-  EXPECT_NEAR(linearise_as_printed(packed(problem), x, 0.01).gradient.x(), 0.0025, 1e-15);
+  EXPECT_NEAR(linearise<true>(packed(problem), x, 1.0).gradient.x(), 0.25, 1e-15);
+  EXPECT_NEAR(linearise<true>(packed(problem), x, 0.01).gradient.x(), 0.0025, 1e-15);
 }
 
 TEST(Gdop, MatchesClosedForms) {
@@ -124,7 +124,7 @@ TEST(Nonlinear, PrintedGradientEndsAtAnotherPointThanTheMinimum) {
   const PointEstimate printed = solve_nonlinear(problem, options);
   const PointEstimate minimum = solve_nonlinear(problem, {});
   EXPECT_EQ(printed.status, SolveStatus::converged);
-  EXPECT_LT(linearise_as_printed(packed(problem), printed.position_m, 1.0).gradient.norm(), 1e-7);
+  EXPECT_LT(linearise<true>(packed(problem), printed.position_m, 1.0).gradient.norm(), 1e-7);
   EXPECT_GT((printed.position_m - minimum.position_m).norm(), 1e-3);
   EXPECT_GT(printed.cost_m2, minimum.cost_m2);
 }
