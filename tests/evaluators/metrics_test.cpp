@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -106,9 +108,7 @@ struct Item {
   Vector3d error_m;
 };
 
-ErrorStatistics statistics_of(const std::vector<Item>& items) {
-  ErrorSums sums;
-  for (const Item& item : items) sums.add(item.status, item.error_m);
+ErrorStatistics statistics_of(const ErrorSums& sums, const std::vector<Item>& items) {
   QuantileSelection quantiles(kErrorQuantiles);
   while (!quantiles.done()) {
     for (const Item& item : items)
@@ -116,6 +116,16 @@ ErrorStatistics statistics_of(const std::vector<Item>& items) {
     quantiles.end_pass();
   }
   return ErrorStatistics::of(sums, quantiles);
+}
+
+ErrorSums sums_of(std::span<const Item> items) {
+  ErrorSums sums;
+  for (const Item& item : items) sums.add(item.status, item.error_m);
+  return sums;
+}
+
+ErrorStatistics statistics_of(const std::vector<Item>& items) {
+  return statistics_of(sums_of(items), items);
 }
 
 TEST(ErrorStatistics, ByPencil) {
@@ -164,18 +174,21 @@ TEST(ErrorStatistics, AUsableEstimateWithoutANumberIsOurMistake) {
 
 TEST(ErrorSums, MergedAreThoseOfTheWhole) {
   const RandomStream random{33, Purpose::test, 0};
-  ErrorSums whole, first, second;
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    const Vector3d error_m(random.normal(3 * i), random.normal(3 * i + 1),
-                           random.normal(3 * i + 2));
-    const auto status = i % 7 == 0 ? SolveStatus::diverged : SolveStatus::converged;
-    whole.add(status, error_m);
-    (i < 30 ? first : second).add(status, error_m);
-  }
-  first.merge(second);
-  EXPECT_EQ(first.asked(), whole.asked());
-  EXPECT_EQ(first.answered(), whole.answered());
-  EXPECT_EQ(first.count_of(SolveStatus::diverged), 15);
+  std::vector<Item> items;
+  for (std::uint32_t i = 0; i < 100; ++i)
+    items.push_back({i % 7 == 0 ? SolveStatus::diverged : SolveStatus::converged,
+                     {random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2)}});
+  ErrorSums merged = sums_of(std::span(items).first(30));
+  merged.merge(sums_of(std::span(items).subspan(30)));
+  EXPECT_EQ(merged.asked(), 100);
+  EXPECT_EQ(merged.count_of(SolveStatus::diverged), 15);
+  const ErrorStatistics whole = statistics_of(items);
+  const ErrorStatistics parts = statistics_of(merged, items);
+  EXPECT_NEAR(parts.mae_m, whole.mae_m, 1e-15);
+  EXPECT_NEAR(parts.rmse_m, whole.rmse_m, 1e-15);
+  EXPECT_LT((parts.axis_mae_m - whole.axis_mae_m).norm(), 1e-15);
+  EXPECT_EQ(parts.max_m, whole.max_m);
+  EXPECT_EQ(parts.coverage, whole.coverage);
 }
 
 TEST(CompensatedSum, KeepsWhatAPlainSumLoses) {

@@ -241,6 +241,24 @@ TEST(Nonlinear, DampingReachesTheMinimumFromAnyStart) {
   }
 }
 
+TEST(Nonlinear, NoOtherStartFindsALowerCost) {
+  const std::vector<std::vector<Vector3d>> rigs{well_posed_sensors_m(), ring_m(0.9, 0.9, 0.9, 1.4),
+                                                ring_m(0.6, 1.2, 1.8, 0.9)};
+  for (std::uint32_t i = 0; i < 150; ++i) {
+    RangeProblem problem = problem_of(rigs[i % 3], random_joint_m({41, Purpose::test, 0}, i));
+    add_noise(problem, RandomStream{42, Purpose::test, i}, 0.15);
+    const double cost_m2 = solve_nonlinear(problem, {}).cost_m2;
+    NonlinearOptions options;
+    options.start = Start::point;
+    for (std::uint32_t k = 0; k < 20; ++k) {
+      const RandomStream random{43, Purpose::test, 100 * i + k};
+      options.start_point_m = {random.uniform(0, -3, 3), random.uniform(1, -3, 5),
+                               random.uniform(2, -3, 3)};
+      EXPECT_GT(solve_nonlinear(problem, options).cost_m2, cost_m2 * (1.0 - 1e-9)) << i;
+    }
+  }
+}
+
 TEST(Nonlinear, WeightsMoveTheMinimumTowardsTheHeavierRange) {
   RangeProblem problem = noisy_problem(0, 0.05);
   problem.weight = {1e6, 1, 1, 1, 1, 1, 1, 1};
