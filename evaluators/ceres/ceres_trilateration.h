@@ -8,7 +8,7 @@
 namespace trilat {
 
 struct CeresOptions {
-  double function_tolerance = 1e-30;   // |F_k - F_{k-1}| < tolerance * F
+  double function_tolerance = 1e-16;   // |F_k - F_{k-1}| < tolerance * F
   double gradient_tolerance = 1e-20;   // max |dF/dx| < tolerance
   double parameter_tolerance = 1e-13;  // |x_k - x_{k-1}| < tolerance * |x|
   int max_iterations = 1000;           // of each descent

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
 
 #include "evaluators/solvers/mirror_choice.h"

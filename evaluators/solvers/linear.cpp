@@ -10,10 +10,10 @@
 namespace trilat {
 namespace {
 
-// Columns of [A | b], one row an equation.
+// Columns of [A | b], one row an equation, two rows at a time; rows beyond the last are zero.
 struct LinearSystem {
-  int rows = 0;
-  std::array<std::array<double, kMaxSensors>, 4> column;
+  int pairs = 0;
+  std::array<std::array<Eigen::Array2d, kMaxSensors / 2>, 4> column;
 };
 
 int reference_entry(const RangeProblem& problem, int reference_sensor) {
@@ -31,28 +31,28 @@ int reference_entry(const RangeProblem& problem, int reference_sensor) {
 // relative to the origin o. Centred on the mean row, the least squares are those of all pairs:
 // sum over i < j of (a_i - a_j)(a_i - a_j)^T is n times the sum of (a_i - mean)(a_i - mean)^T.
 LinearSystem differences(const RangeProblem& problem, const Eigen::Vector3d& origin_m, int reference) {
-  LinearSystem system;
+  std::array<std::array<double, 4>, kMaxSensors> row;
   std::array<double, 4> subtrahend{};
   for (int i = 0; i < problem.count; ++i) {
     const Eigen::Vector3d s = problem.sensor_m[i] - origin_m;
-    const std::array<double, 4> row{2.0 * s.x(), 2.0 * s.y(), 2.0 * s.z(),
-                                    s.squaredNorm() - problem.range_m[i] * problem.range_m[i]};
-    for (int c = 0; c < 4; ++c) {
-      system.column[c][i] = row[c];
-      if (reference < 0) subtrahend[c] += row[c] / problem.count;
-      if (reference == i) subtrahend[c] = row[c];
-    }
+    row[i] = {2.0 * s.x(), 2.0 * s.y(), 2.0 * s.z(),
+              s.squaredNorm() - problem.range_m[i] * problem.range_m[i]};
+    for (int c = 0; c < 4 && reference < 0; ++c) subtrahend[c] += row[i][c] / problem.count;
   }
-  for (int c = 0; c < 4; ++c)
-    for (int i = 0; i < problem.count; ++i) system.column[c][i] -= subtrahend[c];
-  system.rows = problem.count;
+  if (reference >= 0) subtrahend = row[reference];
+  LinearSystem system;
+  system.pairs = (problem.count + 1) / 2;
+  for (int c = 0; c < 4; ++c) {
+    for (int i = 0; i < problem.count; ++i) system.column[c][i / 2][i % 2] = row[i][c] - subtrahend[c];
+    if (problem.count % 2 == 1) system.column[c][problem.count / 2][1] = 0.0;
+  }
   return system;
 }
 
 double dot(const LinearSystem& system, int a, int b) {
-  double sum = 0.0;
-  for (int i = 0; i < system.rows; ++i) sum += system.column[a][i] * system.column[b][i];
-  return sum;
+  Eigen::Array2d sum = Eigen::Array2d::Zero();
+  for (int p = 0; p < system.pairs; ++p) sum += system.column[a][p] * system.column[b][p];
+  return sum.sum();
 }
 
 using UpperRows = std::array<std::array<double, 4>, 3>;
@@ -82,10 +82,11 @@ std::optional<Eigen::Vector3d> least_squares(LinearSystem system, double rank_ra
   for (int k = 0; k < 3; ++k) {
     r[k][k] = pivot_to(system, r, order, k);
     if (!(r[k][k] > rank_ratio * r[0][0])) return std::nullopt;
-    for (int i = 0; i < system.rows; ++i) system.column[k][i] /= r[k][k];
+    const double inverse = 1.0 / r[k][k];
+    for (int p = 0; p < system.pairs; ++p) system.column[k][p] *= inverse;
     for (int c = k + 1; c < 4; ++c) {
       r[k][c] = dot(system, k, c);
-      for (int i = 0; i < system.rows; ++i) system.column[c][i] -= r[k][c] * system.column[k][i];
+      for (int p = 0; p < system.pairs; ++p) system.column[c][p] -= r[k][c] * system.column[k][p];
     }
   }
   Eigen::Vector3d x;
@@ -99,17 +100,23 @@ std::optional<Eigen::Vector3d> least_squares(LinearSystem system, double rank_ra
 
 }  // namespace
 
-PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options) {
-  const SolveStatus refusal = refusal_of(problem);
-  if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
-  if (problem.count < 4) return failed_estimate(SolveStatus::rank_deficient);
+std::optional<Eigen::Vector3d> linear_position_m(const RangeProblem& problem, const LinearOptions& options) {
+  if (problem.count < 4) return std::nullopt;
   const bool one_sensor = options.reference == LinearReference::one_sensor;
   const int reference = one_sensor ? reference_entry(problem, options.reference_sensor) : -1;
   const Eigen::Vector3d origin_m = problem.sensor_m[one_sensor ? reference : 0];
   const auto x = least_squares(differences(problem, origin_m, reference), options.rank_ratio);
-  if (!x) return failed_estimate(SolveStatus::rank_deficient);
-  if (!x->allFinite()) return failed_estimate(SolveStatus::diverged);
-  return estimate_at(problem, origin_m + *x, SolveStatus::closed_form, 0);
+  if (!x) return std::nullopt;
+  return origin_m + *x;
+}
+
+PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options) {
+  const SolveStatus refusal = refusal_of(problem);
+  if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
+  const auto x_m = linear_position_m(problem, options);
+  if (!x_m) return failed_estimate(SolveStatus::rank_deficient);
+  if (!x_m->allFinite()) return failed_estimate(SolveStatus::diverged);
+  return estimate_at(problem, *x_m, SolveStatus::closed_form, 0);
 }
 
 }  // namespace trilat

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
 
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
@@ -29,5 +32,8 @@ struct LinearOptions {
 // |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends
 // on the reference whenever the ranges do not agree. Ends with closed_form or rank_deficient.
 [[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);
+
+// Only the position, of a problem that refusal_of() does not refuse; nothing when rank deficient.
+std::optional<Eigen::Vector3d> linear_position_m(const RangeProblem& problem, const LinearOptions& options);
 
 }  // namespace trilat

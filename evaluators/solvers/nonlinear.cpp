@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/solvers/nonlinear.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "datasets/base/check.h"
@@ -10,14 +11,9 @@
 namespace trilat {
 namespace {
 
-constexpr double kFirstDamping = 1e-4;  // of the sum of weights, which is the trace of J^T W J
-constexpr double kDampingFactor = 10.0;
-
-RangeEquations equations_at(const RangeProblem& problem, const NonlinearOptions& options,
-                            const Eigen::Vector3d& x_m) {
-  return options.gradient == Gradient::printed ? linearise_as_printed(problem, x_m, options.printed_unit_m)
-                                               : linearise(problem, x_m);
-}
+constexpr double kFirstDamping = 1e-4;
+constexpr double kGoodPrediction = 0.1;
+constexpr double kFastDecay = 0.05;
 
 bool objective_rule_holds(const NonlinearOptions& options, double cost_m2, double previous_m2) {
   const double change_m2 = cost_m2 - previous_m2;
@@ -31,10 +27,11 @@ bool step_rule_holds(const NonlinearOptions& options, const Eigen::Vector3d& ste
 }
 
 // R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
-Descent descend_undamped(const RangeProblem& problem, const NonlinearOptions& options,
+template <bool printed>
+Descent descend_undamped(const PackedRanges& ranges, const NonlinearOptions& options,
                          const Eigen::Vector3d& start_m) {
   Descent now{start_m, SolveStatus::iteration_limit, 0, kNaN};
-  RangeEquations equations = equations_at(problem, options, start_m);
+  RangeEquations equations = linearise<printed>(ranges, start_m, options.printed_unit_m);
   now.cost_m2 = equations.cost_m2;
   while (now.iterations < options.max_iterations) {
     const Symmetric3 adjugate = equations.normal.adjugate();
@@ -47,7 +44,7 @@ Descent descend_undamped(const RangeProblem& problem, const NonlinearOptions& op
     const double previous_m2 = now.cost_m2;
     now.position_m += step_m;
     ++now.iterations;
-    equations = equations_at(problem, options, now.position_m);
+    equations = linearise<printed>(ranges, now.position_m, options.printed_unit_m);
     now.cost_m2 = equations.cost_m2;
     if (!std::isfinite(now.cost_m2)) {
       now.status = SolveStatus::diverged;
@@ -61,50 +58,69 @@ Descent descend_undamped(const RangeProblem& problem, const NonlinearOptions& op
   return now;
 }
 
-// (J^T W J + lambda sum(w) I) step = -J^T W f; a step that raises F is taken back and tried again
-// with more damping, so F never rises and a rejected step below the tolerance means that F is at
-// its minimum to rounding.
-Descent descend_damped(const RangeProblem& problem, const NonlinearOptions& options,
+// Damping as a share of the sum of weights, which is the trace of J^T W J. It falls fast while the
+// linearisation predicts the cost well, settles where it just does, and grows faster and faster
+// while steps are taken back (after Nielsen 1999).
+struct LmDamping {
+  double share = kFirstDamping;
+  double growth = 2.0;
+
+  void step_taken(double gain_ratio) {
+    const double miss = 2.0 * gain_ratio - 1.0;
+    const double factor = 1.0 - miss * miss * miss;
+    share *= std::abs(gain_ratio - 1.0) < kGoodPrediction ? kFastDecay : std::max(1.0 / 3.0, factor);
+    growth = 2.0;
+  }
+  void step_taken_back() {
+    share *= growth;
+    growth *= 2.0;
+  }
+};
+
+// (J^T W J + lambda I) step = -J^T W f. A step that raises F is taken back and tried again with
+// more damping, so F never rises, and steps below the tolerance that still raise it mean that F is
+// at its minimum to rounding.
+Descent descend_damped(const PackedRanges& ranges, const NonlinearOptions& options,
                        const Eigen::Vector3d& start_m) {
-  Descent now{start_m, SolveStatus::iteration_limit, 0, kNaN};
-  RangeEquations equations = linearise(problem, start_m);
-  now.cost_m2 = equations.cost_m2;
-  double damping = kFirstDamping;
-  while (now.iterations < options.max_iterations) {
+  RangeEquations equations = linearise(ranges, start_m);
+  Descent now{start_m, SolveStatus::iteration_limit, 0, equations.cost_m2};
+  if (!std::isfinite(now.cost_m2)) now.status = SolveStatus::diverged;
+  LmDamping damping;
+  bool done = !std::isfinite(now.cost_m2);
+  while (!done && now.iterations < options.max_iterations) {
     Symmetric3 damped = equations.normal;
-    damped.add_to_diagonal(damping * equations.normal.trace());
+    const double lambda = damping.share * damped.trace();
+    damped.add_to_diagonal(lambda);
     const Symmetric3 adjugate = damped.adjugate();
     const Eigen::Vector3d step_m = (adjugate * equations.gradient) * (-1.0 / damped.determinant(adjugate));
-    const Eigen::Vector3d trial_m = now.position_m + step_m;
     ++now.iterations;
     if (step_rule_holds(options, step_m)) {
       now.status = SolveStatus::converged;
       return now;
     }
-    const RangeEquations trial = linearise(problem, trial_m);
-    if (!(trial.cost_m2 <= now.cost_m2)) {
-      if (!std::isfinite(now.cost_m2)) break;
-      damping *= kDampingFactor;
-      continue;
+    const RangeEquations trial = linearise(ranges, now.position_m + step_m);
+    if (trial.cost_m2 <= now.cost_m2) {
+      done = objective_rule_holds(options, trial.cost_m2, now.cost_m2);
+      const double predicted_m2 = lambda * step_m.squaredNorm() - step_m.dot(equations.gradient);
+      damping.step_taken((now.cost_m2 - trial.cost_m2) / predicted_m2);
+      now.position_m += step_m;
+      now.cost_m2 = trial.cost_m2;
+      equations = trial;
+    } else {
+      damping.step_taken_back();
     }
-    const bool done = objective_rule_holds(options, trial.cost_m2, now.cost_m2);
-    now.position_m = trial_m;
-    now.cost_m2 = trial.cost_m2;
-    equations = trial;
-    damping /= kDampingFactor;
-    if (done) {
-      now.status = SolveStatus::converged;
-      return now;
-    }
+    if (done) now.status = SolveStatus::converged;
   }
-  if (!std::isfinite(now.cost_m2)) now.status = SolveStatus::diverged;
   return now;
 }
 
 Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& options, const SensorPlane& plane,
                        const Eigen::Vector3d& wanted_m) {
   const Eigen::Vector3d start_m = wanted_m.allFinite() ? wanted_m : safe_start(problem, plane, wanted_m);
-  const Descent descent = descend_undamped(problem, options, start_m);
+  const PackedRanges ranges = packed(problem);
+  const Descent descent = options.gradient == Gradient::printed
+                              ? descend_undamped<true>(ranges, options, start_m)
+                              : descend_undamped<false>(ranges, options, start_m);
   if (!plane.exact) return descent;
   return choose_minimum(problem, descent, mirrored(plane, descent), options.same_residual_m);
 }
@@ -115,8 +131,7 @@ Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start, const E
                                const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
-  const PointEstimate estimate = solve_linear(problem, linear);
-  if (is_usable(estimate.status)) return estimate.position_m;
+  if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
   return problem.hint_m.value_or(Eigen::Vector3d::Constant(kNaN));
 }
 
@@ -133,8 +148,9 @@ PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOption
       wanted_start_m(problem, options.start, options.start_point_m, options.linear);
   if (options.damping == Damping::none)
     return estimate_of(problem, solve_undamped(problem, options, plane, wanted_m));
+  const PackedRanges ranges = packed(problem);
   const auto descend = [&](const Eigen::Vector3d& start_m) {
-    return descend_damped(problem, options, start_m);
+    return descend_damped(ranges, options, start_m);
   };
   return estimate_of(problem, descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
                                                     options.same_residual_m, descend));

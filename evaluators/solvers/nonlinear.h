@@ -10,7 +10,9 @@
 namespace trilat {
 
 enum class Gradient : std::uint8_t {
-  printed,    // eq. 17 as printed, erratum E7: the step shrinks by about unit / distance
+  // eq. 17 as printed, erratum E7: the step shrinks by about unit / distance, and unless the
+  // distances are equal it ends where sum(u f / d) = 0, which is not the minimum of F.
+  printed,
   corrected,  // J^T W f
 };
 

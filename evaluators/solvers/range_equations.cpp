@@ -1,46 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/solvers/range_equations.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace trilat {
-namespace {
-
-// `printed_unit_m` is read only by the printed gradient.
-template <bool printed>
-RangeEquations equations_at(const RangeProblem& problem, const Eigen::Vector3d& x_m, double printed_unit_m) {
-  RangeEquations result{{}, Eigen::Vector3d::Zero(), 0.0};
-  for (int i = 0; i < problem.count; ++i) {
-    const Eigen::Vector3d from_sensor = x_m - problem.sensor_m[i];
-    const double distance = std::sqrt(from_sensor.x() * from_sensor.x() + from_sensor.y() * from_sensor.y() +
-                                      from_sensor.z() * from_sensor.z());
-    const double inverse = distance > kOnSensor_m ? 1.0 / distance : 0.0;
-    const Eigen::Vector3d unit = from_sensor * inverse;
-    const double f = distance - problem.range_m[i];
-    const double wf = problem.weight[i] * f;
-    result.normal.add_outer(problem.weight[i], unit);
-    result.gradient += unit * (printed ? wf * (printed_unit_m * inverse) : wf);
-    result.cost_m2 += wf * f;
+PackedRanges packed(const RangeProblem& problem) {
+  PackedRanges result;
+  result.pairs = (problem.count + 1) / 2;
+  for (int i = 0; i < 2 * result.pairs; ++i) {
+    const int from = i < problem.count ? i : 0;
+    result.x_m[i / 2][i % 2] = problem.sensor_m[from].x();
+    result.y_m[i / 2][i % 2] = problem.sensor_m[from].y();
+    result.z_m[i / 2][i % 2] = problem.sensor_m[from].z();
+    result.range_m[i / 2][i % 2] = problem.range_m[from];
+    result.weight[i / 2][i % 2] = i < problem.count ? problem.weight[from] : 0.0;
   }
   return result;
-}
-
-}  // namespace
-
-RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m) {
-  return equations_at<false>(problem, x_m, 0.0);
-}
-
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m, double unit_m) {
-  return equations_at<true>(problem, x_m, unit_m);
-}
-
-bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant) {
-  const double trace = normal.trace();
-  const double pairs = adjugate.trace();
-  // Negated, so that NaN counts as deficient.
-  return !(pairs > kRankRatio * trace * trace && determinant > kRankRatio * trace * pairs);
 }
 
 PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m, SolveStatus status,
@@ -49,18 +26,14 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
   result.position_m = x_m;
   result.status = status;
   result.iterations = iterations;
-  Symmetric3 unweighted;
-  Symmetric3 weighted;
-  result.cost_m2 = 0.0;
-  for (int i = 0; i < problem.count; ++i) {
-    const Eigen::Vector3d from_sensor = x_m - problem.sensor_m[i];
-    const double distance = from_sensor.norm();
-    const Eigen::Vector3d unit =
-        distance > kOnSensor_m ? from_sensor * (1.0 / distance) : Eigen::Vector3d::Zero().eval();
-    const double f = distance - problem.range_m[i];
-    unweighted.add_outer(1.0, unit);
-    weighted.add_outer(problem.weight[i], unit);
-    result.cost_m2 += problem.weight[i] * f * f;
+  PackedRanges ranges = packed(problem);
+  const RangeEquations equations = linearise(ranges, x_m);
+  result.cost_m2 = equations.cost_m2;
+  Symmetric3 unweighted = equations.normal;
+  if (std::any_of(problem.weight.begin(), problem.weight.begin() + problem.count,
+                  [](double weight) { return weight != 1.0; })) {
+    for (int i = 0; i < problem.count; ++i) ranges.weight[i / 2][i % 2] = 1.0;
+    unweighted = linearise(ranges, x_m).normal;
   }
   const Symmetric3 adjugate = unweighted.adjugate();
   const double determinant = unweighted.determinant(adjugate);
@@ -69,8 +42,8 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
     return result;
   }
   result.gdop = std::sqrt(adjugate.trace() / determinant);
-  const Symmetric3 weighted_adjugate = weighted.adjugate();
-  result.covariance = weighted_adjugate.matrix() / weighted.determinant(weighted_adjugate);
+  const Symmetric3 inverse = equations.normal.adjugate();
+  result.covariance = inverse.matrix() / equations.normal.determinant(inverse);
   return result;
 }
 

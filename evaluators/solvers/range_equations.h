@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+
 #include <Eigen/Core>
 
 #include "evaluators/solvers/point_estimate.h"
@@ -14,7 +16,7 @@ namespace trilat {
 // m from sensors in one plane that is a joint within about 30 um of the plane.
 inline constexpr double kRankRatio = 1e-10;
 
-// Below this distance from a sensor the direction to it is rounding: its row of J is zero.
+// Nearer than this to a sensor the direction to it is rounding: its row of J shrinks to zero.
 inline constexpr double kOnSensor_m = 1e-12;
 
 // F = sum w f^2, f = |x - s| - r, and its linearisation at x: rows of J are the unit vectors from
@@ -24,15 +26,62 @@ struct RangeEquations {
   Eigen::Vector3d gradient;  // J^T W f, half the derivative of F
   double cost_m2;            // F
 };
-RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m);
 
-// The same with the right-hand side of eq. 17 as printed (erratum E7): (x - s) f over the squared
-// distance, every length counted in `unit_m`, and the result given in metres. It is J^T W f with
-// each row scaled by unit / distance, so the step depends on the unit.
-RangeEquations linearise_as_printed(const RangeProblem& problem, const Eigen::Vector3d& x_m, double unit_m);
+// A problem laid out for linearising many times: coordinates by axis and two sensors at a time. An
+// odd count is filled up with a sensor of weight 0.
+struct PackedRanges {
+  int pairs = 0;
+  std::array<Eigen::Array2d, kMaxSensors / 2> x_m, y_m, z_m, range_m, weight;
+};
+PackedRanges packed(const RangeProblem& problem);
+
+// `printed` gives the right-hand side of eq. 17 as printed (erratum E7): (x - s) f over the squared
+// distance, every length counted in `printed_unit_m` and the result in metres. It is J^T W f with
+// each row scaled by unit / distance, so the step depends on the unit. Always inlined: calls
+// cost a fifth of the time.
+template <bool printed = false>
+[[gnu::always_inline]] inline RangeEquations linearise(const PackedRanges& ranges, const Eigen::Vector3d& x_m,
+                                                       double printed_unit_m = 1.0) {
+  using Eigen::Array2d;
+  const Array2d zero = Array2d::Zero();
+  Array2d xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
+  Array2d gx = zero, gy = zero, gz = zero, cost = zero;
+  for (int p = 0; p < ranges.pairs; ++p) {
+    const Array2d x = x_m.x() - ranges.x_m[p];
+    const Array2d y = x_m.y() - ranges.y_m[p];
+    const Array2d z = x_m.z() - ranges.z_m[p];
+    const Array2d square = x * x + y * y + z * z;
+    // The quotient does not wait for the root, which shortens the chain of each iteration.
+    const Array2d w_over_square = ranges.weight[p] / square.max(kOnSensor_m * kOnSensor_m);
+    const Array2d distance = square.sqrt();
+    const Array2d f = distance - ranges.range_m[p];
+    cost += ranges.weight[p] * f * f;
+    const Array2d qx = w_over_square * x;
+    const Array2d qy = w_over_square * y;
+    const Array2d qz = w_over_square * z;
+    xx += qx * x;
+    xy += qx * y;
+    xz += qx * z;
+    yy += qy * y;
+    yz += qy * z;
+    zz += qz * z;
+    const Array2d right = printed ? (printed_unit_m * f).eval() : (distance * f).eval();
+    gx += qx * right;
+    gy += qy * right;
+    gz += qz * right;
+  }
+  return {{xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()},
+          {gx.sum(), gy.sum(), gz.sum()},
+          cost.sum()};
+}
 
 // `determinant` and `adjugate` are those of `normal`.
-bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant);
+inline bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant) {
+  const double trace = normal.trace();
+  const double pairs = adjugate.trace();
+  // Negated, so that NaN counts as deficient.
+  return !(pairs > kRankRatio * trace * trace && determinant > kRankRatio * trace * pairs);
+}
 
 // The estimate at x with cost, gdop and covariance filled in.
 [[nodiscard]] PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,

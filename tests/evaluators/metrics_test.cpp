@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/philox.h"
+#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantile_selection.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+double sorted_quantile(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  const double position = static_cast<double>(values.size() - 1) * q;
+  const auto below = static_cast<std::size_t>(position);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+const std::vector<double> kProbes{0.0, 0.01, 0.25, 0.5, 0.9, 0.95, 0.999, 1.0};
+
+void expect_as_sorted(const std::vector<double>& values) {
+  const std::vector<double> found = quantiles_of(values, kProbes);
+  for (std::size_t i = 0; i < kProbes.size(); ++i)
+    EXPECT_EQ(found[i], sorted_quantile(values, kProbes[i])) << "q " << kProbes[i];
+}
+
+TEST(Quantiles, ByPencil) {
+  EXPECT_THAT(quantiles_of(std::vector<double>{4, 1, 3, 2}, {0.0, 0.5, 1.0}),
+              testing::ElementsAre(1.0, 2.5, 4.0));
+  // position (5 - 1) * 0.9 = 3.6 between 4 and 5
+  EXPECT_NEAR(quantiles_of(std::vector<double>{5, 4, 3, 2, 1}, {0.9})[0], 4.6, 1e-15);
+  EXPECT_EQ(quantiles_of(std::vector<double>{7}, {0.95})[0], 7.0);
+  EXPECT_EQ(quantiles_of(std::vector<double>{0.0, -0.0}, {0.5})[0], 0.0);
+}
+
+TEST(Quantiles, OfNothingAreNotANumber) {
+  EXPECT_TRUE(std::isnan(quantiles_of({}, {0.5})[0]));
+  EXPECT_TRUE(quantiles_of(std::vector<double>{1.0, 2.0}, {}).empty());
+}
+
+TEST(Quantiles, AreThoseOfTheSortedValues) {
+  const RandomStream random{31, Purpose::test, 0};
+  for (const int n : {1, 2, 3, 10, 101, 5000}) {
+    std::vector<double> uniform, equal, huge_range, few_values, dense;
+    for (int i = 0; i < n; ++i) {
+      const auto draw = static_cast<std::uint32_t>(i);
+      uniform.push_back(random.uniform(draw));
+      equal.push_back(0.1);
+      huge_range.push_back(std::pow(10.0, random.uniform(draw, -300.0, 300.0)));
+      few_values.push_back(std::floor(random.uniform(draw, 0.0, 4.0)));
+      dense.push_back(1.0 + std::floor(random.uniform(draw, 0.0, 50.0)) * 0x1p-52);
+    }
+    huge_range[0] = std::numeric_limits<double>::denorm_min();
+    for (const auto& values : {uniform, equal, huge_range, few_values, dense}) expect_as_sorted(values);
+  }
+}
+
+TEST(Quantiles, InfinityIsTheLargestValue) {
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(quantiles_of(std::vector<double>{inf, 1.0, 2.0}, {0.5, 1.0}), testing::ElementsAre(2.0, inf));
+}
+
+TEST(Quantiles, MergedPassesAreThoseOfTheWhole) {
+  const RandomStream random{32, Purpose::test, 0};
+  std::vector<double> values;
+  for (std::uint32_t i = 0; i < 1000; ++i) values.push_back(random.uniform(i));
+  QuantileSelection whole({0.5, 0.9});
+  while (!whole.done()) {
+    QuantileSelection part = whole;
+    for (std::size_t i = 0; i < 400; ++i) whole.add(values[i]);
+    for (std::size_t i = 400; i < 1000; ++i) part.add(values[i]);
+    whole.merge_pass(part);
+    whole.end_pass();
+  }
+  EXPECT_EQ(whole.quantiles(), quantiles_of(values, {0.5, 0.9}));
+  EXPECT_EQ(whole.count(), 1000);
+}
+
+TEST(Quantiles, RefuseWhatBreaksThePromise) {
+  EXPECT_THROW(QuantileSelection({1.5}), InternalError);
+  QuantileSelection selection({0.5});
+  EXPECT_THROW(selection.add(-1.0), InternalError);
+  EXPECT_THROW(selection.add(std::numeric_limits<double>::quiet_NaN()), InternalError);
+  EXPECT_THROW((void)selection.quantiles(), InternalError);
+  selection.add(1.0);
+  selection.end_pass();
+  EXPECT_THROW(selection.end_pass(), InternalError);  // another number of values
+  QuantileSelection other({0.5});
+  other.add(1.0);
+  other.end_pass();
+  other.add(1000.0);
+  EXPECT_THROW(other.end_pass(), InternalError);  // another value
+}
+
+struct Item {
+  SolveStatus status;
+  Vector3d error_m;
+};
+
+ErrorStatistics statistics_of(const ErrorSums& sums, const std::vector<Item>& items) {
+  QuantileSelection quantiles(kErrorQuantiles);
+  while (!quantiles.done()) {
+    for (const Item& item : items)
+      if (is_usable(item.status)) quantiles.add(item.error_m.norm());
+    quantiles.end_pass();
+  }
+  return ErrorStatistics::of(sums, quantiles);
+}
+
+ErrorSums sums_of(std::span<const Item> items) {
+  ErrorSums sums;
+  for (const Item& item : items) sums.add(item.status, item.error_m);
+  return sums;
+}
+
+ErrorStatistics statistics_of(const std::vector<Item>& items) { return statistics_of(sums_of(items), items); }
+
+TEST(ErrorStatistics, ByPencil) {
+  const Vector3d nan = Vector3d::Constant(kNaN);
+  const ErrorStatistics s = statistics_of({{SolveStatus::converged, {3, -4, 0}},
+                                           {SolveStatus::clamped, {0, 0, -1}},
+                                           {SolveStatus::rank_deficient, nan},
+                                           {SolveStatus::closed_form, {-2, 1, 2}},
+                                           {SolveStatus::mirror_ambiguous, {9, 9, 9}}});
+  EXPECT_EQ(s.asked, 5);
+  EXPECT_EQ(s.answered, 3);
+  EXPECT_EQ(s.coverage, 0.6);
+  EXPECT_EQ(s.status_counts[static_cast<std::size_t>(SolveStatus::rank_deficient)], 1);
+  EXPECT_EQ(s.status_counts[static_cast<std::size_t>(SolveStatus::mirror_ambiguous)], 1);
+  EXPECT_NEAR(s.mae_m, (5.0 + 1.0 + 3.0) / 3.0, 1e-15);
+  EXPECT_LT((s.axis_mae_m - Vector3d(5, 5, 3) / 3.0).norm(), 1e-15);
+  EXPECT_NEAR(s.rmse_m, std::sqrt((25.0 + 1.0 + 9.0) / 3.0), 1e-15);
+  EXPECT_EQ(s.median_m, 3.0);
+  EXPECT_NEAR(s.p90_m, 3.0 + 0.8 * 2.0, 1e-15);  // position 1.8
+  EXPECT_NEAR(s.p95_m, 3.0 + 0.9 * 2.0, 1e-15);
+  EXPECT_EQ(s.max_m, 5.0);
+}
+
+TEST(ErrorStatistics, WithoutAnswersAreNotANumberAndNotZero) {
+  const ErrorStatistics none = statistics_of({});
+  EXPECT_EQ(none.answered, 0);
+  EXPECT_TRUE(std::isnan(none.coverage));
+  const ErrorStatistics failed = statistics_of({{SolveStatus::diverged, Vector3d::Constant(kNaN)}});
+  EXPECT_EQ(failed.coverage, 0.0);
+  for (const ErrorStatistics& s : {none, failed})
+    for (const double value :
+         {s.mae_m, s.axis_mae_m.x(), s.axis_mae_m.z(), s.rmse_m, s.median_m, s.p90_m, s.p95_m, s.max_m})
+      EXPECT_TRUE(std::isnan(value));
+}
+
+TEST(ErrorStatistics, OneItemIsItsOwnEverything) {
+  const ErrorStatistics s = statistics_of({{SolveStatus::converged, {0, 2, 0}}});
+  for (const double value : {s.mae_m, s.rmse_m, s.median_m, s.p90_m, s.p95_m, s.max_m}) EXPECT_EQ(value, 2.0);
+}
+
+TEST(ErrorStatistics, AUsableEstimateWithoutANumberIsOurMistake) {
+  ErrorSums sums;
+  EXPECT_THROW(sums.add(SolveStatus::converged, Vector3d::Constant(kNaN)), InternalError);
+}
+
+TEST(ErrorSums, MergedAreThoseOfTheWhole) {
+  const RandomStream random{33, Purpose::test, 0};
+  std::vector<Item> items;
+  for (std::uint32_t i = 0; i < 100; ++i)
+    items.push_back({i % 7 == 0 ? SolveStatus::diverged : SolveStatus::converged,
+                     {random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2)}});
+  ErrorSums merged = sums_of(std::span(items).first(30));
+  merged.merge(sums_of(std::span(items).subspan(30)));
+  EXPECT_EQ(merged.asked(), 100);
+  EXPECT_EQ(merged.count_of(SolveStatus::diverged), 15);
+  const ErrorStatistics whole = statistics_of(items);
+  const ErrorStatistics parts = statistics_of(merged, items);
+  EXPECT_NEAR(parts.mae_m, whole.mae_m, 1e-15);
+  EXPECT_NEAR(parts.rmse_m, whole.rmse_m, 1e-15);
+  EXPECT_LT((parts.axis_mae_m - whole.axis_mae_m).norm(), 1e-15);
+  EXPECT_EQ(parts.max_m, whole.max_m);
+  EXPECT_EQ(parts.coverage, whole.coverage);
+}
+
+TEST(CompensatedSum, KeepsWhatAPlainSumLoses) {
+  CompensatedSum sum;
+  for (const double value : {1.0, 1e100, 1.0, -1e100}) sum.add(value);
+  EXPECT_EQ(sum.value(), 2.0);
+  CompensatedSum tenths;
+  for (int i = 0; i < 10'000'000; ++i) tenths.add(0.1);
+  EXPECT_NEAR(tenths.value(), 1e6, 1e-9);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// One body of laws, held against every method that solves a RangeProblem.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <ostream>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/geometry/rigid_transform.h"
+#include "evaluators/ceres/ceres_trilateration.h"
+#include "evaluators/solvers/geometric.h"
+#include "evaluators/solvers/linear.h"
+#include "evaluators/solvers/nonlinear.h"
+#include "tests/evaluators/range_problems.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Method {
+  const char* name;
+  std::function<PointEstimate(const RangeProblem&)> solve;
+  bool needs_hint = false;    // has a mirror solution whatever the number of sensors
+  bool needs_volume = false;  // has no answer when the sensors are in one plane
+  double exact_to_m = 1e-9;   // without noise
+};
+void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
+
+NonlinearOptions undamped(Gradient gradient, StopRule stop) {
+  NonlinearOptions options;
+  options.gradient = gradient;
+  options.damping = Damping::none;
+  options.stop = stop;
+  options.threshold_m2 = 1e-26;
+  options.max_iterations = 20'000;
+  return options;
+}
+
+Method nonlinear(const char* name, const NonlinearOptions& options, double exact_to_m) {
+  return {name, [options](const RangeProblem& p) { return solve_nonlinear(p, options); }, false, false,
+          exact_to_m};
+}
+
+std::vector<Method> methods() {
+  const LinearOptions all_pairs{LinearReference::all_pairs, 0, 1e-6};
+  const auto undamped_step = undamped(Gradient::corrected, StopRule::step);
+  const auto printed = undamped(Gradient::printed, StopRule::step);
+  return {
+      {"linear", [](const RangeProblem& p) { return solve_linear(p, {}); }, false, true},
+      {"linear_all_pairs", [=](const RangeProblem& p) { return solve_linear(p, all_pairs); }, false, true},
+      {"geometric", [](const RangeProblem& p) { return solve_geometric(p, {}); }, true, false},
+      nonlinear("nonlinear", {}, 1e-9),
+      nonlinear("nonlinear_undamped", undamped_step, 1e-9),
+      nonlinear("nonlinear_printed", printed, 1e-7),
+      {"ceres", [](const RangeProblem& p) { return solve_ceres(p, {}); }, false, false, 1e-9},
+  };
+}
+
+class EveryMethod : public testing::TestWithParam<Method> {
+ protected:
+  PointEstimate solve(const RangeProblem& problem) const { return GetParam().solve(problem); }
+};
+INSTANTIATE_TEST_SUITE_P(Laws, EveryMethod, testing::ValuesIn(methods()),
+                         [](const auto& method) { return std::string(method.param.name); });
+
+RangeProblem hinted(const std::vector<Vector3d>& sensors_m, const Vector3d& joint_m) {
+  RangeProblem problem = problem_of(sensors_m, joint_m);
+  problem.hint_m = joint_m + Vector3d(0.03, -0.02, 0.01);
+  return problem;
+}
+
+TEST_P(EveryMethod, IsExactWithoutNoise) {
+  const RandomStream random{3, Purpose::test, 0};
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    Vector3d joint_m = random_joint_m(random, i);
+    // away from the plane of the first three sensors, where three ranges do not fix a point
+    const double above_m = joint_m.y() - (0.3 + joint_m.z());
+    if (GetParam().needs_hint && std::abs(above_m) < 0.2) continue;
+    const RangeProblem problem = hinted(well_posed_sensors_m(), joint_m);
+    const PointEstimate estimate = solve(problem);
+    ASSERT_TRUE(is_usable(estimate.status)) << i << " " << name_of(estimate.status);
+    EXPECT_LT((estimate.position_m - joint_m).norm(), GetParam().exact_to_m) << i;
+    EXPECT_LT(estimate.cost_m2, 1e-12);
+    EXPECT_TRUE(std::isfinite(estimate.gdop));
+  }
+}
+
+TEST_P(EveryMethod, MovesWithTheSensors) {
+  const RigidTransform moved{Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Vector3d(1, -2, 0.5).normalized())),
+                             {30, -4, 8}};
+  RangeProblem problem = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  add_noise(problem, RandomStream{4, Purpose::test, 0}, 0.02);
+  RangeProblem other = problem;
+  for (int i = 0; i < other.count; ++i) other.sensor_m[i] = moved * problem.sensor_m[i];
+  other.hint_m = moved * *problem.hint_m;
+  const PointEstimate here = solve(problem);
+  const PointEstimate there = solve(other);
+  EXPECT_EQ(here.status, there.status);
+  EXPECT_LT((moved * here.position_m - there.position_m).norm(), 1e-7);
+  EXPECT_NEAR(here.gdop, there.gdop, 1e-6 * here.gdop);
+}
+
+TEST_P(EveryMethod, ScalesWithTheScene) {
+  if (std::string(GetParam().name) == "nonlinear_printed") return;  // not even its step does
+  RangeProblem problem = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  add_noise(problem, RandomStream{4, Purpose::test, 1}, 0.02);
+  RangeProblem large = problem;
+  for (int i = 0; i < large.count; ++i) {
+    large.sensor_m[i] *= 8.0;
+    large.range_m[i] *= 8.0;
+  }
+  large.hint_m = 8.0 * *problem.hint_m;
+  EXPECT_LT((8.0 * solve(problem).position_m - solve(large).position_m).norm(), 1e-7);
+}
+
+TEST_P(EveryMethod, DoesNotCareForTheOrderOfTheList) {
+  RangeProblem problem = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  add_noise(problem, RandomStream{4, Purpose::test, 2}, 0.02);
+  RangeProblem turned = problem;
+  for (int i = 0; i < 4; ++i) {
+    const int from = (i + 3) % 4;
+    turned.sensor_m[i] = problem.sensor_m[from];
+    turned.range_m[i] = problem.range_m[from];
+    turned.rig_index[i] = problem.rig_index[from];
+  }
+  EXPECT_LT((solve(problem).position_m - solve(turned).position_m).norm(), 1e-7);
+}
+
+TEST_P(EveryMethod, RefusesWhatIsNotANumber) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const RangeProblem good = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  for (const double bad : {nan, inf, -inf}) {
+    std::array<RangeProblem, 4> problems{good, good, good, good};
+    problems[0].range_m[2] = bad;
+    problems[1].sensor_m[1].y() = bad;
+    problems[2].weight[0] = bad;
+    problems[3].hint_m->x() = bad;
+    for (const RangeProblem& problem : problems) {
+      const PointEstimate estimate = solve(problem);
+      EXPECT_EQ(estimate.status, SolveStatus::non_finite_input);
+      EXPECT_TRUE(estimate.position_m.array().isNaN().all());
+    }
+  }
+}
+
+TEST_P(EveryMethod, RefusesNegativeRangesAndWeights) {
+  RangeProblem problem = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  problem.range_m[1] = -0.5;
+  EXPECT_EQ(solve(problem).status, SolveStatus::invalid_input);
+  problem.range_m[1] = 2.0;
+  problem.weight[3] = 0.0;
+  EXPECT_EQ(solve(problem).status, SolveStatus::invalid_input);
+}
+
+TEST_P(EveryMethod, RefusesFewerThanThreeRanges) {
+  const auto sensors_m = well_posed_sensors_m();
+  for (std::size_t n : {0, 1, 2}) {
+    const PointEstimate estimate =
+        solve(hinted({sensors_m.begin(), sensors_m.begin() + n}, {0.1, 0.8, -0.2}));
+    EXPECT_EQ(estimate.status, SolveStatus::too_few_ranges);
+    EXPECT_TRUE(estimate.position_m.array().isNaN().all());
+  }
+  RangeProblem beyond;
+  beyond.count = kMaxSensors + 1;
+  EXPECT_THROW(solve(beyond), InternalError);
+}
+
+TEST_P(EveryMethod, CallsSensorsOnALineOrAPointRankDeficient) {
+  const Vector3d joint_m(0.3, 0.5, 0.7);
+  const Vector3d step_m(0.5, 0.2, -0.1);
+  for (const Vector3d& along_m : {step_m, Vector3d(0, 0, 0)}) {
+    const Vector3d a(1, 1, 1);
+    const PointEstimate estimate =
+        solve(hinted({a, a + along_m, a + 2.5 * along_m, a + 4.0 * along_m}, joint_m));
+    EXPECT_EQ(estimate.status, SolveStatus::rank_deficient);
+    EXPECT_TRUE(estimate.position_m.array().isNaN().all());
+  }
+}
+
+TEST_P(EveryMethod, CallsAJointInThePlaneOfTheSensorsRankDeficient) {
+  const PointEstimate estimate = solve(hinted(ring_m(0.9, 0.9, 0.9, 0.9), {0.2, 0.9, -0.3}));
+  EXPECT_EQ(estimate.status, SolveStatus::rank_deficient) << name_of(estimate.status);
+  EXPECT_TRUE(estimate.position_m.array().isNaN().all());
+}
+
+TEST_P(EveryMethod, InOnePlaneOfSensorsAnswersOnlyWithAHint) {
+  const Vector3d joint_m(0.2, 1.4, -0.3);
+  const auto sensors_m = ring_m(0.9, 0.9, 0.9, 0.9);
+  RangeProblem problem = hinted(sensors_m, joint_m);
+  if (GetParam().needs_volume) {
+    EXPECT_EQ(solve(problem).status, SolveStatus::rank_deficient);
+    return;
+  }
+  PointEstimate estimate = solve(problem);
+  EXPECT_TRUE(is_usable(estimate.status)) << name_of(estimate.status);
+  EXPECT_LT((estimate.position_m - joint_m).norm(), GetParam().exact_to_m);
+  problem.hint_m = Vector3d(0.2, 0.4, -0.3);
+  EXPECT_LT((solve(problem).position_m - Vector3d(0.2, 0.4, -0.3)).norm(), GetParam().exact_to_m);
+  problem.hint_m = Vector3d(0.2, 1.0, -0.3);  // 0.4 m from one, 0.6 m from the other
+  EXPECT_EQ(solve(problem).status, SolveStatus::mirror_ambiguous);
+  problem.hint_m.reset();
+  estimate = solve(problem);
+  EXPECT_EQ(estimate.status, SolveStatus::mirror_ambiguous);
+  EXPECT_NEAR(std::abs(estimate.position_m.y() - 0.9), 0.5, 1e-6);
+}
+
+TEST_P(EveryMethod, WithThreeSensorsAnswersOnlyWithAHint) {
+  const Vector3d joint_m(0.2, 1.7, -0.3);
+  RangeProblem problem = hinted({{2, 0.9, 0}, {0, 1.1, 2}, {-2, 0.7, 0}}, joint_m);
+  if (GetParam().needs_volume) {
+    EXPECT_EQ(solve(problem).status, SolveStatus::rank_deficient);
+    return;
+  }
+  const PointEstimate estimate = solve(problem);
+  EXPECT_TRUE(is_usable(estimate.status)) << name_of(estimate.status);
+  EXPECT_LT((estimate.position_m - joint_m).norm(), GetParam().exact_to_m);
+  problem.hint_m.reset();
+  EXPECT_EQ(solve(problem).status, SolveStatus::mirror_ambiguous);
+}
+
+TEST_P(EveryMethod, FindsAJointOnASensor) {
+  const auto sensors_m = well_posed_sensors_m();
+  const RangeProblem problem = hinted(sensors_m, sensors_m[3]);
+  const PointEstimate estimate = solve(problem);
+  EXPECT_TRUE(estimate.position_m.allFinite());
+  // f / d does not vanish there, so the printed step never does
+  if (std::string(GetParam().name) == "nonlinear_printed") return;
+  ASSERT_TRUE(is_usable(estimate.status)) << name_of(estimate.status);
+  EXPECT_LT((estimate.position_m - sensors_m[3]).norm(), 1e-7);
+  EXPECT_TRUE(std::isfinite(estimate.cost_m2));
+}
+
+TEST_P(EveryMethod, NeverCallsUsableWhatIsNotFinite) {
+  const RandomStream random{9, Purpose::test, 0};
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    RangeProblem problem =
+        problem_of(ring_m(0.9, 0.9 + 0.001 * random.uniform(2 * i), 0.9, 0.9), random_joint_m(random, i));
+    for (int k = 0; k < 4; ++k) problem.range_m[k] *= random.uniform(1000 + 4 * i + k, 0.0, 2.0);
+    const PointEstimate estimate = solve(problem);
+    EXPECT_NE(estimate.status, SolveStatus::not_solved);
+    if (!is_usable(estimate.status)) continue;
+    EXPECT_TRUE(estimate.position_m.allFinite());
+    EXPECT_TRUE(std::isfinite(estimate.cost_m2));
+  }
+  RangeProblem huge = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
+  huge.range_m[0] = 1e200;
+  const PointEstimate estimate = solve(huge);
+  EXPECT_FALSE(is_usable(estimate.status) && !std::isfinite(estimate.cost_m2));
+}
+
+}  // namespace
+}  // namespace trilat
