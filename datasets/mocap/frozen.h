@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "datasets/mocap/mocap_take.h"
+
+namespace trilat {
+
+// Some exports repeat the last pose of a lost body instead of leaving it out. The noise of a body
+// that is truly still shows in the last digits, so a pose that stays the same to the bit is lost.
+struct FrozenOptions {
+  double min_s = 0.1;           // from the first to the last frame of the stretch
+  std::int64_t min_frames = 5;  // and at least so many
+};
+
+// Follows one asset frame by frame.
+class FrozenStretch {
+ public:
+  // How many of the frames so far are newly known to be frozen, this one being the last of them:
+  // the whole stretch when it has just become long enough, then one at a time.
+  std::int64_t add(const MocapPose& pose, bool present, MocapTime time,
+                   const FrozenOptions& options);
+
+ private:
+  MocapPose pose_;
+  MocapTime start_;
+  std::int64_t frames_ = 0;
+  bool frozen_ = false;
+};
+
+// Takes frames and gives them back, later by one shortest stretch, with every frozen pose missing
+// from its first frame on. Holds no more than the frames of one shortest stretch when, after each
+// push, all that is decided is popped.
+class FrozenFilter {
+ public:
+  // `assets`: those of the frames' poses, in order.
+  explicit FrozenFilter(std::vector<MocapAsset> assets, FrozenOptions options = {});
+
+  void push(const MocapFrame& frame);
+  // No frame follows: all that are held are decided.
+  void finish() { finished_ = true; }
+  // The next decided frame; false when more have to be pushed first.
+  bool pop(MocapFrame& frame);
+  // Poses taken out so far, for each asset.
+  const std::vector<std::int64_t>& frozen() const { return frozen_; }
+
+ private:
+  std::vector<MocapAsset> assets_;
+  FrozenOptions options_;
+  std::vector<FrozenStretch> stretches_;
+  std::vector<std::int64_t> frozen_;
+  std::deque<MocapFrame> held_;
+  bool finished_ = false;
+};
+
+}  // namespace trilat

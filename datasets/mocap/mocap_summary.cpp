@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/mocap_summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/base/check.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+
+namespace trilat {
+namespace {
+
+bool is_sentinel_rotation(const Eigen::Quaterniond& q) {
+  return q.x() == 0.0 && q.y() == 0.0 && q.z() == 0.0 && std::abs(q.w()) == 1.0;
+}
+
+}  // namespace
+
+MocapSummarizer::MocapSummarizer(const MocapHeader& header,
+                                 const std::vector<std::size_t>& selected,
+                                 MocapSummaryOptions options)
+    : options_(options), rate_is_stated_(!std::isnan(header.export_rate_hz)) {
+  summary_.rate_hz = header.export_rate_hz;
+  for (const std::size_t asset : selected) {
+    summary_.assets.push_back({.asset = asset});
+    tracks_.emplace_back().asset = header.assets.at(asset);
+  }
+}
+
+void MocapSummarizer::add(const MocapFrame& frame) {
+  TRILAT_CHECK(frame.poses.size() == tracks_.size(), "a frame has a pose for each asset");
+  const bool skips = summary_.frames > 0 && frame.index - last_index_ > 1;
+  add_time(frame);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track& track = tracks_[i];
+    MocapAssetSummary& counts = summary_.assets[i];
+    const MocapPose& pose = frame.poses[i];
+    const bool present = pose.is_present(track.asset);
+    track.missed = track.missed || skips || !present;
+    counts.frozen += track.stretch.add(pose, present, frame.time, options_.frozen);
+    if (present) {
+      add_sample(pose, frame.time, track, counts);
+    } else {
+      ++counts.missing;
+      track.sentinel_run = 0;
+    }
+  }
+}
+
+void MocapSummarizer::add_time(const MocapFrame& frame) {
+  if (summary_.frames > 0 && frame.index - last_index_ > 1) {
+    ++summary_.index_gaps;
+    summary_.skipped_frames += frame.index - last_index_ - 1;
+  }
+  ++summary_.frames;
+  last_index_ = frame.index;
+  summary_.duration_s = (frame.time - MocapTime{}).seconds();
+  if (!rate_is_stated_ && summary_.duration_s > 0.0)
+    summary_.rate_hz = static_cast<double>(summary_.frames - 1) / summary_.duration_s;
+  if (std::isnan(frame.printed_time_s)) return;
+  if (std::isnan(first_printed_s_)) {
+    first_printed_s_ = frame.printed_time_s - summary_.duration_s;
+    summary_.largest_time_error_s = 0.0;
+  }
+  summary_.largest_time_error_s =
+      std::max(summary_.largest_time_error_s,
+               std::abs(frame.printed_time_s - first_printed_s_ - summary_.duration_s));
+}
+
+void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& track,
+                                 MocapAssetSummary& counts) const {
+  ++counts.samples;
+  if (track.seen) {
+    const double since_s = (time - track.last_time).seconds();
+    const double distance_m = (pose.position_m - track.last_pose.position_m).norm();
+    if (distance_m > options_.jump_speed_m_s * since_s) ++counts.jumps;
+    if (track.missed) counts.longest_gap_s = std::max(counts.longest_gap_s, since_s);
+  }
+  add_sentinel(pose, track, counts);
+  track.seen = true;
+  track.missed = false;
+  track.last_pose = pose;
+  track.last_time = time;
+}
+
+void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, MocapAssetSummary& counts) {
+  if (!pose.has_position() || !is_sentinel_rotation(pose.world_from_asset)) {
+    track.sentinel_run = 0;
+    return;
+  }
+  const bool unmoved = track.sentinel_run > 0 && pose.position_m == track.sentinel_position_m;
+  track.sentinel_run = unmoved ? track.sentinel_run + 1 : 1;
+  track.sentinel_position_m = pose.position_m;
+  if (pose.position_m.isZero(0.0)) {
+    ++counts.sentinels;
+  } else if (unmoved) {
+    counts.sentinels += track.sentinel_run == 2 ? 2 : 1;
+  }
+}
+
+MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options) {
+  MocapSummarizer summarizer(reader.header(), reader.selected(), options);
+  MocapFrame frame;
+  while (reader.next(frame)) summarizer.add(frame);
+  return summarizer.summary();
+}
+
+}  // namespace trilat

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "datasets/mocap/frozen.h"
+#include "datasets/mocap/mocap_take.h"
+
+namespace trilat {
+
+class OptitrackCsvReader;
+
+struct MocapSummaryOptions {
+  FrozenOptions frozen;
+  double jump_speed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
+};
+
+struct MocapAssetSummary {
+  std::size_t asset = 0;       // in the header
+  std::int64_t samples = 0;    // frames in which the asset is present
+  std::int64_t missing = 0;    // frames in which it is not
+  std::int64_t frozen = 0;     // samples inside frozen stretches
+  std::int64_t sentinels = 0;  // samples that say "lost": no rotation at all, at zero or unmoving
+  std::int64_t jumps = 0;      // steps from one sample to the next faster than the limit
+  // Longest time between two neighbouring samples with a frame missing between them; what is
+  // missing before the first and after the last sample does not count.
+  double longest_gap_s = 0.0;
+};
+
+struct MocapSummary {
+  std::int64_t frames = 0;
+  std::int64_t index_gaps = 0;             // places where the frame index skips
+  std::int64_t skipped_frames = 0;         // indices skipped there
+  double duration_s = 0.0;                 // from the first frame to the last
+  double rate_hz = kMissing;               // as stated; else frames over duration
+  double largest_time_error_s = kMissing;  // of the printed time against the delivered one
+  std::vector<MocapAssetSummary> assets;   // as selected
+};
+
+// Accumulates a summary frame by frame, in memory that does not grow.
+class MocapSummarizer {
+ public:
+  MocapSummarizer(const MocapHeader& header, const std::vector<std::size_t>& selected,
+                  MocapSummaryOptions options = {});
+  void add(const MocapFrame& frame);
+  const MocapSummary& summary() const { return summary_; }
+
+ private:
+  struct Track {
+    MocapAsset asset;
+    FrozenStretch stretch;
+    bool seen = false;
+    bool missed = false;  // since the last sample
+    MocapPose last_pose;
+    MocapTime last_time;
+    std::int64_t sentinel_run = 0;
+    Eigen::Vector3d sentinel_position_m = Eigen::Vector3d::Zero();
+  };
+
+  void add_time(const MocapFrame& frame);
+  void add_sample(const MocapPose& pose, MocapTime time, Track& track,
+                  MocapAssetSummary& counts) const;
+  static void add_sentinel(const MocapPose& pose, Track& track, MocapAssetSummary& counts);
+
+  MocapSummaryOptions options_;
+  bool rate_is_stated_ = false;
+  MocapSummary summary_;
+  std::vector<Track> tracks_;
+  std::int64_t last_index_ = 0;
+  double first_printed_s_ = kMissing;
+};
+
+// Reads to the end what the reader has selected.
+MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options = {});
+
+}  // namespace trilat

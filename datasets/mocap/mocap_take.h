@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "datasets/base/time.h"
+#include "datasets/base/units.h"
+
+namespace trilat {
+
+inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+
+// What OptiTrack calls a column's type. A rigid body marker is the solved position, present while
+// the marker is hidden; a marker is the measured one, missing while hidden. `other` is a type that
+// is none of these and yet has a position or a rotation.
+enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
+
+std::string_view name_of(AssetType type);                 // "rigid_body", …
+std::string_view motive_name_of(AssetType type);          // "Rigid Body", …
+AssetType asset_type_from_motive(std::string_view text);  // any case; else `other`
+
+// One name may stand under several types, and even twice under one: then only the ID tells them
+// apart. The ID is opaque text.
+struct MocapAsset {
+  AssetType type = AssetType::other;
+  std::string name;
+  std::string id;
+  std::string parent;
+  bool has_rotation = false;
+  bool has_position = false;
+};
+
+struct MocapHeader {
+  std::string format;  // "Motive CSV 1.23", "OptiTrack row format 1.1"
+  std::string take_name;
+  std::string take_notes;
+  std::string capture_start_text;  // local time without zone, as written
+  double capture_rate_hz = kMissing;
+  double export_rate_hz = kMissing;  // NaN: not stated, as in the row formats
+  std::optional<std::int64_t> capture_start_frame;
+  std::optional<std::int64_t> total_frames_in_take;
+  std::optional<std::int64_t> total_exported_frames;
+  LengthUnit length_unit = LengthUnit::metre;
+  std::string rotation_type = "Quaternion";  // or the order of Euler angles, "XYZ"
+  std::string coordinate_space = "Global";
+  bool left_handed = false;  // as written in the file; poses are always right-handed
+  std::int64_t first_frame = 0;
+  std::vector<MocapAsset> assets;
+};
+
+// World is right-handed, y up, metres. What is missing is NaN, in all its components.
+struct MocapPose {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
+  Eigen::Quaterniond world_from_asset{kMissing, kMissing, kMissing, kMissing};
+
+  bool has_position() const { return position_m.x() == position_m.x(); }
+  bool has_rotation() const { return world_from_asset.w() == world_from_asset.w(); }
+  // The asset was seen: its position is there, or its rotation when it has no position at all.
+  bool is_present(const MocapAsset& asset) const {
+    return asset.has_position ? has_position() : has_rotation();
+  }
+};
+
+struct MocapFrame {
+  std::int64_t index = 0;
+  MocapTime time;                    // zero at the first exported frame
+  double printed_time_s = kMissing;  // as written, for checks only
+  std::vector<MocapPose> poses;      // one per selected asset, in the order of the selection
+};
+
+// Oddities a reader lives with. A careful user looks at them; `trilat mocap` prints them.
+struct MocapAnomalies {
+  std::int64_t extra_fields = 0;          // rows with more fields than the header has
+  std::int64_t repeated_frames = 0;       // rows dropped because time did not advance
+  std::int64_t partial_poses = 0;         // poses dropped because a component is missing
+  std::int64_t invalid_rotations = 0;     // rotations dropped: the quaternion is not of length 1
+  std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
+  std::int64_t unfinished_last_line = 0;  // the file ends inside a row; that row is not trusted
+};
+
+struct MocapTake {
+  MocapHeader header;
+  std::vector<MocapFrame> frames;
+  MocapAnomalies anomalies;
+};
+
+// "rigid_body:Wand", and "#ID" behind it when that alone does not tell it from another asset.
+std::string key_of(const MocapHeader& header, std::size_t asset);
+
+// The asset a person means by "Wand", "rigid_body:Wand", "Wand#ID" or "rigid_body:Wand#ID".
+// InputError at `place` when no asset has that key (lists those there are) or several have it
+// (lists them).
+std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place);
+
+}  // namespace trilat

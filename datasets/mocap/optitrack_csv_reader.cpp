@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/optitrack_csv_reader.h"
+
+#include <numeric>
+#include <string>
+
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+#include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/motive_header.h"
+#include "datasets/mocap/motive_rows.h"
+#include "datasets/mocap/trackable_header.h"
+#include "datasets/mocap/trackable_rows.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kMotiveStart = "Format Version";
+
+bool is_numbers_only(std::string_view line) {
+  const auto cells = split_csv(line);
+  std::int64_t frame = 0;
+  double time_s = 0.0;
+  return cells.size() >= 2 && parse_integer(cells[0], frame) &&
+         parse_cell(cells[1], time_s) == CellKind::number;
+}
+
+[[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
+  if (is_numbers_only(line))
+    throw InputError(
+        place,
+        "the file begins with data and has no header, so that unit, rate and names are "
+        "unknown; export again from Motive with the header switched on");
+  if (line.starts_with("Format Version;"))
+    throw InputError(place, "the cells are separated by semicolons; save the file with commas");
+  if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
+    throw InputError(place, "the text is UTF-16; save the file as UTF-8");
+  throw InputError(
+      place,
+      "this is no OptiTrack export, which begins with \"Format Version,1.2…\" (Motive) "
+      "or \"comment,\" (Arena, Tracking Tools)");
+}
+
+}  // namespace
+
+OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path,
+                                       OptitrackReadOptions options)
+    : lines_(std::make_unique<LineReader>(path, options.block_bytes)) {
+  std::string_view line;
+  if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  if (split_csv(line).front() == kMotiveStart) {
+    MotiveHeader motive = read_motive_header(*lines_, line);
+    header_ = std::move(motive.header);
+    rows_ = std::make_unique<MotiveRows>(*lines_, header_, std::move(motive.layout));
+  } else if (is_known_row(line)) {
+    TrackableHeader trackable = read_trackable_header(*lines_, line);
+    header_ = trackable.header;
+    rows_ = std::make_unique<TrackableRows>(*lines_, std::move(trackable));
+  } else {
+    refuse_file(line, lines_->place());
+  }
+  selected_.resize(header_.assets.size());
+  std::iota(selected_.begin(), selected_.end(), std::size_t{0});
+}
+
+OptitrackCsvReader::~OptitrackCsvReader() = default;
+
+void OptitrackCsvReader::select(const std::vector<std::size_t>& assets) {
+  for (const std::size_t asset : assets)
+    TRILAT_CHECK(asset < header_.assets.size(), "a selected asset exists");
+  selected_ = assets;
+  rows_->select(assets);
+}
+
+bool OptitrackCsvReader::next(MocapFrame& frame) {
+  return rows_->next(frame, anomalies_);
+}
+
+MocapTake read_optitrack_csv(const std::filesystem::path& path) {
+  OptitrackCsvReader reader(path);
+  MocapTake take;
+  MocapFrame frame;
+  while (reader.next(frame)) take.frames.push_back(frame);
+  take.header = reader.header();
+  take.anomalies = reader.anomalies();
+  return take;
+}
+
+}  // namespace trilat

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "datasets/mocap/mocap_take.h"
+
+namespace trilat {
+
+class LineReader;
+class RowSource;
+
+struct OptitrackReadOptions {
+  std::size_t block_bytes = 1 << 20;  // read from the disk at once
+};
+
+// Streams an OptiTrack export of any length with bounded memory: Motive's column format 1.2 to
+// 1.25 and the row formats 1.0 and 1.1. Poses come out right-handed in metres: units are
+// converted, Euler angles become quaternions, and a left-handed file is mirrored in z. Lost bodies
+// that an export writes as a frozen pose or a sentinel are delivered as they stand; the summary
+// and the frozen filter find them.
+class OptitrackCsvReader {
+ public:
+  // Reads the header. InputError when the file cannot be opened or is no OptiTrack export.
+  explicit OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options = {});
+  ~OptitrackCsvReader();
+  OptitrackCsvReader(const OptitrackCsvReader&) = delete;
+  OptitrackCsvReader& operator=(const OptitrackCsvReader&) = delete;
+
+  const MocapHeader& header() const { return header_; }
+
+  // Delivers these assets only, in this order; the others' columns are skipped unread. Before the
+  // first frame; without it all assets are delivered.
+  void select(const std::vector<std::size_t>& assets);
+  const std::vector<std::size_t>& selected() const { return selected_; }
+
+  // The next frame; times strictly increase. False at the end. InputError with the line and the
+  // asset when a cell makes no sense. Reuse one frame for all calls: then nothing is allocated.
+  bool next(MocapFrame& frame);
+
+  // Counted so far.
+  const MocapAnomalies& anomalies() const { return anomalies_; }
+
+ private:
+  std::unique_ptr<LineReader> lines_;
+  MocapHeader header_;
+  std::unique_ptr<RowSource> rows_;
+  std::vector<std::size_t> selected_;
+  MocapAnomalies anomalies_;
+};
+
+// The whole file at once, for small ones.
+MocapTake read_optitrack_csv(const std::filesystem::path& path);
+
+}  // namespace trilat

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "datasets/mocap/mocap_take.h"
+
+namespace trilat {
+
+// Writes a take as Motive 1.25 lays it out: lengths in the header's unit and rotations as
+// quaternions, with six decimals; what is missing is an empty cell. Streams beside the final name
+// and takes it only in finish(); without that the partial file is removed.
+class OptitrackCsvWriter {
+ public:
+  // Uses of `header` the names, rates, counts, length unit and assets. Rates must be stated.
+  // InputError when the file cannot be written.
+  OptitrackCsvWriter(std::filesystem::path path, MocapHeader header);
+  ~OptitrackCsvWriter();
+  OptitrackCsvWriter(const OptitrackCsvWriter&) = delete;
+  OptitrackCsvWriter& operator=(const OptitrackCsvWriter&) = delete;
+
+  // One pose for each asset of the header. The printed time is index / export rate.
+  void write(const MocapFrame& frame);
+  // The number of frames must be the one the header states, when it states one.
+  void finish();
+
+ private:
+  void write_header();
+  void write_pose(const MocapAsset& asset, const MocapPose& pose);
+  void flush();
+
+  std::filesystem::path path_;
+  MocapHeader header_;
+  double per_metre_;
+  std::FILE* file_ = nullptr;
+  std::string text_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace trilat
