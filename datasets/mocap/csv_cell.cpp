@@ -52,12 +52,12 @@ std::vector<std::string> split_csv(std::string_view line) {
 
 CellKind parse_cell(std::string_view text, double& value) {
   text = bare(text);
-  if (text.empty()) return CellKind::missing;
+  if (text.empty()) return CellKind::empty;
   if (text.starts_with('+')) text.remove_prefix(1);
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && rest == text.data() + text.size())
-    return std::isfinite(value) ? CellKind::number : CellKind::missing;
-  return spells_not_a_number(text) ? CellKind::missing : CellKind::unreadable;
+    return std::isfinite(value) ? CellKind::number : CellKind::not_finite;
+  return spells_not_a_number(text) ? CellKind::not_finite : CellKind::unreadable;
 }
 
 bool parse_integer(std::string_view text, std::int64_t& value) {

@@ -12,9 +12,10 @@ namespace trilat {
 // The cells of one CSV line; quotes are taken off, a doubled quote inside them is one.
 std::vector<std::string> split_csv(std::string_view line);
 
-enum class CellKind { number, missing, unreadable };
+enum class CellKind { number, empty, not_finite, unreadable };
 
-// A data cell with all its spellings: blanks, quotes, NAN, -1.#IND0000, infinity (all missing).
+// A data cell with all its spellings: blanks, quotes, NAN, -1.#IND0000, infinity. Anything but a
+// number leaves `value` undefined.
 CellKind parse_cell(std::string_view text, double& value);
 
 // An integer cell; false when it is anything else.

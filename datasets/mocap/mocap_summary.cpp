@@ -16,15 +16,13 @@ bool is_sentinel_rotation(const Eigen::Quaterniond& q) {
 
 }  // namespace
 
-MocapSummarizer::MocapSummarizer(const MocapHeader& header,
-                                 const std::vector<std::size_t>& selected,
-                                 MocapSummaryOptions options)
-    : options_(options), rate_is_stated_(!std::isnan(header.export_rate_hz)) {
+MocapSummarizer::MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options)
+    : options_(options),
+      rate_is_stated_(!std::isnan(header.export_rate_hz)),
+      tracks_(header.assets.size()) {
   summary_.rate_hz = header.export_rate_hz;
-  for (const std::size_t asset : selected) {
-    summary_.assets.push_back({.asset = asset});
-    tracks_.emplace_back().asset = header.assets.at(asset);
-  }
+  summary_.assets.resize(header.assets.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].asset = header.assets[i];
 }
 
 void MocapSummarizer::add(const MocapFrame& frame) {
@@ -33,7 +31,7 @@ void MocapSummarizer::add(const MocapFrame& frame) {
   add_time(frame);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
-    MocapAssetSummary& counts = summary_.assets[i];
+    AssetSummary& counts = summary_.assets[i];
     const MocapPose& pose = frame.poses[i];
     const bool present = pose.is_present(track.asset);
     track.missed = track.missed || skips || !present;
@@ -68,7 +66,7 @@ void MocapSummarizer::add_time(const MocapFrame& frame) {
 }
 
 void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& track,
-                                 MocapAssetSummary& counts) const {
+                                 AssetSummary& counts) const {
   ++counts.samples;
   if (track.seen) {
     const double since_s = (time - track.last_time).seconds();
@@ -83,8 +81,8 @@ void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& t
   track.last_time = time;
 }
 
-void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, MocapAssetSummary& counts) {
-  if (!pose.has_position() || !is_sentinel_rotation(pose.world_from_asset)) {
+void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts) {
+  if (!pose.has_position() || !is_sentinel_rotation(pose.rotation)) {
     track.sentinel_run = 0;
     return;
   }
@@ -99,10 +97,10 @@ void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, MocapAss
 }
 
 MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options) {
-  MocapSummarizer summarizer(reader.header(), reader.selected(), options);
+  MocapSummarizer summarizer(reader.header(), options);
   MocapFrame frame;
   while (reader.next(frame)) summarizer.add(frame);
-  return summarizer.summary();
+  return summarizer.finish();
 }
 
 }  // namespace trilat

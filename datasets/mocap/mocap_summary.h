@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/mocap/frozen.h"
+#include "datasets/mocap/frozen_stretch.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
@@ -17,8 +17,7 @@ struct MocapSummaryOptions {
   double jump_speed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
 };
 
-struct MocapAssetSummary {
-  std::size_t asset = 0;       // in the header
+struct AssetSummary {
   std::int64_t samples = 0;    // frames in which the asset is present
   std::int64_t missing = 0;    // frames in which it is not
   std::int64_t frozen = 0;     // samples inside frozen stretches
@@ -36,16 +35,15 @@ struct MocapSummary {
   double duration_s = 0.0;                 // from the first frame to the last
   double rate_hz = kMissing;               // as stated; else frames over duration
   double largest_time_error_s = kMissing;  // of the printed time against the delivered one
-  std::vector<MocapAssetSummary> assets;   // as selected
+  std::vector<AssetSummary> assets;        // as in the header
 };
 
 // Accumulates a summary frame by frame, in memory that does not grow.
 class MocapSummarizer {
  public:
-  MocapSummarizer(const MocapHeader& header, const std::vector<std::size_t>& selected,
-                  MocapSummaryOptions options = {});
+  explicit MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options = {});
   void add(const MocapFrame& frame);
-  const MocapSummary& summary() const { return summary_; }
+  const MocapSummary& finish() const { return summary_; }
 
  private:
   struct Track {
@@ -60,9 +58,8 @@ class MocapSummarizer {
   };
 
   void add_time(const MocapFrame& frame);
-  void add_sample(const MocapPose& pose, MocapTime time, Track& track,
-                  MocapAssetSummary& counts) const;
-  static void add_sentinel(const MocapPose& pose, Track& track, MocapAssetSummary& counts);
+  void add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts) const;
+  static void add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts);
 
   MocapSummaryOptions options_;
   bool rate_is_stated_ = false;
@@ -72,7 +69,7 @@ class MocapSummarizer {
   double first_printed_s_ = kMissing;
 };
 
-// Reads to the end what the reader has selected.
+// Reads to the end.
 MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options = {});
 
 }  // namespace trilat

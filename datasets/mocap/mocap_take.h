@@ -60,10 +60,10 @@ struct MocapHeader {
 // World is right-handed, y up, metres. What is missing is NaN, in all its components.
 struct MocapPose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
-  Eigen::Quaterniond world_from_asset{kMissing, kMissing, kMissing, kMissing};
+  Eigen::Quaterniond rotation{kMissing, kMissing, kMissing, kMissing};  // world from asset
 
   bool has_position() const { return position_m.x() == position_m.x(); }
-  bool has_rotation() const { return world_from_asset.w() == world_from_asset.w(); }
+  bool has_rotation() const { return rotation.w() == rotation.w(); }
   // The asset was seen: its position is there, or its rotation when it has no position at all.
   bool is_present(const MocapAsset& asset) const {
     return asset.has_position ? has_position() : has_rotation();
@@ -74,17 +74,18 @@ struct MocapFrame {
   std::int64_t index = 0;
   MocapTime time;                    // zero at the first exported frame
   double printed_time_s = kMissing;  // as written, for checks only
-  std::vector<MocapPose> poses;      // one per selected asset, in the order of the selection
+  std::vector<MocapPose> poses;      // by asset of the header
 };
 
 // Oddities a reader lives with. A careful user looks at them; `trilat mocap` prints them.
 struct MocapAnomalies {
-  std::int64_t extra_fields = 0;          // rows with more fields than the header has
-  std::int64_t repeated_frames = 0;       // rows dropped because time did not advance
-  std::int64_t partial_poses = 0;         // poses dropped because a component is missing
-  std::int64_t invalid_rotations = 0;     // rotations dropped: the quaternion is not of length 1
+  std::int64_t repeated_frames = 0;  // rows dropped because time did not advance
+  std::int64_t rows_with_extra_fields = 0;
+  std::int64_t not_finite_cells = 0;   // NAN, #IND or infinity in a column: missing
+  std::int64_t partial_poses = 0;      // positions or rotations dropped: not all components there
+  std::int64_t invalid_rotations = 0;  // rotations dropped: the quaternion is not of length 1
   std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
-  std::int64_t unfinished_last_line = 0;  // the file ends inside a row; that row is not trusted
+  bool truncated_last_row = false;        // the file ends inside a row, which is not trusted
 };
 
 struct MocapTake {

@@ -30,7 +30,7 @@ MotiveRows::MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layo
   if (!std::isnan(header.export_rate_hz)) rate_uhz_ = std::llround(header.export_rate_hz * 1e6);
   std::vector<std::size_t> all(header.assets.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  select(all);
+  read_only(all);
   std::string_view line;
   while (lines_.next(line)) {
     if (is_blank(line)) continue;
@@ -41,7 +41,7 @@ MotiveRows::MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layo
   }
 }
 
-void MotiveRows::select(const std::vector<std::size_t>& assets) {
+void MotiveRows::read_only(const std::vector<std::size_t>& assets) {
   assets_ = assets;
   numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
   target_.assign(layout_.used_columns, kNoColumn);
@@ -62,7 +62,7 @@ bool MotiveRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
   while (lines_.next(line)) {
     if (is_blank(line)) continue;
     if (!lines_.terminated()) {
-      ++anomalies.unfinished_last_line;
+      anomalies.truncated_last_row = true;
       if (count_fields(line) < layout_.used_columns) return false;
       // Its last number may lack digits.
       line = line.substr(0, line.rfind(',') + 1);
@@ -75,16 +75,18 @@ bool MotiveRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
 bool MotiveRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies) {
   const std::int64_t index = read_index(line);
   std::ranges::fill(numbers_, kMissing);
+  not_finite_cells_ = 0;
   const char* const end = line.data() + line.size();
   std::size_t fields = 1;
   const char* const p = read_cells(end_of_cell(line.data(), end), end, fields);
   fields += static_cast<std::size_t>(std::count(p, end, ','));
-  if (fields > layout_.written_columns) ++anomalies.extra_fields;
+  if (fields > layout_.written_columns) ++anomalies.rows_with_extra_fields;
   frame.index = index;
   frame.printed_time_s = numbers_.back();
   if (!set_time(frame, anomalies)) return false;
-  frame.poses.resize(assets_.size());
-  for (std::size_t i = 0; i < assets_.size(); ++i) set_pose(i, frame.poses[i], anomalies);
+  anomalies.not_finite_cells += not_finite_cells_;
+  frame.poses.assign(header_.assets.size(), MocapPose());
+  for (std::size_t i = 0; i < assets_.size(); ++i) set_pose(i, frame.poses[assets_[i]], anomalies);
   return true;
 }
 
@@ -118,8 +120,11 @@ const char* MotiveRows::read_number(const char* p, const char* end, std::size_t 
   switch (parse_cell(cell, number)) {
     case CellKind::number:
       break;
-    case CellKind::missing:
+    case CellKind::empty:
+      break;
+    case CellKind::not_finite:
       number = kMissing;
+      ++not_finite_cells_;
       break;
     case CellKind::unreadable:
       refuse_cell(column, cell, "is no number");
@@ -171,7 +176,6 @@ void MotiveRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& a
     if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
     pose.position_m.setConstant(kMissing);
   }
-  pose.world_from_asset.coeffs().setConstant(kMissing);
   if (header_.assets[assets_[number]].has_rotation) set_rotation(number, pose, anomalies);
 }
 
@@ -185,7 +189,7 @@ void MotiveRows::set_rotation(std::size_t number, MocapPose& pose,
     if (missing < count) ++anomalies.partial_poses;
     return;
   }
-  pose.world_from_asset =
+  pose.rotation =
       count == 3 ? rotation_from_euler(rotation[0], rotation[1], rotation[2], header_.rotation_type)
                  : rotation_from_printed(rotation[0], rotation[1], rotation[2], rotation[3]);
   if (!pose.has_rotation()) ++anomalies.invalid_rotations;

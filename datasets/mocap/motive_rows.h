@@ -19,7 +19,7 @@ class MotiveRows : public RowSource {
   // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and
   // `header` must outlive the rows.
   MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layout);
-  void select(const std::vector<std::size_t>& assets) override;
+  void read_only(const std::vector<std::size_t>& assets) override;
   bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
 
  private:
@@ -39,6 +39,7 @@ class MotiveRows : public RowSource {
   std::vector<std::size_t> assets_;
   std::vector<std::size_t> target_;  // of each column in numbers_; kNoColumn to skip it
   std::vector<double> numbers_;      // of one row: kSlotsPerAsset an asset, and the printed time
+  std::int64_t not_finite_cells_ = 0;
   double metres_ = 1.0;
   std::int64_t rate_uhz_ = 0;  // 0: not stated
   bool started_ = false;

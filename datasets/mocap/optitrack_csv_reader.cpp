@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/optitrack_csv_reader.h"
 
-#include <numeric>
 #include <string>
 
 #include "datasets/base/check.h"
@@ -62,17 +61,14 @@ OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path,
   } else {
     refuse_file(line, lines_->place());
   }
-  selected_.resize(header_.assets.size());
-  std::iota(selected_.begin(), selected_.end(), std::size_t{0});
 }
 
 OptitrackCsvReader::~OptitrackCsvReader() = default;
 
-void OptitrackCsvReader::select(const std::vector<std::size_t>& assets) {
+void OptitrackCsvReader::read_only(const std::vector<std::size_t>& assets) {
   for (const std::size_t asset : assets)
-    TRILAT_CHECK(asset < header_.assets.size(), "a selected asset exists");
-  selected_ = assets;
-  rows_->select(assets);
+    TRILAT_CHECK(asset < header_.assets.size(), "the asset exists");
+  rows_->read_only(assets);
 }
 
 bool OptitrackCsvReader::next(MocapFrame& frame) {

@@ -32,10 +32,8 @@ class OptitrackCsvReader {
 
   const MocapHeader& header() const { return header_; }
 
-  // Delivers these assets only, in this order; the others' columns are skipped unread. Before the
-  // first frame; without it all assets are delivered.
-  void select(const std::vector<std::size_t>& assets);
-  const std::vector<std::size_t>& selected() const { return selected_; }
+  // From now on the poses of the other assets stay missing; their columns are skipped unread.
+  void read_only(const std::vector<std::size_t>& assets);
 
   // The next frame; times strictly increase. False at the end. InputError with the line and the
   // asset when a cell makes no sense. Reuse one frame for all calls: then nothing is allocated.
@@ -48,7 +46,6 @@ class OptitrackCsvReader {
   std::unique_ptr<LineReader> lines_;
   MocapHeader header_;
   std::unique_ptr<RowSource> rows_;
-  std::vector<std::size_t> selected_;
   MocapAnomalies anomalies_;
 };
 

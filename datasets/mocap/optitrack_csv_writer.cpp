@@ -132,7 +132,7 @@ void OptitrackCsvWriter::write(const MocapFrame& frame) {
 }
 
 void OptitrackCsvWriter::write_pose(const MocapAsset& asset, const MocapPose& pose) {
-  const Eigen::Quaterniond& q = pose.world_from_asset;
+  const Eigen::Quaterniond& q = pose.rotation;
   if (asset.has_rotation)
     for (const double component : {q.x(), q.y(), q.z(), q.w()}) append_number(text_, component);
   if (asset.has_position)

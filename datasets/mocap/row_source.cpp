@@ -21,7 +21,7 @@ constexpr std::int64_t kMostFrames = 2'000'000'000;
 
 Eigen::Quaterniond rotation_from_printed(double x, double y, double z, double w) {
   const double length = std::sqrt(x * x + y * y + z * z + w * w);
-  if (!(std::abs(length - 1.0) < kQuaternionTolerance)) return MocapPose().world_from_asset;
+  if (!(std::abs(length - 1.0) < kQuaternionTolerance)) return MocapPose().rotation;
   const double scale = 1.0 / length;
   return {w * scale, x * scale, y * scale, z * scale};
 }
@@ -47,8 +47,8 @@ Eigen::Quaterniond rotation_from_euler(double x_deg, double y_deg, double z_deg,
 
 void make_right_handed(MocapPose& pose) {
   pose.position_m.z() = -pose.position_m.z();
-  pose.world_from_asset.x() = -pose.world_from_asset.x();
-  pose.world_from_asset.y() = -pose.world_from_asset.y();
+  pose.rotation.x() = -pose.rotation.x();
+  pose.rotation.y() = -pose.rotation.y();
 }
 
 Duration duration_of_frames(std::int64_t frames, std::int64_t rate_uhz) {

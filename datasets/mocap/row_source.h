@@ -18,8 +18,7 @@ inline constexpr double kLatest_s = 1e9;
 class RowSource {
  public:
   virtual ~RowSource() = default;
-  // Poses are delivered for these assets only, in this order.
-  virtual void select(const std::vector<std::size_t>& assets) = 0;
+  virtual void read_only(const std::vector<std::size_t>& assets) = 0;
   // Time strictly advances from frame to frame; rows that do not advance are dropped and counted.
   virtual bool next(MocapFrame& frame, MocapAnomalies& anomalies) = 0;
 };

@@ -10,8 +10,6 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kUnselected = static_cast<std::size_t>(-1);
-
 bool is_blank(std::string_view line) {
   return line.find_first_not_of(", \t") == std::string_view::npos;
 }
@@ -27,13 +25,12 @@ TrackableRows::TrackableRows(LineReader& lines, TrackableHeader header)
     : lines_(lines), header_(std::move(header)) {
   std::vector<std::size_t> all(header_.header.assets.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  select(all);
+  read_only(all);
 }
 
-void TrackableRows::select(const std::vector<std::size_t>& assets) {
-  output_.assign(header_.header.assets.size(), kUnselected);
-  for (std::size_t i = 0; i < assets.size(); ++i) output_.at(assets[i]) = i;
-  selected_ = assets.size();
+void TrackableRows::read_only(const std::vector<std::size_t>& assets) {
+  wanted_.assign(header_.header.assets.size(), 0);
+  for (const std::size_t asset : assets) wanted_.at(asset) = 1;
 }
 
 bool TrackableRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
@@ -58,17 +55,17 @@ bool TrackableRows::read_frame(std::string_view line, bool finished, MocapFrame&
   cells.skip(1);
   frame.index = cells.integer("frame number");
   frame.printed_time_s = cells.number("time");
-  frame.poses.assign(selected_, MocapPose());
+  frame.poses.assign(wanted_.size(), MocapPose());
   for (std::int64_t left = cells.count("body count"); left > 0 && cells.complete(); --left)
     read_body(cells, frame, anomalies);
   const std::int64_t visible = cells.count("marker count");
-  if (!finished) ++anomalies.unfinished_last_line;
+  if (!finished) anomalies.truncated_last_row = true;
   if (!cells.complete()) {
     if (!finished) return false;
     throw InputError(lines_.place(), "the frame row ends too early");
   }
   cells.skip(visible * static_cast<std::int64_t>(header_.cells_per_visible_marker));
-  if (cells.left() > 0) ++anomalies.extra_fields;
+  if (cells.left() > 0) ++anomalies.rows_with_extra_fields;
   if (!set_time(frame, anomalies)) return false;
   read_extended_rows(frame, anomalies);
   return true;
@@ -88,10 +85,10 @@ void TrackableRows::read_body(RowCells& cells, MocapFrame& frame, MocapAnomalies
   if (!pose) return;
   set_position(asset, position_m, frame, anomalies);
   MocapPose turned;
-  turned.world_from_asset = rotation_from_printed(x, y, z, w);
+  turned.rotation = rotation_from_printed(x, y, z, w);
   if (!turned.has_rotation() && !std::isnan(x + y + z + w)) ++anomalies.invalid_rotations;
   if (header_.header.left_handed) make_right_handed(turned);
-  pose->world_from_asset = turned.world_from_asset;
+  pose->rotation = turned.rotation;
 }
 
 void TrackableRows::read_extended_rows(MocapFrame& frame, MocapAnomalies& anomalies) {
@@ -108,7 +105,7 @@ void TrackableRows::read_extended_rows(MocapFrame& frame, MocapAnomalies& anomal
 void TrackableRows::read_extended(std::string_view line, MocapFrame& frame,
                                   MocapAnomalies& anomalies) const {
   const bool finished = lines_.terminated();
-  if (!finished) ++anomalies.unfinished_last_line;
+  if (!finished) anomalies.truncated_last_row = true;
   RowCells cells(trusted_part(line, finished), lines_.place());
   cells.skip(4);
   const std::int64_t id = cells.integer("body ID");
@@ -120,7 +117,7 @@ void TrackableRows::read_extended(std::string_view line, MocapFrame& frame,
     if (!finished) return;
     throw InputError(lines_.place(), "the extended row ends too early");
   }
-  if (cells.left() > needed) ++anomalies.extra_fields;
+  if (cells.left() > needed) ++anomalies.rows_with_extra_fields;
   const TrackableBody& body = body_of(id);
   if (count != body.marker_count)
     throw InputError(lines_.place(), "the body has " + std::to_string(count) +
@@ -175,7 +172,7 @@ const TrackableBody& TrackableRows::body_of(std::int64_t id) const {
 }
 
 MocapPose* TrackableRows::pose_of(std::size_t asset, MocapFrame& frame) const {
-  return output_[asset] == kUnselected ? nullptr : &frame.poses[output_[asset]];
+  return wanted_[asset] ? &frame.poses[asset] : nullptr;
 }
 
 }  // namespace trilat

@@ -22,7 +22,7 @@ class TrackableRows : public RowSource {
  public:
   // `lines` must outlive the rows.
   TrackableRows(LineReader& lines, TrackableHeader header);
-  void select(const std::vector<std::size_t>& assets) override;
+  void read_only(const std::vector<std::size_t>& assets) override;
   bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
 
  private:
@@ -39,8 +39,7 @@ class TrackableRows : public RowSource {
 
   LineReader& lines_;
   TrackableHeader header_;
-  std::vector<std::size_t> output_;  // of each asset, its place among the selected ones
-  std::size_t selected_ = 0;
+  std::vector<char> wanted_;  // by asset
   bool started_ = false;
   double first_stamp_s_ = 0.0;
   double last_stamp_s_ = 0.0;

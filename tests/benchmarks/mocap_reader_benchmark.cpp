@@ -53,7 +53,7 @@ void write_take(const std::filesystem::path& path) {
       const double angle_rad = 0.001 * static_cast<double>(frame.index) + static_cast<double>(i);
       frame.poses[i].position_m = {2.0 * std::sin(angle_rad), 1.1 + 0.3 * std::cos(angle_rad),
                                    1.7 * std::cos(2.0 * angle_rad)};
-      frame.poses[i].world_from_asset =
+      frame.poses[i].rotation =
           Eigen::AngleAxisd(angle_rad, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
     }
     writer.write(frame);
@@ -63,11 +63,11 @@ void write_take(const std::filesystem::path& path) {
 
 double sum_of(const std::filesystem::path& path, const std::vector<std::size_t>& assets) {
   OptitrackCsvReader reader(path);
-  reader.select(assets);
+  reader.read_only(assets);
   MocapFrame frame;
   double sum_m = 0.0;
   while (reader.next(frame))
-    for (const MocapPose& pose : frame.poses) sum_m += pose.position_m.sum();
+    for (const std::size_t asset : assets) sum_m += frame.poses[asset].position_m.sum();
   return sum_m;
 }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/frozen_filter.h"
+
+#include <utility>
+
+namespace trilat {
+
+FrozenFilter::FrozenFilter(OptitrackCsvReader& reader, FrozenOptions options)
+    : reader_(reader),
+      options_(options),
+      stretches_(reader.header().assets.size()),
+      removed_(stretches_.size(), 0) {}
+
+// A stretch through the oldest frame has by now either ended or become long enough.
+bool FrozenFilter::is_decided() const {
+  return ended_ || (static_cast<std::int64_t>(held_.size()) >= options_.min_frames &&
+                    held_.back().time - held_.front().time >= duration_from_s(options_.min_s));
+}
+
+bool FrozenFilter::read_one() {
+  if (!reader_.next(frame_)) return false;
+  held_.push_back(frame_);
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const bool present = frame_.poses[i].is_present(reader_.header().assets[i]);
+    const std::int64_t count = stretches_[i].add(frame_.poses[i], present, frame_.time, options_);
+    removed_[i] += count;
+    for (std::int64_t back = 1; back <= count; ++back)
+      held_[held_.size() - static_cast<std::size_t>(back)].poses[i] = MocapPose();
+  }
+  return true;
+}
+
+bool FrozenFilter::next(MocapFrame& frame) {
+  while (held_.empty() || !is_decided()) {
+    if (ended_) return false;
+    ended_ = !read_one();
+  }
+  std::swap(frame, held_.front());
+  held_.pop_front();
+  return true;
+}
+
+}  // namespace trilat
