@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
 #include "evaluators/alignment/interpolation.h"
 
 namespace trilat {
@@ -37,8 +38,7 @@ struct TruthTrack::State {
   MocapTime last_read;
   bool ended = false;
 
-  State(const std::filesystem::path& mocap, Duration gap)
-      : reader(mocap), frames(reader, {}), longest_gap(gap) {}
+  State(const std::filesystem::path& mocap, Duration gap) : reader(mocap), frames(reader), longest_gap(gap) {}
 
   void move_to(MocapTime t) {
     while (!ended && (window.empty() || window.back().time < t + longest_gap)) {
@@ -102,6 +102,10 @@ void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
 
 MocapTime TruthTrack::last_read() const { return state_->last_read; }
 
-std::uint64_t TruthTrack::samples_frozen() const { return state_->frames.samples_removed(); }
+std::uint64_t TruthTrack::samples_frozen() const {
+  std::uint64_t sum = 0;
+  for (const std::int64_t removed : state_->frames.removed()) sum += static_cast<std::uint64_t>(removed);
+  return sum;
+}
 
 }  // namespace trilat
