@@ -60,8 +60,10 @@ Refusal refusal_of(const std::string& text) {
   try {
     read_optitrack_csv(file.path());
   } catch (const InputError& error) {
-    std::string place = error.place();
-    if (place.starts_with(file.path().string())) place.replace(0, file.path().string().size(), "F");
+    const std::string& place = error.place();
+    const std::size_t size = file.path().string().size();
+    if (place.starts_with(file.path().string()))
+      return {std::string("F").append(place, size), error.problem()};
     return {place, error.problem()};
   }
   return {"", "was read"};
@@ -579,8 +581,10 @@ TEST(MocapAssets, AreFoundByNameAndTypeAndListedWhenNot) {
 TEST(MocapAssets, ALongListIsCut) {
   MocapHeader header;
   for (int i = 0; i < 27; ++i)
-    header.assets.push_back(
-        {.type = AssetType::marker, .name = "m" + std::to_string(i), .id = {}, .parent = {}});
+    header.assets.push_back({.type = AssetType::marker,
+                             .name = std::string("m").append(std::to_string(i)),
+                             .id = {},
+                             .parent = {}});
   try {
     find_asset(header, "x", "map");
     FAIL();
