@@ -33,6 +33,8 @@ std::string library_reason() {
         return 0;
       },
       &reason);
+  // the library appends times, addresses and buffers
+  reason = reason.substr(0, std::min(reason.find('\n'), reason.find(": time =")));
   return reason.empty() ? "the HDF5 library gives no reason" : reason;
 }
 
@@ -286,6 +288,7 @@ H5File H5File::create(const std::filesystem::path& path) {
 H5File H5File::open(const std::filesystem::path& path) {
   prepare_library();
   if (!std::filesystem::exists(path)) throw InputError(path.string(), "does not exist");
+  if (std::filesystem::is_directory(path)) throw InputError(path.string(), "is a folder; a file is needed");
   H5File file;
   file.place_ = path.string() + ":";
   hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

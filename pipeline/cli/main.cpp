@@ -122,6 +122,13 @@ int guarded_main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
+      std::string verbs;
+      for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+        verbs += (verbs.empty() ? "" : ", ") + verb->get_name();
+      std::fprintf(stderr, "trilat: there is no verb \"%s\"; there are %s\n", argv[1], verbs.c_str());
+      return kBadInput;
+    }
     std::fprintf(stderr, "trilat: %s; `trilat --help` and `trilat VERB --help` say what can be asked\n",
                  error.what());
     return kBadInput;
