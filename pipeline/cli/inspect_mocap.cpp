@@ -83,7 +83,7 @@ int mocap(const MocapArguments& arguments) {
   for (MocapFrame frame; reader.next(frame);) summarizer.add(frame);
   const MocapSummary summary = summarizer.finish();
   if (arguments.json)
-    fmt::print("{}\n", json_of(reader.header(), summary, reader.anomalies()).dump(2));
+    fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
   else
     print_text(arguments.file.string(), reader.header(), summary, reader.anomalies());
   return kDone;
