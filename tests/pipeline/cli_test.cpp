@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The program as a person or a script meets it.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
