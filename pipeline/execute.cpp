@@ -26,13 +26,15 @@ void check_output(const std::filesystem::path& output) {
   namespace fs = std::filesystem;
   if (!fs::exists(output)) return;
   const bool empty = fs::is_directory(output) && fs::is_empty(output);
-  if (!empty && !fs::exists(output / "summary.json"))
+  const bool results = fs::exists(output / "summary.json") && fs::exists(output / "manifest.json") &&
+                       fs::exists(output / "samples.h5");
+  if (!empty && !results)
     throw InputError(output.string(), "exists and is not a results folder; choose another name or remove it");
 }
 
 void put_in_place(const std::filesystem::path& partial, const std::filesystem::path& output) {
   namespace fs = std::filesystem;
-  const fs::path old = output.string() + ".old";
+  const fs::path old = partial.string() + ".old";
   std::error_code error;
   fs::remove_all(old, error);
   if (fs::exists(output)) fs::rename(output, old, error);
@@ -60,7 +62,8 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
 }  // namespace
 
 ResultsSummary execute_study(const StudySpec& study, const Campaign& campaign,
-                             const std::filesystem::path& output, const ExecuteOptions& options) {
+                             const std::filesystem::path& folder, const ExecuteOptions& options) {
+  const std::filesystem::path output = folder.has_filename() ? folder : folder.parent_path();  // "results/"
   check_output(output);
   const std::filesystem::path partial = partial_name(output);
   std::filesystem::remove_all(partial);

@@ -89,7 +89,7 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
                   {"instants", instants},
                   {"samples", instants * plan.joints.size() * plan.methods.size()},
                   {"inputs", list}};
-  write_file(folder / "manifest.json", json.dump(1) + "\n");
+  write_file(folder / "manifest.json", json_text(json, 1) + "\n");
 }
 
 void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,

@@ -77,9 +77,12 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, double
 std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign) {
   std::vector<std::string> rig = study.sensors;
   std::string reason;
-  for (std::size_t t = 0; rig.empty() && t < campaign.takes.size(); ++t) {
+  const std::size_t takes = rig.empty() ? campaign.takes.size() : 0;
+  for (std::size_t t = 0; t < takes; ++t) {
     try {
       const SessionReader session(campaign.takes[t].session);
+      if (session.header().sensors.size() <= rig.size()) continue;
+      rig.clear();
       for (const SensorDescription& sensor : session.header().sensors) rig.push_back(sensor.name);
     } catch (const InputError& error) {
       if (reason.empty()) reason = error.what();

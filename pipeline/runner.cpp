@@ -157,8 +157,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
   return check;
 }
 
-[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
-                                       const TruthTrack& truth) {
+[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
   throw InputError(
       planned.take.mocap.string(),
@@ -166,7 +165,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
                   "runs from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s "
                   "(mocap_start_host_ns is {})",
                   start_s, start_s + plan.instant(planned.instants - 1).seconds(),
-                  static_cast<double>(truth.last_read().ns) * 1e-9, planned.take.mocap_start_host_ns));
+                  static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
 
 void note_state(const OpenTake& take, const PlannedTake& planned, std::vector<TakeNote>& notes) {
@@ -205,7 +204,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   const Method* checked = shared.options.cross_check ? checked_method(plan) : nullptr;
   SampleBlock block;
   Observations seen{plan.rig.size(), plan.joints.size(), {}};
-  bool any_truth = false;
+  bool any_truth = false, any_seen = false;
   for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
     if (shared.must_stop()) throw Interrupted();
     const std::uint64_t count = std::min(kBlock, planned.instants - first);
@@ -217,6 +216,8 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
     }
     any_truth |=
         std::any_of(block.truth_m.begin(), block.truth_m.end(), [](double v) { return std::isfinite(v); });
+    any_seen |= std::any_of(seen.values.begin(), seen.values.end(),
+                            [](const JointObservation& observation) { return observation.seen; });
     std::vector<TakeCheck> checks(checked ? count : 0);
     tbb::this_task_arena::isolate([&] {
       tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, count, 16), [&](const auto& range) {
@@ -237,6 +238,11 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
                               static_cast<double>(shared.total_instants));
   }
   if (!any_truth) refuse_without_truth(plan, planned, take.truth);
+  if (!any_seen)
+    throw InputError(
+        planned.take.session.string(),
+        "no sensor ever sees a joint that is asked for: there are no bodies, or all positions are "
+        "untracked or not finite");
   note_state(take, planned, outcome.notes);
   outcome.evaluated = true;
 }

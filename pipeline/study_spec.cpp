@@ -25,6 +25,14 @@ Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<s
   return static_cast<Enum>(object.choice(key, names, static_cast<std::size_t>(fallback)));
 }
 
+// A list of texts, none of which stands there twice.
+std::vector<std::string> different_texts(JsonObject& object, const std::string& key) {
+  std::vector<std::string> texts = object.texts(key, {});
+  if (const std::string twice = first_repeated(texts); !twice.empty())
+    object.refuse(key, "has \"" + twice + "\" twice");
+  return texts;
+}
+
 void read_linear(JsonObject& object, MethodSpec& method) {
   method.reference = object.text("reference", "");
   if (method.reference != "all_pairs") return;
@@ -55,7 +63,7 @@ MethodSpec read_method(JsonObject& object) {
   method.kind = static_cast<MethodKind>(object.choice("method", method_kind_names()));
   method.name = object.text("name", method_kind_names()[static_cast<std::size_t>(method.kind)]);
   if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
-  method.sensors = object.texts("sensors", {});
+  method.sensors = different_texts(object, "sensors");
   if (method.kind == MethodKind::linear) read_linear(object, method);
   if (method.kind == MethodKind::nonlinear) read_nonlinear(object, method);
   if (method.kind == MethodKind::geometric && !method.sensors.empty() && method.sensors.size() != 3)
@@ -66,7 +74,7 @@ MethodSpec read_method(JsonObject& object) {
 
 std::vector<AlignmentKind> read_alignments(JsonObject& object) {
   std::vector<AlignmentKind> result;
-  for (const std::string& word : object.texts("alignments")) {
+  for (const std::string& word : different_texts(object, "alignments")) {
     const auto kind = alignment_from_name(word);
     if (!kind) object.refuse("alignments", "has \"" + word + "\"; known are: none, first, mean, rigid");
     result.push_back(*kind);
@@ -79,9 +87,8 @@ void check_names(JsonObject& object, const StudySpec& spec) {
   std::set<std::string> names;
   for (std::size_t i = 0; i < spec.methods.size(); ++i)
     if (!names.insert(spec.methods[i].name).second)
-      object.refuse(
-          "methods/" + std::to_string(i) + "/name",
-          "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
+      object.objects("methods")[i].refuse(
+          "name", "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
   for (const std::string& joint : spec.joints)
     if (!joint_from_name(joint)) object.refuse("joints", "has \"" + joint + "\", which is no joint");
 }
@@ -103,8 +110,8 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   spec.name = object.text("name");
   if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
     spec.campaign = folder / campaign;
-  spec.sensors = object.texts("sensors", {});
-  spec.joints = object.texts("joints", {});
+  spec.sensors = different_texts(object, "sensors");
+  spec.joints = different_texts(object, "joints");
   if (object.has("alignments")) spec.alignments = read_alignments(object);
   spec.rate_hz = object.positive("rate_hz", spec.rate_hz);
   if (spec.rate_hz > 1000.0) object.refuse("rate_hz", "must not be above 1000");

@@ -36,7 +36,7 @@ struct MethodSpec {
 struct StudySpec {
   std::string name;
   std::filesystem::path campaign;    // relative to the study's file; may be given on the command line instead
-  std::vector<std::string> sensors;  // empty: all that the first take's session has
+  std::vector<std::string> sensors;  // empty: those of the take that has most, the first of equals
   std::vector<std::string> joints;   // empty: all that the mappings map
   std::vector<AlignmentKind> alignments{AlignmentKind::mean};
   double rate_hz = 30.0;              // of the instants that are evaluated

@@ -77,12 +77,13 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
 // pass.
 class DistanceSource {
  public:
-  DistanceSource(const SamplesFile& samples, const Axes& axes, const std::vector<TakeAlignments>& alignments)
-      : samples_(samples), axes_(axes), alignments_(alignments) {
+  DistanceSource(const SamplesFile& samples, const Axes& axes, const std::vector<TakeAlignments>& alignments,
+                 std::uint64_t budget_bytes)
+      : samples_(samples), axes_(axes), alignments_(alignments), budget_bytes_(budget_bytes) {
     std::uint64_t instants = 0;
     for (const TakeShape& take : samples.header().takes) instants += take.instants;
     const std::uint64_t bytes = instants * axes.joints * axes.methods * axes.alignments * sizeof(double);
-    if (bytes <= kMemoryBudgetBytes) kept_.resize(samples.header().takes.size());
+    if (bytes <= budget_bytes) kept_.resize(samples.header().takes.size());
   }
   TakeDistances* keep(std::size_t take) { return kept_.empty() ? nullptr : &kept_[take]; }
 
@@ -102,12 +103,11 @@ class DistanceSource {
   }
 
  private:
-  static constexpr std::uint64_t kMemoryBudgetBytes = 64'000'000;
   static constexpr std::size_t kCellBytes = 100'000;  // of one selection's histograms
 
-  static std::size_t cells_a_batch() {
+  std::size_t cells_a_batch() const {
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    return std::max<std::size_t>(1, kMemoryBudgetBytes / (kCellBytes * (threads + 1)));
+    return std::max<std::size_t>(1, budget_bytes_ / (kCellBytes * (threads + 1)));
   }
 
   void select_from_memory(const std::vector<std::size_t>& takes,
@@ -145,6 +145,7 @@ class DistanceSource {
   const SamplesFile& samples_;
   const Axes& axes_;
   const std::vector<TakeAlignments>& alignments_;
+  std::uint64_t budget_bytes_;
   std::vector<TakeDistances> kept_;
 };
 
@@ -227,11 +228,12 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
 
 }  // namespace
 
-ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples) {
+ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
+                         std::uint64_t budget_bytes) {
   ResultsSummary summary = empty_summary(plan, outcome);
   const Axes axes = axes_of(plan, summary.groups);
   std::vector<TakeAlignments> alignments(plan.takes.size());
-  DistanceSource distances(samples, axes, alignments);
+  DistanceSource distances(samples, axes, alignments, budget_bytes);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
   tbb::parallel_for(std::size_t{0}, plan.takes.size(), [&](std::size_t t) {
     alignments[t] = align_take(samples, t, axes, plan.study.alignments);

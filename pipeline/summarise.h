@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "pipeline/plan.h"
@@ -8,9 +10,13 @@
 
 namespace trilat {
 
+inline constexpr std::uint64_t kDistancesInMemoryBytes = 64'000'000;
+
 // Aligns every take's estimates, writes the error column of samples.h5 for the study's first alignment, and
 // computes all cells: condition x group x method x alignment. Streams the samples, so memory does not grow
-// with the takes. Sums are taken in the order of the takes, whatever the threads.
-ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples);
+// with the takes: quantiles keep distances in memory while they fit in `budget_bytes`, and read the samples
+// again, once per pass, when they do not. Sums are taken in the order of the takes, whatever the threads.
+ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
+                         std::uint64_t budget_bytes = kDistancesInMemoryBytes);
 
 }  // namespace trilat

@@ -106,7 +106,10 @@ void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
   }
 }
 
-MocapTime TruthTrack::last_read() const { return state_->last_read; }
+MocapTime TruthTrack::read_to_end() {
+  while (!state_->ended) state_->move_to(state_->last_read + state_->longest_gap);
+  return state_->last_read;
+}
 
 std::uint64_t TruthTrack::samples_frozen() const {
   std::uint64_t sum = 0;

@@ -30,8 +30,8 @@ class TruthTrack {
 
   // One point a joint in the world, metres, NaN where there is none; `t` must not go back from call to call.
   void at(MocapTime t, std::span<Eigen::Vector3d> joints);
-  // The last sample's time; complete once at() has been asked for a later time.
-  MocapTime last_read() const;
+  // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
+  MocapTime read_to_end();
   std::uint64_t samples_frozen() const;
   std::uint64_t printed_time_differs() const;
 

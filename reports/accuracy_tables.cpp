@@ -47,7 +47,7 @@ void add_failure_notes(const ResultsSummary& summary, Table& table) {
 
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   Table table;
-  table.id = fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment);
+  table.id = usable_id(fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment));
   table.title = fmt::format("Position error by joint group and method ({})", about(s, condition, alignment));
   table.columns = {{"joint", "joint", true},
                    {"method", "method", true},
@@ -157,7 +157,7 @@ std::vector<Table> table3(const ResultsSummary& summary) {
         else if (cell)
           add_table3_row(table, printed, row, method, *cell);
       }
-    if (table.rows.empty()) continue;
+    if (table.rows.size() <= summary.methods.size()) continue;  // averages of nothing
     table.notes = {
         "Paper: " + printed.source +
             "; 16 participants, relative movement; geometric uses 3 sensors, the "

@@ -20,9 +20,17 @@ std::string padded(const std::string& text, std::size_t width, bool left) {
   return left ? text + space : space + text;
 }
 
-std::string without_bars(std::string text) {
-  std::replace(text.begin(), text.end(), '|', '/');
+// Texts from outside may hold line breaks, which would end a row or a paragraph.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   return text;
+}
+
+std::string markdown_cell(const std::string& text) {
+  std::string result;
+  for (char c : one_line(text)) result += c == '|' ? "\\|" : std::string(1, c);
+  return result;
 }
 
 std::string csv_field(const std::string& text) {
@@ -34,7 +42,7 @@ std::string csv_field(const std::string& text) {
 
 std::string latex_text(const std::string& text) {
   std::string result;
-  for (char c : text) {
+  for (char c : one_line(text)) {
     switch (c) {
       case '&':
       case '%':
@@ -79,10 +87,10 @@ std::string markdown_of(const Table& table) {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     std::size_t width = std::max<std::size_t>(3, width_of(table.columns[c].name));
-    for (const auto& row : table.rows) width = std::max(width, width_of(printed(row[c])));
+    for (const auto& row : table.rows) width = std::max(width, width_of(markdown_cell(printed(row[c]))));
     widths.push_back(width);
   }
-  std::string text = "**" + table.title + "**\n\n|", rule = "|";
+  std::string text = "**" + one_line(table.title) + "**\n\n|", rule = "|";
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const bool left = table.columns[c].is_text;
     text += ' ' + padded(table.columns[c].name, widths[c], left) + " |";
@@ -92,10 +100,10 @@ std::string markdown_of(const Table& table) {
   for (const auto& row : table.rows) {
     text += '|';
     for (std::size_t c = 0; c < row.size(); ++c)
-      text += ' ' + padded(without_bars(printed(row[c])), widths[c], table.columns[c].is_text) + " |";
+      text += ' ' + padded(markdown_cell(printed(row[c])), widths[c], table.columns[c].is_text) + " |";
     text += '\n';
   }
-  for (const std::string& note : table.notes) text += "\n- " + note;
+  for (const std::string& note : table.notes) text += "\n- " + one_line(note);
   return text + (table.notes.empty() ? "" : "\n");
 }
 
@@ -122,7 +130,9 @@ std::string latex_of(const Table& table) {
   std::string alignment, head;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const bool wrapped = table.columns[c].is_text && c + 1 == table.columns.size();
-    alignment += wrapped ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}" : table.columns[c].is_text ? "l" : "r";
+    alignment += wrapped                    ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}"
+                 : table.columns[c].is_text ? "l"
+                                            : "r";
     head += (c ? " & " : "") + latex_text(table.columns[c].name);
   }
   head = "\\toprule\n" + head + " \\\\\n\\midrule\n";

@@ -23,9 +23,12 @@ struct TableColumn {
   bool is_text = false;
 };
 
+// Letters, digits, '.', '_' and '-' stay, anything else becomes '-'.
+std::string usable_id(std::string text);
+
 // A table as data; renderings are made from it and never compute.
 struct Table {
-  std::string id;     // usable as a file name and a LaTeX label
+  std::string id;     // usable_id(): a file name and a LaTeX label
   std::string title;  // what was measured on what, with every setting that changes a number; says "simulated"
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;

@@ -28,7 +28,7 @@ std::string heading_of(const ResultsSummary& s) {
 // Ids become file names, so two results of one kind must not share them.
 void make_unique(Table& table, std::set<std::string>& ids, const std::string& study) {
   if (!ids.insert(table.id).second) {
-    const std::string base = study + "-" + table.id;
+    const std::string base = usable_id(study + "-" + table.id);
     table.id = base;
     for (int n = 2; !ids.insert(table.id).second; ++n) table.id = fmt::format("{}-{}", base, n);
   }

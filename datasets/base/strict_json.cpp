@@ -82,6 +82,17 @@ Json parse_json(std::string_view text, const std::string& place) {
 
 Json read_json(const std::filesystem::path& path) { return parse_json(read_file(path), path.string()); }
 
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string first_repeated(const std::vector<std::string>& texts) {
+  std::set<std::string> seen;
+  for (const std::string& text : texts)
+    if (!seen.insert(text).second) return text;
+  return {};
+}
+
 JsonObject::JsonObject(const Json& value, std::string place, std::string pointer)
     : value_(&value), place_(std::move(place)), pointer_(std::move(pointer)) {
   if (!value.is_object())

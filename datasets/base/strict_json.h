@@ -22,6 +22,12 @@ using Json = nlohmann::ordered_json;
 Json parse_json(std::string_view text, const std::string& place);
 Json read_json(const std::filesystem::path& path);
 
+// The document as text. Names from outside need not be UTF-8: bytes that are not become U+FFFD.
+std::string json_text(const Json& json, int indent);
+
+// The first text that an earlier one equals; empty when all differ.
+std::string first_repeated(const std::vector<std::string>& texts);
+
 // Walks one JSON object strictly: every key has to be asked for, of the right type, or finish()
 // names it and lists the known ones. A number 1.7 is no integer, -1 is not unsigned, infinity is
 // not a number.

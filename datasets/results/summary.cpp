@@ -118,7 +118,7 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
   for (const TakeNote& note : s.notes) json["notes"].push_back(json_of(note));
   if (s.cross_check) json["cross_check"] = json_of(*s.cross_check);
-  write_file(folder / "summary.json", json.dump(1) + "\n");
+  write_file(folder / "summary.json", json_text(json, 1) + "\n");
 }
 
 ResultsSummary read_summary(const std::filesystem::path& folder) {

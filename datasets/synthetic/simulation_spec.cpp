@@ -105,7 +105,10 @@ ActivitySpec read_activity(JsonObject& object) {
   activity.marker_joints = default_marker_joints(activity.activity);
   if (object.has("marker_joints")) {
     activity.marker_joints.clear();
-    for (const std::string& name : object.texts("marker_joints")) {
+    const auto names = object.texts("marker_joints");
+    if (const std::string twice = first_repeated(names); !twice.empty())
+      object.refuse("marker_joints", "names \"" + twice + "\" twice");
+    for (const std::string& name : names) {
       const auto joint = joint_from_name(name);
       if (!joint) object.refuse("marker_joints", "names \"" + name + "\", which is no joint");
       activity.marker_joints.push_back(*joint);

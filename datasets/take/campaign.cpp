@@ -64,6 +64,8 @@ JointMapping read_mapping(const std::filesystem::path& path) {
     }
     auto assets = joints.texts(key);
     if (assets.empty()) joints.refuse(key, "must name at least one asset");
+    if (const std::string twice = first_repeated(assets); !twice.empty())
+      joints.refuse(key, "names the asset \"" + twice + "\" twice");
     mapping.joints.push_back({*joint, std::move(assets)});
   }
   if (mapping.joints.empty()) object.refuse("joints", "must map at least one joint");
@@ -99,9 +101,7 @@ Campaign read_campaign(const std::filesystem::path& path) {
 void write_campaign(const std::filesystem::path& folder, const Campaign& campaign) {
   Json takes = Json::array();
   const auto inside = [&](const std::filesystem::path& path) {
-    return path.is_absolute() || path.string().starts_with(folder.string())
-               ? std::filesystem::relative(path, folder).generic_string()
-               : path.generic_string();
+    return std::filesystem::relative(path, folder).generic_string();
   };
   for (const Take& take : campaign.takes)
     takes.push_back({{"id", take.id},

@@ -100,7 +100,7 @@ int mocap(const MocapArguments& arguments) {
   OptitrackCsvReader reader(arguments.file);
   const MocapSummary summary = summarize_mocap(reader);
   if (arguments.json)
-    fmt::print("{}\n", json_of(reader.header(), summary, reader.anomalies()).dump(2));
+    fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
   else
     print_text(arguments.file.string(), reader.header(), summary, reader.anomalies());
   return kDone;

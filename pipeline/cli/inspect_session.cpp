@@ -73,7 +73,7 @@ int info(const InfoArguments& arguments) {
                     {"started_utc", session.header().started_utc},
                     {"note", session.header().note},
                     {"sensors", sensors}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
     return kDone;
   }
   fmt::print("{}: session, {}{}, written by {}\n", arguments.session.string(),
@@ -105,7 +105,7 @@ int verify(const VerifyArguments& arguments) {
     for (const Finding& f : findings)
       list.push_back({{"severity", std::string(name_of(f.severity))}, {"place", f.place}, {"text", f.text}});
     const Json json{{"sound", errors == 0}, {"errors", errors}, {"findings", list}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
   } else {
     for (const Finding& f : findings) fmt::print("{}: {}: {}\n", name_of(f.severity), f.place, f.text);
     fmt::print("{}: {}\n", arguments.session.string(),

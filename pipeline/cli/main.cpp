@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 
@@ -122,15 +123,12 @@ int guarded_main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
-      std::string verbs;
-      for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-        verbs += (verbs.empty() ? "" : ", ") + verb->get_name();
-      std::fprintf(stderr, "trilat: there is no verb \"%s\"; there are %s\n", argv[1], verbs.c_str());
-      return kBadInput;
-    }
+    const std::vector<std::string> unknown = app.remaining();
+    const std::string problem = app.get_subcommands().empty() && !unknown.empty()
+                                    ? '"' + unknown.front() + "\" is neither a verb nor an option"
+                                    : error.what();
     std::fprintf(stderr, "trilat: %s; `trilat --help` and `trilat VERB --help` say what can be asked\n",
-                 error.what());
+                 problem.c_str());
     return kBadInput;
   }
   return code;
@@ -155,6 +153,9 @@ int main(int argc, char** argv) {
     return trilat::kItemsFailed;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "trilat: there is not enough memory\n");
+    return trilat::kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::fprintf(stderr, "trilat: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
     return trilat::kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "trilat: this is a bug of the program, please report it: %s\n", error.what());

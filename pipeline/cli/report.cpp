@@ -14,7 +14,7 @@ int report(const ReportArguments& arguments) {
   if (arguments.json) {
     Json list = Json::array();
     for (const auto& path : files.written) list.push_back(path.string());
-    fmt::print("{}\n", Json{{"tables", files.tables.size()}, {"files", list}}.dump(2));
+    fmt::print("{}\n", json_text({{"tables", files.tables.size()}, {"files", list}}, 2));
   } else {
     fmt::print("{} tables: {}\n", files.tables.size(), (arguments.output / "report.md").string());
   }

@@ -67,12 +67,12 @@ int reproduce(const ReproduceArguments& arguments) {
   const ReportFiles report = write_report({folder / "table3"}, folder / "report");
   const bool passed = summary.takes_failed == 0 && (!summary.cross_check || summary.cross_check->passed());
   if (arguments.json) {
-    fmt::print("{}\n", Json{{"campaign", (folder / "campaign").string()},
-                            {"results", {(folder / "table3").string()}},
-                            {"report", (folder / "report" / "report.md").string()},
-                            {"takes_failed", summary.takes_failed},
-                            {"cross_check_passed", summary.cross_check && summary.cross_check->passed()}}
-                           .dump(2));
+    const Json json{{"campaign", (folder / "campaign").string()},
+                    {"results", {(folder / "table3").string()}},
+                    {"report", (folder / "report" / "report.md").string()},
+                    {"takes_failed", summary.takes_failed},
+                    {"cross_check_passed", summary.cross_check && summary.cross_check->passed()}};
+    fmt::print("{}\n", json_text(json, 2));
   } else {
     for (const Table& table : table3(summary)) fmt::print("{}\n", markdown_of(table));
     fmt::print("cross-check with Ceres: worst difference {:.3g} m on {} samples\n",

@@ -36,7 +36,7 @@ int print_plan(const Plan& plan, bool json) {
   const bool all_ok =
       std::all_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
   if (json) {
-    fmt::print("{}\n", plan_json(plan).dump(2));
+    fmt::print("{}\n", json_text(plan_json(plan), 2));
     return all_ok ? kDone : kItemsFailed;
   }
   fmt::print("study {} on campaign {}: {} takes x {} joints x {} methods\n", plan.study.name,
@@ -94,7 +94,7 @@ int run(const RunArguments& arguments) {
                     {"takes", summary.takes},
                     {"takes_failed", summary.takes_failed},
                     {"cross_check_passed", summary.cross_check ? Json(passed) : Json()}};
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
   } else {
     for (const Table& table : accuracy_tables(summary)) fmt::print("{}\n", markdown_of(table));
     fmt::print("results: {}\n", arguments.output.string());

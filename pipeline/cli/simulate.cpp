@@ -23,7 +23,7 @@ int simulate(const SimulateArguments& arguments) {
   if (arguments.json) {
     Json takes = Json::array();
     for (const Take& take : campaign.takes) takes.push_back(take.id);
-    fmt::print("{}\n", Json{{"campaign", arguments.output.string()}, {"takes", takes}}.dump(2));
+    fmt::print("{}\n", json_text({{"campaign", arguments.output.string()}, {"takes", takes}}, 2));
   } else {
     fmt::print("{} simulated takes: {}\n", campaign.takes.size(),
                (arguments.output / "campaign.json").string());

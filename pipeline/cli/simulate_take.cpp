@@ -39,7 +39,7 @@ MocapHeader mocap_header(const std::string& name, double rate_hz, std::int64_t f
 
 // The virtual OptiTrack's export, and beside it the same frames without noise, gaps and markers.
 void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                 const std::filesystem::path& folder) {
+                 const std::filesystem::path& folder, const std::function<bool()>& stop_requested) {
   std::vector<std::string> markers, joints;
   for (Joint joint : plan.marker_joints)
     for (int m = 0; m < kMarkersPerJoint; ++m) markers.push_back(marker_name(joint, m));
@@ -54,6 +54,7 @@ void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
   seen.poses.resize(markers.size());
   exact.poses.resize(joints.size());
   for (std::int64_t f = 0; f < frames; ++f) {
+    if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
     const SkeletonPose pose = plan.motion(static_cast<double>(f) / rate_hz);
     seen.index = exact.index = f;
     for (std::size_t j = 0; j < joints.size(); ++j) exact.poses[j].position_m = pose.joint_in_world_m[j];
@@ -80,11 +81,13 @@ JointMapping marker_mapping(const std::vector<Joint>& joints) {
 }
 
 void copy_recorded(const std::filesystem::path& from, const std::filesystem::path& to) {
+  const std::filesystem::path partial = partial_name(to);
   std::error_code error;
-  std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, error);
+  std::filesystem::copy_file(from, partial, std::filesystem::copy_options::overwrite_existing, error);
   if (error) throw InputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
-  std::filesystem::permissions(to, std::filesystem::perms::owner_write, std::filesystem::perm_options::add,
-                               error);
+  std::filesystem::permissions(partial, std::filesystem::perms::owner_write,
+                               std::filesystem::perm_options::add, error);
+  publish_file(partial, to);
 }
 
 // What only the simulator knows.
@@ -156,7 +159,7 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan,
   options.stop_requested = stop_requested;
   record(source, folder / "session.h5", options);
   if (plan.recorded_mocap.empty()) {
-    write_mocap(spec, plan, folder);
+    write_mocap(spec, plan, folder, stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
   } else {
     copy_recorded(plan.recorded_mocap, folder / "mocap.csv");
@@ -181,6 +184,7 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
     takes = generated_takes(spec);
   }
   make_folder(folder);
+  std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
   const std::vector<SensorPose> poses = rig_poses(spec.rig, centre_m);
   write_calibration(folder / "calibration.json", {"simulated truth", poses});
   Campaign campaign{spec.name, true, {}};

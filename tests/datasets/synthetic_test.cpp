@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/synthetic/generated_person.h"
+#include "datasets/synthetic/simulated_markers.h"
+#include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/synthetic/simulation_spec.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+constexpr Activity kActivities[] = {Activity::walking, Activity::arm_swing, Activity::leg_crossing,
+                                    Activity::standing};
+
+SensorSpec exact_sensor() {
+  SensorSpec spec;
+  spec.joint_bias_sigma_m = 0.0;
+  spec.joint_noise_sigma_m = 0.0;
+  spec.inferred_share = 0.0;
+  spec.dropped_share = 0.0;
+  return spec;
+}
+
+std::vector<SimulatedSensor> rig_of(const SensorSpec& spec, const SimulatedItem& item) {
+  std::vector<SimulatedSensor> sensors;
+  for (const SensorPose& pose : rig_poses({}, {0.0, 1.0, 0.0}))
+    sensors.push_back(draw_sensor(spec, item, sensors.size(), pose));
+  return sensors;
+}
+
+Vector3d point_of(const Body& body, std::size_t joint) {
+  const auto& p = body.position_m[joint];
+  return Eigen::Vector3f(p[0], p[1], p[2]).cast<double>();
+}
+
+// Mean, and standard deviation about it.
+struct Moments {
+  double n = 0.0, sum = 0.0, squares = 0.0;
+  void add(double value) {
+    n += 1.0;
+    sum += value;
+    squares += value * value;
+  }
+  double mean() const { return sum / n; }
+  double sigma() const { return std::sqrt(squares / n - mean() * mean()); }
+};
+
+TEST(GeneratedPerson, EveryJointMovesSmoothly) {
+  constexpr double kStep_s = 1e-3, kFastest_m_s = 6.0, kMostAcceleration_m_s2 = 60.0;
+  for (const Activity activity : kActivities) {
+    const Motion motion = generated_motion(draw_person(3, 1, 1.70, 0.17), activity);
+    for (double t = 0.0; t < 40.0; t += 0.017) {
+      const SkeletonPose before = motion(t - kStep_s), at = motion(t), after = motion(t + kStep_s);
+      EXPECT_TRUE(at.present.all());
+      for (std::size_t j = 0; j < kJointCount; ++j) {
+        const Vector3d& p = at.joint_in_world_m[j];
+        ASSERT_TRUE(p.allFinite());
+        ASSERT_LT((after.joint_in_world_m[j] - p).norm() / kStep_s, kFastest_m_s);
+        ASSERT_LT(
+            (after.joint_in_world_m[j] - 2.0 * p + before.joint_in_world_m[j]).norm() / (kStep_s * kStep_s),
+            kMostAcceleration_m_s2)
+            << activity_names()[static_cast<std::size_t>(activity)] << " joint " << j << " at " << t << " s";
+      }
+    }
+  }
+}
+
+TEST(GeneratedPerson, LimbsKeepTheirLengthWhileMoving) {
+  const std::pair<Joint, Joint> limbs[] = {
+      {Joint::hip_left, Joint::knee_left},       {Joint::hip_right, Joint::knee_right},
+      {Joint::knee_left, Joint::ankle_left},     {Joint::knee_right, Joint::ankle_right},
+      {Joint::shoulder_left, Joint::elbow_left}, {Joint::shoulder_right, Joint::elbow_right},
+      {Joint::elbow_left, Joint::wrist_left},    {Joint::elbow_right, Joint::wrist_right},
+      {Joint::wrist_left, Joint::hand_left},     {Joint::wrist_right, Joint::hand_right}};
+  for (const Activity activity : kActivities) {
+    const Motion motion = generated_motion(draw_person(3, 2, 1.70, 0.17), activity);
+    for (const auto& [parent, child] : limbs) {
+      const SkeletonPose start = motion(0.0);
+      const double length_m = (start.at(child) - start.at(parent)).norm();
+      EXPECT_GT(length_m, 0.05);
+      for (double t = 0.0; t < 35.0; t += 0.11) {
+        const SkeletonPose pose = motion(t);
+        ASSERT_NEAR((pose.at(child) - pose.at(parent)).norm(), length_m, 1e-9)
+            << name_of(parent) << " to " << name_of(child) << " at " << t << " s";
+      }
+    }
+  }
+}
+
+TEST(GeneratedPerson, IsDrawnWithinTheStatedRangeAndFillsIt) {
+  Moments stature;
+  double least = 10.0, most = 0.0;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const Person person = draw_person(7, i, 1.70, 0.17);
+    stature.add(person.stature_m);
+    least = std::min(least, person.stature_m);
+    most = std::max(most, person.stature_m);
+    EXPECT_GE(person.tempo, 0.9);
+    EXPECT_LE(person.tempo, 1.1);
+    EXPECT_GE(person.amplitude, 0.9);
+    EXPECT_LE(person.amplitude, 1.1);
+  }
+  EXPECT_GE(least, 1.53);
+  EXPECT_LT(least, 1.54);
+  EXPECT_LE(most, 1.87);
+  EXPECT_GT(most, 1.86);
+  EXPECT_NEAR(stature.mean(), 1.70, 4.0 * 0.17 / std::sqrt(3.0 * 2000.0));
+}
+
+TEST(GeneratedPerson, FacingPlusZHasItsLeftAtPlusXAndItsHeadUp) {
+  for (const Activity activity : {Activity::standing, Activity::arm_swing, Activity::leg_crossing}) {
+    const SkeletonPose pose = generated_motion(Person{}, activity)(0.3);
+    EXPECT_EQ(pose.heading_rad, 0.0);
+    for (const Joint left : {Joint::shoulder_left, Joint::hip_left})
+      EXPECT_GT(pose.at(left).x(), pose.at(mirror_of(left)).x() + 0.1) << name_of(left);
+    EXPECT_GT(pose.at(Joint::foot_left).z(), pose.at(Joint::ankle_left).z());
+    EXPECT_GT(pose.at(Joint::head).y(), pose.at(Joint::spine_base).y() + 0.5);
+    EXPECT_GT(pose.at(Joint::spine_base).y(), pose.at(Joint::ankle_right).y() + 0.5);
+  }
+}
+
+TEST(GeneratedPerson, WalksTheWayItFacesAndStaysAboveTheFloor) {
+  const Person person = draw_person(1, 4, 1.70, 0.17);
+  const Motion motion = generated_motion(person, Activity::walking);
+  for (double t = 0.0; t < 35.0; t += 0.07) {
+    const SkeletonPose pose = motion(t);
+    Vector3d step = motion(t + 1e-4).at(Joint::spine_base) - motion(t - 1e-4).at(Joint::spine_base);
+    step.y() = 0.0;
+    const Vector3d forward(std::sin(pose.heading_rad), 0.0, std::cos(pose.heading_rad));
+    EXPECT_GT(step.normalized().dot(forward), 0.99) << t << " s";
+    const Vector3d left = pose.at(Joint::shoulder_left) - pose.at(Joint::shoulder_right);
+    EXPECT_GT(left.dot(Vector3d::UnitY().cross(forward)), 0.1) << t << " s";
+    EXPECT_GT(std::min(pose.at(Joint::foot_left).y(), pose.at(Joint::foot_right).y()), -0.02) << t << " s";
+  }
+}
+
+TEST(SimulatedSensor, WithoutNoiseReproducesEveryJointToTheFloat) {
+  const SensorSpec spec = exact_sensor();
+  const SimulatedItem item{5, 0, 0};
+  const Motion motion = generated_motion(Person{}, Activity::walking);
+  std::size_t seen = 0;
+  for (const SimulatedSensor& sensor : rig_of(spec, item))
+    for (std::uint64_t f = 0; f < 300; f += 7) {
+      const auto frame = simulate_body_frame(sensor, spec, item, motion, f);
+      ASSERT_TRUE(frame);
+      const SkeletonPose truth = motion((exposure_of(sensor, spec, f) - kMotionStart).seconds());
+      for (const Body& body : frame->bodies)
+        for (std::size_t j = 0; j < kJointCount; ++j) {
+          if (body.tracking_state[j] == 0) continue;
+          ++seen;
+          EXPECT_LT((sensor.pose.world_from_sensor * point_of(body, j) - truth.joint_in_world_m[j]).norm(),
+                    5e-7);
+        }
+    }
+  EXPECT_GT(seen, 2000u);
+}
+
+TEST(SimulatedSensor, NoiseAndBiasAreAsDeclared) {
+  SensorSpec spec;
+  spec.dropped_share = 0.0;
+  spec.inferred_share = 0.0;
+  const Motion motion = generated_motion(Person{}, Activity::standing);
+  Moments noise, bias;
+  for (std::uint64_t participant = 0; participant < 40; ++participant) {
+    const SimulatedItem item{11, participant, participant};
+    for (const SimulatedSensor& sensor : rig_of(spec, item)) {
+      std::map<std::size_t, std::array<Moments, 3>> joints;
+      for (std::uint64_t f = 0; f < 40; ++f) {
+        const BodyFrame frame = *simulate_body_frame(sensor, spec, item, motion, f);
+        for (const Body& body : frame.bodies)
+          for (std::size_t j = 0; j < kJointCount; ++j) {
+            if (body.tracking_state[j] == 0) continue;
+            const Vector3d error_m =
+                point_of(body, j) - sensor.pose.world_from_sensor.inverse() * motion(0.0).joint_in_world_m[j];
+            for (int axis = 0; axis < 3; ++axis) joints[j][static_cast<std::size_t>(axis)].add(error_m[axis]);
+          }
+      }
+      for (const auto& [joint, axes] : joints)
+        for (const Moments& axis : axes) {
+          bias.add(axis.mean());
+          noise.add(axis.sigma() * std::sqrt(axis.n / (axis.n - 1.0)));
+        }
+    }
+  }
+  ASSERT_GT(bias.n, 5000.0);
+  EXPECT_NEAR(noise.mean(), spec.joint_noise_sigma_m, 0.02 * spec.joint_noise_sigma_m);
+  EXPECT_NEAR(bias.mean(), 0.0, 4.0 * spec.joint_bias_sigma_m / std::sqrt(bias.n));
+  EXPECT_NEAR(bias.sigma(), spec.joint_bias_sigma_m, 0.04 * spec.joint_bias_sigma_m);
+}
+
+TEST(SimulatedSensor, InferredAndDroppedSharesAreAsDeclared) {
+  SensorSpec spec;
+  spec.joint_bias_sigma_m = 0.0;
+  spec.dropped_share = 0.1;
+  const SimulatedItem item{12, 0, 0};
+  const Motion motion = generated_motion(Person{}, Activity::standing);
+  const SimulatedSensor sensor = rig_of(spec, item).front();
+  constexpr std::uint64_t kFrames = 4500;  // 300 half-second stretches of each joint
+  double kept = 0.0, joints = 0.0;
+  Moments inferred, tracked;
+  for (std::uint64_t f = 0; f < kFrames; ++f) {
+    const auto frame = simulate_body_frame(sensor, spec, item, motion, f);
+    if (!frame) continue;
+    kept += 1.0;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Body& body = frame->bodies.at(0);
+      if (body.tracking_state[j] == 0) continue;
+      joints += 1.0;
+      const Vector3d error_m =
+          point_of(body, j) - sensor.pose.world_from_sensor.inverse() * motion(0.0).joint_in_world_m[j];
+      (body.tracking_state[j] == 1 ? inferred : tracked).add(error_m.x());
+    }
+  }
+  EXPECT_NEAR(1.0 - kept / kFrames, 0.1, 4.0 * std::sqrt(0.1 * 0.9 / kFrames));
+  EXPECT_NEAR(inferred.n / joints, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / (300.0 * 20.0)));
+  EXPECT_NEAR(tracked.sigma(), 0.015, 0.02 * 0.015);
+  EXPECT_NEAR(inferred.sigma(), 0.045, 0.05 * 0.045);
+}
+
+TEST(SimulatedSensor, JointsOutOfRangeOrImageAreNotTracked) {
+  SensorSpec spec = exact_sensor();
+  const SimulatedItem item{1, 0, 0};
+  const Motion motion = generated_motion(Person{}, Activity::standing);
+  const SimulatedSensor sensor = rig_of(spec, item).front();
+  spec.farthest_m = 1.0;
+  EXPECT_TRUE(simulate_body_frame(sensor, spec, item, motion, 0)->bodies.empty());
+  const auto beside = [](double) {
+    SkeletonPose pose;
+    pose.at(Joint::head) = {30.0, 1.0, 0.0};
+    pose.present.set(static_cast<std::size_t>(Joint::head));
+    return pose;
+  };
+  EXPECT_TRUE(simulate_body_frame(sensor, exact_sensor(), item, beside, 0)->bodies.empty());
+}
+
+TEST(SimulatedSensor, ABodyKeepsItsIdAndTheFloorItsPlace) {
+  const SensorSpec spec = exact_sensor();
+  const SimulatedItem item{1, 0, 0};
+  const Motion motion = generated_motion(Person{}, Activity::walking);
+  std::set<std::uint64_t> ids;
+  for (const SimulatedSensor& sensor : rig_of(spec, item))
+    for (std::uint64_t f = 0; f < 60; ++f) {
+      const BodyFrame frame = *simulate_body_frame(sensor, spec, item, motion, f);
+      ids.insert(frame.bodies.at(0).tracking_id);
+      // the world's origin lies on the floor: n . p + height = 0
+      const Vector3d origin = sensor.pose.world_from_sensor.inverse() * Vector3d::Zero();
+      const auto& plane = frame.floor_plane;
+      const Vector3d normal = Eigen::Vector3f(plane[0], plane[1], plane[2]).cast<double>();
+      EXPECT_NEAR(normal.norm(), 1.0, 1e-6);
+      EXPECT_NEAR(normal.dot(origin) + static_cast<double>(plane[3]), 0.0, 1e-6);
+    }
+  EXPECT_EQ(ids.size(), 4u);
+  EXPECT_GT(*ids.begin(), std::uint64_t{1} << 56);
+}
+
+TEST(SimulatedSensor, EqualKeysGiveEqualNumbersInAnyOrder) {
+  const SensorSpec spec;
+  const Motion motion = generated_motion(Person{}, Activity::walking);
+  const auto frame_with = [&](std::uint64_t seed, std::uint64_t take, std::uint64_t number) {
+    const SimulatedItem item{seed, take, 0};
+    return simulate_body_frame(rig_of(spec, item)[2], spec, item, motion, number)->bodies.at(0).position_m;
+  };
+  const auto late = frame_with(1, 3, 90);
+  frame_with(1, 3, 12);
+  EXPECT_EQ(frame_with(1, 3, 90), late);
+  EXPECT_NE(frame_with(2, 3, 90), late);
+  EXPECT_NE(frame_with(1, 4, 90), late);
+}
+
+TEST(SimulatedMarkers, TheirMeanIsTheJoint) {
+  MocapSpec spec;
+  spec.marker_noise_sigma_m = 0.0;
+  spec.gap_share = 0.0;
+  const Motion motion = generated_motion(Person{}, Activity::walking);
+  for (std::uint64_t f = 0; f < 300; f += 11) {
+    const SkeletonPose pose = motion(static_cast<double>(f) / spec.rate_hz);
+    const auto markers = simulate_markers(pose, Joint::elbow_left, spec, {1, 0, 0}, f);
+    Vector3d mean = Vector3d::Zero();
+    for (const Vector3d& marker : markers) {
+      mean += marker / kMarkersPerJoint;
+      EXPECT_NEAR((marker - pose.at(Joint::elbow_left)).norm(), spec.marker_offset_m, 1e-12);
+    }
+    EXPECT_LT((mean - pose.at(Joint::elbow_left)).norm(), 1e-12);
+  }
+}
+
+TEST(SimulatedMarkers, NoiseAndGapsAreAsDeclared) {
+  MocapSpec spec;
+  spec.gap_share = 0.05;
+  MocapSpec exact = spec;
+  exact.marker_noise_sigma_m = 0.0;
+  const Motion motion = generated_motion(Person{}, Activity::standing);
+  Moments noise;
+  double lost = 0.0, all = 0.0;
+  for (std::uint64_t f = 0; f < 10'000; ++f) {
+    const auto noisy = simulate_markers(motion(0.0), Joint::head, spec, {9, 0, 0}, f);
+    const auto still = simulate_markers(motion(0.0), Joint::head, exact, {9, 0, 0}, f);
+    for (std::size_t m = 0; m < noisy.size(); ++m) {
+      all += 1.0;
+      EXPECT_EQ(noisy[m].allFinite(), still[m].allFinite());
+      if (!noisy[m].allFinite())
+        lost += 1.0;
+      else
+        for (int axis = 0; axis < 3; ++axis) noise.add(noisy[m][axis] - still[m][axis]);
+    }
+  }
+  EXPECT_NEAR(noise.sigma(), spec.marker_noise_sigma_m, 0.02 * spec.marker_noise_sigma_m);
+  EXPECT_NEAR(lost / all, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / (4.0 * 500.0)));  // 500 stretches a marker
+}
+
+TEST(SimulatedMarkers, AJointTheSourceDoesNotKnowHasNoMarkers) {
+  for (const Vector3d& marker : simulate_markers(SkeletonPose{}, Joint::head, {}, {1, 0, 0}, 0))
+    EXPECT_TRUE(marker.array().isNaN().all());
+}
+
+TEST(SimulatedMarkers, TheStatedStartIsOffByNoMoreThanDeclared) {
+  Moments error;
+  for (std::uint64_t take = 0; take < 1000; ++take) error.add(mocap_clock_error({}, {1, take, 0}).seconds());
+  EXPECT_NEAR(error.sigma(), 0.005 / std::sqrt(3.0), 2e-4);
+  EXPECT_NEAR(error.mean(), 0.0, 4e-4);
+}
+
+TEST(SimulationSpec, TheRigLooksAtItsCentreFromTheStatedHeights) {
+  RigSpec rig;
+  rig.centre_m = Vector3d(0.5, 1.2, -0.3);
+  const auto poses = rig_poses(rig, Vector3d::Zero());
+  ASSERT_EQ(poses.size(), 4u);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(poses[i].name, "k" + std::to_string(i + 1));
+    const Vector3d& position = poses[i].world_from_sensor.translation_m;
+    EXPECT_EQ(position.y(), rig.heights_m[i]);
+    EXPECT_NEAR(std::hypot(position.x() - 0.5, position.z() + 0.3), 2.0, 1e-12);
+    const Vector3d centre = poses[i].world_from_sensor.inverse() * *rig.centre_m;
+    EXPECT_LT(centre.head<2>().norm(), 1e-12);
+    EXPECT_GT(centre.z(), 1.9);
+  }
+}
+
+std::string refusal_of(const std::string& members) {
+  return message_of([&] {
+    parse_simulation(
+        parse_json(R"({"format": "trilat.simulation", "version": 1)" + members + "}", "sim.json"), "sim.json",
+        {});
+  });
+}
+
+TEST(SimulationSpec, DefaultsAreAWholeCampaign) {
+  EXPECT_EQ(refusal_of(""), "no error");
+  const SimulationSpec spec = parse_simulation(
+      parse_json(R"({"format": "trilat.simulation", "version": 1})", "sim.json"), "sim.json", {});
+  EXPECT_EQ(spec.participants, 16u);
+  ASSERT_EQ(spec.activities.size(), 1u);
+  EXPECT_EQ(spec.activities[0].activity, Activity::walking);
+  EXPECT_EQ(spec.activities[0].marker_joints.size(), 7u);
+}
+
+TEST(SimulationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(, "sensr": {})", "sim.json /sensr: is an unknown key; known are: "},
+      {R"(, "seed": -1)", "sim.json /seed: must be an integer of 0 or more"},
+      {R"(, "participants": 0)", "sim.json /participants: must be 1 to 10000"},
+      {R"(, "participants": 1.7)", "sim.json /participants: must be an integer"},
+      {R"(, "participants": 9000, "activities": [{"name": "walking"}, {"name": "standing"}])",
+       "sim.json /participants: make more than 16000 takes"},
+      {R"(, "stature_m": {"mean": 170})", "sim.json /stature_m/mean: must lie between 0.5 and 2.5"},
+      {R"(, "activities": [{"name": "flying"}])",
+       "sim.json /activities/0/name: is \"flying\", which is unknown; known are: walking"},
+      {R"(, "activities": [{"name": "walking", "duration_s": 0}])",
+       "sim.json /activities/0/duration_s: must lie between"},
+      {R"(, "activities": [{"name": "walking", "marker_joints": ["nose"]}])",
+       "sim.json /activities/0/marker_joints: names \"nose\", which is no joint"},
+      {R"(, "activities": [{"name": "walking", "marker_joints": ["head", "head"]}])",
+       "sim.json /activities/0/marker_joints: names \"head\" twice"},
+      {R"(, "activities": [{"name": "walking"}], "recorded": {"mocap": "a.csv", "mapping": "b.json"})",
+       "sim.json /activities: cannot stand beside \"recorded\""},
+      {R"(, "rig": {"heights_m": []})", "sim.json /rig/heights_m: must hold 1 to 8 heights"},
+      {R"(, "rig": {"heights_m": 1.2})", "sim.json /rig/heights_m: must be an array"},
+      {R"(, "rig": {"radius_m": 0})", "sim.json /rig/radius_m: must lie between 0.3 and 20"},
+      {R"(, "sensor": {"dropped_share": 1.5})", "sim.json /sensor/dropped_share: must lie between 0 and 1"},
+      {R"(, "sensor": {"joint_noise_sigma_m": -1})", "sim.json /sensor/joint_noise_sigma_m: must not be"},
+      {R"(, "sensor": {"free_running": 1})", "sim.json /sensor/free_running: must be true or false"},
+      {R"(, "mocap": {"rate_hz": 0})", "sim.json /mocap/rate_hz: must lie between 1"},
+      {R"(, "mocap": {"rate_hz": 100, "rate_hz": 120})", "sim.json: has the key \"rate_hz\" twice"}};
+  for (const auto& [members, message] : cases)
+    EXPECT_THAT(refusal_of(members), HasSubstr(message)) << members;
+  EXPECT_THAT(message_of([] { read_simulation("/nonexistent/sim.json"); }),
+              HasSubstr("/nonexistent/sim.json"));
+}
+
+TEST(SimulationSpec, PathsInItAreRelativeToItsFile) {
+  const Json json = parse_json(
+      R"({"format": "trilat.simulation", "version": 1, "recorded": {"mocap": "a.csv", "mapping": "/m.json"}})",
+      "sim.json");
+  const SimulationSpec spec = parse_simulation(json, "sim.json", "/data");
+  EXPECT_EQ(spec.recorded->mocap, "/data/a.csv");
+  EXPECT_EQ(spec.recorded->mapping, "/m.json");
+  EXPECT_EQ(spec.participants, 1u);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/synthetic/simulation_spec.h"
+#include "pipeline/cli/simulate_take.h"
+#include "pipeline/study_spec.h"
+
+namespace trilat {
+
+// Persons who walk for a second, watched with all the noise there is.
+inline SimulationSpec walking_spec(std::uint64_t participants, double duration_s = 1.0) {
+  SimulationSpec spec;
+  spec.name = "tiny";
+  spec.seed = 5;
+  spec.participants = participants;
+  spec.activities = {{Activity::walking,
+                      duration_s,
+                      {Joint::head, Joint::shoulder_left, Joint::shoulder_right, Joint::elbow_left,
+                       Joint::elbow_right, Joint::wrist_left, Joint::wrist_right}}};
+  return spec;
+}
+
+// The same with sensors and mocap that are exact; clocks are as before.
+inline SimulationSpec without_noise(SimulationSpec spec) {
+  spec.sensor.joint_bias_sigma_m = 0.0;
+  spec.sensor.joint_noise_sigma_m = 0.0;
+  spec.sensor.inferred_share = 0.0;
+  spec.sensor.dropped_share = 0.0;
+  spec.mocap.marker_noise_sigma_m = 0.0;
+  spec.mocap.gap_share = 0.0;
+  return spec;
+}
+
+// The same with all clocks equal and a mocap that has a frame at every frame of the sensors.
+inline SimulationSpec synchronised(SimulationSpec spec) {
+  spec.sensor.free_running = false;
+  spec.sensor.arrival_jitter_s = 0.0;
+  spec.mocap.clock_error_s = 0.0;
+  spec.mocap.rate_hz = 300.0;
+  return spec;
+}
+
+inline Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec& spec) {
+  return simulate_campaign(spec, folder, {}, {});
+}
+
+inline StudySpec study_of(const std::string& members) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "test", )" + members + "}";
+  return parse_study(parse_json(text, "study.json"), "study.json", {});
+}
+
+}  // namespace trilat

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// The program as a person or a script meets it.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "datasets/base/files.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+using Clock = std::chrono::steady_clock;
+
+const std::vector<std::string> kVerbs{"info", "verify", "mocap", "simulate", "run", "report", "reproduce"};
+
+struct Ended {
+  int code = -1;  // -1 when a signal ended it
+  std::string out, err;
+};
+
+// A started `trilat`; its streams go to files in the folder.
+class Process {
+ public:
+  Process(const ScratchFolder& folder, const std::vector<std::string>& arguments)
+      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+    std::vector<char*> argv{const_cast<char*>(TRILAT_BINARY)};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int out = ::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    const int err = ::open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(out, STDOUT_FILENO);
+    dup2(err, STDERR_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  void interrupt() const { kill(pid_, SIGINT); }
+  Ended wait() const {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(out_), read_file(err_)};
+  }
+
+ private:
+  std::filesystem::path out_, err_;
+  pid_t pid_ = -1;
+};
+
+Ended run_trilat(const ScratchFolder& folder, const std::vector<std::string>& arguments) {
+  return Process(folder, arguments).wait();
+}
+
+// Exit code 2 with one line on stderr that says what is wrong, and nothing on stdout.
+void expect_refused(const Ended& ended, const std::string& message) {
+  EXPECT_EQ(ended.code, 2) << ended.err;
+  EXPECT_EQ(ended.out, "");
+  EXPECT_THAT(ended.err, StartsWith("trilat: "));
+  EXPECT_THAT(ended.err, HasSubstr(message));
+  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+  EXPECT_THAT(ended.err, EndsWith("\n"));
+}
+
+Json only_json(const Ended& ended) { return parse_json(ended.out, "stdout"); }
+
+std::string file_with(const ScratchFolder& folder, const std::string& name, const std::string& text) {
+  write_file(folder / name, text);
+  return (folder / name).string();
+}
+
+std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
+  return file_with(folder, "simulation.json",
+                   R"({"format": "trilat.simulation", "version": 1, )" + members + "}");
+}
+
+std::string study_file(const ScratchFolder& folder) {
+  return file_with(folder, "study.json", R"({"format": "trilat.study", "version": 1, "kind": "accuracy",
+      "name": "test", "methods": [{"method": "nonlinear"}, {"method": "mean"}]})");
+}
+
+constexpr const char* kTwoShortTakes =
+    R"("participants": 2, "activities": [{"name": "walking", "duration_s": 1}])";
+
+bool half_written(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == "session.h5" || name == "mocap.csv" || name == "truth.csv" || name == "campaign.json")
+      return true;
+  }
+  return false;
+}
+
+TEST(Door, EveryVerbHasHelp) {
+  const ScratchFolder folder;
+  for (const std::string& verb : kVerbs) {
+    const Ended ended = run_trilat(folder, {verb, "--help"});
+    EXPECT_EQ(ended.code, 0) << verb;
+    EXPECT_THAT(ended.out, HasSubstr(verb));
+    EXPECT_EQ(ended.err, "");
+  }
+  const Ended ended = run_trilat(folder, {"--help"});
+  EXPECT_EQ(ended.code, 0);
+  for (const std::string& verb : kVerbs) EXPECT_THAT(ended.out, HasSubstr("\n  " + verb));
+  EXPECT_THAT(run_trilat(folder, {"--version"}).out, StartsWith("trilat "));
+}
+
+TEST(Door, WrongUsageIsOneLineAndExitCodeTwo) {
+  const ScratchFolder folder;
+  expect_refused(run_trilat(folder, {}), "subcommand is required");
+  expect_refused(run_trilat(folder, {"levitate"}), "levitate");
+  expect_refused(run_trilat(folder, {"--levitate"}), "levitate");
+  expect_refused(run_trilat(folder, {"simulate"}), "required");
+  expect_refused(run_trilat(folder, {"run", "a.json", "--threads", "many"}), "--threads");
+  expect_refused(run_trilat(folder, {"run", "a.json", "--threads", "-1"}), "--threads");
+  expect_refused(run_trilat(folder, {"reproduce", "--scale", "huge"}), "huge");
+  for (const std::string& verb : kVerbs)
+    expect_refused(run_trilat(folder, {verb, "a", "-o", "b", "--levitate"}), "");
+}
+
+TEST(Door, AMissingFileIsNamed) {
+  const ScratchFolder folder;
+  const std::string absent = folder / "absent";
+  for (const char* verb : {"info", "verify", "mocap"})
+    expect_refused(run_trilat(folder, {verb, absent}), absent);
+  for (const char* verb : {"simulate", "run", "report"})
+    expect_refused(run_trilat(folder, {verb, absent, "-o", folder / "out"}), absent);
+  expect_refused(run_trilat(folder, {"run", study_file(folder), "--campaign", absent, "-o", folder / "out"}),
+                 absent);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(Door, AFolderOrAnEmptyFileInPlaceOfAFileIsNamed) {
+  const ScratchFolder folder;
+  const std::string place = folder.path().string(), empty = file_with(folder, "empty", "");
+  for (const char* verb : {"info", "verify", "mocap"}) {
+    expect_refused(run_trilat(folder, {verb, place}), place);
+    expect_refused(run_trilat(folder, {verb, empty}), empty);
+  }
+  for (const char* verb : {"simulate", "run"}) {
+    expect_refused(run_trilat(folder, {verb, place, "-o", folder / "out"}), place);
+    expect_refused(run_trilat(folder, {verb, empty, "-o", folder / "out"}), empty);
+  }
+}
+
+TEST(Door, ANameTheFileSystemRefusesIsBadInputNotABug) {
+  const ScratchFolder folder;
+  const std::string name = folder / std::string(300, 'a');
+  expect_refused(run_trilat(folder, {"report", name, "-o", folder / "out"}), "aaa");
+  expect_refused(run_trilat(folder, {"info", name}), "aaa");
+  expect_refused(run_trilat(folder, {"mocap", name}), "aaa");
+  expect_refused(run_trilat(folder, {"simulate", simulation_file(folder, kTwoShortTakes), "-o", name}),
+                 "aaa");
+}
+
+TEST(Door, WrongSettingsAreNamedByTheirPointer) {
+  const ScratchFolder folder;
+  expect_refused(
+      run_trilat(folder, {"simulate", simulation_file(folder, "\"sed\": 1"), "-o", folder / "out"}),
+      "simulation.json /sed: is an unknown key");
+  expect_refused(run_trilat(folder, {"run", study_file(folder), "-o", folder / "out"}),
+                 "study.json /campaign: is missing");
+}
+
+// simulate, info, verify, mocap, run and report, one after the other, as in the README.
+TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
+  const ScratchFolder folder;
+  const std::string campaign = folder / "campaign", take = campaign + "/p01-walking";
+  Ended ended =
+      run_trilat(folder, {"simulate", simulation_file(folder, kTwoShortTakes), "-o", campaign, "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(only_json(ended)["takes"].size(), 2u);
+
+  ended = run_trilat(folder, {"info", take + "/session.h5", "--json"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_EQ(only_json(ended)["sensors"].size(), 4u);
+  EXPECT_NEAR(only_json(ended)["sensors"][0]["rate_hz"].get<double>(), 30.0, 1.5);
+  EXPECT_EQ(only_json(ended)["complete"], true);
+
+  ended = run_trilat(folder, {"verify", take + "/session.h5", "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.out;
+  EXPECT_EQ(only_json(ended)["sound"], true);
+
+  ended = run_trilat(folder, {"mocap", take + "/mocap.csv", "--json"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_EQ(only_json(ended)["assets"].size(), 28u);
+  EXPECT_EQ(only_json(ended)["frames"], 101);
+  EXPECT_EQ(only_json(ended)["rate_hz"], 100.0);
+
+  const std::string study = study_file(folder), results = folder / "results";
+  ended = run_trilat(folder, {"run", study, "--campaign", campaign, "--dry-run", "--json"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_EQ(only_json(ended)["takes"].size(), 2u);
+  EXPECT_FALSE(std::filesystem::exists(results));
+
+  ended =
+      run_trilat(folder, {"run", study, "--campaign", campaign, "-o", results, "--cross-check", "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(only_json(ended)["takes_failed"], 0);
+  EXPECT_EQ(only_json(ended)["cross_check_passed"], true);
+
+  ended = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
+  EXPECT_EQ(ended.code, 0);
+  for (const auto& file : only_json(ended)["files"])
+    EXPECT_TRUE(std::filesystem::exists(file.get<std::string>())) << file;
+}
+
+TEST(RunVerb, ABrokenTakeGivesExitCodeOneAndItsPlace) {
+  const ScratchFolder folder;
+  const std::string campaign = folder / "campaign", study = study_file(folder);
+  run_trilat(folder, {"simulate", simulation_file(folder, kTwoShortTakes), "-o", campaign});
+  std::filesystem::remove(campaign + "/p02-walking/mocap.csv");
+  for (const bool json : {false, true}) {
+    std::vector<std::string> arguments{"run", study, "--campaign", campaign, "-o", folder / "results"};
+    if (json) arguments.push_back("--json");
+    const Ended ended = run_trilat(folder, arguments);
+    EXPECT_EQ(ended.code, 1);
+    EXPECT_THAT(ended.err, HasSubstr("failed: take p02-walking: " + campaign +
+                                     "/p02-walking/mocap.csv: does not exist\n"));
+    if (json) {
+      EXPECT_EQ(only_json(ended)["takes_failed"], 1);
+    } else {
+      EXPECT_THAT(ended.out, HasSubstr("1 of 2 takes"));
+    }
+  }
+  const Ended dry = run_trilat(folder, {"run", study, "--campaign", campaign, "--dry-run"});
+  EXPECT_EQ(dry.code, 1);
+  EXPECT_THAT(dry.out, HasSubstr("p02-walking          cannot be evaluated: "));
+}
+
+TEST(RunVerb, ASessionThatIsNotSoundGivesExitCodeOne) {
+  const ScratchFolder folder;
+  const std::string session = folder / "campaign/p01-walking/session.h5";
+  run_trilat(folder, {"simulate", simulation_file(folder, kTwoShortTakes), "-o", folder / "campaign"});
+  const std::string bytes = read_file(session);
+  std::ofstream(session, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  const Ended ended = run_trilat(folder, {"verify", session});
+  EXPECT_THAT(ended.code, testing::AnyOf(1, 2));
+  EXPECT_THAT(ended.out + ended.err, HasSubstr("session.h5"));
+}
+
+// Interrupts once `sign` exists; the process must then end by itself within about a second.
+Ended interrupted_at(const Process& process, const std::filesystem::path& sign) {
+  const auto given_up = Clock::now() + std::chrono::seconds(20);
+  while (!std::filesystem::exists(sign) && Clock::now() < given_up)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(std::filesystem::exists(sign));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto start = Clock::now();
+  process.interrupt();
+  const Ended ended = process.wait();
+  EXPECT_LT(Clock::now() - start, std::chrono::milliseconds(2000));
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("interrupted"));
+  return ended;
+}
+
+TEST(RunVerb, AnInterruptWhileRecordingLeavesNothingHalfWritten) {
+  const ScratchFolder folder;
+  const std::string spec =
+      simulation_file(folder, R"("participants": 3, "activities": [{"name": "walking", "duration_s": 1e5}])");
+  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
+  interrupted_at(process, folder / "out/p01-walking/session.h5.partial");
+  EXPECT_FALSE(half_written(folder / "out"));
+}
+
+TEST(RunVerb, AnInterruptWhileTheMocapIsWrittenLeavesNoHalfExport) {
+  const ScratchFolder folder;
+  const std::string spec = simulation_file(folder, R"("participants": 1, "sensor": {"rate_hz": 1},
+      "mocap": {"rate_hz": 2000}, "activities": [{"name": "walking", "duration_s": 600}])");
+  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
+  interrupted_at(process, folder / "out/p01-walking/mocap.csv.partial");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/p01-walking/mocap.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/campaign.json"));
+}
+
+TEST(RunVerb, AnInterruptWhileEvaluatingLeavesNoResults) {
+  const ScratchFolder folder;
+  const std::string spec = simulation_file(folder, R"("participants": 1, "mocap": {"rate_hz": 30},
+      "activities": [{"name": "walking", "duration_s": 60}])");
+  run_trilat(folder, {"simulate", spec, "-o", folder / "campaign"});
+  const std::string study = file_with(folder, "slow.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "slow", "rate_hz": 1000, "methods": [{"method": "ceres"}]})");
+  const Process process(folder, {"run", study, "--campaign", folder / "campaign", "-o", folder / "results"});
+  interrupted_at(process, folder / "results.partial/samples.h5");
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+}
+
+TEST(ReproduceVerb, RefusesAFolderOfSomebodyElse) {
+  const ScratchFolder folder;
+  file_with(folder, "chapter1.tex", "ten years of work");
+  expect_refused(run_trilat(folder, {"reproduce", "-o", folder.path().string()}),
+                 "exists and is not an earlier reproduction");
+}
+
+// The campaign file says that all takes are there: an interrupted second try must not leave the first one's.
+TEST(RunSimulate, AnInterruptedSecondTryLeavesNoCampaignFile) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(2);
+  simulate_into(folder / "campaign", spec);
+  EXPECT_TRUE(std::filesystem::exists(folder / "campaign/campaign.json"));
+  spec.seed += 1;
+  EXPECT_THROW(simulate_campaign(spec, folder / "campaign", [] { return true; }, {}), Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "campaign/campaign.json"));
+}
+
+}  // namespace
+}  // namespace trilat

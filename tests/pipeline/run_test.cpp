@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/results/samples.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/session_writer.h"
+#include "pipeline/execute.h"
+#include "pipeline/summarise.h"
+#include "reports/accuracy_tables.h"
+#include "reports/render.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kMethods = R"("methods": [{"method": "linear"},
+    {"method": "linear", "name": "linear all pairs", "reference": "all_pairs"}, {"method": "geometric"},
+    {"method": "nonlinear"}, {"method": "nonlinear", "name": "nonlinear undamped", "damping": "none"},
+    {"method": "ceres"}, {"method": "mean"}, {"method": "tracked_mean", "name": "tracked mean"},
+    {"method": "single"}])";
+constexpr const char* kFewMethods = R"("methods": [{"method": "linear"}, {"method": "mean"}])";
+
+StudySpec study_with(const std::string& alignments, const char* methods = kMethods) {
+  return study_of("\"alignments\": " + alignments + ", " + methods);
+}
+
+void expect_every_error_below(const ResultsSummary& summary, double limit_m) {
+  EXPECT_EQ(summary.takes_failed, 0u);
+  ASSERT_FALSE(summary.cells.empty());
+  for (const SummaryCell& cell : summary.cells) {
+    const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
+    EXPECT_GT(cell.coverage(), 0.95) << what;
+    EXPECT_LT(cell.max_m, limit_m) << what;
+  }
+}
+
+// Limited by 32-bit floats in the session and six decimals in the export.
+TEST(RunLaw, WithoutNoiseAndClockErrorsEveryMethodFindsTheTruth) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(2))));
+  const ResultsSummary summary =
+      execute_study(study_with(R"(["none"])"), campaign, folder / "results", {.cross_check = true});
+  EXPECT_EQ(summary.cells.size(), 4u * 12u);
+  expect_every_error_below(summary, 1e-5);
+  ASSERT_TRUE(summary.cross_check);
+  EXPECT_TRUE(summary.cross_check->passed()) << summary.cross_check->worst_m;
+  EXPECT_GT(summary.cross_check->samples, 400u);
+}
+
+TEST(RunLaw, APersonWhoStandsStillIsFoundWhateverTheClocks) {
+  const ScratchFolder folder;
+  SimulationSpec spec = without_noise(walking_spec(1));
+  spec.activities[0].activity = Activity::standing;
+  spec.mocap.marker_noise_sigma_m = 1e-6;  // a marker that stands still to the last digit is frozen
+  const Campaign campaign = simulate_into(folder / "campaign", spec);
+  expect_every_error_below(
+      execute_study(study_with(R"(["none", "mean", "first"])"), campaign, folder / "results", {}), 2e-5);
+}
+
+// Clocks are recovered to 0.2 ms, the mocap's start is known to 5 ms, and a hand moves at 3 m/s.
+TEST(RunLaw, ClockErrorsCostNoMoreThanTheMovementMeanwhile) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", without_noise(walking_spec(2, 3.0)));
+  const char* methods = R"("methods": [{"method": "mean"}, {"method": "nonlinear"}])";
+  expect_every_error_below(
+      execute_study(study_with(R"(["none"])", methods), campaign, folder / "results", {}), 0.025);
+}
+
+TEST(Run, NoiseOfTheSensorsIsWhatASingleSensorShows) {
+  const ScratchFolder folder;
+  SimulationSpec spec = synchronised(without_noise(walking_spec(1, 20.0)));
+  spec.sensor.joint_noise_sigma_m = 0.02;
+  const Campaign campaign = simulate_into(folder / "campaign", spec);
+  const ResultsSummary summary =
+      execute_study(study_with(R"(["none"])", R"("methods": [{"method": "single"}, {"method": "mean"}])"),
+                    campaign, folder / "results", {});
+  const double one_m = find_cell(summary, "single k1", "walking", "shoulder", "none")->rmse_m;
+  const double all_m = find_cell(summary, "mean", "walking", "shoulder", "none")->rmse_m;
+  // every instant is a frame here: nothing is interpolated, which would halve the variance at worst
+  EXPECT_NEAR(one_m, 0.02 * std::sqrt(3.0), 0.05 * 0.02 * std::sqrt(3.0));
+  EXPECT_NEAR(all_m, one_m / 2.0, 0.1 * one_m / 2.0);
+}
+
+TEST(Run, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(5));
+  const StudySpec study = study_with(R"(["mean", "none", "rigid"])");
+  for (const int threads : {1, 2, 8})
+    execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads});
+  for (const char* file : {"samples.h5", "summary.json", "manifest.json"}) {
+    const std::string one = read_file(folder / "1" / file);
+    EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
+    EXPECT_EQ(one, read_file(folder / "8" / file)) << file;
+  }
+}
+
+TEST(Run, EqualSeedsGiveEqualCampaignsAndOtherSeedsOthers) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(2);
+  simulate_into(folder / "a", spec);
+  simulate_into(folder / "b", spec);
+  spec.seed += 1;
+  simulate_into(folder / "c", spec);
+  for (const char* file : {"p01-walking/session.h5", "p02-walking/mocap.csv", "p02-walking/truth.json"}) {
+    EXPECT_EQ(read_file(folder / "a" / file), read_file(folder / "b" / file)) << file;
+    EXPECT_NE(read_file(folder / "a" / file), read_file(folder / "c" / file)) << file;
+  }
+}
+
+TEST(Run, QuantilesAreTheSameFromMemoryAndFromTheFile) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
+  const Plan plan = make_plan(study_with(R"(["mean", "none"])"), campaign);
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan));
+  const RunOutcome outcome = run_plan(plan, samples, {});
+  const auto summary_with = [&](const char* name, std::uint64_t budget_bytes) {
+    std::filesystem::create_directories(folder / name);
+    write_summary(folder / name, summarise(plan, outcome, samples, budget_bytes));
+    return read_file(folder / name / "summary.json");
+  };
+  const std::string memory = summary_with("memory", kDistancesInMemoryBytes);
+  EXPECT_EQ(summary_with("file", 1'000'000), memory);
+  EXPECT_EQ(summary_with("one cell at a time", 0), memory);
+}
+
+// A campaign of four takes on one rig, of which one can be spoilt.
+struct Spoilt {
+  ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(4));
+  Take& take = campaign.takes[1];
+
+  ResultsSummary evaluated() {
+    return execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results", {});
+  }
+  // The one note of the one take that failed.
+  std::string failure() {
+    const ResultsSummary summary = evaluated();
+    EXPECT_EQ(summary.takes, 4u);
+    EXPECT_EQ(summary.takes_failed, 1u);
+    std::string text;
+    for (const TakeNote& note : summary.notes) {
+      if (!note.failed) continue;
+      EXPECT_EQ(note.take, take.id);
+      text += note.place + ": " + note.text;
+    }
+    const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+    EXPECT_NE(cell, nullptr);
+    if (cell) {
+      EXPECT_GT(cell->answered, 3 * 25u);
+      EXPECT_LE(cell->asked, 3 * 31u);
+      EXPECT_LT(cell->mae_m, 0.1);
+    }
+    return text;
+  }
+  void use_session(const std::string& name) { take.session = folder / name; }
+};
+
+// Copies a session, frame by frame.
+void rewrite_session(const std::filesystem::path& from, const std::filesystem::path& to, std::size_t sensors,
+                     const std::function<void(BodyFrame&)>& change) {
+  const SessionReader session(from);
+  SessionHeader header = session.header();
+  header.sensors.resize(sensors);
+  SessionWriter writer(to, header);
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (BodyFrame& frame : session.body_frames(s, 0, session.counts(s).body_frames)) {
+      change(frame);
+      writer.add_body_frame(s, frame);
+    }
+    for (const ClockExchange& exchange : session.clock_exchanges(s)) writer.add_clock_exchange(s, exchange);
+  }
+  writer.finish();
+}
+
+TEST(RunWithABrokenTake, ATruncatedSessionFailsAlone) {
+  Spoilt spoilt;
+  const std::string bytes = read_file(spoilt.take.session);
+  std::ofstream(spoilt.folder / "cut.h5", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  spoilt.use_session("cut.h5");
+  EXPECT_THAT(spoilt.failure(), HasSubstr("cut.h5"));
+}
+
+TEST(RunWithABrokenTake, AMissingSessionFailsAlone) {
+  Spoilt spoilt;
+  spoilt.use_session("absent.h5");
+  EXPECT_THAT(spoilt.failure(), HasSubstr("absent.h5: does not exist"));
+}
+
+TEST(RunWithABrokenTake, AMissingMocapFailsAlone) {
+  Spoilt spoilt;
+  spoilt.take.mocap = spoilt.folder / "absent.csv";
+  EXPECT_THAT(spoilt.failure(), HasSubstr("absent.csv: does not exist"));
+}
+
+TEST(RunWithABrokenTake, AMocapThatIsNoExportFailsAlone) {
+  Spoilt spoilt;
+  write_file(spoilt.folder / "other.csv", "a,b,c\n1,2,3\n");
+  spoilt.take.mocap = spoilt.folder / "other.csv";
+  EXPECT_THAT(spoilt.failure(), HasSubstr("other.csv"));
+}
+
+TEST(RunWithABrokenTake, AMappingToAnAssetThatDoesNotExistListsThoseThatDo) {
+  Spoilt spoilt;
+  write_mapping(spoilt.folder / "mapping.json", {{{Joint::head, {"hat"}}}});
+  spoilt.take.mapping = spoilt.folder / "mapping.json";
+  const std::string failure = spoilt.failure();
+  EXPECT_THAT(failure, HasSubstr("mapping.json /joints/head: names the asset \"hat\""));
+  EXPECT_THAT(failure, HasSubstr("head_1"));
+  EXPECT_THAT(failure, HasSubstr("and 8 more"));
+}
+
+TEST(RunWithABrokenTake, NoOverlapInTimeNamesBothIntervals) {
+  Spoilt spoilt;
+  spoilt.take.mocap_start_host_ns += 100'000'000'000;
+  const std::string failure = spoilt.failure();
+  EXPECT_THAT(failure, HasSubstr("mocap.csv: holds no ground truth for the time of the session"));
+  EXPECT_THAT(failure,
+              testing::ContainsRegex("the session runs from -(100|99)\\.[0-9]+ s to -(99|98)\\.[0-9]+ s"));
+  EXPECT_THAT(failure, HasSubstr("the export from 0 s to 1.000 s"));
+}
+
+TEST(RunWithABrokenTake, ASessionBehindTheEndOfTheExportNamesBothIntervals) {
+  Spoilt spoilt;
+  spoilt.take.mocap_start_host_ns -= 100'000'000'000;
+  const std::string failure = spoilt.failure();
+  EXPECT_THAT(failure, testing::ContainsRegex("the session runs from 100\\.[0-9]+ s to 10[01]\\.[0-9]+ s"));
+  EXPECT_THAT(failure, HasSubstr("the export from 0 s to 1.000 s"));
+}
+
+TEST(RunWithABrokenTake, ASessionOfOneSensorFailsAlone) {
+  Spoilt spoilt;
+  rewrite_session(spoilt.take.session, spoilt.folder / "one.h5", 1, [](BodyFrame&) {});
+  spoilt.use_session("one.h5");
+  EXPECT_THAT(spoilt.failure(), testing::ContainsRegex("one\\.h5.*k2.*it has k1"));
+}
+
+// The rig is not what a broken first take happens to have.
+TEST(RunWithABrokenTake, AFirstTakeOfOneSensorFailsAlone) {
+  Spoilt spoilt;
+  Take& first = spoilt.campaign.takes[0];
+  rewrite_session(first.session, spoilt.folder / "one.h5", 1, [](BodyFrame&) {});
+  first.session = spoilt.folder / "one.h5";
+  const ResultsSummary summary = spoilt.evaluated();
+  EXPECT_EQ(summary.takes_failed, 1u);
+  ASSERT_FALSE(summary.notes.empty());
+  EXPECT_THAT(summary.notes[0].place + summary.notes[0].text, HasSubstr("one.h5"));
+  EXPECT_GT(find_cell(summary, "linear", "walking", "head", "mean")->coverage(), 0.9);
+}
+
+TEST(RunWithABrokenTake, ASessionWithoutAnyBodyFailsAlone) {
+  Spoilt spoilt;
+  rewrite_session(spoilt.take.session, spoilt.folder / "empty.h5", 4,
+                  [](BodyFrame& frame) { frame.bodies.clear(); });
+  spoilt.use_session("empty.h5");
+  EXPECT_THAT(spoilt.failure(), HasSubstr("empty.h5: no sensor ever sees a joint"));
+}
+
+TEST(RunWithABrokenTake, ASessionOfNothingButNaNFailsAlone) {
+  Spoilt spoilt;
+  rewrite_session(spoilt.take.session, spoilt.folder / "nan.h5", 4, [](BodyFrame& frame) {
+    for (Body& body : frame.bodies)
+      for (auto& point : body.position_m) point.fill(std::numeric_limits<float>::quiet_NaN());
+  });
+  spoilt.use_session("nan.h5");
+  EXPECT_THAT(spoilt.failure(), HasSubstr("nan.h5: no sensor ever sees a joint"));
+}
+
+TEST(RunWithABrokenTake, NaNAndInfinityHereAndThereCostOnlyTheirOwnSamples) {
+  Spoilt spoilt;
+  const double good_m = find_cell(spoilt.evaluated(), "mean", "walking", "head", "mean")->mae_m;
+  rewrite_session(spoilt.take.session, spoilt.folder / "nan.h5", 4, [](BodyFrame& frame) {
+    for (Body& body : frame.bodies) {
+      if (frame.stamp.sequence % 5 == 0) body.position_m[3][1] = std::numeric_limits<float>::quiet_NaN();
+      if (frame.stamp.sequence % 5 == 2) body.position_m[3][2] = std::numeric_limits<float>::infinity();
+    }
+  });
+  spoilt.use_session("nan.h5");
+  const ResultsSummary summary = spoilt.evaluated();
+  EXPECT_EQ(summary.takes_failed, 0u);
+  EXPECT_LT(find_cell(summary, "mean", "walking", "head", "mean")->mae_m, 2.0 * good_m);
+}
+
+TEST(RunWithABrokenTake, ACalibrationThatLacksASensorFailsAlone) {
+  Spoilt spoilt;
+  Calibration calibration = read_calibration(spoilt.take.calibration);
+  calibration.sensors.pop_back();
+  write_calibration(spoilt.folder / "three.json", calibration);
+  spoilt.take.calibration = spoilt.folder / "three.json";
+  EXPECT_THAT(spoilt.failure(), HasSubstr("three.json: has no pose for sensor \"k4\"; it has k1, k2, k3"));
+}
+
+TEST(RunWithABrokenTake, ItsSlotsInTheSamplesAreEmptyAndItsErrorsNaN) {
+  Spoilt spoilt;
+  spoilt.take.mocap = spoilt.folder / "absent.csv";
+  spoilt.failure();
+  const SamplesFile samples = SamplesFile::open(spoilt.folder / "results/samples.h5");
+  ASSERT_EQ(samples.header().takes.size(), 4u);
+  const std::uint64_t instants = samples.header().takes[1].instants;
+  for (float error : samples.read_errors(1, 0, instants)) EXPECT_TRUE(std::isnan(error));
+  for (std::uint8_t status : samples.read(1, 0, instants).status) EXPECT_EQ(status, 0);
+}
+
+TEST(Run, ACampaignWhereEveryTakeIsBrokenSaysWhy) {
+  Spoilt spoilt;
+  for (Take& take : spoilt.campaign.takes) take.session = spoilt.folder / "absent.h5";
+  EXPECT_THAT(message_of([&] { spoilt.evaluated(); }), HasSubstr("absent.h5"));
+}
+
+TEST(Run, WhenInterruptedLeavesNoResultsFolder) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  ExecuteOptions options;
+  std::atomic<int> asked{0};
+  options.stop_requested = [&] { return ++asked > 1; };
+  EXPECT_THROW(execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results", options),
+               Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+}
+
+TEST(Run, AnInterruptedRunKeepsTheEarlierResults) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
+  execute_study(study, campaign, folder / "results", {});
+  const std::string before = read_file(folder / "results/summary.json");
+  EXPECT_THROW(execute_study(study, campaign, folder / "results", {.stop_requested = [] { return true; }}),
+               Interrupted);
+  EXPECT_EQ(read_file(folder / "results/summary.json"), before);
+}
+
+TEST(Run, EarlierResultsAreReplacedAndOtherFoldersRefused) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
+  execute_study(study, campaign, folder / "results", {});
+  const StudySpec other = study_with(R"(["none"])", kFewMethods);
+  execute_study(other, campaign, folder / "results", {});
+  EXPECT_EQ(read_summary(folder / "results").alignments, std::vector<std::string>{"none"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
+
+  std::filesystem::create_directories(folder / "thesis");
+  write_file(folder / "thesis/chapter1.tex", "ten years of work");
+  EXPECT_THAT(message_of([&] { execute_study(study, campaign, folder / "thesis", {}); }),
+              HasSubstr("thesis: exists and is not a results folder"));
+  write_file(folder / "thesis/summary.json", R"({"of": "something else"})");
+  EXPECT_THAT(message_of([&] { execute_study(study, campaign, folder / "thesis", {}); }),
+              HasSubstr("thesis: exists and is not a results folder"));
+  EXPECT_EQ(read_file(folder / "thesis/chapter1.tex"), "ten years of work");
+}
+
+TEST(Run, NeighboursOfTheResultsAreLeftAlone) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
+  std::filesystem::create_directories(folder / "results.old");
+  write_file(folder / "results.old/kept.txt", "a copy somebody made");
+  execute_study(study, campaign, folder / "results", {});
+  execute_study(study, campaign, folder / "results", {});
+  EXPECT_EQ(read_file(folder / "results.old/kept.txt"), "a copy somebody made");
+}
+
+TEST(Run, AFolderNameMayEndWithASlash) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
+  execute_study(study, campaign, folder / "results/", {});
+  execute_study(study, campaign, folder / "results/", {});
+  EXPECT_EQ(read_summary(folder / "results").takes, 1u);
+}
+
+TEST(Run, CrossCheckingNeedsAMethodToCheck) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  EXPECT_THAT(message_of([&] {
+                execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results",
+                              {.cross_check = true});
+              }),
+              HasSubstr("has no method with damping lm"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+}
+
+TEST(RunPlan, SaysWhichTakesCanBeEvaluatedAndHowLongTheyAre) {
+  Spoilt spoilt;
+  spoilt.take.mocap = spoilt.folder / "absent.csv";
+  const Plan plan = make_plan(study_with(R"(["mean"])"), spoilt.campaign);
+  EXPECT_THAT(plan.rig, testing::ElementsAre("k1", "k2", "k3", "k4"));
+  EXPECT_TRUE(plan.simulated);
+  EXPECT_EQ(plan.methods.size(), 12u);
+  EXPECT_EQ(plan.joints.front(), Joint::head);
+  EXPECT_EQ(plan.joints.size(), 7u);
+  EXPECT_TRUE(plan.takes[0].ok);
+  EXPECT_NEAR(static_cast<double>(plan.takes[0].instants), 30.0, 1.0);
+  EXPECT_FALSE(plan.takes[1].ok);
+  EXPECT_THAT(plan.takes[1].place, HasSubstr("absent.csv"));
+}
+
+TEST(RunPlan, AStudyThatAsksForOtherJointsThanTheMappingsIsRefused) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  EXPECT_THAT(message_of([&] {
+                make_plan(study_of(std::string(R"("joints": ["knee_left"], )") + kFewMethods), campaign);
+              }),
+              HasSubstr("asks for joints that no take's mapping maps"));
+  const Plan plan = make_plan(study_of(std::string(R"("joints": ["wrist_left"], )") + kFewMethods), campaign);
+  EXPECT_THAT(plan.joints, testing::ElementsAre(Joint::wrist_left));
+}
+
+// Two takes of one second to their tables. TRILAT_UPDATE_GOLDEN=1 writes the file anew.
+TEST(RunGolden, ATinyCampaignGivesItsTablesByteForByte) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  const ResultsSummary summary =
+      execute_study(study_with(R"(["mean", "none"])"), campaign, folder / "results", {});
+  std::string text;
+  for (const Table& table : table3(summary)) text += markdown_of(table) + "\n";
+  for (Table table : accuracy_tables(summary)) {
+    // how many steps a descent takes depends on the last bits of the processor's arithmetic
+    std::erase_if(table.columns, [](const TableColumn& column) { return column.key == "iterations"; });
+    for (auto& row : table.rows) row.erase(row.end() - 2);
+    text += markdown_of(table) + "\n";
+  }
+  const std::filesystem::path golden = TRILAT_SOURCE_DIR "/tests/golden/tiny_campaign.md";
+  if (const char* update = std::getenv("TRILAT_UPDATE_GOLDEN"); update && std::string(update) == "1")
+    write_file(golden, text);
+  EXPECT_EQ(text, read_file(golden)) << "set TRILAT_UPDATE_GOLDEN=1 when the change is meant";
+}
+
+}  // namespace
+}  // namespace trilat

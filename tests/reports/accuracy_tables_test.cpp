@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "reports/accuracy_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "reports/render.h"
+#include "tests/reports/summaries.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+std::size_t column(const Table& table, const std::string& key) {
+  const auto found = std::find_if(table.columns.begin(), table.columns.end(),
+                                  [&](const TableColumn& c) { return c.key == key; });
+  EXPECT_NE(found, table.columns.end()) << key;
+  return static_cast<std::size_t>(found - table.columns.begin());
+}
+
+const std::vector<TableValue>& row(const Table& table, const std::string& joint, const std::string& method) {
+  for (const auto& values : table.rows)
+    if (values[0].text == joint && values[1].text == method) return values;
+  throw std::out_of_range(joint + " " + method);
+}
+
+double number(const Table& table, const std::string& joint, const std::string& method,
+              const std::string& key) {
+  return row(table, joint, method)[column(table, key)].number.value();
+}
+
+TEST(Table3, StandsBesideThePaperWithRatioAndCounts) {
+  const auto tables = table3(hand_made_summary());
+  ASSERT_EQ(tables.size(), 1u);
+  const Table& table = tables[0];
+  EXPECT_THAT(table.title, HasSubstr("simulated"));
+  EXPECT_EQ(number(table, "head", "nonlinear", "paper_mae_cm"), 5.3);
+  EXPECT_EQ(number(table, "wrist", "nonlinear", "paper_mae_cm"), 14.2);
+  EXPECT_DOUBLE_EQ(number(table, "wrist", "nonlinear", "mae_cm"), 6.0);
+  EXPECT_DOUBLE_EQ(number(table, "wrist", "nonlinear", "ratio"), 6.0 / 14.2);
+  EXPECT_EQ(number(table, "wrist", "nonlinear", "n"), 75.0);
+  EXPECT_EQ(number(table, "wrist", "nonlinear", "coverage_percent"), 75.0);
+  EXPECT_EQ(row(table, "wrist", "nonlinear")[column(table, "statuses")].text,
+            "converged 75.0 %, too_few_ranges 25.0 %");
+  EXPECT_TRUE(std::isnan(number(table, "head", "mean", "paper_mae_cm")));  // the paper has no such method
+  EXPECT_TRUE(std::isnan(number(table, "head", "mean", "ratio")));
+}
+
+TEST(Table3, TheAverageIsThePlainMeanOfTheGroups) {
+  const Table table = table3(hand_made_summary()).at(0);
+  EXPECT_DOUBLE_EQ(number(table, "average", "nonlinear", "mae_cm"), (1.0 + 2.0 + 3.0 + 6.0) / 4.0);
+  EXPECT_EQ(number(table, "average", "nonlinear", "paper_mae_cm"), 8.7);  // as printed
+  EXPECT_DOUBLE_EQ(number(table, "average", "nonlinear", "ratio"), 3.0 / 8.7);
+  EXPECT_EQ(number(table, "average", "nonlinear", "n"), 300.0);
+  EXPECT_EQ(number(table, "average", "nonlinear", "coverage_percent"), 75.0);
+  EXPECT_EQ(row(table, "average", "mean")[column(table, "statuses")].text, "converged 100.0 %");
+}
+
+TEST(Table3, AnAverageWithoutAllGroupsIsNoNumber) {
+  ResultsSummary missing = hand_made_summary();
+  std::erase_if(missing.cells, [](const SummaryCell& c) { return c.group == "elbow"; });
+  EXPECT_TRUE(std::isnan(number(table3(missing).at(0), "average", "nonlinear", "mae_cm")));
+  ResultsSummary unanswered = hand_made_summary();
+  unanswered.cells[0] = cell_of("nonlinear", "head", kNoNumber, 0);
+  const Table table = table3(unanswered).at(0);
+  EXPECT_TRUE(std::isnan(number(table, "average", "nonlinear", "mae_cm")));
+  EXPECT_TRUE(std::isnan(number(table, "head", "nonlinear", "mae_cm")));
+  EXPECT_EQ(number(table, "head", "nonlinear", "coverage_percent"), 0.0);
+  EXPECT_EQ(number(table, "average", "mean", "mae_cm"), 5.0);
+}
+
+TEST(Table3, VariantsStandBesideThePrintedMethodTheyAreNamedAfter) {
+  ResultsSummary summary = hand_made_summary();
+  summary.methods = {"nonlinear printed"};
+  for (SummaryCell& cell : summary.cells)
+    if (cell.method == "nonlinear") cell.method = "nonlinear printed";
+  EXPECT_EQ(number(table3(summary).at(0), "elbow", "nonlinear printed", "paper_mae_cm"), 7.3);
+}
+
+TEST(Table3, IsLeftOutWhenTheResultsHoldNothingOfTheKind) {
+  ResultsSummary standing = hand_made_summary();
+  standing.conditions = {"standing"};
+  for (SummaryCell& cell : standing.cells) cell.condition = "standing";
+  EXPECT_TRUE(table3(standing).empty());
+  ResultsSummary unaligned = hand_made_summary();
+  unaligned.alignments = {"none"};
+  for (SummaryCell& cell : unaligned.cells) cell.alignment = "none";
+  EXPECT_TRUE(table3(unaligned).empty());
+}
+
+TEST(Table3, FailedTakesAreNamedUnderTheTable) {
+  ResultsSummary summary = hand_made_summary();
+  summary.takes_failed = 1;
+  summary.notes = {{"p02-walking", true, "p02/mocap.csv:9", "is cut"}};
+  const Table table = table3(summary).at(0);
+  EXPECT_THAT(table.notes, testing::Contains("Take p02-walking failed: p02/mocap.csv:9: is cut."));
+  EXPECT_THAT(table.title, HasSubstr("1 of 2 takes"));
+}
+
+TEST(AccuracyTables, RareStatusesAreNeitherHiddenNorRoundedToAll) {
+  ResultsSummary summary = hand_made_summary();
+  summary.cells[0].asked = 10'000;
+  summary.cells[0].answered = 9'999;
+  summary.cells[0].statuses = {{"clamped", 0}, {"converged", 9'999}, {"diverged", 1}};
+  summary.cells[0].statuses.erase("clamped");
+  const Table table = accuracy_tables(summary).at(0);
+  EXPECT_EQ(row(table, "head", "nonlinear").back().text, "converged >99.9 %, diverged <0.1 %");
+}
+
+TEST(AccuracyTables, OneTableForEachConditionAndAlignmentThatHasCells) {
+  ResultsSummary summary = hand_made_summary();
+  summary.conditions = {"walking", "standing"};
+  summary.alignments = {"mean", "none"};
+  SummaryCell other = cell_of("mean", "knee", 0.123);
+  other.condition = "standing";
+  other.alignment = "none";
+  other.axis_mae_m = {0.01, 0.02, 0.03};
+  summary.cells.push_back(other);
+  const auto tables = accuracy_tables(summary);
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_EQ(tables[0].id, "accuracy-walking-mean");
+  EXPECT_EQ(tables[0].rows.size(), 8u);
+  EXPECT_EQ(tables[1].id, "accuracy-standing-none");
+  EXPECT_THAT(tables[1].title, HasSubstr("alignment: none"));
+  EXPECT_DOUBLE_EQ(number(tables[1], "knee", "mean", "mae_cm"), 12.3);
+  EXPECT_DOUBLE_EQ(number(tables[1], "knee", "mean", "mae_z_cm"), 3.0);
+  EXPECT_EQ(printed(row(tables[1], "knee", "mean")[column(tables[1], "rmse_cm")]), "–");
+}
+
+// The activity is free text in campaign.json; the table's id becomes a file name and a LaTeX label.
+TEST(AccuracyTables, AnyActivityGivesAnIdThatCanBeAFileName) {
+  ResultsSummary summary = hand_made_summary();
+  summary.conditions = {"../walk & run/50 %"};
+  for (SummaryCell& cell : summary.cells) cell.condition = summary.conditions[0];
+  const auto tables = accuracy_tables(summary);
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_THAT(tables[0].id, testing::MatchesRegex("accuracy-[A-Za-z0-9._-]+-mean"));
+  EXPECT_THAT(tables[0].title, HasSubstr("../walk & run/50 %"));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "reports/render.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Table small_table() {
+  Table table;
+  table.id = "small";
+  table.title = "A table";
+  table.columns = {{"joint", "joint", true}, {"MAE (cm)", "mae_cm", false}};
+  table.rows = {{TableValue::of("head"), TableValue::of(1.0 / 3.0, 2)},
+                {TableValue::of("müde"), TableValue::of(123.456, 2)},
+                {TableValue::of("x"), TableValue::of(std::numeric_limits<double>::quiet_NaN(), 2)}};
+  table.notes = {"One note.", "Another."};
+  return table;
+}
+
+Table table_with(const std::string& text) {
+  Table table = small_table();
+  table.rows = {{TableValue::of(text), TableValue::of(1.0, 1)}};
+  return table;
+}
+
+TEST(Markdown, ColumnsAreAlignedByCharactersNotBytes) {
+  EXPECT_EQ(markdown_of(small_table()),
+            "**A table**\n"
+            "\n"
+            "| joint | MAE (cm) |\n"
+            "| ----- | -------: |\n"
+            "| head  |     0.33 |\n"
+            "| müde  |   123.46 |\n"
+            "| x     |        – |\n"
+            "\n"
+            "- One note.\n"
+            "- Another.\n");
+}
+
+TEST(Markdown, NarrowColumnsAndTablesWithoutRowsOrNotesKeepTheirShape) {
+  Table table;
+  table.title = "t";
+  table.columns = {{"n", "n", false}};
+  EXPECT_EQ(markdown_of(table), "**t**\n\n|   n |\n| --: |\n");
+}
+
+TEST(Markdown, BarsAndLineBreaksInACellDoNotBreakTheRow) {
+  EXPECT_THAT(markdown_of(table_with("a|b\r\nc")), HasSubstr("\n| a\\|b  c |      1.0 |\n"));
+}
+
+TEST(Csv, FollowsRfc4180WithFullPrecisionAndEmptyFieldsForNaN) {
+  Table table = small_table();
+  table.rows.push_back({TableValue::of("say \"hi\", you"), TableValue::of(1e300, 1)});
+  table.rows.push_back({TableValue::of("two\nlines"), TableValue::of(-0.1, 0)});
+  table.rows.push_back(
+      {TableValue::of("endless"), TableValue::of(std::numeric_limits<double>::infinity(), 1)});
+  EXPECT_EQ(csv_of(table),
+            "joint,mae_cm\r\n"
+            "head,0.3333333333333333\r\n"
+            "müde,123.456\r\n"
+            "x,\r\n"
+            "\"say \"\"hi\"\", you\",1e+300\r\n"
+            "\"two\nlines\",-0.1\r\n"
+            "endless,\r\n");
+}
+
+TEST(Latex, SpecialCharactersAreEscaped) {
+  const std::string text = latex_of(table_with("& % $ # _ { } ~ ^ \\ < >"));
+  EXPECT_THAT(text, HasSubstr("\\& \\% \\$ \\# \\_ \\{ \\} \\textasciitilde{} \\textasciicircum{} "
+                              "\\textbackslash{} \\textless{} \\textgreater{} & 1.0 \\\\"));
+}
+
+TEST(Latex, ALineBreakInATextDoesNotEndTheParagraph) {
+  Table table = table_with("a\n\nb");
+  table.title = "one\n\ntwo";
+  EXPECT_THAT(latex_of(table), Not(HasSubstr("\n\n")));
+}
+
+TEST(Latex, ATableEnvironmentHoldsCaptionLabelAndEveryRow) {
+  const std::string text = latex_of(small_table());
+  EXPECT_THAT(text, HasSubstr("\\caption{A table}\n\\label{tab:small}\n\\begin{tabular}{lr}"));
+  EXPECT_THAT(text, HasSubstr("joint & MAE (cm) \\\\\n\\midrule\nhead & 0.33 \\\\\n"));
+  EXPECT_THAT(text, HasSubstr("x & -- \\\\\n\\bottomrule"));
+  EXPECT_THAT(text, HasSubstr("\\par\\footnotesize Another."));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "reports/write_report.h"
+
+#include <cstdlib>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "tests/reports/summaries.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kPdflatex = "/usr/bin/pdflatex";
+
+std::filesystem::path results_in(const ScratchFolder& folder, const std::string& name,
+                                 const ResultsSummary& summary) {
+  std::filesystem::create_directories(folder / name);
+  write_summary(folder / name, summary);
+  return folder / name;
+}
+
+// Every text that comes from outside, with everything LaTeX and Markdown care about.
+ResultsSummary nasty_summary() {
+  ResultsSummary summary = hand_made_summary();
+  const std::string nasty = "50 % & $1 #2 a_b {c} ~d ^e \\f |g| <h> \"i\"\n\nj é";
+  summary.campaign = nasty;
+  summary.conditions = {nasty};
+  summary.methods = {nasty};
+  for (SummaryCell& cell : summary.cells) {
+    cell.condition = nasty;
+    cell.method = nasty;
+    cell.group = nasty;
+  }
+  summary.notes = {{nasty, true, nasty, nasty}};
+  return summary;
+}
+
+bool compiles(const std::filesystem::path& document) {
+  const std::string command = "cd '" + document.parent_path().string() + "' && " + kPdflatex +
+                              " -interaction=nonstopmode -halt-on-error '" + document.filename().string() +
+                              "' > pdflatex.txt 2>&1";
+  return std::system(command.c_str()) == 0;
+}
+
+TEST(Report, HoldsEveryTableInEveryForm) {
+  const ScratchFolder folder;
+  const ReportFiles report =
+      write_report({results_in(folder, "results", hand_made_summary())}, folder / "report");
+  ASSERT_EQ(report.tables.size(), 2u);
+  const std::string markdown = read_file(folder / "report/report.md");
+  for (const Table& table : report.tables) {
+    EXPECT_THAT(markdown, HasSubstr(table.title));
+    EXPECT_TRUE(std::filesystem::exists(folder / ("report/" + table.id + ".csv")));
+    EXPECT_TRUE(std::filesystem::exists(folder / ("report/" + table.id + ".tex")));
+  }
+  EXPECT_THAT(markdown, HasSubstr("**simulated**"));
+  for (const auto& path : report.written) EXPECT_TRUE(std::filesystem::exists(path)) << path;
+}
+
+TEST(Report, EqualResultsGiveEqualBytes) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_summary());
+  const ReportFiles first = write_report({results}, folder / "first");
+  write_report({results}, folder / "second");
+  for (const auto& path : first.written)
+    EXPECT_EQ(read_file(path), read_file(folder / "second" / path.filename())) << path;
+}
+
+TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
+  const ScratchFolder folder;
+  ResultsSummary other = hand_made_summary();
+  other.study = "a/b";
+  const auto first = results_in(folder, "first", hand_made_summary());
+  const auto second = results_in(folder, "second", other);
+  const ReportFiles report = write_report({first, second, second}, folder / "report");
+  std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
+  EXPECT_EQ(written.size(), report.written.size());
+  EXPECT_EQ(report.tables.size(), 6u);
+}
+
+TEST(Report, ItsDocumentCompiles) {
+  if (!std::filesystem::exists(kPdflatex)) GTEST_SKIP() << "pdflatex is not installed";
+  const ScratchFolder folder;
+  const auto plain = results_in(folder, "plain", hand_made_summary());
+  const auto nasty = results_in(folder, "nasty", nasty_summary());
+  write_report({plain, nasty}, folder / "report");
+  EXPECT_TRUE(compiles(folder / "report/report.tex")) << read_file(folder / "report/pdflatex.txt");
+}
+
+TEST(Report, AFolderThatHoldsNoResultsIsNamed) {
+  const ScratchFolder folder;
+  EXPECT_THAT(message_of([&] { write_report({folder / "absent"}, folder / "report"); }),
+              HasSubstr("absent: is not a results folder: it holds no summary.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "report"));
+}
+
+TEST(Report, AFileWhereTheFolderShouldBeIsNamed) {
+  const ScratchFolder folder;
+  write_file(folder / "report", "a file");
+  const auto results = results_in(folder, "results", hand_made_summary());
+  EXPECT_THAT(message_of([&] { write_report({results}, folder / "report"); }),
+              HasSubstr("report: cannot be"));
+}
+
+}  // namespace
+}  // namespace trilat
