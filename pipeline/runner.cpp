@@ -181,6 +181,12 @@ void note_state(const OpenTake& take, const PlannedTake& planned, std::vector<Ta
     notes.push_back({id, false, planned.take.mocap.string(),
                      fmt::format("{} samples stand still to the last digit and were not used as ground truth",
                                  take.truth.samples_frozen())});
+  if (take.truth.printed_time_differs() > 0)
+    notes.push_back(
+        {id, false, planned.take.mocap.string(),
+         fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
+                     "export's frame rate right?",
+                     take.truth.printed_time_differs())});
   if (!take.session.complete())
     notes.push_back({id, false, planned.take.session.string(), "was not closed by its recorder"});
 }

@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
 #include "evaluators/alignment/interpolation.h"
 
 namespace trilat {
@@ -20,7 +21,13 @@ std::vector<std::size_t> resolve(const JointMapping::Entry& entry, const MocapHe
   std::vector<std::size_t> assets;
   for (const std::string& key : entry.assets) {
     assets.push_back(find_asset(header, key, place));
-    if (!header.assets[assets.back()].has_position)
+    const MocapAsset& asset = header.assets[assets.back()];
+    if (header.coordinate_space == "Local" &&
+        (asset.type == AssetType::bone || asset.type == AssetType::bone_marker))
+      throw InputError(place, "names \"" + key +
+                                  "\", whose positions are relative to its parent; export again with the "
+                                  "coordinate space Global");
+    if (!asset.has_position)
       throw InputError(place, "names the asset \"" + key + "\", of which the export holds no position");
   }
   return assets;
@@ -37,8 +44,7 @@ struct TruthTrack::State {
   MocapTime last_read;
   bool ended = false;
 
-  State(const std::filesystem::path& mocap, Duration gap)
-      : reader(mocap), frames(reader, {}), longest_gap(gap) {}
+  State(const std::filesystem::path& mocap, Duration gap) : reader(mocap), frames(reader), longest_gap(gap) {}
 
   void move_to(MocapTime t) {
     while (!ended && (window.empty() || window.back().time < t + longest_gap)) {
@@ -105,6 +111,14 @@ MocapTime TruthTrack::read_to_end() {
   return state_->last_read;
 }
 
-std::uint64_t TruthTrack::samples_frozen() const { return state_->frames.samples_removed(); }
+std::uint64_t TruthTrack::samples_frozen() const {
+  std::uint64_t sum = 0;
+  for (const std::int64_t removed : state_->frames.removed()) sum += static_cast<std::uint64_t>(removed);
+  return sum;
+}
+
+std::uint64_t TruthTrack::printed_time_differs() const {
+  return static_cast<std::uint64_t>(state_->reader.anomalies().printed_time_differs);
+}
 
 }  // namespace trilat

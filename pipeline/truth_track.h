@@ -21,7 +21,7 @@ namespace trilat {
 class TruthTrack {
  public:
   // `joints` in the order wanted; those that the mapping does not map are never there. InputError for an
-  // asset that does not exist or has no position.
+  // asset that does not exist, has no position, or is a bone in local coordinates.
   TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
              const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
              Duration longest_gap);
@@ -33,6 +33,7 @@ class TruthTrack {
   // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
   MocapTime read_to_end();
   std::uint64_t samples_frozen() const;
+  std::uint64_t printed_time_differs() const;
 
  private:
   struct State;

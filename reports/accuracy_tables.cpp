@@ -33,10 +33,10 @@ std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, 
 }
 
 std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  return fmt::format("{}, {}{}; alignment: {}; {} of {} takes, {} participants", s.campaign,
+  return fmt::format("{}, {}{}; alignment: {}; {} of {} takes, {} participant{}", s.campaign,
                      condition.empty() ? "" : condition + ", ",
                      s.simulated ? "simulated sensors" : "recorded sensors", alignment,
-                     s.takes - s.takes_failed, s.takes, s.participants);
+                     s.takes - s.takes_failed, s.takes, s.participants, s.participants == 1 ? "" : "s");
 }
 
 void add_failure_notes(const ResultsSummary& summary, Table& table) {

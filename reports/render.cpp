@@ -126,13 +126,18 @@ std::string csv_of(const Table& table) {
 }
 
 std::string latex_of(const Table& table) {
-  std::string alignment, text;
-  for (const TableColumn& column : table.columns) alignment += column.is_text ? 'l' : 'r';
-  text += "\\begin{table}\n\\centering\\small\n\\caption{" + latex_text(table.title) +
-          "}\n\\label{tab:" + table.id + "}\n\\begin{tabular}{" + alignment + "}\n\\toprule\n";
-  for (std::size_t c = 0; c < table.columns.size(); ++c)
-    text += (c ? " & " : "") + latex_text(table.columns[c].name);
-  text += " \\\\\n\\midrule\n";
+  const bool wide = table.columns.size() > 9;
+  std::string alignment, head;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const bool wrapped = table.columns[c].is_text && c + 1 == table.columns.size();
+    alignment += wrapped ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}" : table.columns[c].is_text ? "l" : "r";
+    head += (c ? " & " : "") + latex_text(table.columns[c].name);
+  }
+  head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
+  std::string text = wide ? "{\\scriptsize\\setlength{\\tabcolsep}{2pt}\n" : "{\\footnotesize\n";
+  text += "\\begin{longtable}{" + alignment + "}\n\\caption{" + latex_text(table.title) +
+          "}\\label{tab:" + table.id + "}\\\\\n" + head + "\\endfirsthead\n" + head +
+          "\\endhead\n\\bottomrule\n\\endlastfoot\n";
   for (const auto& row : table.rows) {
     for (std::size_t c = 0; c < row.size(); ++c) {
       const bool dash = row[c].number && !std::isfinite(*row[c].number);
@@ -140,16 +145,19 @@ std::string latex_of(const Table& table) {
     }
     text += " \\\\\n";
   }
-  text += "\\bottomrule\n\\end{tabular}\n";
-  for (const std::string& note : table.notes) text += "\\par\\footnotesize " + latex_text(note) + "\n";
-  return text + "\\end{table}\n";
+  text += "\\end{longtable}\n";
+  for (const std::string& note : table.notes) text += "\\noindent " + latex_text(note) + "\\par\n";
+  return text + "}\n";
 }
 
 std::string latex_document(const std::vector<Table>& tables) {
-  std::string text =
-      "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[T1]{fontenc}\n\\usepackage{"
-      "booktabs}\n"
-      "\\usepackage[a4paper,landscape,margin=15mm]{geometry}\n\\begin{document}\n";
+  std::string text = R"(\documentclass{article}
+\usepackage[utf8]{inputenc}
+\usepackage[T1]{fontenc}
+\usepackage{booktabs,longtable}
+\usepackage[a4paper,landscape,margin=15mm]{geometry}
+\begin{document}
+)";
   for (const Table& table : tables) text += latex_of(table) + "\\clearpage\n";
   return text + "\\end{document}\n";
 }

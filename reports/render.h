@@ -13,7 +13,7 @@ std::string printed(const TableValue& value);
 std::string markdown_of(const Table& table);
 // RFC 4180 with full precision; NaN is an empty field.
 std::string csv_of(const Table& table);
-// A table environment that needs the packages booktabs and nothing else.
+// A longtable that needs the packages booktabs and longtable and nothing else.
 std::string latex_of(const Table& table);
 // A document that holds the given tables and compiles as it is.
 std::string latex_document(const std::vector<Table>& tables);

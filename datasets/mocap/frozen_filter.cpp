@@ -1,79 +1,42 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/frozen_filter.h"
 
-#include <cstring>
+#include <utility>
 
 namespace trilat {
-namespace {
 
-bool same_bits(const double* a, const double* b, int count) {
-  for (int i = 0; i < count; ++i)
-    if (!(a[i] == b[i] || (a[i] != a[i] && b[i] != b[i]))) return false;
-  return true;
-}
+FrozenFilter::FrozenFilter(OptitrackCsvReader& reader, FrozenOptions options)
+    : reader_(reader),
+      options_(options),
+      stretches_(reader.header().assets.size()),
+      removed_(stretches_.size(), 0) {}
 
-bool is_missing(const MocapPose& pose) { return !pose.has_position() && !pose.has_rotation(); }
-
-}  // namespace
-
-bool same_pose(const MocapPose& a, const MocapPose& b) {
-  return same_bits(a.position_m.data(), b.position_m.data(), 3) &&
-         same_bits(a.rotation.coeffs().data(), b.rotation.coeffs().data(), 4);
-}
-
-bool is_frozen_stretch(std::uint64_t samples, Duration length, const MocapSummaryOptions& options) {
-  return samples >= static_cast<std::uint64_t>(options.frozen_frames) && length.seconds() >= options.frozen_s;
-}
-
-FrozenFilter::FrozenFilter(OptitrackCsvReader& reader, const MocapSummaryOptions& options)
-    : reader_(&reader), options_(options), tracks_(reader.header().assets.size()) {}
-
-void FrozenFilter::remove(MocapPose& pose) {
-  if (is_missing(pose)) return;
-  pose = MocapPose{};
-  ++removed_;
-}
-
-// Follows one asset into the newest frame ahead.
-void FrozenFilter::look_at(std::size_t a) {
-  Track& track = tracks_[a];
-  MocapFrame& newest = ahead_.back();
-  const MocapPose pose = newest.poses[a];
-  if (is_missing(pose)) {
-    track.same = 0;
-    return;
-  }
-  if (track.same == 0 || !same_pose(pose, track.last)) {
-    track = {1, newest.time, pose};
-    return;
-  }
-  ++track.same;
-  if (!is_frozen_stretch(track.same, newest.time - track.since, options_)) return;
-  for (auto frame = ahead_.rbegin(); frame != ahead_.rend() && frame->time >= track.since; ++frame)
-    remove(frame->poses[a]);
+// A stretch through the oldest frame has by now either ended or become long enough.
+bool FrozenFilter::is_decided() const {
+  return ended_ || (static_cast<std::int64_t>(held_.size()) >= options_.min_frames &&
+                    held_.back().time - held_.front().time >= duration_from_s(options_.min_s));
 }
 
 bool FrozenFilter::read_one() {
-  MocapFrame frame;
-  if (ended_ || !reader_->next(frame)) {
-    ended_ = true;
-    return false;
+  if (!reader_.next(frame_)) return false;
+  held_.push_back(frame_);
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const bool present = frame_.poses[i].is_present(reader_.header().assets[i]);
+    const std::int64_t count = stretches_[i].add(frame_.poses[i], present, frame_.time, options_);
+    removed_[i] += count;
+    for (std::int64_t back = 1; back <= count; ++back)
+      held_[held_.size() - static_cast<std::size_t>(back)].poses[i] = MocapPose();
   }
-  ahead_.push_back(std::move(frame));
-  for (std::size_t a = 0; a < tracks_.size(); ++a) look_at(a);
   return true;
 }
 
 bool FrozenFilter::next(MocapFrame& frame) {
-  const auto far_enough = [&] {
-    return ahead_.size() > static_cast<std::size_t>(options_.frozen_frames) &&
-           (ahead_.back().time - ahead_.front().time).seconds() > options_.frozen_s;
-  };
-  while (!far_enough() && read_one()) {
+  while (held_.empty() || !is_decided()) {
+    if (ended_) return false;
+    ended_ = !read_one();
   }
-  if (ahead_.empty()) return false;
-  frame = std::move(ahead_.front());
-  ahead_.pop_front();
+  std::swap(frame, held_.front());
+  held_.pop_front();
   return true;
 }
 

@@ -4,94 +4,100 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/mocap/frozen_filter.h"
+#include "datasets/base/check.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
 
 namespace trilat {
 namespace {
 
-bool is_sample(const MocapAsset& asset, const MocapPose& pose) {
-  return asset.has_position ? pose.has_position() : pose.has_rotation();
-}
-
-bool is_sentinel(const MocapPose& pose) {
-  return pose.has_position() && pose.position_m.isZero(0.0) && pose.rotation.vec().isZero(0.0) &&
-         std::abs(pose.rotation.w()) == 1.0;
+bool is_sentinel_rotation(const Eigen::Quaterniond& q) {
+  return q.x() == 0.0 && q.y() == 0.0 && q.z() == 0.0 && std::abs(q.w()) == 1.0;
 }
 
 }  // namespace
 
-MocapSummarizer::MocapSummarizer(const MocapHeader& header, const MocapSummaryOptions& options)
-    : options_(options), header_(header), tracks_(header.assets.size()) {
+MocapSummarizer::MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options)
+    : options_(options), rate_is_stated_(!std::isnan(header.export_rate_hz)), tracks_(header.assets.size()) {
+  summary_.rate_hz = header.export_rate_hz;
   summary_.assets.resize(header.assets.size());
+  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].asset = header.assets[i];
 }
 
 void MocapSummarizer::add(const MocapFrame& frame) {
-  if (summary_.frames == 0) {
-    summary_.first_index = frame.index;
-    first_printed_s_ = frame.printed_time_s;
-  } else if (frame.index > last_index_ + 1) {
-    ++summary_.index_gaps;
-    summary_.index_missing += static_cast<std::uint64_t>(frame.index - last_index_ - 1);
+  TRILAT_CHECK(frame.poses.size() == tracks_.size(), "a frame has a pose for each asset");
+  const bool skips = summary_.frames > 0 && frame.index - last_index_ > 1;
+  add_time(frame);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Track& track = tracks_[i];
+    AssetSummary& counts = summary_.assets[i];
+    const MocapPose& pose = frame.poses[i];
+    const bool present = pose.is_present(track.asset);
+    track.missed = track.missed || skips || !present;
+    counts.frozen += track.stretch.add(pose, present, frame.time, options_.frozen);
+    if (present) {
+      add_sample(pose, frame.time, track, counts);
+    } else {
+      ++counts.missing;
+      track.sentinel_run = 0;
+    }
   }
-  const double error_s =
-      std::abs(frame.printed_time_s - first_printed_s_ - static_cast<double>(frame.time.ns) * 1e-9);
-  if (std::isfinite(error_s))
-    summary_.worst_printed_time_error_s = std::max(summary_.worst_printed_time_error_s, error_s);
+}
+
+void MocapSummarizer::add_time(const MocapFrame& frame) {
+  if (summary_.frames > 0 && frame.index - last_index_ > 1) {
+    ++summary_.index_gaps;
+    summary_.skipped_frames += frame.index - last_index_ - 1;
+  }
   ++summary_.frames;
   last_index_ = frame.index;
-  last_time_ = frame.time;
-  for (std::size_t a = 0; a < tracks_.size(); ++a) add_sample(a, frame);
+  summary_.duration_s = (frame.time - MocapTime{}).seconds();
+  if (!rate_is_stated_ && summary_.duration_s > 0.0)
+    summary_.rate_hz = static_cast<double>(summary_.frames - 1) / summary_.duration_s;
+  if (std::isnan(frame.printed_time_s)) return;
+  if (std::isnan(first_printed_s_)) {
+    first_printed_s_ = frame.printed_time_s - summary_.duration_s;
+    summary_.largest_time_error_s = 0.0;
+  }
+  summary_.largest_time_error_s = std::max(
+      summary_.largest_time_error_s, std::abs(frame.printed_time_s - first_printed_s_ - summary_.duration_s));
 }
 
-bool MocapSummarizer::is_frozen(const Track& track) const {
-  return is_frozen_stretch(track.same, track.last_time - track.same_since, options_);
+void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& track,
+                                 AssetSummary& counts) const {
+  ++counts.samples;
+  if (track.seen) {
+    const double since_s = (time - track.last_time).seconds();
+    const double distance_m = (pose.position_m - track.last_pose.position_m).norm();
+    if (distance_m > options_.jump_speed_m_s * since_s) ++counts.jumps;
+    if (track.missed) counts.longest_gap_s = std::max(counts.longest_gap_s, since_s);
+  }
+  add_sentinel(pose, track, counts);
+  track.seen = true;
+  track.missed = false;
+  track.last_pose = pose;
+  track.last_time = time;
 }
 
-void MocapSummarizer::close_stretch(std::size_t asset) {
-  if (is_frozen(tracks_[asset])) summary_.assets[asset].frozen += tracks_[asset].same;
-  tracks_[asset].same = 0;
-}
-
-void MocapSummarizer::add_sample(std::size_t a, const MocapFrame& frame) {
-  AssetSummary& summary = summary_.assets[a];
-  Track& track = tracks_[a];
-  const MocapPose& pose = frame.poses[a];
-  if (!is_sample(header_.assets[a], pose)) {
-    ++summary.missing;
-    close_stretch(a);
+void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts) {
+  if (!pose.has_position() || !is_sentinel_rotation(pose.rotation)) {
+    track.sentinel_run = 0;
     return;
   }
-  ++summary.samples;
-  if (is_sentinel(pose)) ++summary.sentinels;
-  if (track.seen && track.same > 0 && same_pose(track.last, pose)) {
-    ++track.same;
-  } else {
-    close_stretch(a);
-    track.same = 1;
-    track.same_since = frame.time;
+  const bool unmoved = track.sentinel_run > 0 && pose.position_m == track.sentinel_position_m;
+  track.sentinel_run = unmoved ? track.sentinel_run + 1 : 1;
+  track.sentinel_position_m = pose.position_m;
+  if (pose.position_m.isZero(0.0)) {
+    ++counts.sentinels;
+  } else if (unmoved) {
+    counts.sentinels += track.sentinel_run == 2 ? 2 : 1;
   }
-  if (track.seen) {
-    const double step_s = (frame.time - track.last_time).seconds();
-    const double moved_m = (pose.position_m - track.last.position_m).norm();
-    if (moved_m > options_.jump_speed_m_s * step_s) ++summary.jumps;
-    const double period_s = header_.rate_hz ? 1.0 / *header_.rate_hz : 0.0;
-    if (step_s > 1.5 * period_s) summary.longest_gap_s = std::max(summary.longest_gap_s, step_s);
-  }
-  track.seen = true;
-  track.last = pose;
-  track.last_time = frame.time;
 }
 
-MocapSummary MocapSummarizer::finish() const {
-  MocapSummary result = summary_;
-  for (std::size_t a = 0; a < tracks_.size(); ++a)
-    if (is_frozen(tracks_[a])) result.assets[a].frozen += tracks_[a].same;
-  result.duration_s = static_cast<double>(last_time_.ns) * 1e-9;
-  const double steps = static_cast<double>(result.frames) - 1.0;
-  result.rate_hz = header_.rate_hz           ? *header_.rate_hz
-                   : result.duration_s > 0.0 ? steps / result.duration_s
-                                             : 0.0;
-  return result;
+MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options) {
+  MocapSummarizer summarizer(reader.header(), options);
+  MocapFrame frame;
+  while (reader.next(frame)) summarizer.add(frame);
+  return summarizer.finish();
 }
 
 }  // namespace trilat

@@ -1,68 +1,75 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
+#include "datasets/mocap/frozen_stretch.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
 
+class OptitrackCsvReader;
+
 struct MocapSummaryOptions {
-  // A pose that stays the same to the last digit this long, and for at least five frames, is frozen: a lost
-  // body whose last pose is repeated. A body that truly stands still shows noise.
-  double frozen_s = 0.1;
-  int frozen_frames = 5;
-  double jump_speed_m_s = 20.0;  // two neighbouring samples farther apart than this speed allows are a jump
+  FrozenOptions frozen;
+  double jump_speed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
 };
 
 struct AssetSummary {
-  std::uint64_t samples = 0;  // frames with a position (or, without one, a rotation)
-  std::uint64_t missing = 0;
-  std::uint64_t frozen = 0;  // samples inside frozen stretches
-  std::uint64_t jumps = 0;
-  std::uint64_t sentinels = 0;  // samples at the exact origin with the rotation (0, 0, 0, +-1)
-  double longest_gap_s = 0.0;   // without samples, between two samples
+  std::int64_t samples = 0;    // frames in which the asset is present
+  std::int64_t missing = 0;    // frames in which it is not
+  std::int64_t frozen = 0;     // samples inside frozen stretches
+  std::int64_t sentinels = 0;  // samples that say "lost": no rotation at all, at zero or unmoving
+  std::int64_t jumps = 0;      // steps from one sample to the next faster than the limit
+  // Longest time between two neighbouring samples with a frame missing between them; what is
+  // missing before the first and after the last sample does not count.
+  double longest_gap_s = 0.0;
 };
 
 struct MocapSummary {
-  std::uint64_t frames = 0;
-  std::uint64_t index_gaps = 0;     // places where frame numbers leave some out
-  std::uint64_t index_missing = 0;  // frame numbers left out
-  std::int64_t first_index = 0;
-  double duration_s = 0.0;                  // first to last frame
-  double rate_hz = 0.0;                     // stated, or measured where none is stated
-  double worst_printed_time_error_s = 0.0;  // printed time against frame number and rate
-  std::vector<AssetSummary> assets;
+  std::int64_t frames = 0;
+  std::int64_t index_gaps = 0;             // places where the frame index skips
+  std::int64_t skipped_frames = 0;         // indices skipped there
+  double duration_s = 0.0;                 // from the first frame to the last
+  double rate_hz = kMissing;               // as stated; else frames over duration
+  double largest_time_error_s = kMissing;  // of the printed time against the delivered one
+  std::vector<AssetSummary> assets;        // as in the header
 };
 
-// Gathers a summary frame by frame.
+// Accumulates a summary frame by frame, in memory that does not grow.
 class MocapSummarizer {
  public:
-  MocapSummarizer(const MocapHeader& header, const MocapSummaryOptions& options);
+  explicit MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options = {});
   void add(const MocapFrame& frame);
-  MocapSummary finish() const;
+  const MocapSummary& finish() const { return summary_; }
 
  private:
   struct Track {
+    MocapAsset asset;
+    FrozenStretch stretch;
     bool seen = false;
+    bool missed = false;  // since the last sample
+    MocapPose last_pose;
     MocapTime last_time;
-    MocapPose last;
-    std::uint64_t same = 0;  // samples equal to the last one, itself included
-    MocapTime same_since;
+    std::int64_t sentinel_run = 0;
+    Eigen::Vector3d sentinel_position_m = Eigen::Vector3d::Zero();
   };
-  void add_sample(std::size_t asset, const MocapFrame& frame);
-  void close_stretch(std::size_t asset);
-  bool is_frozen(const Track& track) const;
+
+  void add_time(const MocapFrame& frame);
+  void add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts) const;
+  static void add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts);
 
   MocapSummaryOptions options_;
-  MocapHeader header_;
+  bool rate_is_stated_ = false;
   MocapSummary summary_;
   std::vector<Track> tracks_;
   std::int64_t last_index_ = 0;
-  MocapTime last_time_;
-  double first_printed_s_ = 0.0;
+  double first_printed_s_ = kMissing;
 };
+
+// Reads to the end.
+MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options = {});
 
 }  // namespace trilat

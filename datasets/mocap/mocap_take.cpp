@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/mocap_take.h"
 
+#include <algorithm>
 #include <array>
 
 #include "datasets/base/error.h"
@@ -8,38 +9,79 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostListed = 20;
+struct TypeNames {
+  std::string_view name;
+  std::string_view motive;
+};
 
-std::string key_of(const MocapAsset& asset) { return std::string(name_of(asset.type)) + ":" + asset.name; }
+constexpr std::array<TypeNames, 6> kTypes{{
+    {"rigid_body", "Rigid Body"},
+    {"rigid_body_marker", "Rigid Body Marker"},
+    {"marker", "Marker"},
+    {"bone", "Bone"},
+    {"bone_marker", "Bone Marker"},
+    {"other", "Other"},
+}};
 
-std::string list_of(const MocapHeader& header, const std::vector<std::size_t>& which) {
+constexpr std::size_t kListedAssets = 20;
+
+bool same_text(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+std::string typed_name(const MocapAsset& asset) {
+  return std::string(name_of(asset.type)) + ":" + asset.name;
+}
+
+bool answers_to(const MocapAsset& asset, std::string_view key) {
+  const std::string typed = typed_name(asset);
+  return key == asset.name || key == typed || key == asset.name + "#" + asset.id ||
+         key == typed + "#" + asset.id;
+}
+
+std::string list_of(const MocapHeader& header, const std::vector<std::size_t>& assets) {
   std::string text;
-  for (std::size_t i = 0; i < which.size() && i < kMostListed; ++i)
-    text += (i ? ", " : "") + key_of(header.assets[which[i]]);
-  if (which.size() > kMostListed) text += " and " + std::to_string(which.size() - kMostListed) + " more";
+  for (std::size_t i = 0; i < assets.size() && i < kListedAssets; ++i)
+    text += (i == 0 ? "" : ", ") + key_of(header, assets[i]);
+  if (assets.size() > kListedAssets)
+    text += " and " + std::to_string(assets.size() - kListedAssets) + " more";
   return text;
 }
 
 }  // namespace
 
-std::string_view name_of(AssetType type) {
-  static constexpr std::array<std::string_view, 6> kNames{"rigid_body", "rigid_body_marker", "marker",
-                                                          "bone",       "bone_marker",       "other"};
-  return kNames[static_cast<std::size_t>(type)];
+std::string_view name_of(AssetType type) { return kTypes[static_cast<std::size_t>(type)].name; }
+
+std::string_view motive_name_of(AssetType type) { return kTypes[static_cast<std::size_t>(type)].motive; }
+
+AssetType asset_type_from_motive(std::string_view text) {
+  for (std::size_t i = 0; i < kTypes.size(); ++i)
+    if (same_text(text, kTypes[i].motive)) return static_cast<AssetType>(i);
+  return AssetType::other;
 }
 
-std::size_t find_asset(const MocapHeader& header, const std::string& key, const std::string& place) {
-  std::vector<std::size_t> found, all;
+std::string key_of(const MocapHeader& header, std::size_t asset) {
+  const MocapAsset& own = header.assets.at(asset);
+  const bool twice = std::ranges::count_if(header.assets, [&](const MocapAsset& other) {
+                       return other.type == own.type && other.name == own.name;
+                     }) > 1;
+  return twice ? typed_name(own) + "#" + own.id : typed_name(own);
+}
+
+std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place) {
+  std::vector<std::size_t> all;
+  std::vector<std::size_t> found;
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     all.push_back(i);
-    if (header.assets[i].name == key || key_of(header.assets[i]) == key) found.push_back(i);
+    if (answers_to(header.assets[i], key)) found.push_back(i);
   }
-  if (found.size() == 1) return found[0];
+  const std::string asked = "the asset \"" + std::string(key) + "\"";
+  if (all.empty()) throw InputError(place, asked + " is not there; the export holds no assets");
   if (found.empty())
-    throw InputError(place, "names the asset \"" + key + "\", which the export does not hold; it holds " +
-                                (all.empty() ? "no assets at all" : list_of(header, all)));
-  throw InputError(place, "names the asset \"" + key + "\", which could be " + list_of(header, found) +
-                              "; write one of these, or give the assets different names in the export");
+    throw InputError(place, asked + " is not in the export; there are: " + list_of(header, all));
+  if (found.size() > 1) throw InputError(place, asked + " can mean several: " + list_of(header, found));
+  return found.front();
 }
 
 }  // namespace trilat

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -16,61 +17,89 @@
 
 namespace trilat {
 
-// What OptiTrack exports: a rigid body's pose, its markers as solved (there even while hidden) and as seen
-// (`marker`, missing while hidden), and a skeleton's bones. `other` is a type this program does not know.
-enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
-std::string_view name_of(AssetType type);  // "rigid_body", …
+inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-// The key is type and name: Motive uses one name for a marker as solved and as seen. Two assets may still
-// share both; then only the id tells them apart. Ids are opaque texts.
+// What OptiTrack calls a column's type. A rigid body marker is the solved position, present while
+// the marker is hidden; a marker is the measured one, missing while hidden. `other` is a type that
+// is none of these and yet has a position or a rotation.
+enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
+
+std::string_view name_of(AssetType type);                 // "rigid_body", …
+std::string_view motive_name_of(AssetType type);          // "Rigid Body", …
+AssetType asset_type_from_motive(std::string_view text);  // any case; else `other`
+
+// One name may stand under several types, and even twice under one: then only the ID tells them
+// apart. The ID is opaque text.
 struct MocapAsset {
   AssetType type = AssetType::other;
   std::string name;
   std::string id;
-  bool has_position = false;
+  std::string parent;
   bool has_rotation = false;
+  bool has_position = false;
 };
 
 struct MocapHeader {
-  std::string format;  // "Motive CSV 1.23", "OptiTrack rows 1.1"
+  std::string format;  // "Motive CSV 1.23", "OptiTrack row format 1.1"
   std::string take_name;
-  std::string capture_start;      // as printed: local time of unknown zone, in the language of the machine
-  std::optional<double> rate_hz;  // of the exported frames; none when only time stamps tell
-  std::optional<std::int64_t> stated_frames;
+  std::string take_notes;
+  std::string capture_start_text;  // local time without zone, as written
+  double capture_rate_hz = kMissing;
+  double export_rate_hz = kMissing;  // NaN: not stated, as in the row formats
+  std::optional<std::int64_t> capture_start_frame;
+  std::optional<std::int64_t> total_frames_in_take;
+  std::optional<std::int64_t> total_exported_frames;
   LengthUnit length_unit = LengthUnit::metre;
-  std::string rotation_type;  // "Quaternion" or an order of Euler angles
-  std::string coordinate_space;
-  bool left_handed = false;  // as exported; what is read has been made right-handed by turning z round
+  std::string rotation_type = "Quaternion";  // or the order of Euler angles, "XYZ"
+  std::string coordinate_space = "Global";
+  bool left_handed = false;  // as written in the file; poses are always right-handed
+  std::int64_t first_frame = 0;
   std::vector<MocapAsset> assets;
 };
 
-// One asset in one frame: world, metres; NaN when missing.
+// World is right-handed, y up, metres. What is missing is NaN, in all its components.
 struct MocapPose {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  Eigen::Quaterniond rotation{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
-  bool has_position() const { return position_m.allFinite(); }
-  bool has_rotation() const { return rotation.coeffs().allFinite(); }
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
+  Eigen::Quaterniond rotation{kMissing, kMissing, kMissing, kMissing};  // world from asset
+
+  bool has_position() const { return position_m.x() == position_m.x(); }
+  bool has_rotation() const { return rotation.w() == rotation.w(); }
+  // The asset was seen: its position is there, or its rotation when it has no position at all.
+  bool is_present(const MocapAsset& asset) const {
+    return asset.has_position ? has_position() : has_rotation();
+  }
 };
 
-// One frame. Time is zero at the first frame of the file: (index - first index) / rate where the rate is
-// known, since printed times are often rounded; else the printed time.
 struct MocapFrame {
   std::int64_t index = 0;
-  MocapTime time;
-  double printed_time_s = 0.0;
-  std::vector<MocapPose> poses;  // by asset
+  MocapTime time;                    // zero at the first exported frame
+  double printed_time_s = kMissing;  // as written, for checks only
+  std::vector<MocapPose> poses;      // by asset of the header
 };
 
-// Things in the data that were put up with.
+// Oddities a reader lives with. A careful user looks at them; `trilat mocap` prints them.
 struct MocapAnomalies {
-  std::uint64_t repeated_frames = 0;  // index not above the one before; left out
-  std::uint64_t rows_with_extra_fields = 0;
-  std::uint64_t not_finite_cells = 0;  // NAN, #IND, inf: missing
-  bool truncated_last_row = false;     // left out
+  std::int64_t repeated_frames = 0;  // rows dropped because time did not advance
+  std::int64_t rows_with_extra_fields = 0;
+  std::int64_t not_finite_cells = 0;      // NAN, #IND or infinity in a column: missing
+  std::int64_t partial_poses = 0;         // positions or rotations dropped: not all components there
+  std::int64_t invalid_rotations = 0;     // rotations dropped: the quaternion is not of length 1
+  std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
+  bool truncated_last_row = false;        // the file ends inside a row, which is not trusted
 };
 
-// The asset that `key` means: "name", or "type:name" where a name stands under several types. InputError at
-// `place`, listing the candidates or what there is.
-std::size_t find_asset(const MocapHeader& header, const std::string& key, const std::string& place);
+struct MocapTake {
+  MocapHeader header;
+  std::vector<MocapFrame> frames;
+  MocapAnomalies anomalies;
+};
+
+// "rigid_body:Wand", and "#ID" behind it when that alone does not tell it from another asset.
+std::string key_of(const MocapHeader& header, std::size_t asset);
+
+// The asset a person means by "Wand", "rigid_body:Wand", "Wand#ID" or "rigid_body:Wand#ID".
+// InputError at `place` when no asset has that key (lists those there are) or several have it
+// (lists them).
+std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place);
 
 }  // namespace trilat

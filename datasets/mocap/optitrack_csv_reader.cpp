@@ -1,78 +1,80 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/optitrack_csv_reader.h"
 
-#include <cmath>
+#include <string>
 
+#include "datasets/base/check.h"
 #include "datasets/base/error.h"
-#include "datasets/mocap/optitrack_format.h"
+#include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/motive_header.h"
+#include "datasets/mocap/motive_rows.h"
+#include "datasets/mocap/trackable_header.h"
+#include "datasets/mocap/trackable_rows.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr double kFarthest_m = 1000.0;
+constexpr std::string_view kMotiveStart = "Format Version";
 
-std::unique_ptr<OptitrackFormat> format_of(CsvLines& lines) {
-  std::string_view line;
-  if (!lines.next(line))
-    throw InputError(lines.path() + ":1", "is empty; an OptiTrack CSV export is expected");
-  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-  const std::string first = line.size() < 4096 ? csv_fields(line)[0] : "";
-  if (first == "Format Version") return column_format(lines, line);
-  if (first == "comment" || first == "righthanded" || first == "lefthanded" || first == "info")
-    return row_format(lines, line);
-  double number = 0.0;
-  if (first == "Frame" || parse_cell(first, number) == CellKind::number)
-    throw InputError(
-        lines.place(),
-        "has data but no header, so its unit, rate and assets are unknown; export again with the header");
-  throw InputError(
-      lines.place(),
-      "does not begin as an OptiTrack CSV export does (\"Format Version,…\", or rows of \"comment\", "
-      "\"righthanded\" or \"info\")");
+bool is_numbers_only(std::string_view line) {
+  const auto cells = split_csv(line);
+  std::int64_t frame = 0;
+  double time_s = 0.0;
+  return cells.size() >= 2 && parse_integer(cells[0], frame) &&
+         parse_cell(cells[1], time_s) == CellKind::number;
+}
+
+[[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
+  if (is_numbers_only(line))
+    throw InputError(place,
+                     "the file begins with data and has no header, so that unit, rate and names are "
+                     "unknown; export again from Motive with the header switched on");
+  if (line.starts_with("Format Version;"))
+    throw InputError(place, "the cells are separated by semicolons; save the file with commas");
+  if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
+    throw InputError(place, "the text is UTF-16; save the file as UTF-8");
+  throw InputError(place,
+                   "this is no OptiTrack export, which begins with \"Format Version,1.2…\" (Motive) "
+                   "or \"comment,\" (Arena, Tracking Tools)");
 }
 
 }  // namespace
 
-double checked_metres(double value, double metres_per_unit, const CsvLines& lines, const std::string& asset) {
-  const double metres = value * metres_per_unit;
-  if (std::abs(metres) > kFarthest_m)
-    throw InputError(lines.place(), "puts \"" + asset + "\" " + std::to_string(metres) +
-                                        " m from the origin; is the length unit in the header right?");
-  return metres;
+OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options)
+    : lines_(std::make_unique<LineReader>(path, options.block_bytes)) {
+  std::string_view line;
+  if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  if (split_csv(line).front() == kMotiveStart) {
+    MotiveHeader motive = read_motive_header(*lines_, line);
+    header_ = std::move(motive.header);
+    rows_ = std::make_unique<MotiveRows>(*lines_, header_, std::move(motive.layout));
+  } else if (is_known_row(line)) {
+    TrackableHeader trackable = read_trackable_header(*lines_, line);
+    header_ = trackable.header;
+    rows_ = std::make_unique<TrackableRows>(*lines_, std::move(trackable));
+  } else {
+    refuse_file(line, lines_->place());
+  }
 }
-
-void make_right_handed(MocapPose& pose) {
-  pose.position_m.z() = -pose.position_m.z();
-  pose.rotation.x() = -pose.rotation.x();
-  pose.rotation.y() = -pose.rotation.y();
-}
-
-struct OptitrackCsvReader::State {
-  CsvLines lines;
-  std::unique_ptr<OptitrackFormat> format;
-  State(const std::filesystem::path& path, std::size_t block_bytes)
-      : lines(path, block_bytes), format(format_of(lines)) {}
-};
-
-OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, const OptitrackReadOptions& options)
-    : state_(std::make_unique<State>(path, options.block_bytes)) {}
 
 OptitrackCsvReader::~OptitrackCsvReader() = default;
-OptitrackCsvReader::OptitrackCsvReader(OptitrackCsvReader&&) noexcept = default;
 
-const MocapHeader& OptitrackCsvReader::header() const { return state_->format->header; }
-const MocapAnomalies& OptitrackCsvReader::anomalies() const { return state_->format->anomalies; }
 void OptitrackCsvReader::read_only(const std::vector<std::size_t>& assets) {
-  state_->format->read_only(assets);
+  for (const std::size_t asset : assets) TRILAT_CHECK(asset < header_.assets.size(), "the asset exists");
+  rows_->read_only(assets);
 }
-bool OptitrackCsvReader::next(MocapFrame& frame) { return state_->format->next(frame); }
 
-MocapTake read_optitrack_csv(const std::filesystem::path& path, const OptitrackReadOptions& options) {
-  OptitrackCsvReader reader(path, options);
+bool OptitrackCsvReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
+
+MocapTake read_optitrack_csv(const std::filesystem::path& path) {
+  OptitrackCsvReader reader(path);
   MocapTake take;
+  MocapFrame frame;
+  while (reader.next(frame)) take.frames.push_back(frame);
   take.header = reader.header();
-  for (MocapFrame frame; reader.next(frame);) take.frames.push_back(frame);
   take.anomalies = reader.anomalies();
   return take;
 }

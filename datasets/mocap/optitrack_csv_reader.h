@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -9,38 +10,46 @@
 
 namespace trilat {
 
+class LineReader;
+class RowSource;
+
 struct OptitrackReadOptions {
-  std::size_t block_bytes = 1u << 20;  // how much is read at a time
+  std::size_t block_bytes = 1 << 20;  // read from the disk at once
 };
 
-// Reads an OptiTrack CSV export frame by frame with bounded memory: Motive's columns (format 1.2 to 1.25) and
-// the row formats of Arena, Tracking Tools and early Motive (1.0, 1.1). Positions become metres, Euler angles
-// quaternions (turned about the moving axes in the order named), left-handed worlds right-handed. InputError
-// with `take.csv:17`.
+// Streams an OptiTrack export of any length with bounded memory: Motive's column format 1.2 to
+// 1.25 and the row formats 1.0 and 1.1. Poses come out right-handed in metres: units are
+// converted, Euler angles become quaternions, and a left-handed file is mirrored in z. Lost bodies
+// that an export writes as a frozen pose or a sentinel are delivered as they stand; the summary
+// and the frozen filter find them.
 class OptitrackCsvReader {
  public:
-  explicit OptitrackCsvReader(const std::filesystem::path& path, const OptitrackReadOptions& options = {});
+  // Reads the header. InputError when the file cannot be opened or is no OptiTrack export.
+  explicit OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options = {});
   ~OptitrackCsvReader();
-  OptitrackCsvReader(OptitrackCsvReader&&) noexcept;
+  OptitrackCsvReader(const OptitrackCsvReader&) = delete;
+  OptitrackCsvReader& operator=(const OptitrackCsvReader&) = delete;
 
-  const MocapHeader& header() const;
-  // From now on only these assets are read; the poses of the others stay missing.
+  const MocapHeader& header() const { return header_; }
+
+  // From now on the poses of the other assets stay missing; their columns are skipped unread.
   void read_only(const std::vector<std::size_t>& assets);
-  // False at the end of the file.
+
+  // The next frame; times strictly increase. False at the end. InputError with the line and the
+  // asset when a cell makes no sense. Reuse one frame for all calls: then nothing is allocated.
   bool next(MocapFrame& frame);
-  const MocapAnomalies& anomalies() const;
+
+  // Counted so far.
+  const MocapAnomalies& anomalies() const { return anomalies_; }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<LineReader> lines_;
+  MocapHeader header_;
+  std::unique_ptr<RowSource> rows_;
+  MocapAnomalies anomalies_;
 };
 
-// The whole file in memory, for small ones.
-struct MocapTake {
-  MocapHeader header;
-  std::vector<MocapFrame> frames;
-  MocapAnomalies anomalies;
-};
-MocapTake read_optitrack_csv(const std::filesystem::path& path, const OptitrackReadOptions& options = {});
+// The whole file at once, for small ones.
+MocapTake read_optitrack_csv(const std::filesystem::path& path);
 
 }  // namespace trilat

@@ -1,79 +1,152 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/optitrack_csv_writer.h"
 
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <iterator>
+#include <string_view>
+#include <utility>
 
-#include <fmt/compile.h>
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 
 namespace trilat {
+namespace {
 
-OptitrackCsvWriter::OptitrackCsvWriter(const std::filesystem::path& path, const Take& take)
-    : path_(path),
-      file_(std::fopen(partial_name(path).c_str(), "wb"), std::fclose),
-      rate_hz_(take.rate_hz),
-      stated_frames_(take.frames),
-      markers_(take.markers.size()) {
-  if (!file_) throw InputError(path.string(), std::string("cannot be written: ") + std::strerror(errno));
-  write_header(take);
+constexpr std::size_t kFlushBytes = 1 << 20;
+
+std::string_view motive_unit(LengthUnit unit) {
+  static constexpr std::array<std::string_view, 5> kNames{"Meters", "Centimeters", "Millimeters", "Inches",
+                                                          "Feet"};
+  return kNames[static_cast<std::size_t>(unit)];
 }
 
-void OptitrackCsvWriter::write_header(const Take& take) {
-  auto out = std::back_inserter(buffer_);
-  fmt::format_to(
-      out,
-      "Format Version,1.25,Take Name,{},Take Notes,,Capture Frame Rate,{:.6f},Export Frame Rate,{:.6f},"
-      "Capture Start Time,{},Capture Start Frame,0,Total Frames in Take,{},Total Exported Frames,{},"
-      "Rotation Type,Quaternion,Length Units,Meters,Coordinate Space,Global\r\n\r\n",
-      take.name, take.rate_hz, take.rate_hz, take.capture_start, take.frames, take.frames);
-  const auto row = [&](const char* label, const auto& cell) {
-    fmt::format_to(out, "{}", label);
-    for (std::size_t m = 0; m < markers_; ++m)
-      for (int axis = 0; axis < 3; ++axis) fmt::format_to(out, ",{}", cell(m, axis));
-    buffer_ += "\r\n";
-  };
-  row(",Type", [](std::size_t, int) { return "Marker"; });
-  row(",Name", [&](std::size_t m, int) { return take.markers[m]; });
-  row(",ID", [](std::size_t m, int) { return fmt::format("\"{:X}\"", 0xA000 + m); });
-  row(",Parent", [](std::size_t, int) { return ""; });
-  row(",", [](std::size_t, int) { return "Position"; });
-  row("Frame,Time (Seconds)", [](std::size_t, int axis) { return std::string(1, "XYZ"[axis]); });
-}
-
-void OptitrackCsvWriter::add(std::span<const Eigen::Vector3d> positions_m) {
-  TRILAT_CHECK(positions_m.size() == markers_, "a frame has one position a marker");
-  auto out = std::back_inserter(buffer_);
-  fmt::format_to(out, FMT_COMPILE("{},{:.6f}"), frames_, static_cast<double>(frames_) / rate_hz_);
-  for (const Eigen::Vector3d& p : positions_m) {
-    if (p.allFinite())
-      fmt::format_to(out, FMT_COMPILE(",{:.6f},{:.6f},{:.6f}"), p.x(), p.y(), p.z());
-    else
-      buffer_ += ",,,";
+std::string in_quotes(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += c;
+    result += c == '\n' || c == '\r' ? ' ' : c;
   }
-  buffer_ += "\r\n";
+  return result += '"';
+}
+
+std::string cell(std::string_view text) {
+  return text.find_first_of(",\"\r\n") == std::string_view::npos ? std::string(text) : in_quotes(text);
+}
+
+// A comma and six decimals, or the comma alone.
+void append_number(std::string& text, double value) {
+  text += ',';
+  if (!std::isfinite(value)) return;
+  constexpr std::int64_t kMillion = 1'000'000;
+  const std::int64_t millionths = std::llround(value * 1e6);
+  const std::int64_t magnitude = std::abs(millionths);
+  std::array<char, 24> digits;
+  const char* const end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), magnitude / kMillion).ptr;
+  if (millionths < 0) text += '-';
+  text.append(digits.data(), static_cast<std::size_t>(end - digits.data()));
+  text += '.';
+  for (std::int64_t rest = magnitude % kMillion, unit = kMillion / 10; unit > 0; unit /= 10)
+    text += static_cast<char>('0' + rest / unit % 10);
+}
+
+std::size_t columns_of(const MocapAsset& asset) {
+  return (asset.has_rotation ? 4u : 0u) + (asset.has_position ? 3u : 0u);
+}
+
+}  // namespace
+
+OptitrackCsvWriter::OptitrackCsvWriter(std::filesystem::path path, MocapHeader header)
+    : path_(std::move(path)), header_(std::move(header)), per_metre_(1.0 / metres_per(header_.length_unit)) {
+  TRILAT_CHECK(header_.export_rate_hz > 0.0, "the export rate is stated");
+  file_ = std::fopen(partial_name(path_).c_str(), "wb");
+  if (!file_) throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
+  write_header();
+}
+
+OptitrackCsvWriter::~OptitrackCsvWriter() {
+  if (!file_) return;
+  std::fclose(file_);
+  std::error_code ignored;
+  std::filesystem::remove(partial_name(path_), ignored);
+}
+
+void OptitrackCsvWriter::write_header() {
+  const double capture_hz =
+      std::isnan(header_.capture_rate_hz) ? header_.export_rate_hz : header_.capture_rate_hz;
+  text_ += fmt::format(
+      "Format Version,1.25,Take Name,{},Take Notes,{},Capture Frame Rate,{:.6f},Export Frame "
+      "Rate,{:.6f},Capture Start Time,{}",
+      cell(header_.take_name), cell(header_.take_notes), capture_hz, header_.export_rate_hz,
+      cell(header_.capture_start_text));
+  const auto count = [&](const char* key, std::optional<std::int64_t> value) {
+    if (value) text_ += fmt::format(",{},{}", key, *value);
+  };
+  count("Capture Start Frame", header_.capture_start_frame);
+  count("Total Frames in Take", header_.total_frames_in_take);
+  count("Total Exported Frames", header_.total_exported_frames);
+  text_ += fmt::format(",Rotation Type,Quaternion,Length Units,{},Coordinate Space,{}\n\n",
+                       motive_unit(header_.length_unit), cell(header_.coordinate_space));
+
+  const auto row = [&](const char* label, const auto& text_of) {
+    text_ += label;
+    for (const MocapAsset& asset : header_.assets)
+      for (std::size_t i = 0; i < columns_of(asset); ++i) (text_ += ',') += text_of(asset);
+    text_ += '\n';
+  };
+  row(",Type", [](const MocapAsset& asset) { return motive_name_of(asset.type); });
+  row(",Name", [](const MocapAsset& asset) { return cell(asset.name); });
+  row(",ID", [](const MocapAsset& asset) { return in_quotes(asset.id); });
+  row(",Parent", [](const MocapAsset& asset) { return cell(asset.parent); });
+  std::string kinds = ",";
+  std::string axes = "Frame,Time (Seconds)";
+  for (const MocapAsset& asset : header_.assets) {
+    if (asset.has_rotation) kinds += ",Rotation,Rotation,Rotation,Rotation";
+    if (asset.has_rotation) axes += ",X,Y,Z,W";
+    if (asset.has_position) kinds += ",Position,Position,Position";
+    if (asset.has_position) axes += ",X,Y,Z";
+  }
+  text_ += kinds + "\n" + axes + "\n";
+}
+
+void OptitrackCsvWriter::write(const MocapFrame& frame) {
+  TRILAT_CHECK(file_, "the file is not finished");
+  TRILAT_CHECK(frame.poses.size() == header_.assets.size(), "a frame has a pose for each asset");
+  text_ += std::to_string(frame.index);
+  append_number(text_, static_cast<double>(frame.index) / header_.export_rate_hz);
+  for (std::size_t i = 0; i < header_.assets.size(); ++i) write_pose(header_.assets[i], frame.poses[i]);
+  text_ += '\n';
   ++frames_;
-  if (buffer_.size() > (1u << 20)) flush();
+  if (text_.size() >= kFlushBytes) flush();
+}
+
+void OptitrackCsvWriter::write_pose(const MocapAsset& asset, const MocapPose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation;
+  if (asset.has_rotation)
+    for (const double component : {q.x(), q.y(), q.z(), q.w()}) append_number(text_, component);
+  if (asset.has_position)
+    for (const double component : pose.position_m) append_number(text_, component * per_metre_);
 }
 
 void OptitrackCsvWriter::flush() {
-  if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size())
+  if (std::fwrite(text_.data(), 1, text_.size(), file_) != text_.size())
     throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  buffer_.clear();
+  text_.clear();
 }
 
 void OptitrackCsvWriter::finish() {
-  TRILAT_CHECK(frames_ == stated_frames_, "as many frames as stated were written");
+  TRILAT_CHECK(file_, "the file is finished once");
+  TRILAT_CHECK(frames_ == header_.total_exported_frames.value_or(frames_),
+               "as many frames were written as the header states");
   flush();
-  if (std::fflush(file_.get()) != 0)
-    throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  file_.reset();
+  const int failed = std::fclose(std::exchange(file_, nullptr));
+  if (failed) throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
   publish_file(partial_name(path_), path_);
 }
 

@@ -1,43 +1,43 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
-#include <span>
 #include <string>
 
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
 
-// Writes markers in Motive's column layout 1.25, metres, six decimals, missing as empty cells. The file has
-// the name `path`.partial until finish().
+// Writes a take as Motive 1.25 lays it out: lengths in the header's unit and rotations as
+// quaternions, with six decimals; what is missing is an empty cell. Streams beside the final name
+// and takes it only in finish(); without that the partial file is removed.
 class OptitrackCsvWriter {
  public:
-  struct Take {
-    std::string name;
-    std::string capture_start;  // as Motive prints it, "2026-01-31 09.15.00.000 AM"; may be empty
-    double rate_hz = 100.0;
-    std::uint64_t frames = 0;
-    std::vector<std::string> markers;
-  };
-  OptitrackCsvWriter(const std::filesystem::path& path, const Take& take);
-  // The next frame; one position a marker, NaN when missing.
-  void add(std::span<const Eigen::Vector3d> positions_m);
-  // Refuses (our bug) when not as many frames as stated have been added.
+  // Uses of `header` the names, rates, counts, length unit and assets. Rates must be stated.
+  // InputError when the file cannot be written.
+  OptitrackCsvWriter(std::filesystem::path path, MocapHeader header);
+  ~OptitrackCsvWriter();
+  OptitrackCsvWriter(const OptitrackCsvWriter&) = delete;
+  OptitrackCsvWriter& operator=(const OptitrackCsvWriter&) = delete;
+
+  // One pose for each asset of the header. The printed time is index / export rate.
+  void write(const MocapFrame& frame);
+  // The number of frames must be the one the header states, when it states one.
   void finish();
 
  private:
-  void write_header(const Take& take);
+  void write_header();
+  void write_pose(const MocapAsset& asset, const MocapPose& pose);
   void flush();
 
   std::filesystem::path path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-  std::string buffer_;
-  double rate_hz_;
-  std::uint64_t stated_frames_, frames_ = 0;
-  std::size_t markers_;
+  MocapHeader header_;
+  double per_metre_;
+  std::FILE* file_ = nullptr;
+  std::string text_;
+  std::int64_t frames_ = 0;
 };
 
 }  // namespace trilat

@@ -8,6 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
 #include "datasets/take/campaign.h"
 
 namespace trilat {
@@ -67,7 +68,7 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
   RecordedMotion result;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double points = 0.0;
-  FrozenFilter frames(reader, {});
+  FrozenFilter frames(reader);
   for (MocapFrame frame; frames.next(frame);) {
     const double t = frame.time.ns * 1e-9;
     result.duration_s = t;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat mocap`.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -28,50 +30,67 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
                       {"sentinels", summary.sentinels},
                       {"longest_gap_s", summary.longest_gap_s}});
   }
+  const auto count_or_null = [](const std::optional<std::int64_t>& n) { return n ? Json(*n) : Json(); };
   return {{"format", header.format},
           {"take", header.take_name},
           {"frames", s.frames},
-          {"first_frame", s.first_index},
+          {"first_frame", header.first_frame},
           {"duration_s", s.duration_s},
           {"rate_hz", s.rate_hz},
           {"length_unit", std::string(name_of(header.length_unit))},
           {"rotation_type", header.rotation_type},
           {"coordinate_space", header.coordinate_space},
           {"left_handed", header.left_handed},
-          {"capture_start", header.capture_start},
-          {"stated_frames", header.stated_frames ? Json(*header.stated_frames) : Json()},
+          {"capture_start", header.capture_start_text},
+          {"stated_frames", count_or_null(header.total_exported_frames)},
           {"index_gaps", s.index_gaps},
-          {"index_missing", s.index_missing},
-          {"worst_printed_time_error_s", s.worst_printed_time_error_s},
+          {"skipped_frames", s.skipped_frames},
+          {"largest_time_error_s", s.largest_time_error_s},
           {"repeated_frames", a.repeated_frames},
           {"rows_with_extra_fields", a.rows_with_extra_fields},
           {"not_finite_cells", a.not_finite_cells},
+          {"partial_poses", a.partial_poses},
+          {"invalid_rotations", a.invalid_rotations},
+          {"printed_time_differs", a.printed_time_differs},
           {"truncated_last_row", a.truncated_last_row},
           {"assets", assets}};
+}
+
+void print_anomalies(const MocapAnomalies& a) {
+  const std::pair<std::int64_t, const char*> counts[] = {
+      {a.repeated_frames, "repeated frames left out"},
+      {a.rows_with_extra_fields, "rows with extra fields"},
+      {a.not_finite_cells, "cells that are not finite, taken as missing"},
+      {a.partial_poses, "positions or rotations that are not whole, taken as missing"},
+      {a.invalid_rotations, "rotations that are none, taken as missing"},
+      {a.printed_time_differs, "printed times off their frame by more than a period"},
+      {a.truncated_last_row ? 1 : 0, "last row that is cut, left out"}};
+  for (const auto& [count, what] : counts)
+    if (count > 0) fmt::print("odd: {} {}\n", count, what);
 }
 
 void print_text(const std::string& path, const MocapHeader& header, const MocapSummary& s,
                 const MocapAnomalies& a) {
   fmt::print("{}: {}, take \"{}\"\n", path, header.format, header.take_name);
-  fmt::print("{} frames from {} at {:g} Hz ({:.3f} s), unit {}, {}\n", s.frames, s.first_index, s.rate_hz,
-             s.duration_s, name_of(header.length_unit),
+  fmt::print("{} frames from {} at {:g} Hz ({:.3f} s), unit {}, {}\n", s.frames, header.first_frame,
+             s.rate_hz, s.duration_s, name_of(header.length_unit),
              header.left_handed ? "left-handed (read as right-handed)" : "right-handed");
   if (s.index_gaps > 0)
-    fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.index_missing);
-  if (a.repeated_frames + a.rows_with_extra_fields + a.not_finite_cells > 0 || a.truncated_last_row)
-    fmt::print("put up with: {} repeated frames, {} rows with extra fields, {} cells that are not finite{}\n",
-               a.repeated_frames, a.rows_with_extra_fields, a.not_finite_cells,
-               a.truncated_last_row ? ", a last row that is cut" : "");
+    fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.skipped_frames);
+  print_anomalies(a);
   if (header.assets.empty()) {
     fmt::print("no assets: the export holds no data columns\n");
     return;
   }
-  fmt::print("{:<18} {:<32} {:>9} {:>9} {:>8} {:>6} {:>10}\n", "type", "name", "samples", "missing", "frozen",
-             "jumps", "longest gap");
+  std::size_t width = 4;
+  for (const MocapAsset& asset : header.assets) width = std::max(width, asset.name.size());
+  width = std::min<std::size_t>(width, 60);
+  fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8} {:>6} {:>13}\n", "type", "name", width, "samples", "missing",
+             "frozen", "jumps", "longest gap s");
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const AssetSummary& t = s.assets[i];
-    fmt::print("{:<18} {:<32} {:>9} {:>9} {:>8} {:>6} {:>8.3f} s\n", name_of(header.assets[i].type),
-               header.assets[i].name, t.samples, t.missing, t.frozen, t.jumps, t.longest_gap_s);
+    fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8} {:>6} {:>13.3f}\n", name_of(header.assets[i].type),
+               header.assets[i].name, width, t.samples, t.missing, t.frozen, t.jumps, t.longest_gap_s);
   }
 }
 
@@ -79,9 +98,7 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
 
 int mocap(const MocapArguments& arguments) {
   OptitrackCsvReader reader(arguments.file);
-  MocapSummarizer summarizer(reader.header(), {});
-  for (MocapFrame frame; reader.next(frame);) summarizer.add(frame);
-  const MocapSummary summary = summarizer.finish();
+  const MocapSummary summary = summarize_mocap(reader);
   if (arguments.json)
     fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
   else

@@ -18,8 +18,23 @@
 namespace trilat {
 namespace {
 
-std::uint64_t mocap_frames(const MocapSpec& mocap, double duration_s) {
-  return static_cast<std::uint64_t>(duration_s * mocap.rate_hz) + 1;
+std::int64_t mocap_frames(const MocapSpec& mocap, double duration_s) {
+  return static_cast<std::int64_t>(duration_s * mocap.rate_hz) + 1;
+}
+
+MocapHeader mocap_header(const std::string& name, double rate_hz, std::int64_t frames,
+                         const std::vector<std::string>& markers) {
+  MocapHeader header;
+  header.take_name = name;
+  header.capture_rate_hz = rate_hz;
+  header.export_rate_hz = rate_hz;
+  header.capture_start_frame = 0;
+  header.total_frames_in_take = frames;
+  header.total_exported_frames = frames;
+  for (std::size_t m = 0; m < markers.size(); ++m)
+    header.assets.push_back(
+        {AssetType::marker, markers[m], fmt::format("{:X}", 0xA000 + m), "", false, true});
+  return header;
 }
 
 // The virtual OptiTrack's export, and beside it the same frames without noise, gaps and markers.
@@ -29,21 +44,27 @@ void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
   for (Joint joint : plan.marker_joints)
     for (int m = 0; m < kMarkersPerJoint; ++m) markers.push_back(marker_name(joint, m));
   for (int j = 0; j < kJointCount; ++j) joints.emplace_back(name_of(static_cast<Joint>(j)));
-  const std::uint64_t frames = mocap_frames(spec.mocap, plan.duration_s);
+  const double rate_hz = spec.mocap.rate_hz;
+  const std::int64_t frames = mocap_frames(spec.mocap, plan.duration_s);
   OptitrackCsvWriter mocap(folder / "mocap.csv",
-                           {plan.id + " simulated", "", spec.mocap.rate_hz, frames, markers});
+                           mocap_header(plan.id + " simulated", rate_hz, frames, markers));
   OptitrackCsvWriter truth(folder / "truth.csv",
-                           {plan.id + " true joints", "", spec.mocap.rate_hz, frames, joints});
-  std::vector<Eigen::Vector3d> positions;
-  for (std::uint64_t f = 0; f < frames; ++f) {
+                           mocap_header(plan.id + " true joints", rate_hz, frames, joints));
+  MocapFrame seen, exact;
+  seen.poses.resize(markers.size());
+  exact.poses.resize(joints.size());
+  for (std::int64_t f = 0; f < frames; ++f) {
     if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
-    const SkeletonPose pose = plan.motion(static_cast<double>(f) / spec.mocap.rate_hz);
-    truth.add(pose.joint_in_world_m);
-    positions.clear();
+    const SkeletonPose pose = plan.motion(static_cast<double>(f) / rate_hz);
+    seen.index = exact.index = f;
+    for (std::size_t j = 0; j < joints.size(); ++j) exact.poses[j].position_m = pose.joint_in_world_m[j];
+    std::size_t next = 0;
     for (Joint joint : plan.marker_joints)
-      for (const Eigen::Vector3d& marker : simulate_markers(pose, joint, spec.mocap, plan.item, f))
-        positions.push_back(marker);
-    mocap.add(positions);
+      for (const Eigen::Vector3d& marker :
+           simulate_markers(pose, joint, spec.mocap, plan.item, static_cast<std::uint64_t>(f)))
+        seen.poses[next++].position_m = marker;
+    mocap.write(seen);
+    truth.write(exact);
   }
   mocap.finish();
   truth.finish();

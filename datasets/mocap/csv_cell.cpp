@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/csv_cell.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace trilat {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string_view bare(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    text = trimmed(text.substr(1, text.size() - 2));
+  return text;
+}
+
+// Old C libraries print what is not a number as 1.#IND0000, 1.#QNAN, 1.#INF; some drop the "1.".
+bool spells_not_a_number(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with("1.#")) text.remove_prefix(2);
+  for (std::string_view word : {"#IND", "#QNAN", "#SNAN", "#INF"})
+    if (text.starts_with(word)) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> split_csv(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[++i];
+    } else if (c == '"' && (quoted || cells.back().empty())) {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  for (std::string& cell : cells) cell = trimmed(cell);
+  return cells;
+}
+
+CellKind parse_cell(std::string_view text, double& value) {
+  text = bare(text);
+  if (text.empty()) return CellKind::empty;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && rest == text.data() + text.size())
+    return std::isfinite(value) ? CellKind::number : CellKind::not_finite;
+  return spells_not_a_number(text) ? CellKind::not_finite : CellKind::unreadable;
+}
+
+bool parse_integer(std::string_view text, std::int64_t& value) {
+  text = bare(text);
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && rest == text.data() + text.size();
+}
+
+const char* end_of_cell(const char* p, const char* end) {
+  bool quoted = false;
+  for (; p != end; ++p) {
+    if (*p == '"') quoted = !quoted;
+    if (*p == ',' && !quoted) return p;
+  }
+  return end;
+}
+
+}  // namespace trilat

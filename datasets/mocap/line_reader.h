@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trilat {
+
+// Lines of a text file of any length, read in blocks. Memory is bounded by one block and the
+// longest line allowed, 16 MiB.
+class LineReader {
+ public:
+  // InputError when the file cannot be opened.
+  LineReader(const std::filesystem::path& path, std::size_t block_bytes);
+  ~LineReader();
+  LineReader(const LineReader&) = delete;
+  LineReader& operator=(const LineReader&) = delete;
+
+  // The next line without its line ending; valid until the next call. False at the end.
+  bool next(std::string_view& line);
+  // Whether the line had its newline: only the file's last one may have none.
+  bool terminated() const { return terminated_; }
+  // "take.csv:17", the line that was read last.
+  std::string place() const;
+
+  // Puts the line read last back; once, before anything else is read.
+  void unread();
+
+ private:
+  void refill();
+
+  std::string path_;
+  int file_ = -1;
+  std::size_t block_bytes_;
+  std::vector<char> buffer_;
+  std::size_t line_begin_ = 0;  // of the line read last
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool at_end_ = false;
+  bool terminated_ = true;
+  std::int64_t line_ = 0;
+};
+
+}  // namespace trilat

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/mocap_take.h"
+
+namespace trilat {
+
+// Where in a row the numbers of an asset stand; kNoColumn where it has none.
+inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
+inline constexpr std::size_t kSlotsPerAsset = 7;
+inline constexpr std::array<std::string_view, kSlotsPerAsset> kSlotNames{
+    "rotation X", "rotation Y", "rotation Z", "rotation W", "position X", "position Y", "position Z"};
+using AssetColumns = std::array<std::size_t, kSlotsPerAsset>;
+
+struct MotiveLayout {
+  std::vector<AssetColumns> columns;  // one per asset of the header
+  std::size_t time_column = 1;
+  std::size_t used_columns = 0;     // up to the last one that has any heading
+  std::size_t written_columns = 0;  // with the empty ones a spreadsheet adds
+};
+
+struct MotiveHeader {
+  MocapHeader header;  // all but the first frame
+  MotiveLayout layout;
+};
+
+// Reads the header rows of Motive's column format (1.2 to 1.25), of which `first_line` has been
+// read already; the next line is the first of the data. Rows are known by what they say, never by
+// their number. InputError with the line where something is missing or contradictory.
+MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line);
+
+}  // namespace trilat

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/motive_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/csv_cell.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::int64_t kHighestFrame = 1'000'000'000;
+
+bool is_blank(std::string_view line) { return line.find_first_not_of(", \t\"") == std::string_view::npos; }
+
+std::size_t count_fields(std::string_view line) {
+  return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+}
+
+}  // namespace
+
+MotiveRows::MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layout)
+    : lines_(lines), header_(header), layout_(std::move(layout)) {
+  metres_ = metres_per(header.length_unit);
+  if (!std::isnan(header.export_rate_hz)) rate_uhz_ = std::llround(header.export_rate_hz * 1e6);
+  std::vector<std::size_t> all(header.assets.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  read_only(all);
+  std::string_view line;
+  while (lines_.next(line)) {
+    if (is_blank(line)) continue;
+    if (lines_.terminated() || count_fields(line) >= layout_.used_columns)
+      header.first_frame = read_index(line);
+    lines_.unread();
+    break;
+  }
+}
+
+void MotiveRows::read_only(const std::vector<std::size_t>& assets) {
+  assets_ = assets;
+  numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
+  target_.assign(layout_.used_columns, kNoColumn);
+  target_[layout_.time_column] = numbers_.size() - 1;
+  std::size_t last = layout_.time_column;
+  for (std::size_t i = 0; i < assets.size(); ++i)
+    for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot) {
+      const std::size_t column = layout_.columns.at(assets[i])[slot];
+      if (column == kNoColumn) continue;
+      target_[column] = kSlotsPerAsset * i + slot;
+      last = std::max(last, column);
+    }
+  target_.resize(last + 1);
+}
+
+bool MotiveRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
+  std::string_view line;
+  while (lines_.next(line)) {
+    if (is_blank(line)) continue;
+    if (!lines_.terminated()) {
+      anomalies.truncated_last_row = true;
+      if (count_fields(line) < layout_.used_columns) return false;
+      // Its last number may lack digits.
+      line = line.substr(0, line.rfind(',') + 1);
+    }
+    if (read_row(line, frame, anomalies)) return true;
+  }
+  return false;
+}
+
+bool MotiveRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies) {
+  const std::int64_t index = read_index(line);
+  std::ranges::fill(numbers_, kMissing);
+  not_finite_cells_ = 0;
+  const char* const end = line.data() + line.size();
+  std::size_t fields = 1;
+  const char* const p = read_cells(end_of_cell(line.data(), end), end, fields);
+  fields += static_cast<std::size_t>(std::count(p, end, ','));
+  if (fields > layout_.written_columns) ++anomalies.rows_with_extra_fields;
+  frame.index = index;
+  frame.printed_time_s = numbers_.back();
+  if (!set_time(frame, anomalies)) return false;
+  anomalies.not_finite_cells += not_finite_cells_;
+  frame.poses.assign(header_.assets.size(), MocapPose());
+  for (std::size_t i = 0; i < assets_.size(); ++i) set_pose(i, frame.poses[assets_[i]], anomalies);
+  return true;
+}
+
+std::int64_t MotiveRows::read_index(std::string_view line) const {
+  const auto cell = line.substr(
+      0, static_cast<std::size_t>(end_of_cell(line.data(), line.data() + line.size()) - line.data()));
+  std::int64_t index = 0;
+  if (!parse_integer(cell, index)) refuse_cell(0, cell, "is no frame number");
+  if (std::abs(index) > kHighestFrame) refuse_cell(0, cell, "is too large for a frame number");
+  return index;
+}
+
+// Stands at the comma before each cell; ends behind the last wanted one.
+const char* MotiveRows::read_cells(const char* p, const char* end, std::size_t& fields) {
+  for (std::size_t column = 1; column < target_.size() && p != end; ++column) {
+    ++p;
+    ++fields;
+    p = target_[column] == kNoColumn ? end_of_cell(p, end) : read_number(p, end, column);
+  }
+  return p;
+}
+
+const char* MotiveRows::read_number(const char* p, const char* end, std::size_t column) {
+  if (p == end || *p == ',') return p;
+  double& number = numbers_[target_[column]];
+  if (const char* const behind = parse_plain_decimal(p, end, number)) return behind;
+  const char* const behind = end_of_cell(p, end);
+  const std::string_view cell(p, static_cast<std::size_t>(behind - p));
+  number = kMissing;
+  switch (parse_cell(cell, number)) {
+    case CellKind::number:
+      break;
+    case CellKind::empty:
+      break;
+    case CellKind::not_finite:
+      number = kMissing;
+      ++not_finite_cells_;
+      break;
+    case CellKind::unreadable:
+      refuse_cell(column, cell, "is no number");
+  }
+  return behind;
+}
+
+bool MotiveRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
+  const double printed_s = frame.printed_time_s;
+  if (std::abs(printed_s) > kLatest_s)
+    refuse_cell(layout_.time_column, std::to_string(printed_s), "is no time of a take");
+  if (rate_uhz_ == 0 && std::isnan(printed_s))
+    throw InputError(lines_.place(),
+                     "the row has no time, and the header states no frame rate to make it from");
+  if (!started_) first_printed_s_ = printed_s;
+  const bool advances =
+      !started_ || (frame.index > last_index_ && (rate_uhz_ != 0 || printed_s > last_printed_s_));
+  if (!advances) {
+    ++anomalies.repeated_frames;
+    return false;
+  }
+  started_ = true;
+  last_index_ = frame.index;
+  last_printed_s_ = printed_s;
+  const double since_s = printed_s - first_printed_s_;
+  const Duration printed = duration_from_s(std::isnan(since_s) ? 0.0 : since_s);
+  if (rate_uhz_ == 0) {
+    frame.time = MocapTime{} + printed;
+    return true;
+  }
+  frame.time = MocapTime{} + duration_of_frames(frame.index - header_.first_frame, rate_uhz_);
+  if (!std::isnan(since_s) &&
+      std::abs((printed - (frame.time - MocapTime{})).ns) > duration_of_frames(1, rate_uhz_).ns)
+    ++anomalies.printed_time_differs;
+  return true;
+}
+
+void MotiveRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
+  const double* const position = &numbers_[kSlotsPerAsset * number + 4];
+  pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(pose.position_m[axis]) > kFarthest_m) {
+      const auto slot = static_cast<std::size_t>(4 + axis);
+      refuse_cell(layout_.columns[assets_[number]][slot],
+                  std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)),
+                  "is more than a kilometre");
+    }
+  if (pose.position_m.hasNaN()) {
+    if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
+    pose.position_m.setConstant(kMissing);
+  }
+  if (header_.assets[assets_[number]].has_rotation) set_rotation(number, pose, anomalies);
+}
+
+void MotiveRows::set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
+  const double* const rotation = &numbers_[kSlotsPerAsset * number];
+  const std::ptrdiff_t count = layout_.columns[assets_[number]][3] == kNoColumn ? 3 : 4;
+  const auto missing =
+      std::count_if(rotation, rotation + count, [](double component) { return std::isnan(component); });
+  if (missing > 0) {
+    if (missing < count) ++anomalies.partial_poses;
+    return;
+  }
+  pose.rotation = count == 3
+                      ? rotation_from_euler(rotation[0], rotation[1], rotation[2], header_.rotation_type)
+                      : rotation_from_printed(rotation[0], rotation[1], rotation[2], rotation[3]);
+  if (!pose.has_rotation()) ++anomalies.invalid_rotations;
+}
+
+void MotiveRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
+  std::string who = column == 0 ? "frame" : column == layout_.time_column ? "time" : "";
+  for (std::size_t i = 0; who.empty() && i < layout_.columns.size(); ++i)
+    for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot)
+      if (layout_.columns[i][slot] == column) who = key_of(header_, i) + ", " + std::string(kSlotNames[slot]);
+  throw InputError(lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
+                                       std::string(cell.substr(0, 40)) + "\" " + problem);
+}
+
+}  // namespace trilat

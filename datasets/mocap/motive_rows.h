@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/motive_header.h"
+#include "datasets/mocap/row_source.h"
+
+namespace trilat {
+
+// Data rows of Motive's column format. Time is the frame index times the export rate; only when
+// the header states no rate it is the printed one.
+class MotiveRows : public RowSource {
+ public:
+  // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and
+  // `header` must outlive the rows.
+  MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layout);
+  void read_only(const std::vector<std::size_t>& assets) override;
+  bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
+
+ private:
+  bool read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies);
+  std::int64_t read_index(std::string_view line) const;
+  const char* read_cells(const char* p, const char* end, std::size_t& fields);
+  const char* read_number(const char* p, const char* end, std::size_t column);
+  bool set_time(MocapFrame& frame, MocapAnomalies& anomalies);
+  void set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const;
+  void set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const;
+  [[noreturn]] void refuse_cell(std::size_t column, std::string_view cell, const char* problem) const;
+
+  LineReader& lines_;
+  const MocapHeader& header_;
+  MotiveLayout layout_;
+  std::vector<std::size_t> assets_;
+  std::vector<std::size_t> target_;  // of each column in numbers_; kNoColumn to skip it
+  std::vector<double> numbers_;      // of one row: kSlotsPerAsset an asset, and the printed time
+  std::int64_t not_finite_cells_ = 0;
+  double metres_ = 1.0;
+  std::int64_t rate_uhz_ = 0;  // 0: not stated
+  bool started_ = false;
+  std::int64_t last_index_ = 0;
+  double first_printed_s_ = kMissing;
+  double last_printed_s_ = kMissing;
+};
+
+}  // namespace trilat

@@ -1,0 +1,597 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/row_source.h"
+#include "tests/datasets/temporary_file.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string keys(const std::string& version, const std::string& unit = "Meters",
+                 const std::string& rotation = "Quaternion") {
+  return "Format Version," + version +
+         ",Take Name,walk,Take Notes,,Capture Frame Rate,100.000000,Export Frame Rate,100.000000,"
+         "Capture Start Time,2024-05-01 10.00.00.000 DU.,Total Frames in Take,9,"
+         "Total Exported Frames,9,Rotation Type," +
+         rotation + ",Length Units," + unit + ",Coordinate Space,Global\n";
+}
+
+std::string repeat(const std::string& text, int count) {
+  std::string result;
+  for (int i = 0; i < count; ++i) result += text;
+  return result;
+}
+
+// A rigid body with an error column, and a marker of the same name.
+const std::string kHeadings = ",Type" + repeat(",Rigid Body", 8) + repeat(",Marker", 3) + "\n,Name" +
+                              repeat(",Wand", 11) + "\n,ID" + repeat(",\"1F\"", 8) + repeat(",\"2A:77\"", 3) +
+                              "\n,,Rotation,Rotation,Rotation,Rotation," +
+                              "Position,Position,Position,Mean Marker Error" + repeat(",Position", 3) +
+                              "\nFrame,Time (Seconds),X,Y,Z,W,X,Y,Z,,X,Y,Z\n";
+const std::string kRows =
+    "0,0.000000,0,0,0,1,1.5,2.5,-3.5,0.0001,4,5,6\n"
+    "1,0.010000,0,0,0,1,1.6,2.5,-3.5,0.0001,,,\n"
+    "2,0.020000,,,,,,,,,4,5,7\n";
+
+const std::string kMarkerHeadings =
+    ",Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,\"1\",\"1\",\"1\"\n,,Position,Position,Position\n"
+    "Frame,Time (Seconds),X,Y,Z\n";
+
+MocapTake read(const std::string& text) { return read_optitrack_csv(TemporaryFile(text).path()); }
+
+struct Refusal {
+  std::string place;
+  std::string problem;
+};
+
+Refusal refusal_of(const std::string& text) {
+  const TemporaryFile file(text);
+  try {
+    read_optitrack_csv(file.path());
+  } catch (const InputError& error) {
+    const std::string& place = error.place();
+    const std::size_t size = file.path().string().size();
+    if (place.starts_with(file.path().string()))
+      return {std::string("F").append(place, size), error.problem()};
+    return {place, error.problem()};
+  }
+  return {"", "was read"};
+}
+
+void expect_wand(const MocapTake& take) {
+  ASSERT_EQ(take.header.assets.size(), 2u);
+  EXPECT_EQ(key_of(take.header, 0), "rigid_body:Wand");
+  EXPECT_EQ(key_of(take.header, 1), "marker:Wand");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[0].poses[0].position_m, Eigen::Vector3d(1.5, 2.5, -3.5));
+  EXPECT_EQ(take.frames[1].poses[0].position_m, Eigen::Vector3d(1.6, 2.5, -3.5));
+  EXPECT_TRUE(take.frames[0].poses[0].has_rotation());
+  EXPECT_FALSE(take.frames[2].poses[0].has_position());
+  EXPECT_FALSE(take.frames[2].poses[0].has_rotation());
+  EXPECT_EQ(take.frames[0].poses[1].position_m, Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(take.frames[1].poses[1].has_position());
+  EXPECT_EQ(take.frames[2].poses[1].position_m, Eigen::Vector3d(4, 5, 7));
+  EXPECT_EQ(take.frames[2].time.ns, 20'000'000);
+}
+
+TEST(MocapReader, ReadsEveryVersionWithLabelledRows) {
+  for (const char* version : {"1.22", "1.23", "1.24", "1.25"}) {
+    const MocapTake take = read(keys(version) + "\n" + kHeadings + kRows);
+    expect_wand(take);
+    EXPECT_EQ(take.header.format, std::string("Motive CSV ") + version);
+  }
+}
+
+TEST(MocapReader, KeepsWhatTheHeaderSays) {
+  const MocapHeader header = read(keys("1.23") + "\n" + kHeadings + kRows).header;
+  EXPECT_EQ(header.take_name, "walk");
+  EXPECT_EQ(header.take_notes, "");
+  EXPECT_EQ(header.capture_start_text, "2024-05-01 10.00.00.000 DU.");
+  EXPECT_EQ(header.capture_rate_hz, 100.0);
+  EXPECT_EQ(header.export_rate_hz, 100.0);
+  EXPECT_EQ(header.total_exported_frames, 9);
+  EXPECT_FALSE(header.capture_start_frame);
+  EXPECT_EQ(header.coordinate_space, "Global");
+  EXPECT_FALSE(header.left_handed);
+  EXPECT_EQ(header.assets[1].id, "2A:77");
+}
+
+TEST(MocapReader, ReadsVersionsWhoseRowsHaveNoLabels) {
+  for (const char* version : {"1.2", "1.21"}) {
+    const std::string rows =
+        "\n,,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
+        "Body,Rigid Body,Rigid Body,Marker,Marker,Marker\n," +
+        repeat(",Wand", 11) + "\n," + repeat(",\"1F\"", 11) +
+        "\n,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,"
+        "Error Per Marker,Position,Position,Position\n"
+        "Frame,Time,X,Y,Z,W,X,Y,Z,,X,Y,Z\n";
+    expect_wand(read(keys(version) + rows + kRows));
+  }
+}
+
+TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
+  const MocapTake take =
+      read(keys("1.24") +
+           "\n,Type,,Marker,Marker,Marker\n,Name,,a,a,a\n,ID,,\"1\",\"1\",\"1\"\n,,,Position,"
+           "Position,Position\nFrame,Time (Seconds),TimeCode,X,Y,Z\n"
+           "7,0.07,15:26:46:12.02,1,2,3\n");
+  EXPECT_EQ(take.frames.at(0).poses.at(0).position_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(take.frames[0].printed_time_s, 0.07);
+}
+
+TEST(MocapReader, KeepsTheParentsOfBones) {
+  const MocapTake take =
+      read(keys("1.25") +
+           "\n,Type,Bone,Bone,Bone\n,Name,P:Head,P:Head,P:Head\n,ID,1,1,1\n,Parent,P:Neck,P:Neck,"
+           "P:Neck\n,,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
+  EXPECT_EQ(take.header.assets.at(0).type, AssetType::bone);
+  EXPECT_EQ(take.header.assets[0].parent, "P:Neck");
+}
+
+TEST(MocapReader, ReadsWhatASpreadsheetHasSaved) {
+  std::string text = std::string("\xEF\xBB\xBF").append(keys("1.23"));
+  text.insert(text.size() - 1, ",,,,");
+  text += ",,,,,,,,,,,,,,,,\n" + kHeadings + kRows + ",,,,,,\n";
+  std::string crlf;
+  for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const MocapTake take = read(crlf);
+  expect_wand(take);
+  EXPECT_EQ(take.header.coordinate_space, "Global");
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
+}
+
+TEST(MocapReader, TakesCommasInTheTakeName) {
+  std::string text = keys("1.23") + "\n" + kHeadings + kRows;
+  text.replace(text.find("walk"), 4, "walk, then run");
+  EXPECT_EQ(read(text).header.take_name, "walk,then run");
+  text.replace(text.find("walk, then run"), 14, "\"walk, then run\"");
+  EXPECT_EQ(read(text).header.take_name, "walk, then run");
+}
+
+TEST(MocapReader, ConvertsEveryUnitToMetres) {
+  const std::vector<std::pair<std::string, double>> units{
+      {"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}, {"Inches", 0.0254}, {"Feet", 0.3048}};
+  for (const auto& [unit, metres] : units) {
+    const MocapTake take = read(keys("1.23", unit) + "\n" + kMarkerHeadings + "0,0,100,200,-50\n");
+    EXPECT_TRUE(
+        take.frames.at(0).poses.at(0).position_m.isApprox(Eigen::Vector3d(100, 200, -50) * metres, 1e-15))
+        << unit;
+  }
+}
+
+std::string euler_take(const std::string& order) {
+  return keys("1.23", "Meters", order) + "\n,Type" + repeat(",Rigid Body", 6) + "\n,Name" + repeat(",b", 6) +
+         "\n,ID" + repeat(",1", 6) +
+         "\n,,Rotation,Rotation,Rotation,Position,Position,Position\n"
+         "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n0,0,90,0,0,0,0,0\n1,0.01,90,90,0,0,0,0\n"
+         "2,0.02,10,20,30,0,0,0\n";
+}
+
+TEST(MocapReader, TurnsEulerAnglesOfEveryOrderIntoQuaternions) {
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  for (const char* order : {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"}) {
+    const MocapTake take = read(euler_take(order));
+    EXPECT_TRUE((take.frames.at(0).poses[0].rotation * z).isApprox(Eigen::Vector3d(0, -1, 0), 1e-12))
+        << order;
+    Eigen::Matrix3d product = Eigen::Matrix3d::Identity();
+    for (const char axis : std::string(order))
+      product *= Eigen::AngleAxisd((axis - 'X' + 1) * 10.0 * kRadPerDegree, Eigen::Vector3d::Unit(axis - 'X'))
+                     .toRotationMatrix();
+    EXPECT_TRUE(take.frames.at(2).poses[0].rotation.toRotationMatrix().isApprox(product, 1e-12)) << order;
+  }
+  // First about x, then about the turned y, which points along z: z goes to -y and then to x.
+  EXPECT_TRUE(
+      (read(euler_take("XYZ")).frames.at(1).poses[0].rotation * z).isApprox(Eigen::Vector3d(1, 0, 0), 1e-12));
+  EXPECT_TRUE((read(euler_take("YXZ")).frames.at(1).poses[0].rotation * z)
+                  .isApprox(Eigen::Vector3d(0, -1, 0), 1e-12));
+}
+
+TEST(MocapReader, RefusesThreeRotationColumnsWithoutAnOrder) {
+  const Refusal refusal = refusal_of(euler_take("Quaternion"));
+  EXPECT_EQ(refusal.place, "F:7");
+  EXPECT_THAT(refusal.problem, AllOf(HasSubstr("rigid_body \"b\""), HasSubstr("XYZ")));
+}
+
+TEST(MocapReader, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
+  std::string head = keys("1.23");
+  head.replace(head.find("Export Frame Rate,100.000000"), 28, "Export Frame Rate,360.000000");
+  const MocapTake take =
+      read(head + "\n" + kMarkerHeadings + "0,0.000,1,2,3\n1,0.003,1,2,3\n2,0.006,1,2,3\n");
+  EXPECT_EQ(take.frames.at(1).time.ns, 2'777'778);
+  EXPECT_EQ(take.frames.at(2).time.ns, 5'555'556);
+  EXPECT_EQ(take.anomalies.printed_time_differs, 0);
+}
+
+TEST(MocapReader, FrameTimesAreExactAfterADay) {
+  EXPECT_EQ(duration_of_frames(0, 120'000'000).ns, 0);
+  EXPECT_EQ(duration_of_frames(1, 120'000'000).ns, 8'333'333);
+  EXPECT_EQ(duration_of_frames(2, 120'000'000).ns, 16'666'667);
+  EXPECT_EQ(duration_of_frames(86'400LL * 120 + 1, 120'000'000).ns, 86'400'008'333'333);
+  EXPECT_EQ(duration_of_frames(29'970'030, 29'970'030).ns, 1'000'000'000'000'000);
+}
+
+TEST(MocapReader, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
+  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+                              "72210,722.1,1,2,3\n72211,722.11,1,2,3\n"
+                              "72300,723,1,2,3\n");
+  EXPECT_EQ(take.header.first_frame, 72210);
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[0].time.ns, 0);
+  EXPECT_EQ(take.frames[2].index, 72300);
+  EXPECT_EQ(take.frames[2].time.ns, 900'000'000);
+  EXPECT_EQ(take.anomalies.printed_time_differs, 0);
+}
+
+TEST(MocapReader, CountsPrintedTimesThatDoNotFitTheRate) {
+  const MocapTake take =
+      read(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.02,1,2,3\n2,0.04,1,2,3\n");
+  EXPECT_EQ(take.frames.at(2).time.ns, 20'000'000);
+  EXPECT_EQ(take.anomalies.printed_time_differs, 1);
+}
+
+TEST(MocapReader, UsesPrintedTimesOnlyWhenNoRateIsStated) {
+  std::string head = keys("1.23");
+  head.erase(head.find("Capture Frame Rate"),
+             head.find("Capture Start Time") - head.find("Capture Frame Rate"));
+  const MocapTake take = read(head + "\n" + kMarkerHeadings + "5,1.5,1,2,3\n6,1.75,1,2,3\n");
+  EXPECT_TRUE(std::isnan(take.header.export_rate_hz));
+  EXPECT_EQ(take.frames.at(1).time.ns, 250'000'000);
+  EXPECT_EQ(refusal_of(head + "\n" + kMarkerHeadings + "5,,1,2,3\n").place, "F:8");
+}
+
+TEST(MocapReader, ReadsAnExportWithoutAnyAsset) {
+  const MocapTake take = read(keys("1.23") +
+                              "\n,Type\n,Name\n,ID\n,\nFrame,Time (Seconds)\n"
+                              "0,0.000000\n1,0.010000\n");
+  EXPECT_TRUE(take.header.assets.empty());
+  EXPECT_EQ(take.frames.size(), 2u);
+}
+
+TEST(MocapReader, ReadsAHeaderWithoutRows) {
+  EXPECT_TRUE(read(keys("1.23") + "\n" + kMarkerHeadings).frames.empty());
+}
+
+TEST(MocapReader, GivesUnnamedColumnsAName) {
+  const MocapTake take = read(keys("1.23") +
+                              "\n,Type,Marker,Marker,Marker\n,Name,,,\n,ID,,,\n,,Position,Position,"
+                              "Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
+  EXPECT_EQ(key_of(take.header, 0), "marker:column 3");
+}
+
+TEST(MocapReader, KeepsTwoAssetsOfOneTypeAndNameApart) {
+  const std::string text = keys("1.23") + "\n,Type" + repeat(",Marker", 9) + "\n,Name" + repeat(",a", 9) +
+                           "\n,ID" + repeat(",1", 3) + repeat(",2", 6) + "\n," + repeat(",Position", 9) +
+                           "\nFrame,Time (Seconds)" + repeat(",X,Y,Z", 3) + "\n0,0,1,1,1,2,2,2,3,3,3\n";
+  const MocapTake take = read(text);
+  ASSERT_EQ(take.header.assets.size(), 3u);
+  EXPECT_EQ(take.frames.at(0).poses[2].position_m.x(), 3.0);
+  EXPECT_EQ(find_asset(take.header, "a#1", "map"), 0u);
+  EXPECT_THROW(find_asset(take.header, "marker:a#2", "map"), InputError);
+}
+
+TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
+  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+                              "0,0,NAN,nan,NaN\n1,0.01,-1.#IND0000,#IND,1.#QNAN\n"
+                              "2,0.02,inf,-Infinity,1.#INF\n3,0.03, 1 ,\"2\",+3e0\n");
+  for (int i = 0; i < 3; ++i)
+    EXPECT_FALSE(take.frames.at(static_cast<std::size_t>(i)).poses[0].has_position());
+  EXPECT_EQ(take.frames.at(3).poses[0].position_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(take.anomalies.not_finite_cells, 9);
+}
+
+TEST(MocapReader, DeliversSentinelsAsTheyStand) {
+  const MocapTake take = read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,-1,0,0,0,,,,\n");
+  EXPECT_EQ(take.frames.at(0).poses[0].position_m, Eigen::Vector3d::Zero());
+  EXPECT_EQ(take.frames[0].poses[0].rotation.w(), -1.0);
+}
+
+TEST(MocapReader, DropsHalfAPoseAndCountsIt) {
+  const MocapTake take =
+      read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");
+  EXPECT_FALSE(take.frames.at(0).poses[0].has_rotation());
+  EXPECT_TRUE(take.frames[0].poses[0].has_position());
+  EXPECT_FALSE(take.frames[0].poses[1].has_position());
+  EXPECT_EQ(take.anomalies.partial_poses, 2);
+  EXPECT_FALSE(take.frames.at(1).poses[0].has_rotation());
+  EXPECT_EQ(take.anomalies.invalid_rotations, 1);
+}
+
+TEST(MocapReader, LivesWithCutAndOverlongRows) {
+  const MocapTake take =
+      read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,2,3\n1,0.01,0,0,0,1,1,2,3,,4,5,6,7\n2,0.02\n\n");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[0].poses[0].position_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_FALSE(take.frames[0].poses[1].has_position());
+  EXPECT_EQ(take.frames[1].poses[1].position_m, Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(take.frames[2].poses[0].has_position());
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 1);
+}
+
+TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
+  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+                              "3,0,1,2,3\n3,0,9,9,9\n4,0.01,1,2,4\n2,0,9,9,9\n5,0.02,1,2,5\n");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
+  EXPECT_EQ(take.anomalies.repeated_frames, 2);
+}
+
+TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
+  const std::string whole = keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n";
+  EXPECT_FALSE(read(whole).anomalies.truncated_last_row);
+  const MocapTake cut = read(whole + "1,0.01,1,2");
+  EXPECT_EQ(cut.frames.size(), 1u);
+  EXPECT_TRUE(cut.anomalies.truncated_last_row);
+  const MocapTake cut_in_number = read(whole + "1,0.01,1,2,-");
+  ASSERT_EQ(cut_in_number.frames.size(), 2u);
+  EXPECT_FALSE(cut_in_number.frames[1].poses[0].has_position());
+  EXPECT_TRUE(cut_in_number.anomalies.truncated_last_row);
+  EXPECT_EQ(read(keys("1.23") + "\n" + kMarkerHeadings + "12").frames.size(), 0u);
+  EXPECT_EQ(read(keys("1.23") + "\n" + kMarkerHeadings + "12,0,1,2,3").frames.at(0).time.ns, 0);
+}
+
+TEST(MocapReader, ReadsOnlyWhatIsWanted) {
+  const TemporaryFile file(keys("1.23") + "\n" + kHeadings + "0,0,x,x,x,x,x,x,x,x,4,5,6\n");
+  OptitrackCsvReader reader(file.path());
+  reader.read_only({1});
+  MocapFrame frame;
+  ASSERT_TRUE(reader.next(frame));
+  ASSERT_EQ(frame.poses.size(), 2u);
+  EXPECT_FALSE(frame.poses[0].has_position());
+  EXPECT_EQ(frame.poses[1].position_m, Eigen::Vector3d(4, 5, 6));
+  EXPECT_FALSE(reader.next(frame));
+}
+
+TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
+  const Refusal text = refusal_of(keys("1.23") + "\n" + kHeadings + kRows + "3,0.03,0,0,0,1,1,abc,3\n");
+  EXPECT_EQ(text.place, "F:11");
+  EXPECT_THAT(text.problem,
+              AllOf(HasSubstr("column 8"), HasSubstr("rigid_body:Wand, position Y"), HasSubstr("\"abc\"")));
+  const Refusal far = refusal_of(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,1,1,,4,5,1001\n");
+  EXPECT_EQ(far.place, "F:8");
+  EXPECT_THAT(far.problem, AllOf(HasSubstr("marker:Wand, position Z"), HasSubstr("kilometre")));
+  const Refusal frame = refusal_of(keys("1.23") + "\n" + kHeadings + "0.5,0,0,0,0,1,1,1,1\n");
+  EXPECT_EQ(frame.place, "F:8");
+  EXPECT_THAT(frame.problem, HasSubstr("frame number"));
+  EXPECT_THAT(refusal_of(keys("1.23") + "\n" + kMarkerHeadings + "0,1e300,1,2,3\n").problem,
+              HasSubstr("column 2 (time)"));
+}
+
+TEST(MocapReader, SaysWhichHeaderValueIsWrong) {
+  const Refusal unit = refusal_of(keys("1.23", "Furlongs") + "\n" + kHeadings);
+  EXPECT_EQ(unit.place, "F:1");
+  EXPECT_THAT(unit.problem, AllOf(HasSubstr("\"Length Units\" is \"Furlongs\""), HasSubstr("Feet")));
+  std::string rate = keys("1.23");
+  rate.replace(rate.find("Export Frame Rate,100"), 21, "Export Frame Rate,-10");
+  EXPECT_THAT(refusal_of(rate + "\n" + kHeadings).problem, HasSubstr("Export Frame Rate"));
+}
+
+TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
+  const Refusal refusal = refusal_of(keys("1.23") +
+                                     "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,"
+                                     "Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
+  EXPECT_EQ(refusal.place, "F:7");
+  EXPECT_THAT(refusal.problem, HasSubstr("marker \"a\""));
+}
+
+TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
+  EXPECT_EQ(refusal_of("").place, "F:1");
+  EXPECT_THAT(refusal_of("").problem, HasSubstr("empty"));
+  for (const std::string& text :
+       {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12), std::string(5000, '\0'),
+        std::string("PathFileType\t4\t(X/Y/Z)\tx.trc\n")}) {
+    EXPECT_EQ(refusal_of(text).place, "F:1");
+    EXPECT_THAT(refusal_of(text).problem, HasSubstr("no OptiTrack export"));
+  }
+  EXPECT_THAT(refusal_of("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
+  EXPECT_THAT(refusal_of("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
+  EXPECT_THAT(refusal_of(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
+  EXPECT_THROW(OptitrackCsvReader("/nowhere/take.csv"), InputError);
+}
+
+TEST(MocapReader, RefusesALineThatNeverEnds) {
+  const Refusal refusal =
+      refusal_of(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n" + std::string(18u << 20, '1') + "\n");
+  EXPECT_EQ(refusal.place, "F:9");
+  EXPECT_THAT(refusal.problem, HasSubstr("16 MiB"));
+}
+
+TEST(MocapReader, PlainDecimalsAreReadAsTheLibraryReadsThem) {
+  for (const char* text : {"0", "-0.000001", "3.717927", "-2659.741943", "123456789012345", ".5", "5.", "0.1",
+                           "0.30000000000000", "-0"}) {
+    double value = 1.0;
+    const std::string_view view(text);
+    ASSERT_EQ(parse_plain_decimal(view.data(), view.data() + view.size(), value), view.data() + view.size())
+        << text;
+    EXPECT_EQ(value, std::strtod(text, nullptr)) << text;
+  }
+  for (const char* text :
+       {"", "-", ".", "1e3", "1234567890123456", "99999999999999999999999999", "1.5x", " 1", "+1", "nan"}) {
+    double value = 1.0;
+    const std::string_view view(text);
+    EXPECT_EQ(parse_plain_decimal(view.data(), view.data() + view.size(), value), nullptr) << text;
+  }
+}
+
+void expect_same(const MocapTake& a, const MocapTake& b) {
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (std::size_t i = 0; i < a.frames.size(); ++i) {
+    EXPECT_EQ(a.frames[i].index, b.frames[i].index);
+    EXPECT_EQ(a.frames[i].time, b.frames[i].time);
+    for (std::size_t j = 0; j < a.header.assets.size(); ++j) {
+      EXPECT_EQ(a.frames[i].poses[j].has_position(), b.frames[i].poses[j].has_position());
+      if (a.frames[i].poses[j].has_position()) {
+        EXPECT_EQ(a.frames[i].poses[j].position_m, b.frames[i].poses[j].position_m);
+      }
+    }
+  }
+}
+
+MocapTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
+  const TemporaryFile file(text);
+  OptitrackCsvReader reader(file.path(), {.block_bytes = block_bytes});
+  MocapTake take;
+  for (MocapFrame frame; reader.next(frame);) take.frames.push_back(frame);
+  take.header = reader.header();
+  return take;
+}
+
+const std::string kRowFormat10 =
+    "comment,\"== own test file\"\nrighthanded\ninfo,framecount,3\ninfo,trackablecount,2\n"
+    "trackable,\"left, hand\",3,2,0.1,0,0,-0.1,0,0\ntrackable,\"wand\",1,1,0,0,0\n"
+    "frame,10,5.0210,1,3,1,2,3,0,0,0,1,0,0,0,2,1.1,2,3,0,0.9,2,3,0\n"
+    "trackable,10,5.0210,\"left, hand\",3,0,2,1.1,2,3,0.9,2,3,1.101,2,3,NAN,NAN,NAN,1,0,0.5,0,0.1\n"
+    "trackable,10,5.0210,\"wand\",1,77,1,7,7,7,NAN,NAN,NAN,0,0,0.1\n"
+    "frame,11,5.0252,2,3,1,2,3.5,0,0,0,1,0,0,0,1,-1,0,-2,0,0,1,0,0,0,0,0\n"
+    "trackable,11,5.0252,\"left, hand\",3,0,2,1.1,2,3,0.9,2,3,1.101,2,3,NAN,NAN,NAN,1,0,0.5,0,0.1\n"
+    "trackable,11,5.0252,\"wand\",1,0,1,-1,0,-2,-1,0,-2,1,1,0.1\n"
+    "frame,13,5.0291,0,0\n";
+
+TEST(MocapReader, ReadsTheOldRowFormat) {
+  const MocapTake take = read(kRowFormat10);
+  EXPECT_EQ(take.header.format, "OptiTrack row format 1.0");
+  EXPECT_TRUE(std::isnan(take.header.export_rate_hz));
+  EXPECT_EQ(take.header.total_exported_frames, 3);
+  EXPECT_EQ(take.header.first_frame, 10);
+  ASSERT_EQ(take.header.assets.size(), 8u);
+  EXPECT_EQ(take.header.assets[0].name, "left, hand");
+  const std::size_t hand = find_asset(take.header, "rigid_body:left, hand", "map");
+  const std::size_t wand = find_asset(take.header, "wand", "map");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[0].poses[hand].position_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_FALSE(take.frames[0].poses[wand].has_position());
+  EXPECT_EQ(take.frames[1].poses[wand].rotation.z(), 1.0);
+  EXPECT_FALSE(take.frames[2].poses[hand].has_position());
+  EXPECT_EQ(take.frames[1].time.ns, 4'200'000);
+  EXPECT_EQ(take.frames[2].time.ns, 8'100'000);
+}
+
+TEST(MocapReader, OldRowsTellSolvedFromMeasuredMarkersAndLostBodies) {
+  const MocapTake take = read(kRowFormat10);
+  const auto pose = [&](std::size_t frame, const char* key) {
+    return take.frames.at(frame).poses[find_asset(take.header, key, "map")];
+  };
+  EXPECT_EQ(pose(0, "rigid_body_marker:left, hand:Marker2").position_m, Eigen::Vector3d(0.9, 2, 3));
+  EXPECT_EQ(pose(0, "marker:left, hand:Marker1").position_m, Eigen::Vector3d(1.101, 2, 3));
+  EXPECT_FALSE(pose(0, "marker:left, hand:Marker2").has_position());
+  EXPECT_FALSE(pose(0, "rigid_body_marker:wand:Marker1").has_position());
+  EXPECT_TRUE(pose(1, "rigid_body_marker:wand:Marker1").has_position());
+  EXPECT_EQ(take.anomalies.partial_poses, 0);
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
+}
+
+const std::string kRowFormat11 =
+    "comment,\"own\"\nlefthanded\ninfo,version,1.1\ninfo,framecount,2\ninfo,rigidbodycount,1\n"
+    "rigidbody,\"Body 1\",1,1,0,0,0\n"
+    "frame,0,0.00000000,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n"
+    "rigidbody,0,0.00000000,\"Body 1\",1,0,1,1,2,3,6,1,2,3.5,1,0.5,0.001\n"
+    "frame,1,0.00833333,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n";
+
+TEST(MocapReader, ReadsTheNewerRowFormatAndMirrorsALeftHandedOne) {
+  const MocapTake take = read(kRowFormat11);
+  EXPECT_EQ(take.header.format, "OptiTrack row format 1.1");
+  EXPECT_TRUE(take.header.left_handed);
+  ASSERT_EQ(take.frames.size(), 2u);
+  const MocapPose& body = take.frames[0].poses[0];
+  EXPECT_EQ(body.position_m, Eigen::Vector3d(1, 2, -3));
+  EXPECT_NEAR(body.rotation.x(), -0.6, 1e-12);
+  EXPECT_NEAR(body.rotation.w(), 0.8, 1e-12);
+  EXPECT_EQ(take.frames[0].poses[find_asset(take.header, "marker:Body 1:Marker1", "map")].position_m,
+            Eigen::Vector3d(1, 2, -3.5));
+  EXPECT_EQ(take.frames[1].time.ns, 8'333'330);
+}
+
+TEST(MocapReader, MirroringKeepsRotatedPointsMirrored) {
+  const Eigen::Vector3d point(0.3, -0.7, 1.1);
+  const auto mirrored = [](Eigen::Vector3d p) { return Eigen::Vector3d(p.x(), p.y(), -p.z()); };
+  MocapPose pose;
+  pose.position_m = {1, 2, 3};
+  pose.rotation = Eigen::Quaterniond(0.5, 0.1, -0.7, 0.3).normalized();
+  const Eigen::Vector3d before = pose.rotation * point + pose.position_m;
+  make_right_handed(pose);
+  EXPECT_TRUE((pose.rotation * mirrored(point) + pose.position_m).isApprox(mirrored(before), 1e-12));
+}
+
+TEST(MocapReader, LivesWithRepeatedIndicesAndExtraFieldsInOldRows) {
+  const std::string head = "comment,x\nrighthanded\ninfo,version,1\ntrackable,b,1,0\n";
+  const MocapTake take = read(head +
+                              "frame,0,10.0,1,1,1,2,3,0,0,0,1,0,0,0,0,\n"
+                              "frame,0,10.1,1,1,1,2,4,0,0,0,1,0,0,0,0\n"
+                              "frame,1,10.1,1,1,1,2,5,0,0,0,1,0,0,0,0\n");
+  ASSERT_EQ(take.frames.size(), 2u);
+  EXPECT_EQ(take.frames[1].time.ns, 100'000'000);
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 1);
+  EXPECT_EQ(take.anomalies.repeated_frames, 1);
+}
+
+TEST(MocapReader, RefusesBadOldRowsWithTheirLine) {
+  const std::string head = "comment,x\nrighthanded\ntrackable,b,1,0\n";
+  const Refusal unknown = refusal_of(head + "frame,0,0,0,0\nfrobnicate,1\n");
+  EXPECT_EQ(unknown.place, "F:5");
+  EXPECT_THAT(unknown.problem, AllOf(HasSubstr("frobnicate"), HasSubstr("known are")));
+  const Refusal body = refusal_of(head + "frame,0,0,1,9,1,2,3,0,0,0,1,0,0,0,0\n");
+  EXPECT_EQ(body.place, "F:4");
+  EXPECT_THAT(body.problem, HasSubstr("body ID 9"));
+  EXPECT_THAT(refusal_of(head + "frame,0,0,1,1,1,2\n").problem, HasSubstr("too early"));
+  EXPECT_THAT(refusal_of(head + "frame,0,0,1,1,x,2,3,0,0,0,1,0,0,0,0\n").problem,
+              HasSubstr("column 6: \"x\""));
+  EXPECT_EQ(refusal_of(head + "trackable,c,1,0\n").place, "F:4");
+  EXPECT_EQ(read(head + "frame,0,0,1,1,1,2").frames.size(), 0u);
+}
+
+TEST(MocapReader, ReadsTheSameInBlocksOfAnySize) {
+  for (const std::string& text : {keys("1.23") + "\n" + kHeadings + kRows, kRowFormat10, kRowFormat11}) {
+    const MocapTake whole = read(text);
+    for (const std::size_t block_bytes : {1u, 2u, 3u, 7u, 64u, 1000u})
+      expect_same(read_in_blocks(text, block_bytes), whole);
+  }
+}
+
+TEST(MocapAssets, AreFoundByNameAndTypeAndListedWhenNot) {
+  const MocapHeader header = read(keys("1.23") + "\n" + kHeadings + kRows).header;
+  EXPECT_EQ(find_asset(header, "rigid_body:Wand", "map.json /head"), 0u);
+  EXPECT_EQ(find_asset(header, "marker:Wand", "map.json /head"), 1u);
+  EXPECT_EQ(find_asset(header, "Wand#2A:77", "map.json /head"), 1u);
+  try {
+    find_asset(header, "Wand", "map.json /head");
+    FAIL() << "an ambiguous name was taken";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place(), "map.json /head");
+    EXPECT_THAT(error.problem(), HasSubstr("rigid_body:Wand, marker:Wand"));
+  }
+  try {
+    find_asset(header, "Wind", "map.json /head");
+    FAIL() << "an unknown name was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.problem(),
+                AllOf(HasSubstr("\"Wind\""), HasSubstr("rigid_body:Wand"), Not(HasSubstr("more"))));
+  }
+}
+
+TEST(MocapAssets, ALongListIsCut) {
+  MocapHeader header;
+  for (int i = 0; i < 27; ++i)
+    header.assets.push_back({.type = AssetType::marker,
+                             .name = std::string("m").append(std::to_string(i)),
+                             .id = {},
+                             .parent = {}});
+  try {
+    find_asset(header, "x", "map");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.problem(), AllOf(HasSubstr("marker:m19 and 7 more"), Not(HasSubstr("m20"))));
+  }
+}
+
+}  // namespace
+}  // namespace trilat

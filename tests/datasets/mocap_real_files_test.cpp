@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+// Exports of other people's systems. The expected numbers were counted with Python's csv module.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+
+namespace trilat {
+namespace {
+
+const std::filesystem::path kFolder =
+    std::filesystem::path(TRILAT_SOURCE_DIR) / ".." / "shared" / "data" / "optitrack";
+
+struct RealFile {
+  const char* path;
+  const char* format;
+  const char* take_name;
+  LengthUnit unit;
+  double rate_hz;
+  std::int64_t first_frame;
+  std::int64_t frames;
+  std::int64_t stated_frames;
+  std::int64_t index_gaps;
+  std::int64_t skipped_frames;
+  double duration_s;
+  double largest_time_error_s;
+  std::vector<std::pair<const char*, std::int64_t>> samples;  // of every asset, in order
+};
+
+void PrintTo(const RealFile& file, std::ostream* stream) { *stream << file.path; }
+
+const std::vector<RealFile>& real_files() {
+  static const std::vector<RealFile> files{
+      {"cmu-hmv-s16/sample_optitrack_take.csv",
+       "Motive CSV 1.21",
+       "Take 2016-01-05 03.49.50 PM",
+       LengthUnit::metre,
+       120.0,
+       0,
+       250,
+       250,
+       0,
+       0,
+       2.075,
+       0.000000333,
+       {{"rigid_body:Rigid Body 1", 250},
+        {"rigid_body_marker:Rigid Body 1_1", 250},
+        {"rigid_body_marker:Rigid Body 1_2", 250},
+        {"rigid_body_marker:Rigid Body 1_3", 250},
+        {"marker:Unlabeled:108", 250},
+        {"marker:Unlabeled:110", 250},
+        {"marker:Unlabeled:111", 250},
+        {"marker:Rigid Body 1:Marker1", 250},
+        {"marker:Rigid Body 1:Marker2", 250},
+        {"marker:Rigid Body 1:Marker3", 250},
+        {"marker:Unlabeled:105", 0},
+        {"marker:Unlabeled:107", 0},
+        {"marker:Unlabeled:106", 0}}},
+      {"ha5dzs/test_default.csv",
+       "Motive CSV 1.23",
+       "test",
+       LengthUnit::millimetre,
+       360.0,
+       0,
+       1353,
+       1353,
+       0,
+       0,
+       3.755555556,
+       0.000444444,
+       {}},
+      {"ha5dzs/test_markers_enabled.csv",
+       "Motive CSV 1.23",
+       "test",
+       LengthUnit::millimetre,
+       360.0,
+       0,
+       1353,
+       1353,
+       0,
+       0,
+       3.755555556,
+       0.000444444,
+       {{"marker:Unlabeled 1036", 1353},
+        {"marker:Unlabeled 1037", 1353},
+        {"marker:Unlabeled 1038", 1353},
+        {"marker:Unlabeled 1039", 1353},
+        {"marker:Unlabeled 1040", 1353},
+        {"marker:Unlabeled 1041", 1353},
+        {"marker:Unlabeled 1042", 1353},
+        {"marker:Unlabeled 1043", 1353},
+        {"marker:Unlabeled 1044", 1353},
+        {"marker:Unlabeled 1045", 1353},
+        {"marker:Unlabeled 1046", 1353},
+        {"marker:Unlabeled 1047", 1353},
+        {"marker:Unlabeled 1048", 1353},
+        {"marker:Unlabeled 1049", 1353},
+        {"marker:Unlabeled 1050", 1353},
+        {"marker:Unlabeled 1051", 1005},
+        {"marker:Unlabeled 1052", 1004},
+        {"marker:Unlabeled 1053", 1}}},
+      {"parse_optitrack_csv/test.csv",
+       "Motive CSV 1.23",
+       "Take 2020-01-16 07.07.58 PM",
+       LengthUnit::metre,
+       120.0,
+       0,
+       499,
+       499,
+       0,
+       0,
+       4.15,
+       0.000000333,
+       {{"rigid_body:ernesto_body", 498},
+        {"rigid_body_marker:ernesto_body:Marker1", 498},
+        {"rigid_body_marker:ernesto_body:Marker2", 498},
+        {"rigid_body_marker:ernesto_body:Marker3", 498},
+        {"rigid_body_marker:ernesto_body:Marker4", 498},
+        {"marker:ernesto_body:Marker1", 499},
+        {"marker:ernesto_body:Marker2", 499},
+        {"marker:ernesto_body:Marker3", 499},
+        {"marker:ernesto_body:Marker4", 499}}},
+      {"pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv",
+       "Motive CSV 1.23",
+       "2020-03-07_Ard_her_20-317L_4jts_6fthr_ROM_001",
+       LengthUnit::millimetre,
+       30.0,
+       0,
+       2032,
+       2032,
+       0,
+       0,
+       67.7,
+       0.000000333,
+       {{"marker:Ard_her_20-317L_4jt7wing:cmc", 2032},
+        {"marker:Ard_her_20-317L_4jt7wing:cmc_leading", 2032},
+        {"marker:Ard_her_20-317L_4jt7wing:elbow", 2017},
+        {"marker:Ard_her_20-317L_4jt7wing:humerus", 2022},
+        {"marker:Ard_her_20-317L_4jt7wing:humerus_leading", 1928},
+        {"marker:Ard_her_20-317L_4jt7wing:p10", 1934},
+        {"marker:Ard_her_20-317L_4jt7wing:p7", 2031},
+        {"marker:Ard_her_20-317L_4jt7wing:s1", 1675},
+        {"marker:Ard_her_20-317L_4jt7wing:s10", 1979},
+        {"marker:Ard_her_20-317L_4jt7wing:wrist", 2026},
+        {"marker:Ard_her_20-317L_4jt7wing:wrist_leading", 2031}}},
+      {"pathviewr/pathviewr_motive_example_data.csv",
+       "Motive CSV 1.23",
+       "sept-18_mixed-group_16-30",
+       LengthUnit::metre,
+       100.0,
+       72210,
+       934,
+       190951,
+       4,
+       31957,
+       328.9,
+       0.0,
+       {{"rigid_body:device02", 933}, {"rigid_body:device03", 932}, {"rigid_body:device05", 748}}},
+      {"pathviewr/projectile_vel_test.csv",
+       "Motive CSV 1.23",
+       "projectile_vel_test_002",
+       LengthUnit::metre,
+       100.0,
+       0,
+       826,
+       826,
+       0,
+       0,
+       8.25,
+       0.0,
+       {{"marker:Unlabeled 2379", 60},
+        {"marker:Unlabeled 2380", 13},
+        {"marker:Unlabeled 2381", 19},
+        {"marker:Unlabeled 2382", 93},
+        {"marker:Unlabeled 2383", 102}}},
+  };
+  return files;
+}
+
+class MocapRealFile : public testing::TestWithParam<RealFile> {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kFolder / GetParam().path))
+      GTEST_SKIP() << "the folder " << kFolder.string() << " with " << GetParam().path << " is not there";
+  }
+};
+
+TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
+  const RealFile& expected = GetParam();
+  OptitrackCsvReader reader(kFolder / expected.path);
+  const MocapHeader& header = reader.header();
+  EXPECT_EQ(header.format, expected.format);
+  EXPECT_EQ(header.take_name, expected.take_name);
+  EXPECT_EQ(header.length_unit, expected.unit);
+  EXPECT_EQ(header.first_frame, expected.first_frame);
+  EXPECT_EQ(header.total_exported_frames, expected.stated_frames);
+
+  const MocapSummary summary = summarize_mocap(reader);
+  EXPECT_EQ(summary.frames, expected.frames);
+  EXPECT_EQ(summary.rate_hz, expected.rate_hz);
+  EXPECT_EQ(summary.index_gaps, expected.index_gaps);
+  EXPECT_EQ(summary.skipped_frames, expected.skipped_frames);
+  EXPECT_NEAR(summary.duration_s, expected.duration_s, 1e-9);
+  EXPECT_NEAR(summary.largest_time_error_s, expected.largest_time_error_s, 1.5e-9);
+  ASSERT_EQ(header.assets.size(), expected.samples.size());
+  for (std::size_t i = 0; i < expected.samples.size(); ++i) {
+    const AssetSummary& asset = summary.assets[i];
+    EXPECT_EQ(key_of(header, i), expected.samples[i].first);
+    EXPECT_EQ(asset.samples, expected.samples[i].second) << expected.samples[i].first;
+    EXPECT_EQ(asset.samples + asset.missing, expected.frames);
+    EXPECT_EQ(asset.frozen, 0);
+    EXPECT_EQ(asset.sentinels, 0);
+  }
+}
+
+TEST_P(MocapRealFile, HoldsNothingOdd) {
+  const MocapAnomalies anomalies = read_optitrack_csv(kFolder / GetParam().path).anomalies;
+  EXPECT_EQ(anomalies.repeated_frames, 0);
+  EXPECT_EQ(anomalies.rows_with_extra_fields, 0);
+  EXPECT_EQ(anomalies.not_finite_cells, 0);
+  EXPECT_EQ(anomalies.partial_poses, 0);
+  EXPECT_EQ(anomalies.invalid_rotations, 0);
+  EXPECT_EQ(anomalies.printed_time_differs, 0);
+  EXPECT_FALSE(anomalies.truncated_last_row);
+}
+
+INSTANTIATE_TEST_SUITE_P(Optitrack, MocapRealFile, testing::ValuesIn(real_files()), [](const auto& file) {
+  std::string name = file.param.path;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return name;
+});
+
+MocapTake take_of(const char* path) { return read_optitrack_csv(kFolder / path); }
+
+TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
+  if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << "the folder " << kFolder.string() << " is not there";
+  const MocapTake body = take_of("parse_optitrack_csv/test.csv");
+  const MocapPose& first = body.frames.at(0).poses.at(0);
+  EXPECT_EQ(first.position_m, Eigen::Vector3d(3.717927, 0.045963, -2.209530));
+  EXPECT_NEAR(first.rotation.y(), -0.649345, 2e-6);
+  EXPECT_NEAR(first.rotation.w(), -0.760444, 2e-6);
+  EXPECT_EQ(
+      body.frames[0].poses.at(find_asset(body.header, "marker:ernesto_body:Marker4", "test")).position_m,
+      Eigen::Vector3d(3.644273, 0.032218, -2.070455));
+
+  const MocapTake wing = take_of("pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv");
+  EXPECT_TRUE(wing.frames.at(0).poses.at(10).position_m.isApprox(
+      Eigen::Vector3d(0.019194016, 0.268596893, 0.050769268), 1e-12));
+}
+
+TEST(MocapRealFiles, LongestGapsAreThoseInTheRows) {
+  if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << "the folder " << kFolder.string() << " is not there";
+  OptitrackCsvReader birds(kFolder / "pathviewr/pathviewr_motive_example_data.csv");
+  // From frame 76552 to 87499, and for the third body, which was lost before, from 72838.
+  const MocapSummary summary = summarize_mocap(birds);
+  EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 109.47, 1e-9);
+  EXPECT_NEAR(summary.assets.at(2).longest_gap_s, 146.61, 1e-9);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/mocap_summary.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+#include "tests/datasets/temporary_file.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kRate_hz = 100.0;
+
+MocapHeader one_body() {
+  MocapHeader header;
+  header.export_rate_hz = kRate_hz;
+  header.assets.push_back({.type = AssetType::rigid_body,
+                           .name = "b",
+                           .id = "1",
+                           .parent = {},
+                           .has_rotation = true,
+                           .has_position = true});
+  return header;
+}
+
+MocapPose pose_at(double x_m, double w = 0.8) {
+  MocapPose pose;
+  pose.position_m = {x_m, 1.0, 2.0};
+  pose.rotation = Eigen::Quaterniond(w, std::sqrt(1.0 - w * w), 0.0, 0.0);
+  return pose;
+}
+
+MocapFrame frame_of(std::int64_t index, const MocapPose& pose) {
+  MocapFrame frame;
+  frame.index = index;
+  frame.time = {index * 10'000'000};
+  frame.printed_time_s = static_cast<double>(index) / kRate_hz;
+  frame.poses = {pose};
+  return frame;
+}
+
+AssetSummary summary_of(const std::vector<MocapPose>& poses, MocapSummaryOptions options = {}) {
+  MocapSummarizer summarizer(one_body(), options);
+  std::int64_t index = 0;
+  for (const MocapPose& pose : poses) summarizer.add(frame_of(index++, pose));
+  return summarizer.finish().assets.at(0);
+}
+
+std::vector<MocapPose> moving(int count, double from_m = 0.0) {
+  std::vector<MocapPose> poses;
+  for (int i = 0; i < count; ++i) poses.push_back(pose_at(from_m + 1e-6 * i));
+  return poses;
+}
+
+void append(std::vector<MocapPose>& poses, int count, const MocapPose& pose) {
+  poses.insert(poses.end(), static_cast<std::size_t>(count), pose);
+}
+
+TEST(MocapSummary, CountsFramesGapsRateAndTimeError) {
+  MocapSummarizer summarizer(one_body());
+  for (const std::int64_t index : {10, 11, 15, 16, 20}) {
+    MocapFrame frame = frame_of(index, pose_at(1e-6 * static_cast<double>(index)));
+    frame.time = {(index - 10) * 10'000'000};
+    if (index == 16) frame.printed_time_s += 0.0004;
+    summarizer.add(frame);
+  }
+  const MocapSummary summary = summarizer.finish();
+  EXPECT_EQ(summary.frames, 5);
+  EXPECT_EQ(summary.index_gaps, 2);
+  EXPECT_EQ(summary.skipped_frames, 6);
+  EXPECT_DOUBLE_EQ(summary.duration_s, 0.1);
+  EXPECT_EQ(summary.rate_hz, kRate_hz);
+  EXPECT_NEAR(summary.largest_time_error_s, 0.0004, 1e-12);
+  EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 0.04, 1e-12);
+}
+
+TEST(MocapSummary, OfNothingIsEmptyNotWrong) {
+  const MocapSummary summary = MocapSummarizer(one_body()).finish();
+  EXPECT_EQ(summary.frames, 0);
+  EXPECT_EQ(summary.duration_s, 0.0);
+  EXPECT_TRUE(std::isnan(summary.largest_time_error_s));
+  EXPECT_EQ(summary.assets.at(0).samples, 0);
+}
+
+TEST(MocapSummary, MeasuresTheRateWhenNoneIsStated) {
+  MocapHeader header = one_body();
+  header.export_rate_hz = kMissing;
+  MocapSummarizer summarizer(header);
+  summarizer.add(frame_of(0, pose_at(0)));
+  EXPECT_TRUE(std::isnan(summarizer.finish().rate_hz));
+  summarizer.add(frame_of(1, pose_at(1e-6)));
+  summarizer.add(frame_of(2, pose_at(2e-6)));
+  EXPECT_NEAR(summarizer.finish().rate_hz, 100.0, 1e-9);
+}
+
+TEST(MocapSummary, SeparatesSamplesFromMissing) {
+  std::vector<MocapPose> poses = moving(3);
+  append(poses, 4, MocapPose());
+  poses.push_back(pose_at(1e-5));
+  append(poses, 9, MocapPose());
+  const AssetSummary summary = summary_of(poses);
+  EXPECT_EQ(summary.samples, 4);
+  EXPECT_EQ(summary.missing, 13);
+  EXPECT_DOUBLE_EQ(summary.longest_gap_s, 0.05);  // the missing tail is no gap
+}
+
+TEST(MocapSummary, FrozenIsAStretchOfATenthOfASecondToTheBit) {
+  std::vector<MocapPose> poses = moving(3);
+  append(poses, 11, pose_at(0.5));
+  EXPECT_EQ(summary_of(poses).frozen, 11);
+  append(poses, 4, pose_at(0.5));
+  EXPECT_EQ(summary_of(poses).frozen, 15);
+  poses = moving(3);
+  append(poses, 10, pose_at(0.5));  // spans 0.09 s
+  EXPECT_EQ(summary_of(poses).frozen, 0);
+}
+
+TEST(MocapSummary, FrozenTakesFiveFramesAtALowRate) {
+  const MocapSummaryOptions slow{.frozen = {.min_s = 0.01, .min_frames = 5}};
+  std::vector<MocapPose> poses = moving(1);
+  append(poses, 4, pose_at(0.5));
+  EXPECT_EQ(summary_of(poses, slow).frozen, 0);
+  append(poses, 1, pose_at(0.5));
+  EXPECT_EQ(summary_of(poses, slow).frozen, 5);
+}
+
+TEST(MocapSummary, AStillBodyWithNoiseInTheLastDigitIsNotFrozen) {
+  std::vector<MocapPose> poses;
+  for (int i = 0; i < 100; ++i) poses.push_back(pose_at(0.5 + (i % 2) * 1e-6));
+  EXPECT_EQ(summary_of(poses).frozen, 0);
+  for (int i = 0; i < 100; ++i) poses[static_cast<std::size_t>(i)] = pose_at(0.5, 0.8 + (i % 2) * 1e-6);
+  EXPECT_EQ(summary_of(poses).frozen, 0);
+}
+
+TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
+  std::vector<MocapPose> poses;
+  append(poses, 8, pose_at(0.5));
+  append(poses, 1, MocapPose());
+  append(poses, 8, pose_at(0.5));
+  EXPECT_EQ(summary_of(poses).frozen, 0);
+}
+
+TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
+  // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
+  EXPECT_EQ(summary_of({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
+  EXPECT_EQ(summary_of({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
+  EXPECT_EQ(summary_of({pose_at(0), pose_at(0.19)}, {.frozen = {}, .jump_speed_m_s = 10.0}).jumps, 1);
+}
+
+TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
+  MocapPose at_zero;
+  at_zero.position_m.setZero();
+  at_zero.rotation = Eigen::Quaterniond(-1, 0, 0, 0);
+  EXPECT_EQ(summary_of({pose_at(0.1), at_zero, pose_at(0.1)}).sentinels, 1);
+  const MocapPose parked = pose_at(0.3, 1.0);
+  EXPECT_EQ(summary_of({parked, parked, parked}).sentinels, 3);
+  EXPECT_EQ(summary_of({pose_at(0.30, 1.0), pose_at(0.31, 1.0), pose_at(0.32, 1.0)}).sentinels, 0);
+  EXPECT_EQ(summary_of({pose_at(0.3), pose_at(0.3), pose_at(0.3)}).sentinels, 0);
+}
+
+std::string take_of(const std::vector<int>& x_mm) {
+  std::string text =
+      "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type,Marker,Marker,"
+      "Marker,Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,"
+      "Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
+  for (std::size_t i = 0; i < x_mm.size(); ++i)
+    text += std::to_string(i) + "," + std::to_string(0.01 * static_cast<double>(i)) + "," +
+            std::to_string(x_mm[i]) + ",0,0," + std::to_string(i) + ",0,0\n";
+  return text;
+}
+
+std::vector<int> filtered(const std::vector<int>& x_mm, FrozenOptions options = {}) {
+  const TemporaryFile file(take_of(x_mm));
+  OptitrackCsvReader reader(file.path());
+  FrozenFilter filter(reader, options);
+  std::vector<int> result;
+  for (MocapFrame frame; filter.next(frame);) {
+    EXPECT_EQ(frame.index, static_cast<std::int64_t>(result.size()));
+    EXPECT_TRUE(frame.poses[1].has_position());
+    result.push_back(frame.poses[0].has_position()
+                         ? static_cast<int>(std::lround(frame.poses[0].position_m.x() * 1e3))
+                         : -1);
+  }
+  return result;
+}
+
+TEST(FrozenFilter, TakesOutTheWholeStretchFromItsFirstFrameOn) {
+  const FrozenOptions options{.min_s = 0.02, .min_frames = 3};
+  EXPECT_EQ(filtered({1, 2, 7, 7, 7, 7, 7, 3, 4}, options),
+            (std::vector<int>{1, 2, -1, -1, -1, -1, -1, 3, 4}));
+  EXPECT_EQ(filtered({7, 7, 7}, options), (std::vector<int>{-1, -1, -1}));
+  EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}, options), (std::vector<int>{1, 7, 7, 2, 8, 8}));
+  EXPECT_EQ(filtered({1}, options), (std::vector<int>{1}));
+  EXPECT_EQ(filtered({}, options), (std::vector<int>{}));
+}
+
+TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {
+  std::vector<int> x_mm;
+  for (int i = 0; i < 400; ++i) x_mm.push_back(i % 37 < 20 ? i / 37 : i);
+  const auto result = filtered(x_mm);
+  const auto frozen = std::count(result.begin(), result.end(), -1);
+  const TemporaryFile file(take_of(x_mm));
+  OptitrackCsvReader reader(file.path());
+  EXPECT_EQ(summarize_mocap(reader).assets.at(0).frozen, frozen);
+  EXPECT_GT(frozen, 100);
+  EXPECT_LT(frozen, 300);
+}
+
+}  // namespace
+}  // namespace trilat
