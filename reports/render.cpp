@@ -130,7 +130,9 @@ std::string latex_of(const Table& table) {
   std::string alignment, head;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const bool wrapped = table.columns[c].is_text && c + 1 == table.columns.size();
-    alignment += wrapped ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}" : table.columns[c].is_text ? "l" : "r";
+    alignment += wrapped                    ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}"
+                 : table.columns[c].is_text ? "l"
+                                            : "r";
     head += (c ? " & " : "") + latex_text(table.columns[c].name);
   }
   head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
