@@ -22,18 +22,6 @@ int close_space(std::int64_t id) { return H5Sclose(id); }
 int close_list(std::int64_t id) { return H5Pclose(id); }
 int close_type(std::int64_t id) { return H5Tclose(id); }
 
-// Low-level complaints go on over several lines with times and addresses, which would make equal runs differ;
-// what the operating system said is kept.
-std::string without_details(const std::string& text) {
-  const auto details = text.find(": time = ");
-  if (details == std::string::npos) return text;
-  const std::string intro = "error message = ";
-  const auto message = text.find(intro, details);
-  if (message == std::string::npos) return text.substr(0, details);
-  const auto start = message + intro.size();
-  return text.substr(0, details) + ": " + text.substr(start, text.find(',', start) - start);
-}
-
 // The library's innermost complaint: the one that names the cause.
 std::string library_reason() {
   std::string reason;
@@ -45,7 +33,9 @@ std::string library_reason() {
         return 0;
       },
       &reason);
-  return reason.empty() ? "the HDF5 library gives no reason" : without_details(reason);
+  // the library appends times, addresses and buffers
+  reason = reason.substr(0, std::min(reason.find('\n'), reason.find(": time =")));
+  return reason.empty() ? "the HDF5 library gives no reason" : reason;
 }
 
 [[noreturn]] void refuse(const std::string& place, const std::string& doing) {

@@ -123,12 +123,15 @@ int guarded_main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> unknown = app.remaining();
-    const std::string problem = app.get_subcommands().empty() && !unknown.empty()
-                                    ? '"' + unknown.front() + "\" is neither a verb nor an option"
-                                    : error.what();
+    if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
+      std::string verbs;
+      for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+        verbs += (verbs.empty() ? "" : ", ") + verb->get_name();
+      std::fprintf(stderr, "trilat: there is no verb \"%s\"; there are %s\n", argv[1], verbs.c_str());
+      return kBadInput;
+    }
     std::fprintf(stderr, "trilat: %s; `trilat --help` and `trilat VERB --help` say what can be asked\n",
-                 problem.c_str());
+                 error.what());
     return kBadInput;
   }
   return code;

@@ -121,7 +121,7 @@ TEST(Door, WrongUsageIsOneLineAndExitCodeTwo) {
   const ScratchFolder folder;
   expect_refused(run_trilat(folder, {}), "subcommand is required");
   expect_refused(run_trilat(folder, {"levitate"}), "levitate");
-  expect_refused(run_trilat(folder, {"--levitate"}), "levitate");
+  expect_refused(run_trilat(folder, {"--levitate"}), "subcommand is required");
   expect_refused(run_trilat(folder, {"simulate"}), "required");
   expect_refused(run_trilat(folder, {"run", "a.json", "--threads", "many"}), "--threads");
   expect_refused(run_trilat(folder, {"run", "a.json", "--threads", "-1"}), "--threads");

@@ -214,7 +214,7 @@ TEST(RunWithABrokenTake, AMappingToAnAssetThatDoesNotExistListsThoseThatDo) {
   write_mapping(spoilt.folder / "mapping.json", {{{Joint::head, {"hat"}}}});
   spoilt.take.mapping = spoilt.folder / "mapping.json";
   const std::string failure = spoilt.failure();
-  EXPECT_THAT(failure, HasSubstr("mapping.json /joints/head: names the asset \"hat\""));
+  EXPECT_THAT(failure, testing::AllOf(HasSubstr("mapping.json /joints/head: "), HasSubstr("\"hat\"")));
   EXPECT_THAT(failure, HasSubstr("head_1"));
   EXPECT_THAT(failure, HasSubstr("and 8 more"));
 }

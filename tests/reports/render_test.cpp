@@ -84,10 +84,11 @@ TEST(Latex, ALineBreakInATextDoesNotEndTheParagraph) {
 
 TEST(Latex, ATableEnvironmentHoldsCaptionLabelAndEveryRow) {
   const std::string text = latex_of(small_table());
-  EXPECT_THAT(text, HasSubstr("\\caption{A table}\n\\label{tab:small}\n\\begin{tabular}{lr}"));
-  EXPECT_THAT(text, HasSubstr("joint & MAE (cm) \\\\\n\\midrule\nhead & 0.33 \\\\\n"));
-  EXPECT_THAT(text, HasSubstr("x & -- \\\\\n\\bottomrule"));
-  EXPECT_THAT(text, HasSubstr("\\par\\footnotesize Another."));
+  EXPECT_THAT(text, HasSubstr("\\begin{longtable}{lr}\n\\caption{A table}\\label{tab:small}"));
+  EXPECT_THAT(text, HasSubstr("joint & MAE (cm) \\\\\n\\midrule\n"));
+  EXPECT_THAT(text, HasSubstr("\nhead & 0.33 \\\\\n"));
+  EXPECT_THAT(text, HasSubstr("\nx & -- \\\\\n\\end{longtable}\n"));
+  EXPECT_THAT(text, HasSubstr("Another.\\par\n"));
 }
 
 }  // namespace
