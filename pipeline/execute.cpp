@@ -53,6 +53,7 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   const Clock::time_point summary_start = Clock::now();
   const ResultsSummary summary = summarise(plan, outcome, samples);
   outcome.times.summarise_s = seconds_since(summary_start);
+  samples.finish();
   write_manifest(folder, plan, options.stop_requested);
   write_summary(folder, summary);
   write_run_record(folder, outcome.times, seconds_since(start), threads);

@@ -5,12 +5,12 @@
 #include <thread>
 
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
+#include "pipeline/parallel.h"
 
 namespace trilat {
 namespace {
@@ -35,9 +35,9 @@ std::vector<Input> inputs_of(const Plan& plan) {
   return inputs;
 }
 
-void hash_input(Input& input) {
+void hash_input(Input& input, const std::function<bool()>& stop_requested) {
   try {
-    input.sha256 = hash_of_file(input.path);
+    input.sha256 = hash_of_file(input.path, stop_requested);
     input.bytes = std::filesystem::file_size(input.path);
   } catch (const InputError&) {
   } catch (const std::filesystem::filesystem_error&) {
@@ -59,16 +59,22 @@ std::string processor_name() {
 void write_manifest(const std::filesystem::path& folder, const Plan& plan,
                     const std::function<bool()>& stop_requested) {
   std::vector<Input> inputs = inputs_of(plan);
-  tbb::parallel_for(std::size_t{0}, inputs.size(), [&](std::size_t i) {
-    if (!stop_requested || !stop_requested()) hash_input(inputs[i]);
+  parallel_for_index(inputs.size(), 1, [&](std::size_t i) {
+    if (!stop_requested || !stop_requested()) hash_input(inputs[i], stop_requested);
   });
   if (stop_requested && stop_requested()) throw Interrupted();
   const Json study = resolved_json(plan.study);
-  Json methods = Json::array(), joints = Json::array(), list = Json::array();
+  Json methods = Json::array(), joints = Json::array(), list = Json::array(), takes = Json::array();
   for (const Method& method : plan.methods) methods.push_back(method.spec.name);
   for (Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
   std::uint64_t instants = 0;
   for (const PlannedTake& take : plan.takes) instants += take.instants;
+  for (const PlannedTake& planned : plan.takes)
+    takes.push_back({{"id", planned.take.id},
+                     {"participant", planned.take.participant},
+                     {"activity", planned.take.activity},
+                     {"mocap_start_host_ns", planned.take.mocap_start_host_ns},
+                     {"instants", planned.instants}});
   for (const Input& input : inputs)
     list.push_back({{"take", input.take},
                     {"role", input.role},
@@ -85,7 +91,7 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
                   {"rig", plan.rig},
                   {"methods", methods},
                   {"joints", joints},
-                  {"takes", plan.takes.size()},
+                  {"takes", takes},
                   {"instants", instants},
                   {"samples", instants * plan.joints.size() * plan.methods.size()},
                   {"inputs", list}};

@@ -29,6 +29,11 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
     method.spec.linear.reference_sensor = rig_index(spec.reference, rig, spec.name);
   if (spec.kind == MethodKind::geometric && indices.size() == 3)
     method.geometric.sensors = {indices[0], indices[1], indices[2]};
+  if (spec.kind == MethodKind::geometric) {
+    // nothing of the other sensors, not even through the hint
+    method.allowed.reset();
+    for (int i : method.geometric.sensors) method.allowed.set(static_cast<std::size_t>(i));
+  }
   if (spec.kind == MethodKind::single) {
     if (indices.size() != 1)
       throw InputError("method \"" + spec.name + '"',

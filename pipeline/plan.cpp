@@ -7,12 +7,13 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
+#include "pipeline/parallel.h"
+#include "pipeline/truth_track.h"
 
 namespace trilat {
 namespace {
@@ -45,6 +46,15 @@ void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, dou
         fmt::format("has sensors that did not record at the same time: one starts {:.3f} s after another "
                     "has ended",
                     (start - end).seconds()));
+  HostTime first = spans[0].first, last = spans[0].last;
+  for (const HostSpan& span : spans) {
+    first = std::min(first, span.first);
+    last = std::max(last, span.last);
+  }
+  if ((last - first).seconds() > (end - start).seconds() + 1.0)
+    planned.span_note =
+        fmt::format("only {:.1f} s of {:.1f} s are evaluated: not all sensors recorded all the time",
+                    (end - start).seconds(), (last - first).seconds());
   planned.start = start;
   planned.instants = static_cast<std::uint64_t>(std::floor((end - start).seconds() * rate_hz)) + 1;
   constexpr std::uint64_t kMost = 100'000'000;
@@ -69,8 +79,9 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, double
     spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
   }
   plan_instants(planned, spans, rate_hz);
-  if (!std::filesystem::exists(planned.take.mocap))
-    throw InputError(planned.take.mocap.string(), "does not exist");
+  std::vector<Joint> mapped;
+  for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
+  TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});  // assets exist
   planned.ok = true;
 }
 
@@ -125,7 +136,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
   plan.methods = resolve_methods(study, plan.rig);
   plan.takes.resize(campaign.takes.size());
   std::atomic<std::size_t> done{0};
-  tbb::parallel_for(std::size_t{0}, campaign.takes.size(), [&](std::size_t t) {
+  parallel_for_index(campaign.takes.size(), 1, [&](std::size_t t) {
     PlannedTake& planned = plan.takes[t];
     planned.take = campaign.takes[t];
     try {

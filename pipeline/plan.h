@@ -29,6 +29,7 @@ struct PlannedTake {
   std::vector<ClockMap<HostClock, SensorClock>> host_from_sensor;
   HostTime start;
   std::uint64_t instants = 0;
+  std::string span_note;  // when one sensor shortens the take for all
 };
 
 // What a run will do, in an order that does not depend on threads. The id of a work item is the id of its

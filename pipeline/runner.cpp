@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "datasets/base/error.h"
 #include "datasets/results/samples.h"
+#include "pipeline/parallel.h"
 #include "pipeline/sensor_track.h"
 #include "pipeline/truth_track.h"
 
@@ -73,10 +73,11 @@ struct Observations {
 struct TakeCheck {
   std::uint64_t samples = 0, disagreements = 0;
   double worst_m = 0.0;
-  std::string worst_at;
+  std::string worst_at, disagreed_at;  // the first
   void merge(const TakeCheck& later) {
     samples += later.samples;
     disagreements += later.disagreements;
+    if (disagreed_at.empty()) disagreed_at = later.disagreed_at;
     if (later.worst_m > worst_m) {
       worst_m = later.worst_m;
       worst_at = later.worst_at;
@@ -129,10 +130,12 @@ void solve_instant(const Plan& plan, const PlannedTake& planned, const Observati
   }
 }
 
-// The method that is held against Ceres: the first corrected, damped nonlinear one.
+// The method that is held against Ceres: the first nonlinear one with damping lm and the step rule.
 const Method* checked_method(const Plan& plan) {
   for (const Method& m : plan.methods)
-    if (m.spec.kind == MethodKind::nonlinear && m.spec.nonlinear.damping == Damping::lm) return &m;
+    if (m.spec.kind == MethodKind::nonlinear && m.spec.nonlinear.damping == Damping::lm &&
+        m.spec.nonlinear.stop == StopRule::step)
+      return &m;
   return nullptr;
 }
 
@@ -151,6 +154,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
       one.worst_m = (ours.position_m - theirs.position_m).norm();
     } else if (is_usable(ours.status) != is_usable(theirs.status)) {
       one.disagreements = 1;
+      one.disagreed_at = one.worst_at;
     }
     check.merge(one);
   }
@@ -179,16 +183,35 @@ void note_state(const OpenTake& take, const PlannedTake& planned, std::vector<Ta
                      several)});
   if (take.truth.samples_frozen() > 0)
     notes.push_back({id, false, planned.take.mocap.string(),
-                     fmt::format("{} samples stand still to the last digit and were not used as ground truth",
+                     fmt::format("{} samples stand still to the last digit or lie exactly at the origin and "
+                                 "were not used as ground truth",
                                  take.truth.samples_frozen())});
-  if (take.truth.printed_time_differs() > 0)
+  const MocapAnomalies& odd = take.truth.anomalies();
+  if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
+    notes.push_back(
+        {id, false, planned.take.mocap.string(),
+         fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
+                     odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
+                     odd.partial_poses)});
+  if (!planned.span_note.empty())
+    notes.push_back({id, false, planned.take.session.string(), planned.span_note});
+  if (odd.printed_time_differs > 0)
     notes.push_back(
         {id, false, planned.take.mocap.string(),
          fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
                      "export's frame rate right?",
-                     take.truth.printed_time_differs())});
+                     odd.printed_time_differs)});
   if (!take.session.complete())
     notes.push_back({id, false, planned.take.session.string(), "was not closed by its recorder"});
+}
+
+// Places are given from the campaign's folder, so that results do not depend on where they were computed.
+TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
+  const std::string folder = campaign.folder.empty() ? "" : (campaign.folder / "").string();
+  for (std::string* text : {&note.place, &note.text})
+    for (auto at = text->find(folder); !folder.empty() && at != std::string::npos; at = text->find(folder))
+      text->erase(at, folder.size());
+  return note;
 }
 
 struct TakeOutcome {
@@ -220,12 +243,10 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
                             [](const JointObservation& observation) { return observation.seen; });
     std::vector<TakeCheck> checks(checked ? count : 0);
     tbb::this_task_arena::isolate([&] {
-      tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, count, 16), [&](const auto& range) {
-        const Stopwatch watch(shared.solve_ns);
-        for (std::uint64_t i = range.begin(); i < range.end(); ++i) {
-          solve_instant(plan, planned, seen, i, block);
-          if (checked) checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
-        }
+      const Stopwatch watch(shared.solve_ns);
+      parallel_for_index(count, 16, [&](std::size_t i) {
+        solve_instant(plan, planned, seen, i, block);
+        if (checked) checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
       });
     });
     for (const TakeCheck& check : checks) outcome.check.merge(check);
@@ -262,6 +283,8 @@ void run_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   try {
     if (!planned.ok) throw InputError(planned.place, planned.problem);
     evaluate_take(shared, index, outcome);
+  } catch (const OutputError&) {
+    throw;
   } catch (const InputError& error) {
     outcome.notes.push_back({planned.take.id, true, error.place(), error.problem()});
     outcome.check = {};
@@ -285,29 +308,30 @@ SamplesHeader samples_header(const Plan& plan) {
 }
 
 RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& options) {
+  const Method* checked = options.cross_check ? checked_method(plan) : nullptr;
+  if (options.cross_check && !checked)
+    throw InputError(
+        "study \"" + plan.study.name + '"',
+        "has no nonlinear method with damping lm and stop step that could be checked against Ceres");
   Shared shared{plan, options, samples};
   for (const PlannedTake& take : plan.takes) shared.total_instants += take.instants;
   std::vector<TakeOutcome> outcomes(plan.takes.size());
-  tbb::parallel_for(
-      std::size_t{0}, plan.takes.size(), [&](std::size_t t) { run_take(shared, t, outcomes[t]); },
-      tbb::simple_partitioner());
+  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) { run_take(shared, t, outcomes[t]); });
   if (shared.stopped) throw Interrupted();
   RunOutcome result;
   TakeCheck check;
   for (const TakeOutcome& outcome : outcomes) {
-    result.notes.insert(result.notes.end(), outcome.notes.begin(), outcome.notes.end());
+    for (const TakeNote& note : outcome.notes) result.notes.push_back(within_campaign(note, plan.campaign));
     result.evaluated.push_back(outcome.evaluated);
     check.merge(outcome.check);
   }
-  if (options.cross_check) {
-    const Method* method = checked_method(plan);
-    if (!method)
-      throw InputError("study \"" + plan.study.name + '"',
-                       "has no method with damping lm that could be checked against Ceres");
-    result.cross_check = CrossCheck{
-        method->spec.name, check.samples, check.disagreements, check.worst_m, plan.study.cross_check_limit_m,
-        check.worst_at};
-  }
+  if (checked)
+    result.cross_check = CrossCheck{checked->spec.name,
+                                    check.samples,
+                                    check.disagreements,
+                                    check.worst_m,
+                                    plan.study.cross_check_limit_m,
+                                    check.disagreements > 0 ? check.disagreed_at : check.worst_at};
   const auto seconds = [](const std::atomic<std::int64_t>& ns) {
     return static_cast<double>(ns.load()) * 1e-9;
   };

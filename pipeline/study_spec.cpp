@@ -52,6 +52,7 @@ void read_nonlinear(JsonObject& object, MethodSpec& method) {
   if (limit < 1 || limit > 1'000'000) object.refuse("max_iterations", "must be 1 to 1000000");
   o.max_iterations = static_cast<int>(limit);
   o.printed_unit_m = object.positive("printed_unit_m", o.printed_unit_m);
+  o.same_residual_m = object.positive("same_residual_m", o.same_residual_m);
   o.start = enum_choice(object, "start", kStarts, o.start);
   if (o.gradient == Gradient::printed && o.damping == Damping::lm)
     object.refuse("damping",
@@ -117,6 +118,8 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   if (spec.rate_hz > 1000.0) object.refuse("rate_hz", "must not be above 1000");
   spec.sensor_gap_s = object.positive("sensor_gap_s", spec.sensor_gap_s);
   spec.truth_gap_s = object.positive("truth_gap_s", spec.truth_gap_s);
+  for (const char* gap : {"sensor_gap_s", "truth_gap_s"})
+    if (object.number(gap, 0.0) > 3600.0) object.refuse(gap, "must not be longer than an hour");
   spec.cross_check_limit_m = object.positive("cross_check_limit_m", spec.cross_check_limit_m);
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
@@ -146,6 +149,7 @@ Json resolved_json(const StudySpec& spec) {
       entry["step_tolerance_m"] = o.step_tolerance_m;
       entry["max_iterations"] = o.max_iterations;
       entry["printed_unit_m"] = o.printed_unit_m;
+      entry["same_residual_m"] = o.same_residual_m;
       entry["start"] = kStarts[static_cast<std::size_t>(o.start)];
     }
     methods.push_back(entry);

@@ -8,11 +8,11 @@
 #include <set>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/aligned_errors.h"
+#include "pipeline/parallel.h"
 
 namespace trilat {
 namespace {
@@ -112,7 +112,7 @@ class DistanceSource {
 
   void select_from_memory(const std::vector<std::size_t>& takes,
                           std::vector<QuantileSelection>& selections) const {
-    tbb::parallel_for(std::size_t{0}, selections.size(), [&](std::size_t cell) {
+    parallel_for_index(selections.size(), 1, [&](std::size_t cell) {
       while (!selections[cell].done()) {
         for (std::size_t t : takes)
           for (double distance_m : kept_[t][cell]) selections[cell].add(distance_m);
@@ -124,7 +124,7 @@ class DistanceSource {
   void stream_pass(const std::vector<std::size_t>& takes, std::size_t first,
                    std::vector<QuantileSelection>& selections) const {
     tbb::enumerable_thread_specific<std::vector<QuantileSelection>> local(selections);
-    tbb::parallel_for(std::size_t{0}, takes.size(), [&](std::size_t t) {
+    parallel_for_index(takes.size(), 1, [&](std::size_t t) {
       std::vector<QuantileSelection>& mine = local.local();
       const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                              const SampleView& view) {
@@ -235,7 +235,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   std::vector<TakeAlignments> alignments(plan.takes.size());
   DistanceSource distances(samples, axes, alignments, budget_bytes);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
-  tbb::parallel_for(std::size_t{0}, plan.takes.size(), [&](std::size_t t) {
+  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
     alignments[t] = align_take(samples, t, axes, plan.study.alignments);
     sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
   });

@@ -117,8 +117,6 @@ std::uint64_t TruthTrack::samples_frozen() const {
   return sum;
 }
 
-std::uint64_t TruthTrack::printed_time_differs() const {
-  return static_cast<std::uint64_t>(state_->reader.anomalies().printed_time_differs);
-}
+const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }
 
 }  // namespace trilat

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/time.h"
+#include "datasets/mocap/mocap_take.h"
 #include "datasets/take/campaign.h"
 
 namespace trilat {
@@ -33,7 +34,8 @@ class TruthTrack {
   // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
   MocapTime read_to_end();
   std::uint64_t samples_frozen() const;
-  std::uint64_t printed_time_differs() const;
+  // Of what has been read so far.
+  const MocapAnomalies& anomalies() const;
 
  private:
   struct State;

@@ -39,7 +39,7 @@ std::string about(const ResultsSummary& s, const std::string& condition, const s
                      s.takes - s.takes_failed, s.takes, s.participants, s.participants == 1 ? "" : "s");
 }
 
-void add_failure_notes(const ResultsSummary& summary, Table& table) {
+void add_take_notes(const ResultsSummary& summary, Table& table) {
   for (const TakeNote& note : summary.notes)
     table.notes.push_back(
         fmt::format("Take {}{}: {}: {}.", note.take, note.failed ? " failed" : "", note.place, note.text));
@@ -78,7 +78,7 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
       "MAE is the mean Euclidean distance; n counts instants and joints with ground truth that the method "
       "answered; coverage is n over all that have ground truth.",
       "x, y, z are the world's axes, y up."};
-  add_failure_notes(s, table);
+  add_take_notes(s, table);
   return table;
 }
 
@@ -168,7 +168,7 @@ std::vector<Table> table3(const ResultsSummary& summary) {
       table.notes.push_back(
           "Our numbers come from simulated sensors with declared errors, not from the paper's "
           "recordings: compare the ordering, not the size.");
-    add_failure_notes(summary, table);
+    add_take_notes(summary, table);
     tables.push_back(std::move(table));
   }
   return tables;

@@ -49,13 +49,15 @@ std::string hash_of_text(std::string_view text) {
   return hash.finish();
 }
 
-std::string hash_of_file(const std::filesystem::path& path) {
+std::string hash_of_file(const std::filesystem::path& path, const std::function<bool()>& stop_requested) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw InputError(path.string(), std::strerror(errno));
   ContentHash hash;
   std::vector<char> block(1 << 18);
-  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get()))
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    if (stop_requested && stop_requested()) throw Interrupted();
     hash.add(block.data(), count);
+  }
   if (std::ferror(file.get())) throw InputError(path.string(), "cannot be read to its end");
   return hash.finish();
 }

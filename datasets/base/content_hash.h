@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,7 +27,7 @@ class ContentHash {
 };
 
 std::string hash_of_text(std::string_view text);
-// Streams the file in blocks; InputError when it cannot be read.
-std::string hash_of_file(const std::filesystem::path& path);
+// Streams the file in blocks; InputError when it cannot be read, Interrupted when asked to stop.
+std::string hash_of_file(const std::filesystem::path& path, const std::function<bool()>& stop_requested = {});
 
 }  // namespace trilat

@@ -20,6 +20,13 @@ class InputError : public std::runtime_error {
   std::string problem_;
 };
 
+// What we have to write cannot be written (a full disk, a folder without permission): unlike other bad input
+// it stops all of the work, not one item of it.
+class OutputError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // We are wrong: a broken promise inside the program. Becomes exit code 70.
 class InternalError : public std::logic_error {
  public:

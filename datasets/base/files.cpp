@@ -25,25 +25,29 @@ struct Descriptor {
   throw InputError(path.string(), std::string("cannot be ") + doing + ": " + std::strerror(errno));
 }
 
-void sync_path(const std::filesystem::path& path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.fd < 0 || ::fsync(file.fd) != 0) refuse(path, "synced to disk");
+[[noreturn]] void refuse_output(const std::filesystem::path& path, const char* doing) {
+  throw OutputError(path.string(), std::string("cannot be ") + doing + ": " + std::strerror(errno));
 }
 
 }  // namespace
 
+void sync_file(const std::filesystem::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0 || ::fsync(file.fd) != 0) refuse_output(path, "synced to disk");
+}
+
 std::filesystem::path partial_name(const std::filesystem::path& path) { return path.string() + ".partial"; }
 
 void publish_file(const std::filesystem::path& partial, const std::filesystem::path& path) {
-  sync_path(partial);
-  if (std::rename(partial.c_str(), path.c_str()) != 0) refuse(path, "put in place");
+  sync_file(partial);
+  if (std::rename(partial.c_str(), path.c_str()) != 0) refuse_output(path, "put in place");
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path partial = partial_name(path);
   {
     const Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
-    if (file.fd < 0) refuse(path, "written");
+    if (file.fd < 0) refuse_output(path, "written");
     while (!text.empty()) {
       const ssize_t count = ::write(file.fd, text.data(), text.size());
       if (count < 0 && errno == EINTR) continue;
@@ -51,7 +55,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
         const int reason = errno;
         ::unlink(partial.c_str());
         errno = reason;
-        refuse(path, "written");
+        refuse_output(path, "written");
       }
       text.remove_prefix(static_cast<std::size_t>(count));
     }

@@ -42,6 +42,10 @@ std::string library_reason() {
   throw InputError(place, doing + " (" + library_reason() + ")");
 }
 
+[[noreturn]] void refuse_output(const std::string& place, const std::string& doing) {
+  throw OutputError(place, doing + " (" + library_reason() + "); is the disk full?");
+}
+
 H5Handle wrap(hid_t id, H5Handle::Closer closer, const std::string& place, const std::string& doing) {
   if (id < 0) refuse(place, doing);
   return {id, closer};
@@ -91,6 +95,7 @@ void prepare_library() {
   static const bool ready = [] {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     hbool_t safe = false;
+    H5dont_atexit();  // every file is closed by its owner; at exit the library would stumble over a full disk
     TRILAT_CHECK(H5open() >= 0 && H5is_library_threadsafe(&safe) >= 0 && safe,
                  "the HDF5 library is a thread-safe build");
     register_blosc_filter();
@@ -115,8 +120,11 @@ H5Handle& H5Handle::operator=(H5Handle&& other) noexcept {
   return *this;
 }
 
-H5Handle::~H5Handle() {
-  if (closer_ && id_ >= 0) closer_(id_);
+H5Handle::~H5Handle() { close(); }
+
+int H5Handle::close() {
+  const Closer closer = std::exchange(closer_, nullptr);
+  return closer && id_ >= 0 ? closer(std::exchange(id_, -1)) : 0;
 }
 
 std::uint64_t H5Table::rows() const {
@@ -131,7 +139,7 @@ std::uint64_t H5Table::stored_bytes() const { return H5Dget_storage_size(id_.id(
 void H5Table::extend_to(std::uint64_t rows) {
   std::vector<hsize_t> dims{rows};
   dims.insert(dims.end(), row_shape_.begin(), row_shape_.end());
-  if (H5Dset_extent(id_.id(), dims.data()) < 0) refuse(place_, "cannot grow");
+  if (H5Dset_extent(id_.id(), dims.data()) < 0) refuse_output(place_, "cannot grow");
 }
 
 void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
@@ -148,7 +156,7 @@ void H5Table::append_filtered_row(std::span<const std::byte> chunk) {
   std::vector<hsize_t> offset(1 + row_shape_.size(), 0);
   offset[0] = row;
   if (H5Dwrite_chunk(id_.id(), H5P_DEFAULT, 0, offset.data(), chunk.size(), chunk.data()) < 0)
-    refuse(place_, "cannot be written");
+    refuse_output(place_, "cannot be written");
 }
 
 void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
@@ -168,7 +176,8 @@ void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements
   const herr_t result =
       write ? H5Dwrite(id_.id(), memory_type(type), memory_space.id(), file_space.id(), H5P_DEFAULT, data)
             : H5Dread(id_.id(), memory_type(type), memory_space.id(), file_space.id(), H5P_DEFAULT, data);
-  if (result < 0) refuse(place_, write ? "cannot be written" : "cannot be read: the stored data are damaged");
+  if (result < 0 && write) refuse_output(place_, "cannot be written");
+  if (result < 0) refuse(place_, "cannot be read: the stored data are damaged");
 }
 
 std::string H5Node::place_of(const std::string& name) const {
@@ -315,9 +324,12 @@ void H5File::start_swmr() {
 }
 
 void H5File::flush() {
-  if (H5Fflush(id_.id(), H5F_SCOPE_GLOBAL) < 0) refuse(place_, "cannot be flushed to disk");
+  if (H5Fflush(id_.id(), H5F_SCOPE_GLOBAL) < 0) refuse_output(place_, "cannot be flushed to disk");
 }
 
-void H5File::close() { id_ = H5Handle(); }
+void H5File::close() {
+  flush();
+  if (id_.close() < 0) refuse_output(place_, "cannot be closed");
+}
 
 }  // namespace trilat

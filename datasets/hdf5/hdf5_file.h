@@ -22,6 +22,8 @@ class H5Handle {
   H5Handle& operator=(H5Handle&& other) noexcept;
   ~H5Handle();
   std::int64_t id() const { return id_; }
+  // Negative when the library could not close it; once closed, nothing more happens.
+  int close();
 
  private:
   std::int64_t id_ = -1;
@@ -127,6 +129,7 @@ class H5File : public H5Node {
   // From now on nothing new can be created, and a reader may follow.
   void start_swmr();
   void flush();
+  // Flushes and closes; OutputError when not all reached the file.
   void close();
   // True when the file was opened while its writer had not closed it.
   bool unfinished() const { return unfinished_; }

@@ -21,7 +21,12 @@ bool FrozenFilter::read_one() {
   if (!reader_.next(frame_)) return false;
   held_.push_back(frame_);
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
-    const bool present = frame_.poses[i].is_present(reader_.header().assets[i]);
+    const bool sentinel = frame_.poses[i].position_m.isZero(0.0);
+    if (sentinel) {
+      held_.back().poses[i] = MocapPose();
+      ++removed_[i];
+    }
+    const bool present = !sentinel && frame_.poses[i].is_present(reader_.header().assets[i]);
     const std::int64_t count = stretches_[i].add(frame_.poses[i], present, frame_.time, options_);
     removed_[i] += count;
     for (std::int64_t back = 1; back <= count; ++back)

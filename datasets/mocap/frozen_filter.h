@@ -10,8 +10,9 @@
 
 namespace trilat {
 
-// The frames of a reader in which every frozen pose is missing, from its first frame on: a frozen
-// pose is no measurement. Reads ahead, and holds, no more than one shortest stretch.
+// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one
+// exactly at the origin, which some exports write for "lost": neither is a measurement. Reads ahead, and
+// holds, no more than one shortest stretch.
 class FrozenFilter {
  public:
   explicit FrozenFilter(OptitrackCsvReader& reader, FrozenOptions options = {});

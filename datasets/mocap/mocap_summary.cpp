@@ -79,7 +79,8 @@ void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& t
 }
 
 void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts) {
-  if (!pose.has_position() || !is_sentinel_rotation(pose.rotation)) {
+  const bool lost_marker = !pose.has_rotation() && pose.position_m.isZero(0.0);
+  if (!pose.has_position() || !(lost_marker || is_sentinel_rotation(pose.rotation))) {
     track.sentinel_run = 0;
     return;
   }

@@ -21,7 +21,7 @@ struct AssetSummary {
   std::int64_t samples = 0;    // frames in which the asset is present
   std::int64_t missing = 0;    // frames in which it is not
   std::int64_t frozen = 0;     // samples inside frozen stretches
-  std::int64_t sentinels = 0;  // samples that say "lost": no rotation at all, at zero or unmoving
+  std::int64_t sentinels = 0;  // samples that say "lost": exactly at zero, or unmoving without a rotation
   std::int64_t jumps = 0;      // steps from one sample to the next faster than the limit
   // Longest time between two neighbouring samples with a frame missing between them; what is
   // missing before the first and after the last sample does not count.

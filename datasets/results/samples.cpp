@@ -7,6 +7,7 @@
 
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "datasets/hdf5/hdf5_file.h"
 
@@ -57,6 +58,7 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
 }
 
 struct SamplesFile::State {
+  std::filesystem::path path;
   H5File file;
   SamplesHeader header;
   std::vector<TakeTables> takes;
@@ -69,6 +71,7 @@ SamplesFile::SamplesFile(SamplesFile&&) noexcept = default;
 SamplesFile SamplesFile::create(const std::filesystem::path& path, const SamplesHeader& header) {
   SamplesFile samples;
   State& s = *samples.state_;
+  s.path = path;
   s.header = header;
   s.file = H5File::create(path);
   s.file.set_text("format", kFormat);
@@ -112,6 +115,12 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
     s.header.takes.push_back({node.text("id"), s.takes.back().time_ns.rows()});
   }
   return samples;
+}
+
+void SamplesFile::finish() {
+  state_->takes.clear();
+  state_->file.close();
+  sync_file(state_->path);
 }
 
 const SamplesHeader& SamplesFile::header() const { return state_->header; }

@@ -59,6 +59,8 @@ class SamplesFile {
 
   const SamplesHeader& header() const;
   void write(std::size_t take, const SampleBlock& block);
+  // Closes a file that was created, with all of it on the disk; OutputError when that cannot be.
+  void finish();
   // x, y, z of estimate - truth after alignment; joints before methods. Metres.
   void write_errors(std::size_t take, std::uint64_t first_instant, std::span<const float> error_m);
   SampleBlock read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,

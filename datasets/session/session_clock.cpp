@@ -13,6 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr double kMaxDrift = 1e-3;
+constexpr std::int64_t kShortestDriftSpan_ns = 10'000'000'000;
 constexpr std::uint64_t kBlock = 4096;
 
 struct OffsetSample {
@@ -22,8 +23,10 @@ struct OffsetSample {
 
 // The exchanges whose delay lies within the least quarter: those that queueing disturbed least.
 std::vector<ClockExchange> least_delayed(std::span<const ClockExchange> exchanges) {
-  std::vector<ClockExchange> sorted(exchanges.begin(), exchanges.end());
   const auto delay = [](const ClockExchange& e) { return (e.t4_ns - e.t1_ns) - (e.t3_ns - e.t2_ns); };
+  std::vector<ClockExchange> sorted;
+  for (const ClockExchange& e : exchanges)
+    if (e.t4_ns >= e.t1_ns && e.t3_ns >= e.t2_ns && delay(e) >= 0) sorted.push_back(e);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const auto& a, const auto& b) { return delay(a) < delay(b); });
   sorted.resize(std::min(sorted.size(), std::max<std::size_t>(3, sorted.size() / 4)));
@@ -58,13 +61,16 @@ AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {
   AgentClock result;
   if (exchanges.empty()) return result;
   const std::vector<ClockExchange> used = least_delayed(exchanges);
+  if (used.empty()) return result;
   const auto twice_offset = [](const ClockExchange& e) { return (e.t2_ns - e.t1_ns) + (e.t3_ns - e.t4_ns); };
   const std::int64_t base = twice_offset(used.front()) / 2;
   std::vector<OffsetSample> samples;
   for (const ClockExchange& e : used)
     samples.push_back(
         {e.t1_ns + (e.t4_ns - e.t1_ns) / 2, static_cast<double>(twice_offset(e) - 2 * base) / 2.0});
-  const double slope = median_slope(samples);
+  // a slope from a short burst would be carried far beyond it
+  const std::int64_t span_ns = samples.back().host_ns - samples.front().host_ns;
+  const double slope = span_ns >= kShortestDriftSpan_ns ? median_slope(samples) : 0.0;
   const std::int64_t origin = samples.front().host_ns;
   std::vector<double> intercepts;
   for (const OffsetSample& s : samples)
@@ -129,6 +135,10 @@ ClockMap<HostClock, SensorClock> fit_sensor_clock(const SessionReader& session, 
                                  "and arrival_ns",
                                  agent_from_sensor.drift * 1e6));
   const auto host_from_agent = fit_agent_clock(session.clock_exchanges(sensor)).host_from_agent;
+  if (std::abs(host_from_agent.drift) > kMaxDrift)
+    throw InputError(place + "/clock_exchanges_ns",
+                     fmt::format("give a drift of {:.0f} ppm between two machines, which no clock has",
+                                 host_from_agent.drift * 1e6));
   return {agent_from_sensor.origin_from,
           host_from_agent(agent_from_sensor.origin_to) - Duration{description.latency_ns},
           (1.0 + agent_from_sensor.drift) * (1.0 + host_from_agent.drift) - 1.0};

@@ -17,7 +17,8 @@ struct ArrivalStamp {
 
 // How the clock of the machine that stamps arrivals relates to the recording's host clock, from
 // four-stamp exchanges: offset(t) = agent - host, by a straight line through the exchanges of least
-// delay (Theil and Sen's median slope). Without exchanges the two clocks are the same.
+// delay (Theil and Sen's median slope; none when they span less than 10 s). Those that run backwards are left
+// out. Without exchanges the two clocks are the same.
 // `worst_residual_ns` is that of the exchanges used.
 struct AgentClock {
   struct AgentTag {};

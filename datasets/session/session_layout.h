@@ -8,7 +8,7 @@
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_types.h"
 
-// The layout of session.h5, format 1, stated once for writer and reader. README.md describes it for
+// The layout of session.h5, format 1, stated once for writer and reader. FORMATS.md describes it for
 // other programs.
 namespace trilat::session_layout {
 

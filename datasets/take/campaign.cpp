@@ -2,6 +2,7 @@
 #include "datasets/take/campaign.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -42,6 +43,8 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   take.mocap = folder / entry.text("mocap");
   take.mapping = folder / entry.text("mapping");
   take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
+    entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
   entry.finish();
   return take;
 }
@@ -86,6 +89,7 @@ Campaign read_campaign(const std::filesystem::path& path) {
   check_format(object, kCampaignFormat);
   Campaign campaign;
   campaign.name = object.text("name");
+  campaign.folder = file.parent_path();
   campaign.simulated = object.boolean("simulated", false);
   std::set<std::string> ids;
   for (JsonObject& entry : object.objects("takes")) {

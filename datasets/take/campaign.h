@@ -47,6 +47,7 @@ struct Campaign {
   std::string name;
   bool simulated = false;
   std::vector<Take> takes;
+  std::filesystem::path folder{};  // where it was read from
 };
 
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names.

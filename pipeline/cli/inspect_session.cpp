@@ -34,6 +34,8 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
   const SensorDescription& d = session.header().sensors[sensor];
   const SensorCounts& c = session.counts(sensor);
   const Span bodies = span_of(session, sensor, FrameStream::bodies, c.body_frames);
+  const auto drops = session.drop_counts(sensor);
+  const DropCount last_drop = drops.empty() ? DropCount{} : drops.back();
   Json json{{"name", d.name},
             {"serial", d.serial},
             {"model", d.model},
@@ -46,6 +48,8 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
             {"depth_stored_bytes", c.depth_stored_bytes},
             {"clock_exchanges", c.clock_exchanges},
             {"torn_rows", c.torn_rows},
+            {"dropped_at_source", last_drop.at_source},
+            {"dropped_in_queue", last_drop.in_queue},
             {"fx_px", d.intrinsics.fx_px},
             {"fy_px", d.intrinsics.fy_px},
             {"cx_px", d.intrinsics.cx_px},

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -22,6 +23,12 @@ void on_signal(int number) {
     std::signal(number, SIG_DFL);
     std::raise(number);
   }
+}
+
+// For verbs that leave something behind; the others just end.
+void end_in_order() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
 }
 
 void add_json(CLI::App& verb, bool& json) {
@@ -64,7 +71,10 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   simulate_verb->add_option("spec", a.simulate.spec, "simulation.json")->required();
   simulate_verb->add_option("-o,--output", a.simulate.output, "folder of the campaign")->required();
   add_json(*simulate_verb, a.simulate.json);
-  simulate_verb->callback([&] { code = simulate(a.simulate); });
+  simulate_verb->callback([&] {
+    end_in_order();
+    code = simulate(a.simulate);
+  });
 
   auto* run_verb = app.add_subcommand("run", "a study: takes x methods x settings -> results");
   run_verb->add_option("study", a.run.study, "study.json")->required();
@@ -77,7 +87,10 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
                      "solve again with Ceres, report the worst difference and fail beyond the study's limit");
   run_verb->add_flag("--dry-run", a.run.dry_run, "print the plan and stop");
   add_json(*run_verb, a.run.json);
-  run_verb->callback([&] { code = run(a.run); });
+  run_verb->callback([&] {
+    end_in_order();
+    code = run(a.run);
+  });
 
   auto* report_verb =
       app.add_subcommand("report", "results to Markdown, CSV and LaTeX; nothing is computed again");
@@ -99,7 +112,10 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   add_json(*reproduce_verb, a.reproduce.json);
-  reproduce_verb->callback([&] { code = reproduce(a.reproduce); });
+  reproduce_verb->callback([&] {
+    end_in_order();
+    code = reproduce(a.reproduce);
+  });
 }
 
 int guarded_main(int argc, char** argv) {
@@ -144,10 +160,10 @@ bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0;
 }  // namespace trilat
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, trilat::on_signal);
-  std::signal(SIGTERM, trilat::on_signal);
   try {
-    return trilat::guarded_main(argc, argv);
+    const int code = trilat::guarded_main(argc, argv);
+    if (std::fflush(stdout) != 0) throw trilat::OutputError("stdout", "cannot be written to its end");
+    return code;
   } catch (const trilat::InputError& error) {
     std::fprintf(stderr, "trilat: %s\n", error.what());
     return trilat::kBadInput;
@@ -159,6 +175,9 @@ int main(int argc, char** argv) {
     return trilat::kBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
     std::fprintf(stderr, "trilat: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
+    return trilat::kBadInput;
+  } catch (const std::system_error& error) {  // of fmt, when stdout cannot be written
+    std::fprintf(stderr, "trilat: %s\n", error.what());
     return trilat::kBadInput;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "trilat: this is a bug of the program, please report it: %s\n", error.what());

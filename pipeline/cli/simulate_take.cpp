@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
+#include "pipeline/parallel.h"
 #include "recorders/recorder.h"
 #include "recorders/synthetic_source.h"
 
@@ -187,18 +187,15 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
   std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
   const std::vector<SensorPose> poses = rig_poses(spec.rig, centre_m);
   write_calibration(folder / "calibration.json", {"simulated truth", poses});
-  Campaign campaign{spec.name, true, {}};
+  Campaign campaign{spec.name, true, {}, folder};
   campaign.takes.resize(takes.size());
   std::atomic<std::size_t> done{0};
-  tbb::parallel_for(
-      std::size_t{0}, takes.size(),
-      [&](std::size_t t) {
-        if (stop_requested && stop_requested()) throw Interrupted();
-        campaign.takes[t] = simulate_take(spec, takes[t], poses, folder / takes[t].id,
-                                          folder / "calibration.json", stop_requested);
-        if (progress) progress(static_cast<double>(++done) / static_cast<double>(takes.size()));
-      },
-      tbb::simple_partitioner());
+  parallel_for_index(takes.size(), 1, [&](std::size_t t) {
+    if (stop_requested && stop_requested()) throw Interrupted();
+    campaign.takes[t] = simulate_take(spec, takes[t], poses, folder / takes[t].id,
+                                      folder / "calibration.json", stop_requested);
+    if (progress) progress(static_cast<double>(++done) / static_cast<double>(takes.size()));
+  });
   write_campaign(folder, campaign);
   return campaign;
 }

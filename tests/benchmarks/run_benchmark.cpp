@@ -23,7 +23,7 @@ constexpr const char* kStudy = R"({
   "methods": [
     {"method": "linear"}, {"name": "linear all pairs", "method": "linear", "reference": "all_pairs"},
     {"method": "geometric"},
-    {"name": "nonlinear printed", "method": "nonlinear", "gradient": "printed", "damping": "none",
+    {"name": "nonlinear printed gradient", "method": "nonlinear", "gradient": "printed", "damping": "none",
      "stop": "objective", "threshold_cm2": 1e-4},
     {"name": "nonlinear printed stop", "method": "nonlinear", "damping": "none", "stop": "printed"},
     {"method": "nonlinear"}, {"method": "single"}, {"method": "mean"}, {"method": "tracked_mean"}

@@ -170,8 +170,16 @@ std::string take_of(const std::vector<int>& x_mm) {
       "Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
   for (std::size_t i = 0; i < x_mm.size(); ++i)
     text += std::to_string(i) + "," + std::to_string(0.01 * static_cast<double>(i)) + "," +
-            std::to_string(x_mm[i]) + ",0,0," + std::to_string(i) + ",0,0\n";
+            std::to_string(x_mm[i]) + ",5,0," + std::to_string(i) + ",5,0\n";
   return text;
+}
+
+TEST(MocapSummary, AMarkerExactlyAtTheOriginIsASentinel) {
+  MocapPose marker;
+  marker.position_m = Eigen::Vector3d(0.1, 0.2, 0.3);
+  MocapPose lost;
+  lost.position_m.setZero();
+  EXPECT_EQ(summary_of({marker, lost, lost, marker}).sentinels, 2);
 }
 
 std::vector<int> filtered(const std::vector<int>& x_mm, FrozenOptions options = {}) {
@@ -197,6 +205,19 @@ TEST(FrozenFilter, TakesOutTheWholeStretchFromItsFirstFrameOn) {
   EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}, options), (std::vector<int>{1, 7, 7, 2, 8, 8}));
   EXPECT_EQ(filtered({1}, options), (std::vector<int>{1}));
   EXPECT_EQ(filtered({}, options), (std::vector<int>{}));
+}
+
+TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
+  std::string text = take_of({1, 2, 3, 4});
+  const auto row = text.find("\n2,") + 1;
+  text.replace(row, text.find('\n', row) - row, "2,0.02,0,0,0,2,5,0");
+  const TemporaryFile file(text);
+  OptitrackCsvReader reader(file.path());
+  FrozenFilter filter(reader);
+  std::vector<bool> present;
+  for (MocapFrame frame; filter.next(frame);) present.push_back(frame.poses[0].has_position());
+  EXPECT_EQ(present, (std::vector<bool>{true, true, false, true}));
+  EXPECT_EQ(filter.removed()[0], 1);
 }
 
 TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {

@@ -266,6 +266,31 @@ TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {
   }
 }
 
+TEST(SessionClock, AShortBurstOfExchangesGivesAnOffsetAndNoDrift) {
+  std::vector<ClockExchange> exchanges;
+  const RandomStream noise{7, Purpose::test, 0};
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const std::int64_t t1 = 1'000'000'000 + std::int64_t{i} * 64'000'000;
+    const auto out = static_cast<std::int64_t>(200'000 - 300'000 * std::log(noise.uniform(i)));
+    exchanges.push_back({t1, t1 + out + 5'000'000, t1 + out + 5'050'000, t1 + out + 250'000});
+  }
+  const AgentClock clock = fit_agent_clock(exchanges);
+  EXPECT_EQ(clock.host_from_agent.drift, 0.0);
+  EXPECT_NEAR(static_cast<double>(clock.host_from_agent({61'005'000'000}).ns), 61e9, 1e6);
+}
+
+TEST(SessionClock, ExchangesThatRunBackwardsAreLeftOut) {
+  std::vector<ClockExchange> exchanges;
+  for (std::int64_t i = 0; i < 100; ++i) {
+    const std::int64_t t1 = i * 250'000'000;
+    exchanges.push_back({t1, t1 + 1'200'000, t1 + 1'250'000, t1 + 450'000});
+    if (i % 7 == 0)
+      exchanges.push_back({t1, t1 + 9'000'000, t1 + 19'000'000, t1 + 400'000});  // answered too long
+  }
+  EXPECT_NEAR(static_cast<double>(fit_agent_clock(exchanges).host_from_agent({12'001'000'000}).ns), 12e9,
+              1e3);
+}
+
 TEST(SessionClock, TheLowerEnvelopeIgnoresLateFrames) {
   ArrivalEnvelope envelope;
   const RandomStream noise{6, Purpose::test, 0};
