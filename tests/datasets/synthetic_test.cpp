@@ -263,11 +263,14 @@ TEST(SimulatedSensor, ABodyKeepsItsIdAndTheFloorItsPlace) {
 }
 
 TEST(SimulatedSensor, EqualKeysGiveEqualNumbersInAnyOrder) {
-  const SensorSpec spec;
+  SensorSpec spec;
+  spec.dropped_share = 0.0;
   const Motion motion = generated_motion(Person{}, Activity::walking);
   const auto frame_with = [&](std::uint64_t seed, std::uint64_t take, std::uint64_t number) {
     const SimulatedItem item{seed, take, 0};
-    return simulate_body_frame(rig_of(spec, item)[2], spec, item, motion, number)->bodies.at(0).position_m;
+    const auto sensors = rig_of(spec, item);
+    const BodyFrame frame = *simulate_body_frame(sensors[2], spec, item, motion, number);
+    return frame.bodies.at(0).position_m;
   };
   const auto late = frame_with(1, 3, 90);
   frame_with(1, 3, 12);

@@ -213,7 +213,8 @@ TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
 
   ended = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
   EXPECT_EQ(ended.code, 0);
-  for (const auto& file : only_json(ended)["files"])
+  const Json written = only_json(ended);
+  for (const auto& file : written["files"])
     EXPECT_TRUE(std::filesystem::exists(file.get<std::string>())) << file;
 }
 
