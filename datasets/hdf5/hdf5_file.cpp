@@ -38,12 +38,17 @@ std::string library_reason() {
   return reason.empty() ? "the HDF5 library gives no reason" : reason;
 }
 
+// The root's place is "file.h5:", which a message follows with a colon of its own.
+std::string without_colon(const std::string& place) {
+  return place.ends_with(':') ? place.substr(0, place.size() - 1) : place;
+}
+
 [[noreturn]] void refuse(const std::string& place, const std::string& doing) {
-  throw InputError(place, doing + " (" + library_reason() + ")");
+  throw InputError(without_colon(place), doing + " (" + library_reason() + ")");
 }
 
 [[noreturn]] void refuse_output(const std::string& place, const std::string& doing) {
-  throw OutputError(place, doing + " (" + library_reason() + "); is the disk full?");
+  throw OutputError(without_colon(place), doing + " (" + library_reason() + "); is the disk full?");
 }
 
 H5Handle wrap(hid_t id, H5Handle::Closer closer, const std::string& place, const std::string& doing) {

@@ -55,6 +55,7 @@ SensorSpec read_sensor(JsonObject object) {
   s.rate_hz = within(object, "rate_hz", s.rate_hz, 1.0, 1000.0);
   s.nearest_m = not_negative(object, "nearest_m", s.nearest_m);
   s.farthest_m = object.positive("farthest_m", s.farthest_m);
+  if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
   s.joint_bias_sigma_m = not_negative(object, "joint_bias_sigma_m", s.joint_bias_sigma_m);
   s.joint_noise_sigma_m = not_negative(object, "joint_noise_sigma_m", s.joint_noise_sigma_m);
   s.inferred_share = share(object, "inferred_share", s.inferred_share);
@@ -136,6 +137,8 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     JsonObject stature = object.object("stature_m");
     spec.stature_mean_m = within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
     spec.stature_half_range_m = within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
+    if (spec.stature_mean_m - spec.stature_half_range_m < 0.5)
+      stature.refuse("half_range", "must leave everybody at least 0.5 m tall");
     stature.finish();
   }
   if (object.has("recorded")) {
