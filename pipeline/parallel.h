@@ -13,6 +13,7 @@
 #else
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace trilat {
@@ -43,12 +44,15 @@ void parallel_for_index(std::size_t count, std::size_t grain, const Body& body) 
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
 #else
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, grain),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
-      },
-      tbb::simple_partitioner());
+  // isolated: a thread that waits for an inner loop does not start on another take meanwhile
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, grain),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+        },
+        tbb::simple_partitioner());
+  });
 #endif
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include "datasets/base/error.h"
 #include "datasets/results/samples.h"
@@ -242,13 +241,13 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
     any_seen |= std::any_of(seen.values.begin(), seen.values.end(),
                             [](const JointObservation& observation) { return observation.seen; });
     std::vector<TakeCheck> checks(checked ? count : 0);
-    tbb::this_task_arena::isolate([&] {
+    {
       const Stopwatch watch(shared.solve_ns);
       parallel_for_index(count, 16, [&](std::size_t i) {
         solve_instant(plan, planned, seen, i, block);
         if (checked) checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
       });
-    });
+    }
     for (const TakeCheck& check : checks) outcome.check.merge(check);
     {
       const Stopwatch watch(shared.write_ns);
