@@ -17,7 +17,7 @@ constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
-const std::vector<std::string> kStarts{"linear", "hint"};
+const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
 
 template <class Enum>
 Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<std::string>& names,

@@ -83,7 +83,7 @@ PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& optio
   const SensorPlane plane = plane_of(problem);
   if (plane.collinear) return failed_estimate(SolveStatus::rank_deficient);
   const Eigen::Vector3d wanted_m =
-      wanted_start_m(problem, options.start, options.start_point_m, options.linear);
+      wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   return estimate_of(problem,
                      descend_on_both_sides(
                          problem, plane, safe_start(problem, plane, wanted_m), options.same_residual_m,

@@ -12,7 +12,7 @@ struct CeresOptions {
   double gradient_tolerance = 1e-20;   // max |dF/dx| < tolerance
   double parameter_tolerance = 1e-13;  // |x_k - x_{k-1}| < tolerance * |x|
   int max_iterations = 1000;           // of each descent
-  Start start = Start::linear;
+  Start start = Start::squared_ranges;
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
   LinearOptions linear;  // of the linear start
   double same_residual_m = 1e-9;

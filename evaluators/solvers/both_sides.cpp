@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {
 
-constexpr double kFarthestStart = 2.0;     // of the mean range
+constexpr double kFarthestStart = 2.0;     // of mean range and spread
 constexpr double kLeastStartOffset = 0.1;  // of the mean range
 
 double residual_rms_m(const RangeProblem& problem, double cost_m2) {
@@ -21,13 +22,16 @@ double residual_rms_m(const RangeProblem& problem, double cost_m2) {
 
 Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
                            const Eigen::Vector3d& wanted_m) {
+  double mean_range_m = 0.0;
+  for (int i = 0; i < problem.count; ++i) mean_range_m += problem.range_m[i] / problem.count;
+  const double spread_m = std::sqrt(plane.scatter_m2.sum() / problem.count);
   Eigen::Vector3d start = wanted_m;
   // Negated, so that NaN counts as far.
-  if (!((start - plane.centroid_m).norm() <= kFarthestStart * plane.mean_range_m))
-    start = problem.hint_m.value_or(plane.centroid_m + plane.mean_range_m * plane.normal);
+  if (!((start - plane.centroid_m).norm() <= kFarthestStart * (mean_range_m + spread_m)))
+    start = squared_range_position_m(problem, plane);
   const double offset_m = plane.offset_m(start);
-  const double least_m = kLeastStartOffset * plane.mean_range_m;
-  if (std::abs(offset_m) < least_m) start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal;
+  const double least_m = kLeastStartOffset * mean_range_m;
+  if (std::abs(offset_m) < least_m) start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal();
   return start;
 }
 
@@ -54,13 +58,11 @@ Descent choose_minimum(const RangeProblem& problem, const Descent& first, const 
 PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent) {
   PointEstimate failure = failed_estimate(descent.status);
   failure.iterations = descent.iterations;
-  if (descent.status == SolveStatus::rank_deficient || descent.status == SolveStatus::diverged)
-    return failure;
-  const PointEstimate result = estimate_at(problem, descent.position_m, descent.status, descent.iterations);
-  if (std::isfinite(result.gdop) || descent.status == SolveStatus::iteration_limit) return result;
-  failure.status = SolveStatus::rank_deficient;
-  failure.gdop = result.gdop;
-  return failure;
+  if (descent.status == SolveStatus::diverged) return failure;
+  PointEstimate result = estimate_at(problem, descent.position_m, descent.status, descent.iterations);
+  if (!std::isfinite(result.gdop) && result.status != SolveStatus::iteration_limit)
+    result.status = SolveStatus::rank_deficient;
+  return result;
 }
 
 }  // namespace trilat

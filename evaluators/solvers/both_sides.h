@@ -22,9 +22,9 @@ struct Descent {
 // Minima nearer than this are one.
 inline constexpr double kSameMinimum_m = 1e-6;
 
-// A start for a descent of full rank: finite and no farther from the sensors than twice their mean
-// range, else the hint, else the point one mean range off the sensors' plane; and at least a tenth
-// of the mean range off the plane, where the derivative across it vanishes.
+// A start for a descent of full rank: finite and no farther from the sensors' middle than twice their
+// mean range and spread, else squared_range_position_m(); and at least a tenth of the mean range off the
+// plane, where the derivative across it vanishes.
 Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
                            const Eigen::Vector3d& wanted_m);
 

@@ -3,157 +3,174 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "datasets/base/check.h"
 #include "evaluators/solvers/both_sides.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {
 
-constexpr double kFirstDamping = 1e-4;
-constexpr double kGoodPrediction = 0.1;
-constexpr double kFastDecay = 0.05;
+constexpr std::size_t kProblemsAtATime = 512;
 
-bool objective_rule_holds(const NonlinearOptions& options, double cost_m2, double previous_m2) {
-  const double change_m2 = cost_m2 - previous_m2;
-  if (options.stop == StopRule::printed) return change_m2 < options.threshold_m2;
-  return options.stop == StopRule::objective && std::abs(change_m2) < options.threshold_m2;
-}
-
-bool step_rule_holds(const NonlinearOptions& options, const Eigen::Vector3d& step_m) {
-  return options.stop == StopRule::step &&
-         step_m.squaredNorm() < options.step_tolerance_m * options.step_tolerance_m;
-}
-
-// R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
-template <bool printed>
-Descent descend_undamped(const PackedRanges& ranges, const NonlinearOptions& options,
-                         const Eigen::Vector3d& start_m) {
-  Descent now{start_m, SolveStatus::iteration_limit, 0, kNaN};
-  RangeEquations equations = linearise<printed>(ranges, start_m, options.printed_unit_m);
-  now.cost_m2 = equations.cost_m2;
-  while (now.iterations < options.max_iterations) {
-    const Symmetric3 adjugate = equations.normal.adjugate();
-    const double determinant = equations.normal.determinant(adjugate);
-    if (is_rank_deficient(equations.normal, adjugate, determinant)) {
-      now.status = SolveStatus::rank_deficient;
-      return now;
-    }
-    const Eigen::Vector3d step_m = (adjugate * equations.gradient) * (-1.0 / determinant);
-    const double previous_m2 = now.cost_m2;
-    now.position_m += step_m;
-    ++now.iterations;
-    equations = linearise<printed>(ranges, now.position_m, options.printed_unit_m);
-    now.cost_m2 = equations.cost_m2;
-    if (!std::isfinite(now.cost_m2)) {
-      now.status = SolveStatus::diverged;
-      return now;
-    }
-    if (objective_rule_holds(options, now.cost_m2, previous_m2) || step_rule_holds(options, step_m)) {
-      now.status = SolveStatus::converged;
-      return now;
-    }
-  }
-  return now;
-}
-
-// Damping as a share of the sum of weights, which is the trace of J^T W J. It falls fast while the
-// linearisation predicts the cost well, settles where it just does, and grows faster and faster
-// while steps are taken back (after Nielsen 1999).
-struct LmDamping {
-  double share = kFirstDamping;
-  double growth = 2.0;
-
-  void step_taken(double gain_ratio) {
-    const double miss = 2.0 * gain_ratio - 1.0;
-    const double factor = 1.0 - miss * miss * miss;
-    share *= std::abs(gain_ratio - 1.0) < kGoodPrediction ? kFastDecay : std::max(1.0 / 3.0, factor);
-    growth = 2.0;
-  }
-  void step_taken_back() {
-    share *= growth;
-    growth *= 2.0;
-  }
+// A problem before its descents: why there are none, or where they start.
+struct Prepared {
+  SolveStatus refusal = SolveStatus::not_solved;
+  int starts = 0;
+  std::array<Eigen::Vector3d, 2> start_m;
 };
 
-// (J^T W J + lambda I) step = -J^T W f. A step that raises F is taken back and tried again with
-// more damping, so F never rises, and steps below the tolerance that still raise it mean that F is
-// at its minimum to rounding.
-Descent descend_damped(const PackedRanges& ranges, const NonlinearOptions& options,
-                       const Eigen::Vector3d& start_m) {
-  RangeEquations equations = linearise(ranges, start_m);
-  Descent now{start_m, SolveStatus::iteration_limit, 0, equations.cost_m2};
-  if (!std::isfinite(now.cost_m2)) now.status = SolveStatus::diverged;
-  LmDamping damping;
-  bool done = !std::isfinite(now.cost_m2);
-  while (!done && now.iterations < options.max_iterations) {
-    Symmetric3 damped = equations.normal;
-    const double lambda = damping.share * damped.trace();
-    damped.add_to_diagonal(lambda);
-    const Symmetric3 adjugate = damped.adjugate();
-    const Eigen::Vector3d step_m = (adjugate * equations.gradient) * (-1.0 / damped.determinant(adjugate));
-    ++now.iterations;
-    if (step_rule_holds(options, step_m)) {
-      now.status = SolveStatus::converged;
-      return now;
-    }
-    const RangeEquations trial = linearise(ranges, now.position_m + step_m);
-    if (trial.cost_m2 <= now.cost_m2) {
-      done = objective_rule_holds(options, trial.cost_m2, now.cost_m2);
-      const double predicted_m2 = lambda * step_m.squaredNorm() - step_m.dot(equations.gradient);
-      damping.step_taken((now.cost_m2 - trial.cost_m2) / predicted_m2);
-      now.position_m += step_m;
-      now.cost_m2 = trial.cost_m2;
-      equations = trial;
-    } else {
-      damping.step_taken_back();
-    }
-    if (done) now.status = SolveStatus::converged;
-  }
-  return now;
+Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
+  Prepared result;
+  if (options.start == Start::point && !options.start_point_m.allFinite())
+    result.refusal = SolveStatus::non_finite_input;
+  else if (plane.collinear)
+    result.refusal = SolveStatus::rank_deficient;
+  if (result.refusal != SolveStatus::not_solved) return result;
+  const Eigen::Vector3d wanted_m =
+      wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
+  const bool damped = options.damping == Damping::lm;
+  result.start_m[0] = damped || !wanted_m.allFinite() ? safe_start(problem, plane, wanted_m) : wanted_m;
+  result.start_m[1] = plane.mirrored(result.start_m[0]);
+  // In an exact plane the other minimum is the mirror image of the first.
+  result.starts = damped && !plane.exact ? 2 : 1;
+  return result;
 }
 
-Descent solve_undamped(const RangeProblem& problem, const NonlinearOptions& options, const SensorPlane& plane,
-                       const Eigen::Vector3d& wanted_m) {
-  const Eigen::Vector3d start_m = wanted_m.allFinite() ? wanted_m : safe_start(problem, plane, wanted_m);
-  const PackedRanges ranges = packed(problem);
-  const Descent descent = options.gradient == Gradient::printed
-                              ? descend_undamped<true>(ranges, options, start_m)
-                              : descend_undamped<false>(ranges, options, start_m);
-  if (!plane.exact) return descent;
-  return choose_minimum(problem, descent, mirrored(plane, descent), options.same_residual_m);
+double loss_m2(const NonlinearOptions& options, double residual_m) {
+  const double square = residual_m * residual_m;
+  const double c = options.loss_scale_m;
+  if (options.loss == Loss::cauchy) return c * c * std::log1p(square / (c * c));
+  if (options.loss == Loss::huber && std::abs(residual_m) > c) return 2.0 * c * std::abs(residual_m) - c * c;
+  return square;
+}
+
+// What the chosen loss makes of the point where a descent ended.
+double total_loss_m2(const RangeProblem& problem, const NonlinearOptions& options,
+                     const Eigen::Vector3d& x_m) {
+  double sum = 0.0;
+  for (int i = 0; i < problem.count; ++i)
+    sum += problem.weight[i] * loss_m2(options, (x_m - problem.sensor_m[i]).norm() - problem.range_m[i]);
+  return sum;
+}
+
+PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options,
+                       const Prepared& prepared, Descent first, Descent second) {
+  if (options.loss != Loss::squares) {
+    first.cost_m2 = total_loss_m2(problem, options, first.position_m);
+    second.cost_m2 = total_loss_m2(problem, options, second.position_m);
+  }
+  if (prepared.starts == 1 && !plane.exact) return estimate_of(problem, first);
+  if (plane.exact) second = mirrored(plane, first);
+  return estimate_of(problem, choose_minimum(problem, first, second, options.same_residual_m));
+}
+
+// Puts problem and start into one lane; sensors beyond its count weigh nothing.
+void fill_lane(DescentBatch& batch, std::size_t lane, const RangeProblem& problem,
+               const Eigen::Vector3d& start_m) {
+  for (int i = 0; i < batch.sensors; ++i) {
+    const int from = i < problem.count ? i : 0;
+    const auto row = static_cast<std::size_t>(i);
+    for (int axis = 0; axis < 3; ++axis)
+      batch.sensor_m.row(3 * row + static_cast<std::size_t>(axis))[lane] = problem.sensor_m[from][axis];
+    batch.range_m.row(row)[lane] = problem.range_m[from];
+    batch.weight.row(row)[lane] = i < problem.count ? problem.weight[from] : 0.0;
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    batch.position_m.row(static_cast<std::size_t>(axis))[lane] = start_m[axis];
+}
+
+Descent descent_in(const DescentBatch& batch, std::size_t lane) {
+  return {{batch.position_m.row(0)[lane], batch.position_m.row(1)[lane], batch.position_m.row(2)[lane]},
+          batch.status[lane],
+          static_cast<int>(batch.iterations.row(0)[lane]),
+          batch.cost_m2.row(0)[lane]};
+}
+
+void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions& options,
+                 std::span<PointEstimate> estimates) {
+  std::vector<Prepared> starts(problems.size());
+  std::vector<SensorPlane> planes;  // one for each change of the sensors
+  std::vector<std::size_t> plane_of_problem(problems.size());
+  std::size_t lanes = 0;
+  int sensors = 1;
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    starts[p].refusal = refusal_of(problems[p]);
+    if (starts[p].refusal != SolveStatus::not_solved) continue;
+    if (planes.empty() || p == 0 || !same_sensors(problems[p], problems[p - 1]))
+      planes.push_back(plane_of(problems[p]));
+    plane_of_problem[p] = planes.size() - 1;
+    starts[p] = prepared(problems[p], planes.back(), options);
+    lanes += static_cast<std::size_t>(starts[p].starts);
+    sensors = std::max(sensors, problems[p].count);
+  }
+  DescentBatch batch(sensors, lanes, false);
+  std::size_t lane = 0;
+  for (std::size_t p = 0; p < problems.size(); ++p)
+    for (int s = 0; s < starts[p].starts; ++s)
+      fill_lane(batch, lane++, problems[p], starts[p].start_m[static_cast<std::size_t>(s)]);
+  descend(batch, options);
+  lane = 0;
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    if (starts[p].starts == 0) {
+      estimates[p] = failed_estimate(starts[p].refusal);
+      continue;
+    }
+    const Descent first = descent_in(batch, lane);
+    const Descent second = starts[p].starts == 2 ? descent_in(batch, lane + 1) : first;
+    lane += static_cast<std::size_t>(starts[p].starts);
+    estimates[p] = finished(problems[p], planes[plane_of_problem[p]], options, starts[p], first, second);
+  }
 }
 
 }  // namespace
 
-Eigen::Vector3d wanted_start_m(const RangeProblem& problem, Start start, const Eigen::Vector3d& start_point_m,
-                               const LinearOptions& linear) {
+Eigen::Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
+                               const Eigen::Vector3d& start_point_m, const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
-  if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
-  return problem.hint_m.value_or(Eigen::Vector3d::Constant(kNaN));
+  if (start == Start::linear)
+    if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
+  return squared_range_position_m(problem, plane);
 }
 
 PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options) {
-  TRILAT_CHECK(options.damping == Damping::none || options.gradient == Gradient::corrected,
-               "only the corrected gradient can be damped");
+  TRILAT_CHECK(contradiction_in(options).empty(), "the settings of a descent fit together");
   const SolveStatus refusal = refusal_of(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
-  if (options.start == Start::point && !options.start_point_m.allFinite())
-    return failed_estimate(SolveStatus::non_finite_input);
   const SensorPlane plane = plane_of(problem);
-  if (plane.collinear) return failed_estimate(SolveStatus::rank_deficient);
-  const Eigen::Vector3d wanted_m =
-      wanted_start_m(problem, options.start, options.start_point_m, options.linear);
-  if (options.damping == Damping::none)
-    return estimate_of(problem, solve_undamped(problem, options, plane, wanted_m));
-  const PackedRanges ranges = packed(problem);
-  const auto descend = [&](const Eigen::Vector3d& start_m) {
-    return descend_damped(ranges, options, start_m);
-  };
-  return estimate_of(problem, descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
-                                                    options.same_residual_m, descend));
+  const Prepared start = prepared(problem, plane, options);
+  if (start.starts == 0) return failed_estimate(start.refusal);
+  DescentPair pair;
+  pair.sensors = problem.count;
+  for (int i = 0; i < problem.count; ++i) {
+    for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
+      for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
+      pair.range_m[i][lane] = problem.range_m[i];
+      pair.weight[i][lane] = problem.weight[i];
+    }
+  }
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
+    for (int axis = 0; axis < 3; ++axis)
+      pair.position_m[axis][lane] = start.start_m[start.starts == 2 ? lane : 0][axis];
+  descend(pair, options);
+  std::array<Descent, kPairLanes> ends;
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
+    ends[lane] = {{pair.position_m[0][lane], pair.position_m[1][lane], pair.position_m[2][lane]},
+                  pair.status[lane],
+                  static_cast<int>(pair.iterations[lane]),
+                  pair.cost_m2[lane]};
+  return finished(problem, plane, options, start, ends[0], ends[1]);
+}
+
+void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOptions& options,
+                     std::span<PointEstimate> estimates) {
+  TRILAT_CHECK(problems.size() == estimates.size(), "every problem has a slot");
+  for (std::size_t first = 0; first < problems.size(); first += kProblemsAtATime) {
+    const std::size_t size = std::min(kProblemsAtATime, problems.size() - first);
+    solve_block(problems.subspan(first, size), options, estimates.subspan(first, size));
+  }
 }
 
 }  // namespace trilat

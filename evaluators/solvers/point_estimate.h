@@ -12,8 +12,9 @@ namespace trilat {
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Where a method puts a joint in the world. Ask is_usable(status) before using the position: it is
-// also filled for iteration_limit (the last iterate) and mirror_ambiguous (one of the two), so that
-// a failure can be looked at, and NaN for every other failure.
+// also filled for iteration_limit (the last iterate), mirror_ambiguous (one of the two) and for
+// rank_deficient when a descent ended there, so that a failure can be looked at, and NaN for every
+// other failure.
 struct PointEstimate {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/solvers/sensor_plane.h"
 
-#include "evaluators/solvers/symmetric3.h"
+#include <algorithm>
+
+#include <Eigen/Eigenvalues>
 
 namespace trilat {
 namespace {
@@ -13,27 +15,25 @@ constexpr double kCoplanarRatio = 1e-14;
 
 SensorPlane plane_of(const RangeProblem& problem) {
   SensorPlane plane;
+  for (int i = 0; i < problem.count; ++i) plane.centroid_m += problem.sensor_m[i] / problem.count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (int i = 0; i < problem.count; ++i) {
-    plane.centroid_m += problem.sensor_m[i] / problem.count;
-    plane.mean_range_m += problem.range_m[i] / problem.count;
+    const Eigen::Vector3d s = problem.sensor_m[i] - plane.centroid_m;
+    scatter += s * s.transpose();
   }
-  Symmetric3 scatter;
-  for (int i = 0; i < problem.count; ++i) scatter.add_outer(1.0, problem.sensor_m[i] - plane.centroid_m);
-  const Symmetric3 adjugate = scatter.adjugate();
-  const double trace = scatter.trace();
-  const double pairs = adjugate.trace();
-  plane.collinear = !(pairs > kCollinearRatio * trace * trace);
-  if (plane.collinear) return plane;
-  plane.exact = !(scatter.determinant(adjugate) > kCoplanarRatio * trace * pairs);
-  // The adjugate's largest eigenvalue belongs to the normal, and stands out by the ratio of the two
-  // smaller eigenvalues of the scatter: two powers settle the direction of any plane that matters.
-  Eigen::Vector3d normal{adjugate.xx, adjugate.xy, adjugate.xz};
-  if (adjugate.yy > adjugate.xx && adjugate.yy >= adjugate.zz)
-    normal = {adjugate.xy, adjugate.yy, adjugate.yz};
-  else if (adjugate.zz > adjugate.xx)
-    normal = {adjugate.xz, adjugate.yz, adjugate.zz};
-  plane.normal = (adjugate * normal.normalized()).normalized();
+  plane.collinear = true;
+  if (!scatter.allFinite()) return plane;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  plane.axes = eigen.eigenvectors();
+  plane.scatter_m2 = eigen.eigenvalues().cwiseMax(0.0);
+  plane.collinear = !(plane.scatter_m2[1] > kCollinearRatio * plane.scatter_m2[2]);
+  plane.exact = !(plane.scatter_m2[0] > kCoplanarRatio * plane.scatter_m2[2]);
   return plane;
+}
+
+bool same_sensors(const RangeProblem& a, const RangeProblem& b) {
+  return a.count == b.count &&
+         std::equal(a.sensor_m.begin(), a.sensor_m.begin() + a.count, b.sensor_m.begin());
 }
 
 }  // namespace trilat

@@ -7,22 +7,28 @@
 
 namespace trilat {
 
-// The plane that fits a problem's sensors best. A point and its mirror image in a plane that holds
-// every sensor have the same ranges, so no method can tell them apart.
+// How a problem's sensors stand: their middle, the plane that fits them best, and their scatter along
+// and across it. A point and its mirror image in a plane that holds every sensor have the same ranges,
+// so no method can tell them apart.
 struct SensorPlane {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();
-  double mean_range_m = 0.0;
-  // Second eigenvalue of the sensors' scatter <= 1e-12 of the largest: on one line within 1e-6 of
-  // their spread. The solutions are a circle around the line.
+  // Columns: the eigenvectors of sum (s - centroid)(s - centroid)^T, and its eigenvalues, ascending.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d scatter_m2 = Eigen::Vector3d::Zero();
+  // Second eigenvalue of the scatter <= 1e-12 of the largest: on one line within 1e-6 of their spread.
+  // The solutions are a circle around the line.
   bool collinear = false;
   // Smallest eigenvalue <= 1e-14 of the largest: in one plane within 1e-7 of their spread.
   bool exact = false;
 
-  double offset_m(const Eigen::Vector3d& x_m) const { return normal.dot(x_m - centroid_m); }
-  Eigen::Vector3d mirrored(const Eigen::Vector3d& x_m) const { return x_m - 2.0 * offset_m(x_m) * normal; }
+  Eigen::Vector3d normal() const { return axes.col(0); }
+  double offset_m(const Eigen::Vector3d& x_m) const { return normal().dot(x_m - centroid_m); }
+  Eigen::Vector3d mirrored(const Eigen::Vector3d& x_m) const { return x_m - 2.0 * offset_m(x_m) * normal(); }
 };
 
 SensorPlane plane_of(const RangeProblem& problem);
+
+// Whether both problems have the same sensors in the same order, and so the same plane.
+bool same_sensors(const RangeProblem& a, const RangeProblem& b);
 
 }  // namespace trilat

@@ -22,6 +22,7 @@ NonlinearOptions undamped(Gradient gradient, StopRule stop, double threshold_m2)
   options.damping = Damping::none;
   options.stop = stop;
   options.threshold_m2 = threshold_m2;
+  options.start = Start::linear;
   return options;
 }
 

@@ -139,7 +139,7 @@ TEST(SensorPlane, IsTheBestFitAndMirrorsThroughIt) {
   EXPECT_LT((plane.mirrored({0.3, 1.5, 0.2}) - Vector3d(0.3, 0.3, 0.2)).norm(), 1e-14);
   const SensorPlane wavy = plane_of(problem_of(ring_m(0.8, 1.0, 0.8, 1.0), {0, 2, 0}));
   EXPECT_FALSE(wavy.exact);
-  EXPECT_NEAR(std::abs(wavy.normal.y()), 1.0, 1e-12);
+  EXPECT_NEAR(std::abs(wavy.normal().y()), 1.0, 1e-12);
   EXPECT_TRUE(plane_of(problem_of({{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}, {0, 2, 0})).collinear);
 }
 

@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: MIT
+// One source, compiled once for each instruction set. Additions and products are written out and
+// never fused, each lane goes its own way and nothing is summed across lanes: so every set and every
+// width gives the same bits.
+#include "evaluators/solvers/descent.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "datasets/base/check.h"
+#include "evaluators/solvers/range_equations.h"
+
+// SSE2 is there on every x86-64; these bring nothing beyond SSE4 and AVX-512 here.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "evaluators/solvers/descent.cpp"
+#include <hwy/foreach_target.h>
+//
+#include <hwy/highway.h>
+
+#ifndef TRILAT_DESCENT_VIEW
+#define TRILAT_DESCENT_VIEW
+namespace trilat {
+// Where the kernel reads and writes, whoever owns it.
+struct LaneView {
+  int sensors;
+  std::size_t count;
+  bool one_rig;
+  const double *sensor_m, *range_m, *weight;
+  std::size_t sensor_stride, stride;
+  double *position_m, *cost_m2, *iterations;
+  SolveStatus* status;
+};
+}  // namespace trilat
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace trilat {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr double kFirstDamping = 1e-4;
+constexpr double kGoodPrediction = 0.1;
+constexpr double kFastDecay = 0.05;
+
+// Which descent the loop is compiled for.
+template <Gradient gradient_, Curvature curvature_, Loss loss_>
+struct Variant {
+  static constexpr Gradient gradient = gradient_;
+  static constexpr Curvature curvature = curvature_;
+  static constexpr Loss loss = loss_;
+};
+
+template <class D>
+struct Vector3 {
+  hn::Vec<D> x, y, z;
+};
+
+template <class D>
+struct Symmetric {
+  hn::Vec<D> xx, xy, xz, yy, yz, zz;
+};
+
+template <class D>
+HWY_INLINE Symmetric<D> AdjugateOf(const Symmetric<D>& m) {
+  return {m.yy * m.zz - m.yz * m.yz, m.xz * m.yz - m.xy * m.zz, m.xy * m.yz - m.xz * m.yy,
+          m.xx * m.zz - m.xz * m.xz, m.xy * m.xz - m.xx * m.yz, m.xx * m.yy - m.xy * m.xy};
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> DeterminantOf(const Symmetric<D>& m, const Symmetric<D>& adjugate) {
+  return m.xx * adjugate.xx + m.xy * adjugate.xy + m.xz * adjugate.xz;
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> TraceOf(const Symmetric<D>& m) {
+  return m.xx + m.yy + m.zz;
+}
+
+template <class D>
+HWY_INLINE Vector3<D> Times(const Symmetric<D>& m, const Vector3<D>& v) {
+  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+          m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> Dot(const Vector3<D>& a, const Vector3<D>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> Select(hn::Mask<D> mask, hn::Vec<D> yes, hn::Vec<D> no) {
+  return hn::IfThenElse(mask, yes, no);
+}
+
+template <class D>
+HWY_INLINE void SelectInto(hn::Mask<D> mask, const Symmetric<D>& from, Symmetric<D>& to) {
+  to = {Select<D>(mask, from.xx, to.xx), Select<D>(mask, from.xy, to.xy), Select<D>(mask, from.xz, to.xz),
+        Select<D>(mask, from.yy, to.yy), Select<D>(mask, from.yz, to.yz), Select<D>(mask, from.zz, to.zz)};
+}
+
+template <class D>
+HWY_INLINE void SelectInto(hn::Mask<D> mask, const Vector3<D>& from, Vector3<D>& to) {
+  to = {Select<D>(mask, from.x, to.x), Select<D>(mask, from.y, to.y), Select<D>(mask, from.z, to.z)};
+}
+
+// F and its linearisation, as RangeEquations, in each lane.
+template <class D>
+struct LaneEquations {
+  Symmetric<D> matrix;     // what the step inverts
+  Vector3<D> gradient;     // J^T W f
+  hn::Vec<D> cost;         // sum of w v f^2
+  hn::Vec<D> frozen_cost;  // the same with the factors of the point before
+};
+
+// The factors v that a robust loss puts on the weights: loss = sum of v f^2 majorises it at the
+// point where v was taken, so a step that lowers the sum lowers the loss (iteratively reweighted
+// least squares).
+template <class D>
+struct LossFactors {
+  hn::Vec<D> of_sensor[kMaxSensors];
+};
+
+template <class D>
+struct Problems {
+  D d;
+  const LaneView& view;
+  std::size_t lane;
+
+  HWY_INLINE hn::Vec<D> sensor(int row) const {
+    const double* from = view.sensor_m + static_cast<std::size_t>(row) * view.sensor_stride;
+    return view.one_rig ? hn::Set(d, *from) : hn::Load(d, from + lane);
+  }
+  HWY_INLINE hn::Vec<D> range(int i) const {
+    return hn::Load(d, view.range_m + static_cast<std::size_t>(i) * view.stride + lane);
+  }
+  HWY_INLINE hn::Vec<D> weight(int i) const {
+    return hn::Load(d, view.weight + static_cast<std::size_t>(i) * view.stride + lane);
+  }
+};
+
+template <Loss loss, class D>
+HWY_INLINE hn::Vec<D> LossFactor(D d, hn::Vec<D> f, double scale_m) {
+  const auto one = hn::Set(d, 1.0);
+  if constexpr (loss == Loss::huber)
+    return hn::Min(one, hn::Set(d, scale_m) / hn::Max(hn::Abs(f), hn::Set(d, 1e-300)));
+  else
+    return one / (one + f * f * hn::Set(d, 1.0 / (scale_m * scale_m)));
+}
+
+template <class Kind, class D>
+HWY_INLINE LaneEquations<D> Linearise(const Problems<D>& problems, const Vector3<D>& at,
+                                      const DescentOptions& options, const LossFactors<D>& before,
+                                      LossFactors<D>& factors) {
+  const D d = problems.d;
+  const auto zero = hn::Zero(d);
+  const auto unit = hn::Set(d, options.printed_unit_m);
+  const auto least = hn::Set(d, kOnSensor_m * kOnSensor_m);
+  LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero};
+  auto bend = zero;  // sum of w (1 - r/d)
+  for (int i = 0; i < problems.view.sensors; ++i) {
+    const auto x = at.x - problems.sensor(3 * i);
+    const auto y = at.y - problems.sensor(3 * i + 1);
+    const auto z = at.z - problems.sensor(3 * i + 2);
+    const auto square = x * x + y * y + z * z;
+    const auto distance = hn::Sqrt(square);
+    const auto f = distance - problems.range(i);
+    auto w = problems.weight(i);
+    if constexpr (Kind::loss != Loss::squares) {
+      sum.frozen_cost = sum.frozen_cost + w * before.of_sensor[i] * f * f;
+      factors.of_sensor[i] = LossFactor<Kind::loss>(d, f, options.loss_scale_m);
+      w = w * factors.of_sensor[i];
+    }
+    sum.cost = sum.cost + w * f * f;
+    // The quotient does not wait for the root, which shortens the chain of each iteration.
+    auto q = w / hn::Max(square, least);
+    const auto right = Kind::gradient == Gradient::printed ? unit * f : distance * f;
+    const auto slope = q * right;
+    sum.gradient.x = sum.gradient.x + slope * x;
+    sum.gradient.y = sum.gradient.y + slope * y;
+    sum.gradient.z = sum.gradient.z + slope * z;
+    if constexpr (Kind::curvature == Curvature::newton) {
+      const auto curl = f / hn::Max(distance, hn::Set(d, kOnSensor_m));  // 1 - r/d
+      bend = bend + w * curl;
+      q = q - q * curl;
+    }
+    const auto qx = q * x;
+    const auto qy = q * y;
+    sum.matrix.xx = sum.matrix.xx + qx * x;
+    sum.matrix.xy = sum.matrix.xy + qx * y;
+    sum.matrix.xz = sum.matrix.xz + qx * z;
+    sum.matrix.yy = sum.matrix.yy + qy * y;
+    sum.matrix.yz = sum.matrix.yz + qy * z;
+    sum.matrix.zz = sum.matrix.zz + q * z * z;
+  }
+  if constexpr (Kind::curvature == Curvature::newton) {
+    sum.matrix.xx = sum.matrix.xx + bend;
+    sum.matrix.yy = sum.matrix.yy + bend;
+    sum.matrix.zz = sum.matrix.zz + bend;
+  }
+  if constexpr (Kind::loss == Loss::squares) sum.frozen_cost = sum.cost;
+  return sum;
+}
+
+// What a lane has come to; lanes that are done no longer change.
+template <class D>
+struct Ends {
+  hn::Mask<D> active;
+  hn::Vec<D> status;
+  hn::Vec<D> iterations;
+
+  HWY_INLINE void end(D d, hn::Mask<D> which, SolveStatus how, int iteration) {
+    status = hn::IfThenElse(which, hn::Set(d, static_cast<double>(how)), status);
+    iterations = hn::IfThenElse(which, hn::Set(d, static_cast<double>(iteration)), iterations);
+    active = hn::AndNot(which, active);
+  }
+};
+
+template <class D>
+HWY_INLINE Ends<D> NotEnded(D d, hn::Mask<D> active, int max_iterations) {
+  return {active, hn::Set(d, static_cast<double>(SolveStatus::iteration_limit)),
+          hn::Set(d, static_cast<double>(max_iterations))};
+}
+
+template <class D>
+HWY_INLINE hn::Mask<D> ObjectiveRuleHolds(D d, const DescentOptions& options, hn::Vec<D> change) {
+  const auto threshold = hn::Set(d, options.threshold_m2);
+  if (options.stop == StopRule::printed) return change < threshold;
+  if (options.stop == StopRule::objective) return hn::Abs(change) < threshold;
+  return hn::MaskFromVec(hn::Zero(d));
+}
+
+template <class D>
+HWY_INLINE hn::Mask<D> StepRuleHolds(D d, const DescentOptions& options, const Vector3<D>& step) {
+  if (options.stop != StopRule::step) return hn::MaskFromVec(hn::Zero(d));
+  return Dot<D>(step, step) < hn::Set(d, options.step_tolerance_m * options.step_tolerance_m);
+}
+
+template <class D>
+HWY_INLINE hn::Mask<D> RankDeficient(D d, const Symmetric<D>& normal, const Symmetric<D>& adjugate,
+                                     hn::Vec<D> determinant) {
+  const auto ratio = hn::Set(d, kRankRatio);
+  const auto trace = TraceOf<D>(normal);
+  const auto pairs = TraceOf<D>(adjugate);
+  return hn::Not(hn::And(pairs > ratio * trace * trace, determinant > ratio * trace * pairs));
+}
+
+// R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
+template <class Kind, class D>
+HWY_INLINE Ends<D> DescendUndamped(const Problems<D>& problems, const DescentOptions& options,
+                                   hn::Mask<D> lanes, Vector3<D>& now, hn::Vec<D>& cost) {
+  const D d = problems.d;
+  const auto minus_one = hn::Set(d, -1.0);
+  LossFactors<D> unused;
+  LaneEquations<D> equations = Linearise<Kind>(problems, now, options, unused, unused);
+  cost = equations.cost;
+  Ends<D> ends = NotEnded(d, lanes, options.max_iterations);
+  for (int k = 0; k < options.max_iterations && !hn::AllFalse(d, ends.active); ++k) {
+    const Symmetric<D> adjugate = AdjugateOf<D>(equations.matrix);
+    const auto determinant = DeterminantOf<D>(equations.matrix, adjugate);
+    const auto deficient = hn::And(ends.active, RankDeficient(d, equations.matrix, adjugate, determinant));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, deficient))) ends.end(d, deficient, SolveStatus::rank_deficient, k);
+    const Vector3<D> direction = Times<D>(adjugate, equations.gradient);
+    const auto scale = minus_one / determinant;
+    const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
+    SelectInto<D>(ends.active, {now.x + step.x, now.y + step.y, now.z + step.z}, now);
+    equations = Linearise<Kind>(problems, now, options, unused, unused);
+    const auto change = equations.cost - cost;
+    cost = Select<D>(ends.active, equations.cost, cost);
+    const auto diverged = hn::AndNot(hn::IsFinite(cost), ends.active);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, diverged))) ends.end(d, diverged, SolveStatus::diverged, k + 1);
+    const auto stops = hn::Or(ObjectiveRuleHolds(d, options, change), StepRuleHolds(d, options, step));
+    ends.end(d, hn::And(ends.active, stops), SolveStatus::converged, k + 1);
+  }
+  return ends;
+}
+
+// Damping as a share of the trace of J^T W J. It falls fast while the linearisation predicts the
+// cost well, settles where it just does, and grows faster and faster while steps are taken back
+// (after Nielsen 1999).
+template <class D>
+struct LaneDamping {
+  hn::Vec<D> share, growth;
+
+  HWY_INLINE void adapt(D d, hn::Mask<D> taken, hn::Vec<D> gain_ratio) {
+    const auto one = hn::Set(d, 1.0);
+    const auto two = hn::Set(d, 2.0);
+    const auto miss = two * gain_ratio - one;
+    const auto factor = hn::Max(hn::Set(d, 1.0 / 3.0), one - miss * miss * miss);
+    const auto well = hn::Abs(gain_ratio - one) < hn::Set(d, kGoodPrediction);
+    const auto shrink = Select<D>(well, hn::Set(d, kFastDecay), factor);
+    share = share * Select<D>(taken, shrink, growth);
+    growth = Select<D>(taken, two, growth * two);
+  }
+};
+
+// The leading minors of a matrix that is positive definite.
+template <class D>
+HWY_INLINE hn::Mask<D> PositiveDefinite(D d, const Symmetric<D>& m, const Symmetric<D>& adjugate,
+                                        hn::Vec<D> determinant) {
+  const auto zero = hn::Zero(d);
+  return hn::And(hn::And(m.xx > zero, adjugate.zz > zero), determinant > zero);
+}
+
+// (J^T W J + lambda I) step = -J^T W f, or with the Hessian in its place. A step that raises F, or
+// a matrix that is not positive definite, is taken back and tried again with more damping: F never
+// rises, and a step below the tolerance means that F is at its minimum to rounding.
+template <class Kind, class D>
+HWY_INLINE Ends<D> DescendDamped(const Problems<D>& problems, const DescentOptions& options,
+                                 hn::Mask<D> lanes, Vector3<D>& now, hn::Vec<D>& cost) {
+  const D d = problems.d;
+  const auto minus_one = hn::Set(d, -1.0);
+  LossFactors<D> factors, trial_factors;
+  for (auto& v : trial_factors.of_sensor) v = hn::Set(d, 1.0);
+  LaneEquations<D> equations = Linearise<Kind>(problems, now, options, trial_factors, factors);
+  cost = equations.cost;
+  Ends<D> ends = NotEnded(d, lanes, options.max_iterations);
+  const auto hopeless = hn::AndNot(hn::IsFinite(cost), ends.active);
+  ends.end(d, hopeless, SolveStatus::diverged, 0);
+  auto weights = hn::Zero(d);
+  for (int i = 0; i < problems.view.sensors; ++i) weights = weights + problems.weight(i);
+  LaneDamping<D> damping{hn::Set(d, kFirstDamping), hn::Set(d, 2.0)};
+  for (int k = 0; k < options.max_iterations && !hn::AllFalse(d, ends.active); ++k) {
+    const auto lambda = damping.share * weights;
+    Symmetric<D> damped = equations.matrix;
+    damped.xx = damped.xx + lambda;
+    damped.yy = damped.yy + lambda;
+    damped.zz = damped.zz + lambda;
+    const Symmetric<D> adjugate = AdjugateOf<D>(damped);
+    const auto determinant = DeterminantOf<D>(damped, adjugate);
+    const Vector3<D> direction = Times<D>(adjugate, equations.gradient);
+    const auto scale = minus_one / determinant;
+    const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
+    auto sound = lanes;
+    if constexpr (Kind::curvature == Curvature::newton)
+      sound = PositiveDefinite(d, damped, adjugate, determinant);
+    const auto small = hn::And(sound, StepRuleHolds(d, options, step));
+    ends.end(d, hn::And(ends.active, small), SolveStatus::converged, k + 1);
+    if (hn::AllFalse(d, ends.active)) break;
+    const Vector3<D> there{now.x + step.x, now.y + step.y, now.z + step.z};
+    const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, factors, trial_factors);
+    const auto taken = hn::And(hn::And(ends.active, sound), trial.frozen_cost <= cost);
+    const auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations.gradient);
+    damping.adapt(d, taken, (cost - trial.frozen_cost) / predicted);
+    const auto change = trial.frozen_cost - cost;
+    SelectInto<D>(taken, there, now);
+    cost = Select<D>(taken, trial.cost, cost);
+    SelectInto<D>(taken, trial.matrix, equations.matrix);
+    SelectInto<D>(taken, trial.gradient, equations.gradient);
+    if constexpr (Kind::loss != Loss::squares)
+      for (int i = 0; i < problems.view.sensors; ++i)
+        factors.of_sensor[i] = Select<D>(taken, trial_factors.of_sensor[i], factors.of_sensor[i]);
+    ends.end(d, hn::And(taken, ObjectiveRuleHolds(d, options, change)), SolveStatus::converged, k + 1);
+  }
+  return ends;
+}
+
+template <class Kind, class D>
+HWY_NOINLINE void DescendLanes(D d, const LaneView& view, const DescentOptions& options) {
+  const std::size_t width = hn::Lanes(d);
+  alignas(64) double status[kLaneBlock];
+  for (std::size_t lane = 0; lane < view.count; lane += width) {
+    const Problems<D> problems{d, view, lane};
+    double* x = view.position_m + lane;
+    double* y = x + view.stride;
+    double* z = y + view.stride;
+    Vector3<D> now{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
+    auto cost = hn::Zero(d);
+    const auto lanes = hn::FirstN(d, std::min(width, view.count - lane));
+    Ends<D> ends;
+    if constexpr (Kind::curvature == Curvature::newton || Kind::loss != Loss::squares) {
+      ends = DescendDamped<Kind>(problems, options, lanes, now, cost);
+    } else if constexpr (Kind::gradient == Gradient::printed) {
+      ends = DescendUndamped<Kind>(problems, options, lanes, now, cost);
+    } else {
+      ends = options.damping == Damping::lm ? DescendDamped<Kind>(problems, options, lanes, now, cost)
+                                            : DescendUndamped<Kind>(problems, options, lanes, now, cost);
+    }
+    hn::Store(now.x, d, x);
+    hn::Store(now.y, d, y);
+    hn::Store(now.z, d, z);
+    hn::Store(cost, d, view.cost_m2 + lane);
+    hn::Store(ends.iterations, d, view.iterations + lane);
+    hn::Store(ends.status, d, status);
+    for (std::size_t i = 0; i < width && lane + i < view.count; ++i)
+      view.status[lane + i] = static_cast<SolveStatus>(static_cast<int>(status[i]));
+  }
+}
+
+template <class D>
+HWY_INLINE void DescendWith(D d, const LaneView& view, const DescentOptions& options) {
+  using enum Loss;
+  constexpr auto printed = Gradient::printed;
+  constexpr auto corrected = Gradient::corrected;
+  constexpr auto gauss_newton = Curvature::gauss_newton;
+  constexpr auto newton = Curvature::newton;
+  if (options.gradient == printed)
+    return DescendLanes<Variant<printed, gauss_newton, squares>>(d, view, options);
+  const bool full = options.curvature == newton;
+  switch (options.loss) {
+    case squares:
+      return full ? DescendLanes<Variant<corrected, newton, squares>>(d, view, options)
+                  : DescendLanes<Variant<corrected, gauss_newton, squares>>(d, view, options);
+    case huber:
+      return full ? DescendLanes<Variant<corrected, newton, huber>>(d, view, options)
+                  : DescendLanes<Variant<corrected, gauss_newton, huber>>(d, view, options);
+    case cauchy:
+      return full ? DescendLanes<Variant<corrected, newton, cauchy>>(d, view, options)
+                  : DescendLanes<Variant<corrected, gauss_newton, cauchy>>(d, view, options);
+  }
+}
+
+void DescendMany(const LaneView& view, const DescentOptions& options) {
+  DescendWith(hn::ScalableTag<double>(), view, options);
+}
+
+void DescendPair(const LaneView& view, const DescentOptions& options) {
+  DescendWith(hn::CappedTag<double, kPairLanes>(), view, options);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trilat
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace trilat {
+HWY_EXPORT(DescendMany);
+HWY_EXPORT(DescendPair);
+
+namespace {
+
+void check(int sensors, const DescentOptions& options) {
+  TRILAT_CHECK(sensors >= 1 && sensors <= kMaxSensors, "a batch holds its sensors");
+  TRILAT_CHECK(contradiction_in(options).empty(), "the settings of a descent fit together");
+}
+
+}  // namespace
+
+std::string contradiction_in(const DescentOptions& options) {
+  if (options.gradient == Gradient::printed) {
+    if (options.damping == Damping::lm)
+      return "lm needs the corrected gradient: the printed one is not a gradient of the cost";
+    if (options.curvature == Curvature::newton) return "newton needs the corrected gradient";
+  }
+  if (options.damping == Damping::none) {
+    if (options.curvature == Curvature::newton)
+      return "newton needs damping lm: away from the minimum the Hessian may point uphill";
+    if (options.loss != Loss::squares) return "a robust loss needs damping lm";
+  }
+  if (options.loss != Loss::squares && options.stop != StopRule::step)
+    return "a robust loss needs the stop rule step: its cost is reweighted at every step";
+  return {};
+}
+
+void LaneRows::Free::operator()(double* p) const { std::free(p); }
+
+LaneRows::LaneRows(std::size_t rows, std::size_t lanes)
+    : stride_((lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock) {
+  const std::size_t bytes = rows * stride_ * sizeof(double);
+  data_.reset(static_cast<double*>(std::aligned_alloc(64, std::max<std::size_t>(bytes, 64))));
+  if (!data_) throw std::bad_alloc();
+  std::fill_n(data_.get(), rows * stride_, 0.0);
+}
+
+DescentBatch::DescentBatch(int sensor_count, std::size_t lanes, bool shared_rig)
+    : sensors(sensor_count),
+      count(lanes),
+      one_rig(shared_rig),
+      sensor_m(3 * static_cast<std::size_t>(sensor_count), shared_rig ? 1 : lanes),
+      range_m(static_cast<std::size_t>(sensor_count), lanes),
+      weight(static_cast<std::size_t>(sensor_count), lanes),
+      position_m(3, lanes),
+      cost_m2(1, lanes),
+      iterations(1, lanes),
+      status(lanes, SolveStatus::not_solved) {
+  for (int i = 0; i < sensor_count; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    std::fill_n(weight.row(row), weight.stride(), 1.0);
+  }
+}
+
+void descend(DescentBatch& batch, const DescentOptions& options) {
+  check(batch.sensors, options);
+  const LaneView view{
+      batch.sensors,           batch.count,          batch.one_rig,           batch.sensor_m.row(0),
+      batch.range_m.row(0),    batch.weight.row(0),  batch.sensor_m.stride(), batch.range_m.stride(),
+      batch.position_m.row(0), batch.cost_m2.row(0), batch.iterations.row(0), batch.status.data()};
+  HWY_DYNAMIC_DISPATCH(DescendMany)(view, options);
+}
+
+void descend(DescentPair& pair, const DescentOptions& options) {
+  check(pair.sensors, options);
+  const LaneView view{pair.sensors,       kPairLanes,     false,           pair.sensor_m[0],
+                      pair.range_m[0],    pair.weight[0], kPairLanes,      kPairLanes,
+                      pair.position_m[0], pair.cost_m2,   pair.iterations, pair.status};
+  HWY_DYNAMIC_DISPATCH(DescendPair)(view, options);
+}
+
+}  // namespace trilat
+#endif  // HWY_ONCE
