@@ -44,6 +44,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr double kFirstDamping = 1e-4;
 constexpr double kGoodPrediction = 0.1;
 constexpr double kFastDecay = 0.05;
+constexpr double kRounding = 4e-15;  // of the grain: a smaller change of F is rounding
 
 // Which descent the loop is compiled for.
 template <Gradient gradient_, Curvature curvature_, Loss loss_>
@@ -113,6 +114,7 @@ struct LaneEquations {
   Vector3<D> gradient;     // J^T W f
   hn::Vec<D> cost;         // sum of w v f^2
   hn::Vec<D> frozen_cost;  // the same with the factors of the point before
+  hn::Vec<D> grain;        // sum of w v |f| d: F's rounding error is some 1e-16 of it
 };
 
 // The factors v that a robust loss puts on the weights: loss = sum of v f^2 majorises it at the
@@ -158,7 +160,7 @@ HWY_INLINE LaneEquations<D> Linearise(const Problems<D>& problems, const Vector3
   const auto zero = hn::Zero(d);
   const auto unit = hn::Set(d, options.printed_unit_m);
   const auto least = hn::Set(d, kOnSensor_m * kOnSensor_m);
-  LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero};
+  LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero, zero};
   auto bend = zero;  // sum of w (1 - r/d)
   for (int i = 0; i < problems.view.sensors; ++i) {
     const auto x = at.x - problems.sensor(3 * i);
@@ -174,6 +176,7 @@ HWY_INLINE LaneEquations<D> Linearise(const Problems<D>& problems, const Vector3
       w = w * factors.of_sensor[i];
     }
     sum.cost = sum.cost + w * f * f;
+    sum.grain = sum.grain + w * hn::Abs(f) * distance;
     // The quotient does not wait for the root, which shortens the chain of each iteration.
     auto q = w / hn::Max(square, least);
     const auto right = Kind::gradient == Gradient::printed ? unit * f : distance * f;
@@ -306,7 +309,7 @@ HWY_INLINE hn::Mask<D> PositiveDefinite(D d, const Symmetric<D>& m, const Symmet
 
 // (J^T W J + lambda I) step = -J^T W f, or with the Hessian in its place. A step that raises F, or
 // a matrix that is not positive definite, is taken back and tried again with more damping: F never
-// rises, and a step below the tolerance means that F is at its minimum to rounding.
+// rises by more than rounding. The last step, below the tolerance, is taken unseen.
 template <class Kind, class D>
 HWY_INLINE Ends<D> DescendDamped(const Problems<D>& problems, const DescentOptions& options,
                                  hn::Mask<D> lanes, Vector3<D>& now, hn::Vec<D>& cost) {
@@ -336,19 +339,26 @@ HWY_INLINE Ends<D> DescendDamped(const Problems<D>& problems, const DescentOptio
     auto sound = lanes;
     if constexpr (Kind::curvature == Curvature::newton)
       sound = PositiveDefinite(d, damped, adjugate, determinant);
-    const auto small = hn::And(sound, StepRuleHolds(d, options, step));
-    ends.end(d, hn::And(ends.active, small), SolveStatus::converged, k + 1);
-    if (hn::AllFalse(d, ends.active)) break;
     const Vector3<D> there{now.x + step.x, now.y + step.y, now.z + step.z};
+    const auto small = hn::And(hn::And(ends.active, sound), StepRuleHolds(d, options, step));
+    SelectInto<D>(small, there, now);
+    ends.end(d, small, SolveStatus::converged, k + 1);
+    if (hn::AllFalse(d, ends.active)) break;
     const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, factors, trial_factors);
-    const auto taken = hn::And(hn::And(ends.active, sound), trial.frozen_cost <= cost);
-    const auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations.gradient);
-    damping.adapt(d, taken, (cost - trial.frozen_cost) / predicted);
     const auto change = trial.frozen_cost - cost;
+    const auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations.gradient);
+    // Near the minimum F says nothing any more, and the gradient takes its place.
+    const auto flat = hn::Abs(change) <= hn::Set(d, kRounding) * equations.grain;
+    const auto steepness =
+        Dot<D>(trial.gradient, trial.gradient) / Dot<D>(equations.gradient, equations.gradient);
+    const auto gain = Select<D>(flat, hn::Set(d, 1.0) - steepness, hn::Neg(change) / predicted);
+    const auto taken = hn::And(hn::And(ends.active, sound), gain > hn::Zero(d));
+    damping.adapt(d, taken, gain);
     SelectInto<D>(taken, there, now);
     cost = Select<D>(taken, trial.cost, cost);
     SelectInto<D>(taken, trial.matrix, equations.matrix);
     SelectInto<D>(taken, trial.gradient, equations.gradient);
+    equations.grain = Select<D>(taken, trial.grain, equations.grain);
     if constexpr (Kind::loss != Loss::squares)
       for (int i = 0; i < problems.view.sensors; ++i)
         factors.of_sensor[i] = Select<D>(taken, trial_factors.of_sensor[i], factors.of_sensor[i]);
