@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <type_traits>
 
 #include "datasets/base/check.h"
 #include "evaluators/solvers/range_equations.h"
@@ -42,14 +43,16 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr double kFirstDamping = 1e-4;
-constexpr double kGoodPrediction = 0.1;
+constexpr double kFair = 0.25, kGood = 0.75;  // share of the predicted gain
+constexpr double kExact = 0.1;                // farthest from the predicted gain
 constexpr double kFastDecay = 0.05;
 constexpr double kRounding = 4e-15;  // of the grain: a smaller change of F is rounding
 
 // Which descent the loop is compiled for.
-template <Gradient gradient_, Curvature curvature_, Loss loss_>
+template <Gradient gradient_, Damping damping_, Curvature curvature_, Loss loss_>
 struct Variant {
   static constexpr Gradient gradient = gradient_;
+  static constexpr Damping damping = damping_;
   static constexpr Curvature curvature = curvature_;
   static constexpr Loss loss = loss_;
 };
@@ -125,21 +128,62 @@ struct LossFactors {
   hn::Vec<D> of_sensor[kMaxSensors];
 };
 
+// What a lane has come to; lanes that are done no longer change.
 template <class D>
+struct Ends {
+  hn::Mask<D> active;
+  hn::Vec<D> status;
+  hn::Vec<D> iterations;
+
+  HWY_INLINE void end(D d, hn::Mask<D> which, SolveStatus how, int iteration) {
+    status = hn::IfThenElse(which, hn::Set(d, static_cast<double>(how)), status);
+    iterations = hn::IfThenElse(which, hn::Set(d, static_cast<double>(iteration)), iterations);
+    active = hn::AndNot(which, active);
+  }
+};
+
+template <class D>
+HWY_INLINE Ends<D> NotEnded(D d, hn::Mask<D> active, int max_iterations) {
+  return {active, hn::Set(d, static_cast<double>(SolveStatus::iteration_limit)),
+          hn::Set(d, static_cast<double>(max_iterations))};
+}
+
+// `known_sensors` is their number when the loop over them is written out, else 0.
+template <class D, int known_sensors, bool one_rig>
 struct Problems {
+  using Tag = D;
   D d;
   const LaneView& view;
   std::size_t lane;
 
+  HWY_INLINE int sensors() const { return known_sensors > 0 ? known_sensors : view.sensors; }
+
   HWY_INLINE hn::Vec<D> sensor(int row) const {
     const double* from = view.sensor_m + static_cast<std::size_t>(row) * view.sensor_stride;
-    return view.one_rig ? hn::Set(d, *from) : hn::Load(d, from + lane);
+    return one_rig ? hn::Set(d, *from) : hn::Load(d, from + lane);
   }
   HWY_INLINE hn::Vec<D> range(int i) const {
     return hn::Load(d, view.range_m + static_cast<std::size_t>(i) * view.stride + lane);
   }
   HWY_INLINE hn::Vec<D> weight(int i) const {
     return hn::Load(d, view.weight + static_cast<std::size_t>(i) * view.stride + lane);
+  }
+  HWY_INLINE hn::Mask<D> lanes() const { return hn::FirstN(d, std::min(hn::Lanes(d), view.count - lane)); }
+  HWY_INLINE Vector3<D> start() const {
+    const double* x = view.position_m + lane;
+    return {hn::Load(d, x), hn::Load(d, x + view.stride), hn::Load(d, x + 2 * view.stride)};
+  }
+  HWY_INLINE void store(const Vector3<D>& end, hn::Vec<D> cost, const Ends<D>& ends) const {
+    double* x = view.position_m + lane;
+    hn::Store(end.x, d, x);
+    hn::Store(end.y, d, x + view.stride);
+    hn::Store(end.z, d, x + 2 * view.stride);
+    hn::Store(cost, d, view.cost_m2 + lane);
+    hn::Store(ends.iterations, d, view.iterations + lane);
+    alignas(64) double status[kLaneBlock];
+    hn::Store(ends.status, d, status);
+    for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < view.count; ++i)
+      view.status[lane + i] = static_cast<SolveStatus>(static_cast<int>(status[i]));
   }
 };
 
@@ -152,17 +196,16 @@ HWY_INLINE hn::Vec<D> LossFactor(D d, hn::Vec<D> f, double scale_m) {
     return one / (one + f * f * hn::Set(d, 1.0 / (scale_m * scale_m)));
 }
 
-template <class Kind, class D>
-HWY_INLINE LaneEquations<D> Linearise(const Problems<D>& problems, const Vector3<D>& at,
-                                      const DescentOptions& options, const LossFactors<D>& before,
-                                      LossFactors<D>& factors) {
+template <class Kind, class P, class D = typename P::Tag>
+HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, const DescentOptions& options,
+                                      const LossFactors<D>& before, LossFactors<D>& factors) {
   const D d = problems.d;
   const auto zero = hn::Zero(d);
   const auto unit = hn::Set(d, options.printed_unit_m);
   const auto least = hn::Set(d, kOnSensor_m * kOnSensor_m);
   LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero, zero};
   auto bend = zero;  // sum of w (1 - r/d)
-  for (int i = 0; i < problems.view.sensors; ++i) {
+  for (int i = 0; i < problems.sensors(); ++i) {
     const auto x = at.x - problems.sensor(3 * i);
     const auto y = at.y - problems.sensor(3 * i + 1);
     const auto z = at.z - problems.sensor(3 * i + 2);
@@ -207,26 +250,6 @@ HWY_INLINE LaneEquations<D> Linearise(const Problems<D>& problems, const Vector3
   return sum;
 }
 
-// What a lane has come to; lanes that are done no longer change.
-template <class D>
-struct Ends {
-  hn::Mask<D> active;
-  hn::Vec<D> status;
-  hn::Vec<D> iterations;
-
-  HWY_INLINE void end(D d, hn::Mask<D> which, SolveStatus how, int iteration) {
-    status = hn::IfThenElse(which, hn::Set(d, static_cast<double>(how)), status);
-    iterations = hn::IfThenElse(which, hn::Set(d, static_cast<double>(iteration)), iterations);
-    active = hn::AndNot(which, active);
-  }
-};
-
-template <class D>
-HWY_INLINE Ends<D> NotEnded(D d, hn::Mask<D> active, int max_iterations) {
-  return {active, hn::Set(d, static_cast<double>(SolveStatus::iteration_limit)),
-          hn::Set(d, static_cast<double>(max_iterations))};
-}
-
 template <class D>
 HWY_INLINE hn::Mask<D> ObjectiveRuleHolds(D d, const DescentOptions& options, hn::Vec<D> change) {
   const auto threshold = hn::Set(d, options.threshold_m2);
@@ -251,53 +274,70 @@ HWY_INLINE hn::Mask<D> RankDeficient(D d, const Symmetric<D>& normal, const Symm
 }
 
 // R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
-template <class Kind, class D>
-HWY_INLINE Ends<D> DescendUndamped(const Problems<D>& problems, const DescentOptions& options,
-                                   hn::Mask<D> lanes, Vector3<D>& now, hn::Vec<D>& cost) {
-  const D d = problems.d;
-  const auto minus_one = hn::Set(d, -1.0);
-  LossFactors<D> unused;
-  LaneEquations<D> equations = Linearise<Kind>(problems, now, options, unused, unused);
-  cost = equations.cost;
-  Ends<D> ends = NotEnded(d, lanes, options.max_iterations);
-  for (int k = 0; k < options.max_iterations && !hn::AllFalse(d, ends.active); ++k) {
-    const Symmetric<D> adjugate = AdjugateOf<D>(equations.matrix);
-    const auto determinant = DeterminantOf<D>(equations.matrix, adjugate);
-    const auto deficient = hn::And(ends.active, RankDeficient(d, equations.matrix, adjugate, determinant));
-    if (HWY_UNLIKELY(!hn::AllFalse(d, deficient))) ends.end(d, deficient, SolveStatus::rank_deficient, k);
-    const Vector3<D> direction = Times<D>(adjugate, equations.gradient);
-    const auto scale = minus_one / determinant;
+template <class Kind, class P>
+class UndampedDescent {
+ public:
+  using D = typename P::Tag;
+
+  HWY_INLINE UndampedDescent(const P& problems, const DescentOptions& options)
+      : now_(problems.start()),
+        equations_(Linearise<Kind>(problems, now_, options, unused_, unused_)),
+        cost_(equations_.cost),
+        ends_(NotEnded(problems.d, problems.lanes(), options.max_iterations)) {}
+
+  HWY_INLINE bool goes_on(D d) const { return !hn::AllFalse(d, ends_.active); }
+
+  HWY_INLINE void step(const P& problems, const DescentOptions& options, int k) {
+    const D d = problems.d;
+    const Symmetric<D> adjugate = AdjugateOf<D>(equations_.matrix);
+    const auto determinant = DeterminantOf<D>(equations_.matrix, adjugate);
+    const auto deficient = hn::And(ends_.active, RankDeficient(d, equations_.matrix, adjugate, determinant));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, deficient))) ends_.end(d, deficient, SolveStatus::rank_deficient, k);
+    const Vector3<D> direction = Times<D>(adjugate, equations_.gradient);
+    const auto scale = hn::Set(d, -1.0) / determinant;
     const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
-    SelectInto<D>(ends.active, {now.x + step.x, now.y + step.y, now.z + step.z}, now);
-    equations = Linearise<Kind>(problems, now, options, unused, unused);
-    const auto change = equations.cost - cost;
-    cost = Select<D>(ends.active, equations.cost, cost);
-    const auto diverged = hn::AndNot(hn::IsFinite(cost), ends.active);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, diverged))) ends.end(d, diverged, SolveStatus::diverged, k + 1);
+    SelectInto<D>(ends_.active, {now_.x + step.x, now_.y + step.y, now_.z + step.z}, now_);
+    equations_ = Linearise<Kind>(problems, now_, options, unused_, unused_);
+    const auto change = equations_.cost - cost_;
+    cost_ = Select<D>(ends_.active, equations_.cost, cost_);
+    const auto diverged = hn::AndNot(hn::IsFinite(cost_), ends_.active);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, diverged))) ends_.end(d, diverged, SolveStatus::diverged, k + 1);
     const auto stops = hn::Or(ObjectiveRuleHolds(d, options, change), StepRuleHolds(d, options, step));
-    ends.end(d, hn::And(ends.active, stops), SolveStatus::converged, k + 1);
+    ends_.end(d, hn::And(ends_.active, stops), SolveStatus::converged, k + 1);
   }
-  return ends;
-}
+
+  HWY_INLINE void finish(const P& problems) const { problems.store(now_, cost_, ends_); }
+
+ private:
+  LossFactors<D> unused_;
+  Vector3<D> now_;
+  LaneEquations<D> equations_;
+  hn::Vec<D> cost_;
+  Ends<D> ends_;
+};
 
 // Damping as a share of the trace of J^T W J. It falls fast while the linearisation predicts the
-// cost well, settles where it just does, and grows faster and faster while steps are taken back
-// (after Nielsen 1999).
+// cost well, stays while it just does, and grows faster and faster while steps are taken back.
 template <class D>
 struct LaneDamping {
   hn::Vec<D> share, growth;
 
-  HWY_INLINE void adapt(D d, hn::Mask<D> taken, hn::Vec<D> gain_ratio) {
-    const auto one = hn::Set(d, 1.0);
+  // `factor` is for the lanes whose step was taken.
+  HWY_INLINE void adapt(D d, hn::Mask<D> taken, hn::Vec<D> factor) {
     const auto two = hn::Set(d, 2.0);
-    const auto miss = two * gain_ratio - one;
-    const auto factor = hn::Max(hn::Set(d, 1.0 / 3.0), one - miss * miss * miss);
-    const auto well = hn::Abs(gain_ratio - one) < hn::Set(d, kGoodPrediction);
-    const auto shrink = Select<D>(well, hn::Set(d, kFastDecay), factor);
-    share = share * Select<D>(taken, shrink, growth);
+    share = share * Select<D>(taken, factor, growth);
     growth = Select<D>(taken, two, growth * two);
   }
 };
+
+// How the damping changes after a step that lowered F by `gained` of the `predicted`.
+template <class D>
+HWY_INLINE hn::Vec<D> DampingFactor(D d, hn::Vec<D> gained, hn::Vec<D> predicted) {
+  const auto less = Select<D>(gained > hn::Set(d, kFair) * predicted, hn::Set(d, 1.0), hn::Set(d, 2.0));
+  const auto good = Select<D>(gained > hn::Set(d, kGood) * predicted, hn::Set(d, 1.0 / 3.0), less);
+  const auto exact = hn::Abs(gained - predicted) < hn::Set(d, kExact) * predicted;
+  return Select<D>(exact, hn::Set(d, kFastDecay), good);
+}
 
 // The leading minors of a matrix that is positive definite.
 template <class D>
@@ -310,115 +350,134 @@ HWY_INLINE hn::Mask<D> PositiveDefinite(D d, const Symmetric<D>& m, const Symmet
 // (J^T W J + lambda I) step = -J^T W f, or with the Hessian in its place. A step that raises F, or
 // a matrix that is not positive definite, is taken back and tried again with more damping: F never
 // rises by more than rounding. The last step, below the tolerance, is taken unseen.
-template <class Kind, class D>
-HWY_INLINE Ends<D> DescendDamped(const Problems<D>& problems, const DescentOptions& options,
-                                 hn::Mask<D> lanes, Vector3<D>& now, hn::Vec<D>& cost) {
-  const D d = problems.d;
-  const auto minus_one = hn::Set(d, -1.0);
-  LossFactors<D> factors, trial_factors;
-  for (auto& v : trial_factors.of_sensor) v = hn::Set(d, 1.0);
-  LaneEquations<D> equations = Linearise<Kind>(problems, now, options, trial_factors, factors);
-  cost = equations.cost;
-  Ends<D> ends = NotEnded(d, lanes, options.max_iterations);
-  const auto hopeless = hn::AndNot(hn::IsFinite(cost), ends.active);
-  ends.end(d, hopeless, SolveStatus::diverged, 0);
-  auto weights = hn::Zero(d);
-  for (int i = 0; i < problems.view.sensors; ++i) weights = weights + problems.weight(i);
-  LaneDamping<D> damping{hn::Set(d, kFirstDamping), hn::Set(d, 2.0)};
-  for (int k = 0; k < options.max_iterations && !hn::AllFalse(d, ends.active); ++k) {
-    const auto lambda = damping.share * weights;
-    Symmetric<D> damped = equations.matrix;
+template <class Kind, class P>
+class DampedDescent {
+ public:
+  using D = typename P::Tag;
+
+  HWY_INLINE DampedDescent(const P& problems, const DescentOptions& options)
+      : now_(problems.start()),
+        ends_(NotEnded(problems.d, problems.lanes(), options.max_iterations)),
+        damping_{hn::Set(problems.d, kFirstDamping), hn::Set(problems.d, 2.0)},
+        weights_(hn::Zero(problems.d)) {
+    const D d = problems.d;
+    LossFactors<D> ones;
+    for (auto& v : ones.of_sensor) v = hn::Set(d, 1.0);
+    equations_ = Linearise<Kind>(problems, now_, options, ones, factors_);
+    cost_ = equations_.cost;
+    ends_.end(d, hn::AndNot(hn::IsFinite(cost_), ends_.active), SolveStatus::diverged, 0);
+    for (int i = 0; i < problems.sensors(); ++i) weights_ = weights_ + problems.weight(i);
+  }
+
+  HWY_INLINE bool goes_on(D d) const { return !hn::AllFalse(d, ends_.active); }
+
+  HWY_INLINE void step(const P& problems, const DescentOptions& options, int k) {
+    const D d = problems.d;
+    const auto lambda = damping_.share * weights_;
+    Symmetric<D> damped = equations_.matrix;
     damped.xx = damped.xx + lambda;
     damped.yy = damped.yy + lambda;
     damped.zz = damped.zz + lambda;
     const Symmetric<D> adjugate = AdjugateOf<D>(damped);
     const auto determinant = DeterminantOf<D>(damped, adjugate);
-    const Vector3<D> direction = Times<D>(adjugate, equations.gradient);
-    const auto scale = minus_one / determinant;
+    const Vector3<D> direction = Times<D>(adjugate, equations_.gradient);
+    const auto scale = hn::Set(d, -1.0) / determinant;
     const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
-    auto sound = lanes;
+    auto sound = ends_.active;
     if constexpr (Kind::curvature == Curvature::newton)
-      sound = PositiveDefinite(d, damped, adjugate, determinant);
-    const Vector3<D> there{now.x + step.x, now.y + step.y, now.z + step.z};
-    const auto small = hn::And(hn::And(ends.active, sound), StepRuleHolds(d, options, step));
-    SelectInto<D>(small, there, now);
-    ends.end(d, small, SolveStatus::converged, k + 1);
-    if (hn::AllFalse(d, ends.active)) break;
-    const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, factors, trial_factors);
-    const auto change = trial.frozen_cost - cost;
-    const auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations.gradient);
-    // Near the minimum F says nothing any more, and the gradient takes its place.
-    const auto flat = hn::Abs(change) <= hn::Set(d, kRounding) * equations.grain;
-    const auto steepness =
-        Dot<D>(trial.gradient, trial.gradient) / Dot<D>(equations.gradient, equations.gradient);
-    const auto gain = Select<D>(flat, hn::Set(d, 1.0) - steepness, hn::Neg(change) / predicted);
-    const auto taken = hn::And(hn::And(ends.active, sound), gain > hn::Zero(d));
-    damping.adapt(d, taken, gain);
-    SelectInto<D>(taken, there, now);
-    cost = Select<D>(taken, trial.cost, cost);
-    SelectInto<D>(taken, trial.matrix, equations.matrix);
-    SelectInto<D>(taken, trial.gradient, equations.gradient);
-    equations.grain = Select<D>(taken, trial.grain, equations.grain);
-    if constexpr (Kind::loss != Loss::squares)
-      for (int i = 0; i < problems.view.sensors; ++i)
-        factors.of_sensor[i] = Select<D>(taken, trial_factors.of_sensor[i], factors.of_sensor[i]);
-    ends.end(d, hn::And(taken, ObjectiveRuleHolds(d, options, change)), SolveStatus::converged, k + 1);
+      sound = hn::And(sound, PositiveDefinite(d, damped, adjugate, determinant));
+    const Vector3<D> there{now_.x + step.x, now_.y + step.y, now_.z + step.z};
+    const auto small = hn::And(sound, StepRuleHolds(d, options, step));
+    SelectInto<D>(small, there, now_);
+    ends_.end(d, small, SolveStatus::converged, k + 1);
+    judge(problems, options, there, step, lambda, hn::AndNot(small, sound), k);
   }
-  return ends;
+
+  HWY_INLINE void finish(const P& problems) const { problems.store(now_, cost_, ends_); }
+
+ private:
+  // Takes the step in those of the `sound` lanes where it helps.
+  HWY_INLINE void judge(const P& problems, const DescentOptions& options, const Vector3<D>& there,
+                        const Vector3<D>& step, hn::Vec<D> lambda, hn::Mask<D> sound, int k) {
+    const D d = problems.d;
+    LossFactors<D> factors;
+    const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, factors_, factors);
+    auto gained = cost_ - trial.frozen_cost;
+    auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations_.gradient);
+    const auto stops = ObjectiveRuleHolds(d, options, hn::Neg(gained));
+    // Near the minimum F says nothing any more, and the gradient takes its place.
+    const auto flat = hn::And(sound, hn::Abs(gained) <= hn::Set(d, kRounding) * equations_.grain);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, flat))) {
+      const auto before = Dot<D>(equations_.gradient, equations_.gradient);
+      gained = Select<D>(flat, before - Dot<D>(trial.gradient, trial.gradient), gained);
+      predicted = Select<D>(flat, before, predicted);
+    }
+    const auto taken = hn::And(sound, gained > hn::Zero(d));
+    damping_.adapt(d, taken, DampingFactor(d, gained, predicted));
+    SelectInto<D>(taken, there, now_);
+    cost_ = Select<D>(taken, trial.cost, cost_);
+    SelectInto<D>(taken, trial.matrix, equations_.matrix);
+    SelectInto<D>(taken, trial.gradient, equations_.gradient);
+    equations_.grain = Select<D>(taken, trial.grain, equations_.grain);
+    if constexpr (Kind::loss != Loss::squares)
+      for (int i = 0; i < problems.sensors(); ++i)
+        factors_.of_sensor[i] = Select<D>(taken, factors.of_sensor[i], factors_.of_sensor[i]);
+    ends_.end(d, hn::And(taken, stops), SolveStatus::converged, k + 1);
+  }
+
+  LossFactors<D> factors_;
+  Vector3<D> now_;
+  LaneEquations<D> equations_;
+  hn::Vec<D> cost_;
+  Ends<D> ends_;
+  LaneDamping<D> damping_;
+  hn::Vec<D> weights_;
+};
+
+template <class Kind, int known_sensors, bool one_rig, class D>
+HWY_NOINLINE void DescendLanes(D d, const LaneView& view, const DescentOptions& options) {
+  using P = Problems<D, known_sensors, one_rig>;
+  using Descent =
+      std::conditional_t<Kind::damping == Damping::lm, DampedDescent<Kind, P>, UndampedDescent<Kind, P>>;
+  for (std::size_t lane = 0; lane < view.count; lane += hn::Lanes(d)) {
+    const P problems{d, view, lane};
+    Descent descent(problems, options);
+    for (int k = 0; k < options.max_iterations && descent.goes_on(d); ++k) descent.step(problems, options, k);
+    descent.finish(problems);
+  }
 }
 
 template <class Kind, class D>
-HWY_NOINLINE void DescendLanes(D d, const LaneView& view, const DescentOptions& options) {
-  const std::size_t width = hn::Lanes(d);
-  alignas(64) double status[kLaneBlock];
-  for (std::size_t lane = 0; lane < view.count; lane += width) {
-    const Problems<D> problems{d, view, lane};
-    double* x = view.position_m + lane;
-    double* y = x + view.stride;
-    double* z = y + view.stride;
-    Vector3<D> now{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
-    auto cost = hn::Zero(d);
-    const auto lanes = hn::FirstN(d, std::min(width, view.count - lane));
-    Ends<D> ends;
-    if constexpr (Kind::curvature == Curvature::newton || Kind::loss != Loss::squares) {
-      ends = DescendDamped<Kind>(problems, options, lanes, now, cost);
-    } else if constexpr (Kind::gradient == Gradient::printed) {
-      ends = DescendUndamped<Kind>(problems, options, lanes, now, cost);
-    } else {
-      ends = options.damping == Damping::lm ? DescendDamped<Kind>(problems, options, lanes, now, cost)
-                                            : DescendUndamped<Kind>(problems, options, lanes, now, cost);
-    }
-    hn::Store(now.x, d, x);
-    hn::Store(now.y, d, y);
-    hn::Store(now.z, d, z);
-    hn::Store(cost, d, view.cost_m2 + lane);
-    hn::Store(ends.iterations, d, view.iterations + lane);
-    hn::Store(ends.status, d, status);
-    for (std::size_t i = 0; i < width && lane + i < view.count; ++i)
-      view.status[lane + i] = static_cast<SolveStatus>(static_cast<int>(status[i]));
+HWY_INLINE void DescendKind(D d, const LaneView& view, const DescentOptions& options) {
+  if constexpr (Kind::loss == Loss::squares) {
+    if (view.sensors == 4)
+      return view.one_rig ? DescendLanes<Kind, 4, true>(d, view, options)
+                          : DescendLanes<Kind, 4, false>(d, view, options);
   }
+  return view.one_rig ? DescendLanes<Kind, 0, true>(d, view, options)
+                      : DescendLanes<Kind, 0, false>(d, view, options);
 }
 
 template <class D>
 HWY_INLINE void DescendWith(D d, const LaneView& view, const DescentOptions& options) {
   using enum Loss;
-  constexpr auto printed = Gradient::printed;
-  constexpr auto corrected = Gradient::corrected;
-  constexpr auto gauss_newton = Curvature::gauss_newton;
-  constexpr auto newton = Curvature::newton;
+  using enum Gradient;
+  using enum Curvature;
   if (options.gradient == printed)
-    return DescendLanes<Variant<printed, gauss_newton, squares>>(d, view, options);
+    return DescendKind<Variant<printed, Damping::none, gauss_newton, squares>>(d, view, options);
+  if (options.damping == Damping::none)
+    return DescendKind<Variant<corrected, Damping::none, gauss_newton, squares>>(d, view, options);
   const bool full = options.curvature == newton;
   switch (options.loss) {
     case squares:
-      return full ? DescendLanes<Variant<corrected, newton, squares>>(d, view, options)
-                  : DescendLanes<Variant<corrected, gauss_newton, squares>>(d, view, options);
+      return full ? DescendKind<Variant<corrected, Damping::lm, newton, squares>>(d, view, options)
+                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, squares>>(d, view, options);
     case huber:
-      return full ? DescendLanes<Variant<corrected, newton, huber>>(d, view, options)
-                  : DescendLanes<Variant<corrected, gauss_newton, huber>>(d, view, options);
+      return full ? DescendKind<Variant<corrected, Damping::lm, newton, huber>>(d, view, options)
+                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, huber>>(d, view, options);
     case cauchy:
-      return full ? DescendLanes<Variant<corrected, newton, cauchy>>(d, view, options)
-                  : DescendLanes<Variant<corrected, gauss_newton, cauchy>>(d, view, options);
+      return full ? DescendKind<Variant<corrected, Damping::lm, newton, cauchy>>(d, view, options)
+                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, cauchy>>(d, view, options);
   }
 }
 
