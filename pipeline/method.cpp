@@ -43,6 +43,16 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
   return method;
 }
 
+bool is_iterative(const Method& method) {
+  return method.spec.kind == MethodKind::nonlinear || method.spec.kind == MethodKind::newton;
+}
+
+// The ranges of the sensors that the method may use.
+RangeProblem allowed_ranges(const Method& method, const JointInstant& instant) {
+  if (method.allowed == kAllSensors) return instant.ranges;
+  return ranges_of(instant.observations, instant.world_from_sensor, method.allowed);
+}
+
 }  // namespace
 
 std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig) {
@@ -71,10 +81,7 @@ PointEstimate evaluate(const Method& method, const JointInstant& instant) {
   if (kind == MethodKind::single) return solve_single_sensor(instant.observations, method.single);
   if (kind == MethodKind::mean || kind == MethodKind::tracked_mean)
     return solve_mean(instant.observations, {method.allowed, kind == MethodKind::tracked_mean});
-  RangeProblem chosen;
-  const bool all = method.allowed == kAllSensors;
-  if (!all) chosen = ranges_of(instant.observations, instant.world_from_sensor, method.allowed);
-  const RangeProblem& ranges = all ? instant.ranges : chosen;
+  const RangeProblem ranges = allowed_ranges(method, instant);
   switch (kind) {
     case MethodKind::linear:
       return solve_linear(ranges, method.spec.linear);
@@ -85,6 +92,18 @@ PointEstimate evaluate(const Method& method, const JointInstant& instant) {
     default:
       return solve_nonlinear(ranges, method.spec.nonlinear);
   }
+}
+
+void evaluate(const Method& method, std::span<const JointInstant> instants,
+              std::span<PointEstimate> estimates) {
+  if (is_iterative(method)) {
+    std::vector<RangeProblem> problems;
+    problems.reserve(instants.size());
+    for (const JointInstant& instant : instants) problems.push_back(allowed_ranges(method, instant));
+    solve_nonlinear(problems, method.spec.nonlinear, estimates);
+    return;
+  }
+  for (std::size_t i = 0; i < instants.size(); ++i) estimates[i] = evaluate(method, instants[i]);
 }
 
 }  // namespace trilat

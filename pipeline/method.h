@@ -32,4 +32,8 @@ struct JointInstant {
 
 [[nodiscard]] PointEstimate evaluate(const Method& method, const JointInstant& instant);
 
+// The same for many: iterative methods solve them side by side. `estimates` has one slot an instant.
+void evaluate(const Method& method, std::span<const JointInstant> instants,
+              std::span<PointEstimate> estimates);
+
 }  // namespace trilat

@@ -17,7 +17,8 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 256;  // instants gathered before they are solved together
+constexpr std::uint64_t kBlock = 256;    // instants gathered before they are solved together
+constexpr std::uint64_t kTogether = 16;  // instants that one thread solves side by side
 
 class Stopwatch {
  public:
@@ -116,16 +117,24 @@ void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) 
   block.gdop[slot] = static_cast<float>(estimate.gdop);
 }
 
-void solve_instant(const Plan& plan, const PlannedTake& planned, const Observations& seen, std::uint64_t i,
-                   SampleBlock& block) {
-  for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-    const auto observations = seen.of(i, j);
-    const JointInstant instant{observations, planned.world_from_sensor,
-                               ranges_of(observations, planned.world_from_sensor)};
-    const std::size_t row = i * plan.joints.size() + j;
-    block.ranges[row] = static_cast<std::uint8_t>(instant.ranges.count);
-    for (std::size_t m = 0; m < plan.methods.size(); ++m)
-      store(block, row * plan.methods.size() + m, evaluate(plan.methods[m], instant));
+// Every method on a few instants, which are few enough to stay in the cache.
+void solve_instants(const Plan& plan, const PlannedTake& planned, const Observations& seen,
+                    std::uint64_t first, std::uint64_t last, SampleBlock& block) {
+  std::vector<JointInstant> instants;
+  instants.reserve((last - first) * plan.joints.size());
+  const std::uint64_t first_row = first * plan.joints.size();
+  for (std::uint64_t i = first; i < last; ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const auto observations = seen.of(i, j);
+      instants.push_back(
+          {observations, planned.world_from_sensor, ranges_of(observations, planned.world_from_sensor)});
+      block.ranges[first_row + instants.size() - 1] = static_cast<std::uint8_t>(instants.back().ranges.count);
+    }
+  std::vector<PointEstimate> estimates(instants.size());
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    evaluate(plan.methods[m], instants, estimates);
+    for (std::size_t k = 0; k < estimates.size(); ++k)
+      store(block, (first_row + k) * plan.methods.size() + m, estimates[k]);
   }
 }
 
@@ -133,7 +142,7 @@ void solve_instant(const Plan& plan, const PlannedTake& planned, const Observati
 const Method* checked_method(const Plan& plan) {
   for (const Method& m : plan.methods)
     if (m.spec.kind == MethodKind::nonlinear && m.spec.nonlinear.damping == Damping::lm &&
-        m.spec.nonlinear.stop == StopRule::step)
+        m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares)
       return &m;
   return nullptr;
 }
@@ -243,9 +252,11 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
     std::vector<TakeCheck> checks(checked ? count : 0);
     {
       const Stopwatch watch(shared.solve_ns);
-      parallel_for_index(count, 16, [&](std::size_t i) {
-        solve_instant(plan, planned, seen, i, block);
-        if (checked) checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
+      parallel_for_index((count + kTogether - 1) / kTogether, 1, [&](std::size_t part) {
+        const std::uint64_t from = part * kTogether, to = std::min(count, from + kTogether);
+        solve_instants(plan, planned, seen, from, to, block);
+        for (std::uint64_t i = from; checked && i < to; ++i)
+          checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
       });
     }
     for (const TakeCheck& check : checks) outcome.check.merge(check);

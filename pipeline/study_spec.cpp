@@ -18,6 +18,7 @@ const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
 const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
+const std::vector<std::string> kLosses{"squares", "huber", "cauchy"};
 
 template <class Enum>
 Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<std::string>& names,
@@ -42,8 +43,13 @@ void read_linear(JsonObject& object, MethodSpec& method) {
 
 void read_nonlinear(JsonObject& object, MethodSpec& method) {
   NonlinearOptions& o = method.nonlinear;
-  o.gradient = enum_choice(object, "gradient", kGradients, o.gradient);
-  o.damping = enum_choice(object, "damping", kDampings, o.damping);
+  if (method.kind == MethodKind::newton) {
+    o.curvature = Curvature::newton;
+  } else {
+    o.gradient = enum_choice(object, "gradient", kGradients, o.gradient);
+    o.damping = enum_choice(object, "damping", kDampings, o.damping);
+    o.printed_unit_m = object.positive("printed_unit_m", o.printed_unit_m);
+  }
   o.stop = enum_choice(object, "stop", kStops, o.stop);
   o.threshold_m2 = object.positive("threshold_cm2", o.threshold_m2 / kSquareMetresPerSquareCentimetre) *
                    kSquareMetresPerSquareCentimetre;
@@ -51,12 +57,12 @@ void read_nonlinear(JsonObject& object, MethodSpec& method) {
   const std::uint64_t limit = object.count("max_iterations", static_cast<std::uint64_t>(o.max_iterations));
   if (limit < 1 || limit > 1'000'000) object.refuse("max_iterations", "must be 1 to 1000000");
   o.max_iterations = static_cast<int>(limit);
-  o.printed_unit_m = object.positive("printed_unit_m", o.printed_unit_m);
   o.same_residual_m = object.positive("same_residual_m", o.same_residual_m);
   o.start = enum_choice(object, "start", kStarts, o.start);
-  if (o.gradient == Gradient::printed && o.damping == Damping::lm)
-    object.refuse("damping",
-                  "lm needs the corrected gradient: the printed one is not a gradient of the cost");
+  o.loss = enum_choice(object, "loss", kLosses, o.loss);
+  o.loss_scale_m = object.positive("loss_scale_m", o.loss_scale_m);
+  if (const std::string problem = contradiction_in(o); !problem.empty())
+    object.refuse(o.loss == Loss::squares ? "damping" : "loss", problem);
 }
 
 MethodSpec read_method(JsonObject& object) {
@@ -66,7 +72,8 @@ MethodSpec read_method(JsonObject& object) {
   if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
   method.sensors = different_texts(object, "sensors");
   if (method.kind == MethodKind::linear) read_linear(object, method);
-  if (method.kind == MethodKind::nonlinear) read_nonlinear(object, method);
+  if (method.kind == MethodKind::nonlinear || method.kind == MethodKind::newton)
+    read_nonlinear(object, method);
   if (method.kind == MethodKind::geometric && !method.sensors.empty() && method.sensors.size() != 3)
     object.refuse("sensors", "must name the three sensors that geometric trilateration uses");
   object.finish();
@@ -97,8 +104,8 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 }  // namespace
 
 const std::vector<std::string>& method_kind_names() {
-  static const std::vector<std::string> names{"linear", "geometric",    "nonlinear", "ceres",
-                                              "mean",   "tracked_mean", "single"};
+  static const std::vector<std::string> names{"linear", "geometric", "nonlinear",    "newton",
+                                              "ceres",  "mean",      "tracked_mean", "single"};
   return names;
 }
 
@@ -140,7 +147,7 @@ Json resolved_json(const StudySpec& spec) {
                {"sensors", m.sensors}};
     if (m.kind == MethodKind::linear)
       entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
-    if (m.kind == MethodKind::nonlinear) {
+    if (m.kind == MethodKind::nonlinear || m.kind == MethodKind::newton) {
       const NonlinearOptions& o = m.nonlinear;
       entry["gradient"] = kGradients[static_cast<std::size_t>(o.gradient)];
       entry["damping"] = kDampings[static_cast<std::size_t>(o.damping)];
@@ -151,6 +158,8 @@ Json resolved_json(const StudySpec& spec) {
       entry["printed_unit_m"] = o.printed_unit_m;
       entry["same_residual_m"] = o.same_residual_m;
       entry["start"] = kStarts[static_cast<std::size_t>(o.start)];
+      entry["loss"] = kLosses[static_cast<std::size_t>(o.loss)];
+      entry["loss_scale_m"] = o.loss_scale_m;
     }
     methods.push_back(entry);
   }

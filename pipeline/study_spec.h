@@ -17,7 +17,7 @@
 
 namespace trilat {
 
-enum class MethodKind { linear, geometric, nonlinear, ceres, mean, tracked_mean, single };
+enum class MethodKind { linear, geometric, nonlinear, newton, ceres, mean, tracked_mean, single };
 const std::vector<std::string>& method_kind_names();
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
@@ -28,7 +28,7 @@ struct MethodSpec {
   std::vector<std::string> sensors;  // those it may use; empty: all. geometric uses the first three
   std::string reference;             // linear: the reference sensor; empty: the first
   LinearOptions linear;
-  NonlinearOptions nonlinear;
+  NonlinearOptions nonlinear;  // of nonlinear and newton
   CeresOptions ceres;
 };
 
