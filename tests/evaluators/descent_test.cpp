@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+// The vector kernel: the same bits by every instruction set, every width and every way in, and what its
+// settings promise.
+#include "evaluators/solvers/descent.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <hwy/targets.h>
+
+#include "datasets/base/error.h"
+#include "evaluators/solvers/nonlinear.h"
+#include "tests/evaluators/range_problems.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Setting {
+  const char* name;
+  NonlinearOptions options;
+};
+void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
+
+NonlinearOptions with(Gradient gradient, Damping damping, StopRule stop, Curvature curvature, Loss loss) {
+  NonlinearOptions options;
+  options.gradient = gradient;
+  options.damping = damping;
+  options.stop = stop;
+  options.curvature = curvature;
+  options.loss = loss;
+  return options;
+}
+
+std::vector<Setting> settings() {
+  using enum Gradient;
+  using enum Curvature;
+  using enum Loss;
+  return {{"printed", with(printed, Damping::none, StopRule::objective, gauss_newton, squares)},
+          {"as_printed", with(printed, Damping::none, StopRule::printed, gauss_newton, squares)},
+          {"undamped", with(corrected, Damping::none, StopRule::step, gauss_newton, squares)},
+          {"lm", with(corrected, Damping::lm, StopRule::step, gauss_newton, squares)},
+          {"lm_objective", with(corrected, Damping::lm, StopRule::objective, gauss_newton, squares)},
+          {"newton", with(corrected, Damping::lm, StopRule::step, newton, squares)},
+          {"huber", with(corrected, Damping::lm, StopRule::step, gauss_newton, huber)},
+          {"cauchy", with(corrected, Damping::lm, StopRule::step, gauss_newton, cauchy)},
+          {"newton_cauchy", with(corrected, Damping::lm, StopRule::step, newton, cauchy)}};
+}
+
+// Three to eight sensors, level, nearly level or not, every third problem with weights, errors up to 30 cm,
+// and some that are refused.
+RangeProblem mixed_problem(std::uint32_t item) {
+  const RandomStream random{11, Purpose::test, item};
+  const int count = 3 + static_cast<int>(item % 6);
+  const double spread_m = std::array{0.0, 1e-3, 0.05, 1.0}[item % 4];
+  std::vector<Vector3d> sensors_m;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 6.283 * (i + 0.5 * random.uniform(10 + i)) / count;
+    sensors_m.emplace_back(2 * std::cos(angle), 1.0 + spread_m * random.uniform(20 + i), 2 * std::sin(angle));
+  }
+  RangeProblem problem = problem_of(sensors_m, random_joint_m(random, 0));
+  for (int i = 0; i < count; ++i) {
+    problem.range_m[i] = std::abs(problem.range_m[i] + random.uniform(30 + i, -0.3, 0.3));
+    if (item % 3 == 0) problem.weight[i] = random.uniform(40 + i, 0.2, 5.0);
+  }
+  if (item % 97 == 0) problem.range_m[1] = std::numeric_limits<double>::quiet_NaN();
+  if (item % 89 == 0) problem.count = 2;
+  return problem;
+}
+
+std::vector<RangeProblem> mixed_problems(std::uint32_t count) {
+  std::vector<RangeProblem> problems;
+  for (std::uint32_t i = 0; i < count; ++i) problems.push_back(mixed_problem(i));
+  return problems;
+}
+
+// Equal bits, where two NaN count as equal.
+bool same(const PointEstimate& a, const PointEstimate& b) {
+  const auto equal = [](double x, double y) {
+    return std::memcmp(&x, &y, sizeof x) == 0 || (x != x && y != y);
+  };
+  bool result = a.status == b.status && a.iterations == b.iterations && equal(a.cost_m2, b.cost_m2) &&
+                equal(a.gdop, b.gdop);
+  for (int axis = 0; axis < 3; ++axis) result = result && equal(a.position_m[axis], b.position_m[axis]);
+  return result;
+}
+
+// Allows one instruction set only while it lives.
+class OnlyTarget {
+ public:
+  explicit OnlyTarget(std::int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+  }
+  OnlyTarget(const OnlyTarget&) = delete;
+  OnlyTarget& operator=(const OnlyTarget&) = delete;
+  ~OnlyTarget() {
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+  }
+};
+
+class EverySetting : public testing::TestWithParam<Setting> {};
+INSTANTIATE_TEST_SUITE_P(Descent, EverySetting, testing::ValuesIn(settings()),
+                         [](const auto& setting) { return std::string(setting.param.name); });
+
+TEST_P(EverySetting, ManyProblemsGiveTheBitsOfOneAtATime) {
+  const std::vector<RangeProblem> problems = mixed_problems(1500);
+  std::vector<PointEstimate> together(problems.size());
+  solve_nonlinear(problems, GetParam().options, together);
+  int usable = 0;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    const PointEstimate alone = solve_nonlinear(problems[i], GetParam().options);
+    ASSERT_TRUE(same(alone, together[i]))
+        << i << ": " << name_of(alone.status) << " " << alone.position_m.transpose() << " against "
+        << name_of(together[i].status) << " " << together[i].position_m.transpose();
+    usable += is_usable(alone.status);
+  }
+  EXPECT_GT(usable, 200);
+}
+
+TEST_P(EverySetting, EveryInstructionSetGivesTheSameBits) {
+  const std::vector<RangeProblem> problems = mixed_problems(600);
+  std::vector<PointEstimate> expected(problems.size()), found(problems.size());
+  solve_nonlinear(problems, GetParam().options, expected);
+  int targets = 0;
+  for (std::int64_t left = hwy::SupportedTargets() & (HWY_SSE4 | HWY_AVX2 | HWY_AVX3 | HWY_SCALAR); left != 0;
+       left &= left - 1) {
+    const std::int64_t target = left & -left;
+    const OnlyTarget only(target);
+    solve_nonlinear(problems, GetParam().options, found);
+    for (std::size_t i = 0; i < problems.size(); ++i)
+      ASSERT_TRUE(same(expected[i], found[i])) << hwy::TargetName(target) << " problem " << i;
+    ++targets;
+  }
+  if (targets < 2) GTEST_SKIP() << "this processor has one instruction set only";
+}
+
+DescentBatch filled_batch(const std::vector<RangeProblem>& problems, bool one_rig) {
+  DescentBatch batch(4, problems.size(), one_rig);
+  for (std::size_t lane = 0; lane < problems.size(); ++lane) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      batch.range_m.row(i)[lane] = problems[lane].range_m[i];
+      for (int axis = 0; axis < 3; ++axis)
+        batch.sensor_m.row(3 * i + static_cast<std::size_t>(axis))[one_rig ? 0 : lane] =
+            problems[lane].sensor_m[i][axis];
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) batch.position_m.row(axis)[lane] = axis == 1 ? 1.2 : 0.1;
+  }
+  return batch;
+}
+
+std::vector<RangeProblem> ring_problems(std::size_t count) {
+  std::vector<RangeProblem> problems;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    problems.push_back(problem_of(well_posed_sensors_m(), random_joint_m({7, Purpose::test, 0}, i)));
+    add_noise(problems.back(), RandomStream{8, Purpose::test, i}, 0.05);
+  }
+  return problems;
+}
+
+TEST(DescentBatch, OneRigForAllIsTheSameAsItsSensorsInEveryLane) {
+  for (const std::size_t count : {1, 3, 8, 13, 64}) {
+    const std::vector<RangeProblem> problems = ring_problems(count);
+    DescentBatch shared = filled_batch(problems, true), own = filled_batch(problems, false);
+    descend(shared, {});
+    descend(own, {});
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      EXPECT_EQ(shared.status[lane], SolveStatus::converged);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_EQ(shared.position_m.row(axis)[lane], own.position_m.row(axis)[lane]);
+    }
+  }
+}
+
+TEST(DescentBatch, ALaneDoesNotCareWhatItsNeighboursDo) {
+  const std::vector<RangeProblem> problems = ring_problems(16);
+  DescentBatch calm = filled_batch(problems, false), wild = filled_batch(problems, false);
+  for (std::size_t lane = 1; lane < 16; lane += 2) wild.range_m.row(2)[lane] = 1e200;
+  descend(calm, {});
+  descend(wild, {});
+  for (std::size_t lane = 0; lane < 16; lane += 2) {
+    EXPECT_EQ(calm.position_m.row(0)[lane], wild.position_m.row(0)[lane]);
+    EXPECT_EQ(calm.iterations.row(0)[lane], wild.iterations.row(0)[lane]);
+    EXPECT_EQ(wild.status[lane], SolveStatus::converged);
+  }
+}
+
+TEST(DescentBatch, ASensorOfWeightZeroIsNotThere) {
+  const std::vector<RangeProblem> problems = ring_problems(8);
+  DescentBatch batch = filled_batch(problems, true);
+  for (std::size_t lane = 0; lane < 8; ++lane) batch.weight.row(lane % 4)[lane] = 0.0;
+  descend(batch, {});
+  for (std::size_t lane = 0; lane < 8; ++lane) {
+    RangeProblem three;
+    three.count = 3;
+    for (int i = 0, k = 0; i < 4; ++i) {
+      if (i == static_cast<int>(lane % 4)) continue;
+      three.sensor_m[k] = problems[lane].sensor_m[i];
+      three.range_m[k++] = problems[lane].range_m[i];
+    }
+    NonlinearOptions options;
+    three.hint_m =
+        Vector3d(batch.position_m.row(0)[lane], batch.position_m.row(1)[lane], batch.position_m.row(2)[lane]);
+    const PointEstimate estimate = solve_nonlinear(three, options);
+    ASSERT_EQ(estimate.status, SolveStatus::converged);
+    EXPECT_LT((estimate.position_m - *three.hint_m).norm(), 1e-8);
+  }
+}
+
+TEST(DescentBatch, RefusesSettingsThatContradictEachOther) {
+  DescentBatch batch = filled_batch(ring_problems(1), true);
+  DescentOptions printed;
+  printed.gradient = Gradient::printed;
+  EXPECT_THROW(descend(batch, printed), InternalError);
+  DescentOptions undamped;
+  undamped.damping = Damping::none;
+  undamped.curvature = Curvature::newton;
+  EXPECT_THROW(descend(batch, undamped), InternalError);
+}
+
+double loss_of(const RangeProblem& problem, const NonlinearOptions& options, const Vector3d& x_m) {
+  const double c = options.loss_scale_m;
+  double sum = 0.0;
+  for (int i = 0; i < problem.count; ++i) {
+    const double f = std::abs((x_m - problem.sensor_m[i]).norm() - problem.range_m[i]);
+    const double huber = f > c ? 2 * c * f - c * c : f * f;
+    sum += options.loss == Loss::cauchy ? c * c * std::log(1 + f * f / (c * c)) : huber;
+  }
+  return sum;
+}
+
+TEST(RobustLoss, EndsAtAMinimumOfTheLossAndCauchyForgetsAnOutlier) {
+  for (const Loss loss : {Loss::huber, Loss::cauchy}) {
+    for (const Curvature curvature : {Curvature::gauss_newton, Curvature::newton}) {
+      NonlinearOptions options = with(Gradient::corrected, Damping::lm, StopRule::step, curvature, loss);
+      options.loss_scale_m = 0.02;
+      const Vector3d joint_m(0.2, 1.1, -0.3);
+      std::vector<Vector3d> sensors_m = well_posed_sensors_m();
+      sensors_m.insert(sensors_m.end(), {{1.5, 0.8, 1.5}, {-1.5, 1.9, 1.4}, {1.3, 1.2, -1.6}});
+      RangeProblem problem = problem_of(sensors_m, joint_m);
+      add_noise(problem, RandomStream{9, Purpose::test, 0}, 0.002);
+      problem.range_m[2] += 0.6;
+      const PointEstimate estimate = solve_nonlinear(problem, options);
+      ASSERT_EQ(estimate.status, SolveStatus::converged);
+      const double least = loss_of(problem, options, estimate.position_m);
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double h_m : {-1e-4, 1e-4})
+          EXPECT_GT(loss_of(problem, options, estimate.position_m + h_m * Vector3d::Unit(axis)), least);
+      EXPECT_LE(least, loss_of(problem, options, joint_m));
+      // Only a loss that levels off forgets a range that pulls as hard as this one.
+      if (loss == Loss::cauchy) EXPECT_LT((estimate.position_m - joint_m).norm(), 0.02);
+      EXPECT_GT((solve_nonlinear(problem, {}).position_m - joint_m).norm(), 0.1);
+    }
+  }
+}
+
+TEST(Newton, EndsWhereGaussNewtonEndsInFewerSteps) {
+  double newton_steps = 0, gauss_newton_steps = 0;
+  for (const RangeProblem& problem : ring_problems(200)) {
+    NonlinearOptions options;
+    const PointEstimate gauss_newton = solve_nonlinear(problem, options);
+    options.curvature = Curvature::newton;
+    const PointEstimate newton = solve_nonlinear(problem, options);
+    ASSERT_EQ(newton.status, SolveStatus::converged);
+    EXPECT_LT((newton.position_m - gauss_newton.position_m).norm(), 1e-9);
+    newton_steps += newton.iterations;
+    gauss_newton_steps += gauss_newton.iterations;
+  }
+  EXPECT_LT(newton_steps, 0.7 * gauss_newton_steps);
+}
+
+}  // namespace
+}  // namespace trilat
