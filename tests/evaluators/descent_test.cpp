@@ -251,7 +251,9 @@ TEST(RobustLoss, EndsAtAMinimumOfTheLossAndCauchyForgetsAnOutlier) {
           EXPECT_GT(loss_of(problem, options, estimate.position_m + h_m * Vector3d::Unit(axis)), least);
       EXPECT_LE(least, loss_of(problem, options, joint_m));
       // Only a loss that levels off forgets a range that pulls as hard as this one.
-      if (loss == Loss::cauchy) EXPECT_LT((estimate.position_m - joint_m).norm(), 0.02);
+      if (loss == Loss::cauchy) {
+        EXPECT_LT((estimate.position_m - joint_m).norm(), 0.02);
+      }
       EXPECT_GT((solve_nonlinear(problem, {}).position_m - joint_m).norm(), 0.1);
     }
   }
