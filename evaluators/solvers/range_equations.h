@@ -35,13 +35,8 @@ struct PackedRanges {
 };
 PackedRanges packed(const RangeProblem& problem);
 
-// `printed` gives the right-hand side of eq. 17 as printed (erratum E7): (x - s) f over the squared
-// distance, every length counted in `printed_unit_m` and the result in metres. It is J^T W f with
-// each row scaled by unit / distance, so the step depends on the unit. Always inlined: calls
-// cost a fifth of the time.
-template <bool printed = false>
-[[gnu::always_inline]] inline RangeEquations linearise(const PackedRanges& ranges, const Eigen::Vector3d& x_m,
-                                                       double printed_unit_m = 1.0) {
+[[gnu::always_inline]] inline RangeEquations linearise(const PackedRanges& ranges,
+                                                       const Eigen::Vector3d& x_m) {
   using Eigen::Array2d;
   const Array2d zero = Array2d::Zero();
   Array2d xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero;
@@ -65,7 +60,7 @@ template <bool printed = false>
     yy += qy * y;
     yz += qy * z;
     zz += qz * z;
-    const Array2d right = printed ? (printed_unit_m * f).eval() : (distance * f).eval();
+    const Array2d right = distance * f;
     gx += qx * right;
     gy += qy * right;
     gz += qz * right;

@@ -64,14 +64,21 @@ TEST(RangeEquations, NormalMatrixIsJtWJOfTheDifferenceQuotients) {
   EXPECT_LT((linearise(packed(problem), x).normal.matrix() - expected).norm(), 1e-8);
 }
 
-TEST(RangeEquations, PrintedGradientIsScaledByUnitOverDistance) {
-  RangeProblem problem = problem_of({{0, 0, 0}, {4, 0, 0}, {0, 5, 0}}, {1, 1, 1});
-  problem.count = 1;
-  problem.range_m[0] = 1.5;
-  const Vector3d x(2, 0, 0);  // f = 0.5 m along x, at a distance of 2 m
-  EXPECT_NEAR(linearise(packed(problem), x).gradient.x(), 0.5, 1e-15);
-  EXPECT_NEAR(linearise<true>(packed(problem), x, 1.0).gradient.x(), 0.25, 1e-15);
-  EXPECT_NEAR(linearise<true>(packed(problem), x, 0.01).gradient.x(), 0.0025, 1e-15);
+// Directions along the axes make J^T J the identity, so the one step is the gradient itself.
+TEST(Nonlinear, PrintedStepIsScaledByUnitOverDistance) {
+  RangeProblem problem = problem_of({{2, 0, 0}, {0, 4, 0}, {0, 0, 5}}, {0, 0, 0});
+  problem.range_m[1] = 3.5;  // f = 0.5 m along y, at a distance of 4 m
+  auto options = undamped(Gradient::corrected, StopRule::step, 0);
+  options.max_iterations = 1;
+  options.start = Start::point;
+  options.start_point_m = {0, 0, 0};
+  problem.hint_m = options.start_point_m;
+  EXPECT_NEAR(solve_nonlinear(problem, options).position_m.y(), 0.5, 1e-15);
+  options.gradient = Gradient::printed;
+  options.printed_unit_m = 1.0;
+  EXPECT_NEAR(solve_nonlinear(problem, options).position_m.y(), 0.125, 1e-15);
+  options.printed_unit_m = 0.01;
+  EXPECT_NEAR(solve_nonlinear(problem, options).position_m.y(), 0.00125, 1e-15);
 }
 
 TEST(Gdop, MatchesClosedForms) {
@@ -121,7 +128,12 @@ TEST(Nonlinear, PrintedGradientEndsAtAnotherPointThanTheMinimum) {
   const PointEstimate printed = solve_nonlinear(problem, options);
   const PointEstimate minimum = solve_nonlinear(problem, {});
   EXPECT_EQ(printed.status, SolveStatus::converged);
-  EXPECT_LT(linearise<true>(packed(problem), printed.position_m, 1.0).gradient.norm(), 1e-7);
+  Vector3d right_hand_side = Vector3d::Zero();
+  for (int i = 0; i < problem.count; ++i) {
+    const Vector3d from_sensor = printed.position_m - problem.sensor_m[i];
+    right_hand_side += from_sensor * (from_sensor.norm() - problem.range_m[i]) / from_sensor.squaredNorm();
+  }
+  EXPECT_LT(right_hand_side.norm(), 1e-7);
   EXPECT_GT((printed.position_m - minimum.position_m).norm(), 1e-3);
   EXPECT_GT(printed.cost_m2, minimum.cost_m2);
 }
