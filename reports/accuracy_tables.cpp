@@ -7,6 +7,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "reports/statuses_text.h"
 
 namespace trilat {
 namespace {
@@ -15,22 +16,6 @@ constexpr int kCmDecimals = 2;
 
 TableValue cm(double metres) { return TableValue::of(metres * kCentimetresPerMetre, kCmDecimals); }
 TableValue count(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
-
-// "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
-std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
-  std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  std::string text;
-  for (const auto& [name, n] : sorted) {
-    const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);
-    const std::string number = share < 0.05                 ? "<0.1"
-                               : share > 99.95 && n < asked ? ">99.9"
-                                                            : fmt::format("{:.1f}", share);
-    text += (text.empty() ? "" : ", ") + name + " " + number + " %";
-  }
-  return text;
-}
 
 std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   return fmt::format("{}, {}{}; alignment: {}; {} of {} takes, {} participant{}", s.campaign,

@@ -80,6 +80,7 @@ std::string latex_text(const std::string& text) {
 std::string printed(const TableValue& value) {
   if (!value.number) return value.text;
   if (!std::isfinite(*value.number)) return "–";
+  if (value.decimals < 0) return fmt::format("{:g}", *value.number);
   return fmt::format("{:.{}f}", *value.number, value.decimals);
 }
 

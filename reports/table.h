@@ -7,7 +7,8 @@
 
 namespace trilat {
 
-// One cell: a number with the digits it is printed with, or a text. CSV gets the number unrounded.
+// One cell: a number with the decimals it is printed with (negative: as many as it needs, up to six
+// digits), or a text. CSV gets the number unrounded.
 struct TableValue {
   std::optional<double> number;
   int decimals = 1;

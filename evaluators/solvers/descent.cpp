@@ -527,6 +527,8 @@ void LaneRows::Free::operator()(double* p) const { std::free(p); }
 
 LaneRows::LaneRows(std::size_t rows, std::size_t lanes)
     : stride_((lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock) {
+  // Rows a power of two apart would fall into the same few places of the cache.
+  if (rows > 1 && stride_ % (8 * kLaneBlock) == 0) stride_ += kLaneBlock;
   const std::size_t bytes = rows * stride_ * sizeof(double);
   data_.reset(static_cast<double*>(std::aligned_alloc(64, std::max<std::size_t>(bytes, 64))));
   if (!data_) throw std::bad_alloc();

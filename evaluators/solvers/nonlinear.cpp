@@ -114,39 +114,59 @@ Descent descent_in(const DescentBatch& batch, std::size_t lane) {
           batch.cost_m2.row(0)[lane]};
 }
 
-void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions& options,
-                 std::span<PointEstimate> estimates) {
-  std::vector<Prepared> starts(problems.size());
+// A problem of a block, and where its descents are: the second ones come after all first ones, because on the
+// wrong side of the sensors' plane they take longer and lanes wait for their neighbours.
+struct BlockEntry {
+  Prepared prepared;
+  std::size_t plane = 0, first_lane = 0, second_lane = 0;
+};
+
+struct Block {
+  std::vector<BlockEntry> entries;
   std::vector<SensorPlane> planes;  // one for each change of the sensors
-  std::vector<std::size_t> plane_of_problem(problems.size());
   std::size_t lanes = 0;
   int sensors = 1;
+};
+
+Block prepared_block(std::span<const RangeProblem> problems, const NonlinearOptions& options) {
+  Block block;
+  block.entries.resize(problems.size());
+  const RangeProblem* before = nullptr;
   for (std::size_t p = 0; p < problems.size(); ++p) {
-    starts[p].refusal = refusal_of(problems[p]);
-    if (starts[p].refusal != SolveStatus::not_solved) continue;
-    if (planes.empty() || p == 0 || !same_sensors(problems[p], problems[p - 1]))
-      planes.push_back(plane_of(problems[p]));
-    plane_of_problem[p] = planes.size() - 1;
-    starts[p] = prepared(problems[p], planes.back(), options);
-    lanes += static_cast<std::size_t>(starts[p].starts);
-    sensors = std::max(sensors, problems[p].count);
+    BlockEntry& entry = block.entries[p];
+    entry.prepared.refusal = refusal_of(problems[p]);
+    if (entry.prepared.refusal != SolveStatus::not_solved) continue;
+    if (!before || !same_sensors(problems[p], *before)) block.planes.push_back(plane_of(problems[p]));
+    before = &problems[p];
+    entry.plane = block.planes.size() - 1;
+    entry.prepared = prepared(problems[p], block.planes.back(), options);
+    if (entry.prepared.starts > 0) entry.first_lane = block.lanes++;
+    block.sensors = std::max(block.sensors, problems[p].count);
   }
-  DescentBatch batch(sensors, lanes, false);
-  std::size_t lane = 0;
-  for (std::size_t p = 0; p < problems.size(); ++p)
-    for (int s = 0; s < starts[p].starts; ++s)
-      fill_lane(batch, lane++, problems[p], starts[p].start_m[static_cast<std::size_t>(s)]);
-  descend(batch, options);
-  lane = 0;
+  for (BlockEntry& entry : block.entries)
+    if (entry.prepared.starts == 2) entry.second_lane = block.lanes++;
+  return block;
+}
+
+void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions& options,
+                 std::span<PointEstimate> estimates) {
+  const Block block = prepared_block(problems, options);
+  DescentBatch batch(block.sensors, block.lanes, false);
   for (std::size_t p = 0; p < problems.size(); ++p) {
-    if (starts[p].starts == 0) {
-      estimates[p] = failed_estimate(starts[p].refusal);
+    const auto& [start, plane, first_lane, second_lane] = block.entries[p];
+    if (start.starts > 0) fill_lane(batch, first_lane, problems[p], start.start_m[0]);
+    if (start.starts == 2) fill_lane(batch, second_lane, problems[p], start.start_m[1]);
+  }
+  descend(batch, options);
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    const auto& [start, plane, first_lane, second_lane] = block.entries[p];
+    if (start.starts == 0) {
+      estimates[p] = failed_estimate(start.refusal);
       continue;
     }
-    const Descent first = descent_in(batch, lane);
-    const Descent second = starts[p].starts == 2 ? descent_in(batch, lane + 1) : first;
-    lane += static_cast<std::size_t>(starts[p].starts);
-    estimates[p] = finished(problems[p], planes[plane_of_problem[p]], options, starts[p], first, second);
+    const Descent first = descent_in(batch, first_lane);
+    const Descent second = start.starts == 2 ? descent_in(batch, second_lane) : first;
+    estimates[p] = finished(problems[p], block.planes[plane], options, start, first, second);
   }
 }
 

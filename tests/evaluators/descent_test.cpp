@@ -138,6 +138,20 @@ TEST_P(EverySetting, EveryInstructionSetGivesTheSameBits) {
   if (targets < 2) GTEST_SKIP() << "this processor has one instruction set only";
 }
 
+// The plane of the sensors is worked out once for neighbours with the same sensors; a problem that is refused
+// in between must not pass on the plane of the one before it.
+TEST(ManyProblems, ARefusedOneDoesNotConfuseItsNeighbours) {
+  const RangeProblem level = problem_of(ring_m(0.9, 0.9, 0.9, 0.9), {0.1, 1.5, 0.2});
+  const RangeProblem tilted = problem_of(well_posed_sensors_m(), {0.1, 1.5, 0.2});
+  RangeProblem refused = tilted;
+  refused.range_m[0] = -1.0;
+  const std::vector<RangeProblem> problems{level, refused, tilted};
+  std::vector<PointEstimate> estimates(3);
+  solve_nonlinear(problems, {}, estimates);
+  EXPECT_EQ(estimates[1].status, SolveStatus::invalid_input);
+  EXPECT_TRUE(same(estimates[2], solve_nonlinear(tilted, {})));
+}
+
 DescentBatch filled_batch(const std::vector<RangeProblem>& problems, bool one_rig) {
   DescentBatch batch(4, problems.size(), one_rig);
   for (std::size_t lane = 0; lane < problems.size(); ++lane) {
