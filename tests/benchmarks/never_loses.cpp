@@ -38,9 +38,9 @@ void show(std::uint64_t seed, std::uint64_t index) {
   for (std::size_t kind = 0; kind < both.size(); ++kind) {
     const PointEstimate& own = both[kind].own;
     fmt::print(
-        "{} to {} m, offset {:+.6f} m, cost {:.17g} m^2, {} after {}, gdop {:.3g}, excess {:.3g} m^2\n",
+        "{} to {} m, offset {:+.6f} m, cost {:.17g} m^2, {} after {}, gdop {:.3g}, allowance used {:.3g}\n",
         kDuelNames[kind], text_of(own.position_m), plane.offset_m(own.position_m), own.cost_m2,
-        name_of(own.status), own.iterations, own.gdop, both[kind].excess_m2());
+        name_of(own.status), own.iterations, own.gdop, both[kind].allowance_used());
   }
 }
 

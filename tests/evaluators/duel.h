@@ -22,14 +22,14 @@ struct Duel {
   std::array<Descent, 2> ceres;  // not_solved when ours refused the problem
 
   bool fought() const { return ceres[0].status != SolveStatus::not_solved; }
-  // By how much our cost is above what is allowed; infinite when it is NaN.
-  double excess_m2() const {
-    if (!fought()) return -std::numeric_limits<double>::infinity();
+  // How much of the allowance our cost uses up; more than 1 is a loss, and NaN counts as one.
+  double allowance_used() const {
+    if (!fought()) return 0.0;
     const double theirs_m2 = std::fmin(ceres[0].cost_m2, ceres[1].cost_m2);
-    const double excess_m2 = own.cost_m2 - theirs_m2 * (1.0 + kDuelRelative) - kDuelAbsolute_m2;
-    return std::isnan(excess_m2) ? std::numeric_limits<double>::infinity() : excess_m2;
+    const double used = (own.cost_m2 - theirs_m2) / (theirs_m2 * kDuelRelative + kDuelAbsolute_m2);
+    return std::isnan(used) ? std::numeric_limits<double>::infinity() : used;
   }
-  bool lost() const { return excess_m2() > 0.0; }
+  bool lost() const { return allowance_used() > 1.0; }
   // A status that says what the numbers are.
   bool honest() const {
     if (!fought()) return own.position_m.array().isNaN().all() && !is_usable(own.status);
@@ -60,23 +60,23 @@ inline std::array<Duel, 2> duels(const RangeProblem& problem) {
 struct DuelTally {
   std::array<std::uint64_t, kSolveStatusCount> statuses{};
   std::vector<std::uint64_t> lost, dishonest;  // indices of problems
-  double worst_excess_m2 = -std::numeric_limits<double>::infinity();
+  double most_allowance = 0.0;
 
   void add(std::uint64_t index, const Duel& duel) {
     ++statuses[static_cast<std::size_t>(duel.own.status)];
     if (duel.lost()) lost.push_back(index);
     if (!duel.honest()) dishonest.push_back(index);
-    worst_excess_m2 = std::max(worst_excess_m2, duel.excess_m2());
+    most_allowance = std::max(most_allowance, duel.allowance_used());
   }
   void add(const DuelTally& other) {
     for (std::size_t i = 0; i < statuses.size(); ++i) statuses[i] += other.statuses[i];
     lost.insert(lost.end(), other.lost.begin(), other.lost.end());
     dishonest.insert(dishonest.end(), other.dishonest.begin(), other.dishonest.end());
-    worst_excess_m2 = std::max(worst_excess_m2, other.worst_excess_m2);
+    most_allowance = std::max(most_allowance, other.most_allowance);
   }
   void print(const char* title) const {
-    std::printf("%s: %zu lost, %zu dishonest, cost beyond the allowance at worst %.3g m^2;", title,
-                lost.size(), dishonest.size(), worst_excess_m2);
+    std::printf("%s: %zu lost, %zu dishonest, at most %.3g of the allowance;", title, lost.size(),
+                dishonest.size(), most_allowance);
     for (std::size_t i = 0; i < statuses.size(); ++i)
       if (statuses[i] > 0)
         std::printf(" %s %llu", name_of(static_cast<SolveStatus>(i)).data(),
