@@ -8,7 +8,6 @@
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
 
-#include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/range_equations.h"
 
 namespace trilat {
@@ -54,7 +53,10 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
   return result;
 }
 
-Descent descend(const RangeProblem& problem, const CeresOptions& options, const Eigen::Vector3d& start_m) {
+}  // namespace
+
+Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& options,
+                         const Eigen::Vector3d& start_m) {
   const double start_cost_m2 = linearise(packed(problem), start_m).cost_m2;
   if (!std::isfinite(start_cost_m2)) return {start_m, SolveStatus::diverged, 0, start_cost_m2};
   Eigen::Vector3d x = start_m;
@@ -73,8 +75,6 @@ Descent descend(const RangeProblem& problem, const CeresOptions& options, const 
   return result;
 }
 
-}  // namespace
-
 PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options) {
   const SolveStatus refusal = refusal_of(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
@@ -85,9 +85,10 @@ PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& optio
   const Eigen::Vector3d wanted_m =
       wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   return estimate_of(problem,
-                     descend_on_both_sides(
-                         problem, plane, safe_start(problem, plane, wanted_m), options.same_residual_m,
-                         [&](const Eigen::Vector3d& start_m) { return descend(problem, options, start_m); }));
+                     descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
+                                           options.same_residual_m, [&](const Eigen::Vector3d& start_m) {
+                                             return descend_by_ceres(problem, options, start_m);
+                                           }));
 }
 
 }  // namespace trilat

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
@@ -22,5 +23,9 @@ struct CeresOptions {
 // minimised by Ceres (Levenberg-Marquardt, dense QR, analytic derivatives, one thread): an
 // independent second opinion.
 [[nodiscard]] PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options);
+
+// One descent of it from one start. The start of the options does not count.
+[[nodiscard]] Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& options,
+                                       const Eigen::Vector3d& start_m);
 
 }  // namespace trilat

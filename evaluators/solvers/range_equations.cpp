@@ -2,10 +2,11 @@
 #include "evaluators/solvers/range_equations.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+
+#include "evaluators/solvers/precision.h"
 
 namespace trilat {
+
 PackedRanges packed(const RangeProblem& problem) {
   PackedRanges result;
   result.pairs = (problem.count + 1) / 2;
@@ -35,15 +36,9 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
     for (int i = 0; i < problem.count; ++i) ranges.weight[i / 2][i % 2] = 1.0;
     unweighted = linearise(ranges, x_m).normal;
   }
-  const Symmetric3 adjugate = unweighted.adjugate();
-  const double determinant = unweighted.determinant(adjugate);
-  if (is_rank_deficient(unweighted, adjugate, determinant)) {
-    result.gdop = std::numeric_limits<double>::infinity();
-    return result;
-  }
-  result.gdop = std::sqrt(adjugate.trace() / determinant);
-  const Symmetric3 inverse = equations.normal.adjugate();
-  result.covariance = inverse.matrix() / equations.normal.determinant(inverse);
+  const Precision precision = precision_of(unweighted, equations.normal);
+  result.gdop = precision.gdop;
+  result.covariance = precision.covariance_m2;
   return result;
 }
 
