@@ -46,6 +46,9 @@ constexpr double kFirstDamping = 1e-4;
 constexpr double kFair = 0.25, kGood = 0.75;  // share of the predicted gain
 constexpr double kExact = 0.1;                // farthest from the predicted gain
 constexpr double kFastDecay = 0.05;
+// Damping below which newton uses the whole Hessian: Gauss-Newton has then predicted F well. Farther off the
+// Hessian is indefinite, and its steps may leave for another minimum.
+constexpr double kTrusted = 2e-5;
 constexpr double kRounding = 4e-15;  // of the grain: a smaller change of F is rounding
 
 // Which descent the loop is compiled for.
@@ -126,6 +129,8 @@ struct LaneEquations {
 template <class D>
 struct LossFactors {
   hn::Vec<D> of_sensor[kMaxSensors];
+  // 1 where the Hessian is trusted, 0 where Gauss-Newton's part of it has to do.
+  hn::Vec<D> bending;
 };
 
 // What a lane has come to; lanes that are done no longer change.
@@ -228,7 +233,7 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
     sum.gradient.y = sum.gradient.y + slope * y;
     sum.gradient.z = sum.gradient.z + slope * z;
     if constexpr (Kind::curvature == Curvature::newton) {
-      const auto curl = f / hn::Max(distance, hn::Set(d, kOnSensor_m));  // 1 - r/d
+      const auto curl = before.bending * f / hn::Max(distance, hn::Set(d, kOnSensor_m));  // 1 - r/d
       bend = bend + w * curl;
       q = q - q * curl;
     }
@@ -363,6 +368,7 @@ class DampedDescent {
     const D d = problems.d;
     LossFactors<D> ones;
     for (auto& v : ones.of_sensor) v = hn::Set(d, 1.0);
+    ones.bending = factors_.bending = hn::Zero(d);
     equations_ = Linearise<Kind>(problems, now_, options, ones, factors_);
     cost_ = equations_.cost;
     ends_.end(d, hn::AndNot(hn::IsFinite(cost_), ends_.active), SolveStatus::diverged, 0);
@@ -414,6 +420,8 @@ class DampedDescent {
     }
     const auto taken = hn::And(sound, gained > hn::Zero(d));
     damping_.adapt(d, taken, DampingFactor(d, gained, predicted));
+    if constexpr (Kind::curvature == Curvature::newton)
+      factors_.bending = hn::IfThenElseZero(damping_.share < hn::Set(d, kTrusted), hn::Set(d, 1.0));
     SelectInto<D>(taken, there, now_);
     cost_ = Select<D>(taken, trial.cost, cost_);
     SelectInto<D>(taken, trial.matrix, equations_.matrix);

@@ -32,7 +32,8 @@ enum class StopRule : std::uint8_t {
 // What the step inverts.
 enum class Curvature : std::uint8_t {
   gauss_newton,  // J^T W J (eq. 14, which the paper calls Newton iteration: erratum E10)
-  newton,        // half the Hessian of F: J^T W J + sum w (1 - r/d) (I - u u^T)
+  // Half the Hessian of F, J^T W J + sum w (1 - r/d) (I - u u^T), once Gauss-Newton predicts F well.
+  newton,
 };
 
 // What a residual f = |x - s| - r costs, w times: c is loss_scale_m.
