@@ -13,6 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kProblemsAtATime = 512;
+constexpr double kFlat = 0.2;  // spread of the sensors across their plane, of the offset of a minimum
 
 // A problem before its descents: why there are none, or where they start.
 struct Prepared {
@@ -81,15 +82,53 @@ Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const N
   return result;
 }
 
+// Both starts of one problem, without allocating.
+std::array<Descent, kPairLanes> descend_pair(const RangeProblem& problem, const NonlinearOptions& options,
+                                             const std::array<Eigen::Vector3d, kPairLanes>& start_m) {
+  DescentPair pair;
+  pair.sensors = problem.count;
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
+    for (int i = 0; i < problem.count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
+      pair.range_m[i][lane] = problem.range_m[i];
+      pair.weight[i][lane] = problem.weight[i];
+    }
+    for (int axis = 0; axis < 3; ++axis) pair.position_m[axis][lane] = start_m[lane][axis];
+  }
+  descend(pair, options);
+  std::array<Descent, kPairLanes> ends;
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
+    ends[lane] = {{pair.position_m[0][lane], pair.position_m[1][lane], pair.position_m[2][lane]},
+                  pair.status[lane],
+                  static_cast<int>(pair.iterations[lane]),
+                  pair.cost_m2[lane]};
+  return ends;
+}
+
+// Whether the sensors are flat enough for a minimum on the other side of their plane, and no descent found
+// it.
+bool other_side_unseen(const SensorPlane& plane, int sensors, const Descent& first, const Descent& second) {
+  const double here_m = plane.offset_m(first.position_m);
+  const double across_m = std::sqrt(plane.scatter_m2[0] / sensors);
+  return here_m * plane.offset_m(second.position_m) > 0.0 && across_m < kFlat * std::abs(here_m);
+}
+
 PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options,
                        const Prepared& prepared, Descent first, Descent second) {
-  if (options.loss != Loss::squares) {
-    first.cost_m2 = total_loss_m2(problem, options, first.position_m);
-    second.cost_m2 = total_loss_m2(problem, options, second.position_m);
-  }
   if (prepared.starts == 1 && !plane.exact) return estimate_of(problem, first);
   if (plane.exact) second = mirrored(plane, first);
-  return estimate_of(problem, choose_minimum(problem, first, second, options.same_residual_m));
+  Descent third;
+  if (prepared.starts == 2 && other_side_unseen(plane, problem.count, first, second)) {
+    const Eigen::Vector3d image_m = plane.mirrored(first.position_m);
+    third = descend_pair(problem, options, {image_m, image_m})[0];
+  }
+  if (options.loss != Loss::squares)
+    for (Descent* descent : {&first, &second, &third})
+      descent->cost_m2 = total_loss_m2(problem, options, descent->position_m);
+  Descent best = choose_minimum(problem, first, second, options.same_residual_m);
+  if (third.status != SolveStatus::not_solved)
+    best = choose_minimum(problem, best, third, options.same_residual_m);
+  return estimate_of(problem, best);
 }
 
 // Puts problem and start into one lane; sensors beyond its count weigh nothing.
@@ -188,25 +227,8 @@ PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOption
   const SensorPlane plane = plane_of(problem);
   const Prepared start = prepared(problem, plane, options);
   if (start.starts == 0) return failed_estimate(start.refusal);
-  DescentPair pair;
-  pair.sensors = problem.count;
-  for (int i = 0; i < problem.count; ++i) {
-    for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
-      for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
-      pair.range_m[i][lane] = problem.range_m[i];
-      pair.weight[i][lane] = problem.weight[i];
-    }
-  }
-  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
-    for (int axis = 0; axis < 3; ++axis)
-      pair.position_m[axis][lane] = start.start_m[start.starts == 2 ? lane : 0][axis];
-  descend(pair, options);
-  std::array<Descent, kPairLanes> ends;
-  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
-    ends[lane] = {{pair.position_m[0][lane], pair.position_m[1][lane], pair.position_m[2][lane]},
-                  pair.status[lane],
-                  static_cast<int>(pair.iterations[lane]),
-                  pair.cost_m2[lane]};
+  const auto ends =
+      descend_pair(problem, options, {start.start_m[0], start.start_m[start.starts == 2 ? 1 : 0]});
   return finished(problem, plane, options, start, ends[0], ends[1]);
 }
 
