@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "datasets/base/check.h"
@@ -13,6 +14,10 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kProblemsAtATime = 512;
+
+// Where the Hessian is not positive definite its step may be long and end in another valley, so J^T W J
+// chooses the valley: newton takes over where steps are shorter than this.
+constexpr double kApproach_m = 1e-3;
 
 // A problem before its descents: why there are none, or where they start.
 struct Prepared {
@@ -88,6 +93,22 @@ Descent descent_in(const DescentBatch& batch, std::size_t lane) {
           batch.cost_m2.row(0)[lane]};
 }
 
+// `iterations` are those of the lanes and `before` is room for as many.
+template <class Lanes>
+void descend_to_minima(Lanes& lanes, const NonlinearOptions& options, std::span<double> iterations,
+                       std::span<double> before) {
+  if (options.curvature == Curvature::newton) {
+    DescentOptions approach = options;
+    approach.curvature = Curvature::gauss_newton;
+    approach.stop = StopRule::step;
+    approach.step_tolerance_m = std::max(options.step_tolerance_m, kApproach_m);
+    descend(lanes, approach);
+    std::copy(iterations.begin(), iterations.end(), before.begin());
+  }
+  descend(lanes, options);
+  std::transform(iterations.begin(), iterations.end(), before.begin(), iterations.begin(), std::plus());
+}
+
 void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions& options,
                  std::span<PointEstimate> estimates) {
   std::vector<Prepared> starts(problems.size());
@@ -110,7 +131,8 @@ void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions&
   for (std::size_t p = 0; p < problems.size(); ++p)
     for (int s = 0; s < starts[p].starts; ++s)
       fill_lane(batch, lane++, problems[p], starts[p].start_m[static_cast<std::size_t>(s)]);
-  descend(batch, options);
+  std::vector<double> approach_iterations(lanes);
+  descend_to_minima(batch, options, {batch.iterations.row(0), lanes}, approach_iterations);
   lane = 0;
   for (std::size_t p = 0; p < problems.size(); ++p) {
     if (starts[p].starts == 0) {
@@ -154,7 +176,8 @@ PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOption
   for (std::size_t lane = 0; lane < kPairLanes; ++lane)
     for (int axis = 0; axis < 3; ++axis)
       pair.position_m[axis][lane] = start.start_m[start.starts == 2 ? lane : 0][axis];
-  descend(pair, options);
+  std::array<double, kPairLanes> approach_iterations{};
+  descend_to_minima(pair, options, pair.iterations, approach_iterations);
   std::array<Descent, kPairLanes> ends;
   for (std::size_t lane = 0; lane < kPairLanes; ++lane)
     ends[lane] = {{pair.position_m[0][lane], pair.position_m[1][lane], pair.position_m[2][lane]},

@@ -19,7 +19,7 @@ enum class Start : std::uint8_t {
   point,           // start_point_m
 };
 
-// max_iterations counts for each descent.
+// max_iterations counts for each descent. With newton a descent by J^T W J, to within 1 mm, comes first.
 struct NonlinearOptions : DescentOptions {
   Start start = Start::squared_ranges;
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
