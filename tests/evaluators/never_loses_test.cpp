@@ -24,5 +24,24 @@ TEST_P(NeverLoses, AgainstCeresFromTheSameStarts) {
   }
 }
 
+TEST(NonlinearSpan, GivesTheBitsOfOneProblemAtATime) {
+  std::vector<RangeProblem> problems;
+  for (std::uint64_t i = 0; i < 5'000; ++i) problems.push_back(hard_problem(kSeed, i));
+  std::vector<PointEstimate> estimates(problems.size());
+  for (const Curvature curvature : {Curvature::gauss_newton, Curvature::newton}) {
+    NonlinearOptions options;
+    options.curvature = curvature;
+    solve_nonlinear(problems, options, estimates);
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+      const PointEstimate one = solve_nonlinear(problems[i], options);
+      ASSERT_EQ(one.status, estimates[i].status) << i;
+      ASSERT_EQ(one.iterations, estimates[i].iterations) << i;
+      if (!one.position_m.allFinite()) continue;
+      ASSERT_EQ(one.position_m, estimates[i].position_m) << i;
+      ASSERT_EQ(one.cost_m2, estimates[i].cost_m2) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace trilat
