@@ -263,10 +263,12 @@ int run(int argc, char** argv) {
   double load[1] = {std::nan("")};
   getloadavg(load, 1);
   measure(entries, problems);
+  std::size_t repetitions = 0;
+  for (const Entry& entry : entries) repetitions = std::max(repetitions, entry.ns_per_solve.size());
   fmt::print(
       "{} problems, 4 sensors at 0.3 and 2.3 m, range noise {} cm, start solve_linear(); {} repetitions, "
       "time of the processor (of the clock for several threads); load average before {:.1f}\n",
-      kProblems, 100.0 * kRangeNoise_m, entries.front().ns_per_solve.size(), load[0]);
+      kProblems, 100.0 * kRangeNoise_m, repetitions, load[0]);
   for (const double wanted_m : kWanted_m) print_table(entries, wanted_m);
   print_speed_up(entries, problems);
   benchmark::Shutdown();
