@@ -17,14 +17,17 @@ namespace trilat {
 // What the geometry at a position allows, whatever the method. U's rows are the unit vectors from the
 // sensors.
 struct Precision {
-  // Dilutions: square roots of the trace of (U^T U)^-1, of its horizontal share (x and z of the world) and of
-  // its vertical one (y), so gdop^2 = hdop^2 + vdop^2. Infinite when the directions do not span space.
-  double gdop = std::numeric_limits<double>::infinity();
-  double hdop = std::numeric_limits<double>::infinity();
-  double vdop = std::numeric_limits<double>::infinity();
+  // The diagonal of (U^T U)^-1: the variances along the world's axes when every range has variance 1.
+  // Infinite when the directions do not span space.
+  Eigen::Vector3d unit_variance = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  double gdop = std::numeric_limits<double>::infinity();  // root of its sum
   // The Cramer-Rao bound (U^T V^-1 U)^-1 of unbiased estimates of the position, V the variances of
   // independent normal range errors. NaN when gdop is infinite.
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Constant(kNaN);
+
+  // gdop^2 = hdop^2 + vdop^2; y of the world is up.
+  double hdop() const { return std::sqrt(unit_variance.x() + unit_variance.z()); }
+  double vdop() const { return std::sqrt(unit_variance.y()); }
 };
 
 // From U^T U and U^T V^-1 U.
@@ -34,8 +37,7 @@ inline Precision precision_of(const Symmetric3& directions, const Symmetric3& in
   const double determinant = directions.determinant(adjugate);
   if (is_rank_deficient(directions, adjugate, determinant)) return result;
   result.gdop = std::sqrt(adjugate.trace() / determinant);
-  result.hdop = std::sqrt((adjugate.xx + adjugate.zz) / determinant);
-  result.vdop = std::sqrt(adjugate.yy / determinant);
+  result.unit_variance = Eigen::Vector3d(adjugate.xx, adjugate.yy, adjugate.zz) / determinant;
   const Symmetric3 inverse = information.adjugate();
   result.covariance_m2 = inverse.matrix() / information.determinant(inverse);
   return result;

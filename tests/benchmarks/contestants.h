@@ -27,7 +27,7 @@ struct Tolerance {
   double value = 0.0;
 };
 
-inline constexpr int kMostIterations = 100;
+inline constexpr int kMostIterations = 50;
 
 struct Contestant {
   std::string name;

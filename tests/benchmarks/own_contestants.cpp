@@ -148,7 +148,7 @@ Contestant batched(const ComparisonProblems& problems, const Kind& kind, std::in
 }  // namespace
 
 std::vector<Contestant> own_contestants(const ComparisonProblems& problems) {
-  constexpr int kRounds = 100;
+  constexpr int kRounds = 20;
   std::vector<Contestant> all{
       one_at_a_time<OneDescent<kUndamped>>("trilat one at a time, Gauss-Newton", kStopRules),
       one_at_a_time<OneDescent<kDamped>>("trilat one at a time, lm Gauss-Newton", kStopRules),
@@ -163,7 +163,7 @@ std::vector<Contestant> own_contestants(const ComparisonProblems& problems) {
   }
   if (best == 0) return all;
   // Long enough that starting a thread does not count.
-  all.push_back(batched(problems, kUndamped, best, 2, 4 * kRounds));
+  all.push_back(batched(problems, kUndamped, best, 2, 8 * kRounds));
   return all;
 }
 
