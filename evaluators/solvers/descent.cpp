@@ -192,6 +192,15 @@ struct Problems {
   }
 };
 
+// What one sensor adds. The sums are made in a second loop: one loop for all would need more registers
+// than there are.
+template <class D>
+struct SensorTerms {
+  hn::Vec<D> x, y, z;  // from the sensor
+  hn::Vec<D> q;        // the matrix gets q v v^T
+  hn::Vec<D> slope;    // the gradient gets slope v
+};
+
 template <Loss loss, class D>
 HWY_INLINE hn::Vec<D> LossFactor(D d, hn::Vec<D> f, double scale_m) {
   const auto one = hn::Set(d, 1.0);
@@ -209,6 +218,7 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
   const auto unit = hn::Set(d, options.printed_unit_m);
   const auto least = hn::Set(d, kOnSensor_m * kOnSensor_m);
   LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero, zero};
+  SensorTerms<D> terms[kMaxSensors];
   auto bend = zero;  // sum of w (1 - r/d)
   for (int i = 0; i < problems.sensors(); ++i) {
     const auto x = at.x - problems.sensor(3 * i);
@@ -226,17 +236,22 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
     sum.cost = sum.cost + w * f * f;
     sum.grain = sum.grain + w * hn::Abs(f) * distance;
     // The quotient does not wait for the root, which shortens the chain of each iteration.
-    auto q = w / hn::Max(square, least);
+    const auto inverse = hn::Set(d, 1.0) / hn::Max(square, least);
+    auto q = w * inverse;
     const auto right = Kind::gradient == Gradient::printed ? unit * f : distance * f;
     const auto slope = q * right;
+    if constexpr (Kind::curvature == Curvature::newton) {
+      const auto curl = before.bending * slope;  // w (1 - r/d)
+      bend = bend + curl;
+      q = q - curl * inverse;
+    }
+    terms[i] = {x, y, z, q, slope};
+  }
+  for (int i = 0; i < problems.sensors(); ++i) {
+    const auto& [x, y, z, q, slope] = terms[i];
     sum.gradient.x = sum.gradient.x + slope * x;
     sum.gradient.y = sum.gradient.y + slope * y;
     sum.gradient.z = sum.gradient.z + slope * z;
-    if constexpr (Kind::curvature == Curvature::newton) {
-      const auto curl = before.bending * f / hn::Max(distance, hn::Set(d, kOnSensor_m));  // 1 - r/d
-      bend = bend + w * curl;
-      q = q - q * curl;
-    }
     const auto qx = q * x;
     const auto qy = q * y;
     sum.matrix.xx = sum.matrix.xx + qx * x;
