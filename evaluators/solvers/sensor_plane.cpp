@@ -2,6 +2,7 @@
 #include "evaluators/solvers/sensor_plane.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Eigenvalues>
 
@@ -9,7 +10,17 @@ namespace trilat {
 namespace {
 
 constexpr double kCollinearRatio = 1e-12;
-constexpr double kCoplanarRatio = 1e-14;
+constexpr double kCoplanarRatio = 1e-12;
+
+// Measured by the offsets and not by the least eigenvalue, whose rounding hides whatever is within 1e-8 of
+// the spread: enough to tell the two sides apart.
+bool in_one_plane(const RangeProblem& problem, const SensorPlane& plane) {
+  if (problem.count == 3) return true;
+  double farthest_m = 0.0;
+  for (int i = 0; i < problem.count; ++i)
+    farthest_m = std::max(farthest_m, std::abs(plane.offset_m(problem.sensor_m[i])));
+  return farthest_m <= kCoplanarRatio * std::sqrt(plane.scatter_m2[2]);
+}
 
 }  // namespace
 
@@ -27,7 +38,7 @@ SensorPlane plane_of(const RangeProblem& problem) {
   plane.axes = eigen.eigenvectors();
   plane.scatter_m2 = eigen.eigenvalues().cwiseMax(0.0);
   plane.collinear = !(plane.scatter_m2[1] > kCollinearRatio * plane.scatter_m2[2]);
-  plane.exact = !(plane.scatter_m2[0] > kCoplanarRatio * plane.scatter_m2[2]);
+  plane.exact = in_one_plane(problem, plane);
   return plane;
 }
 

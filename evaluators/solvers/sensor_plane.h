@@ -18,7 +18,8 @@ struct SensorPlane {
   // Second eigenvalue of the scatter <= 1e-12 of the largest: on one line within 1e-6 of their spread.
   // The solutions are a circle around the line.
   bool collinear = false;
-  // Smallest eigenvalue <= 1e-14 of the largest: in one plane within 1e-7 of their spread.
+  // Three sensors; or none farther from the plane than 1e-12 of the root of the largest eigenvalue. Then the
+  // ranges on both sides agree to rounding.
   bool exact = false;
 
   Eigen::Vector3d normal() const { return axes.col(0); }

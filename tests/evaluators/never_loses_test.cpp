@@ -24,6 +24,13 @@ TEST_P(NeverLoses, AgainstCeresFromTheSameStarts) {
   }
 }
 
+// 1e-7 m out of one plane, yet the two sides differ by more than same_residual_m.
+TEST(AlmostOnePlane, OfSensorsStillHasALowerSide) {
+  const auto duel = duels(hard_problem(2, 426264));
+  EXPECT_FALSE(duel[0].lost());
+  EXPECT_FALSE(duel[1].lost());
+}
+
 TEST(NonlinearSpan, GivesTheBitsOfOneProblemAtATime) {
   std::vector<RangeProblem> problems;
   for (std::uint64_t i = 0; i < 5'000; ++i) problems.push_back(hard_problem(kSeed, i));
