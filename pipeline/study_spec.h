@@ -17,6 +17,10 @@
 
 namespace trilat {
 
+// What a study.json asks for; each kind has its own reader.
+enum class StudyKind : std::uint8_t { accuracy, threshold_sweep };
+StudyKind study_kind(const Json& json, const std::string& place);
+
 enum class MethodKind { linear, geometric, nonlinear, ceres, mean, tracked_mean, single };
 const std::vector<std::string>& method_kind_names();
 
