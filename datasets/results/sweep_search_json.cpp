@@ -48,7 +48,7 @@ SweepFit read_fit(JsonObject& object, std::size_t interpretations) {
   fit.reported = object.text("reported");
   fit.rms_log_ratio = object.number("rms_log_ratio");
   fit.worst_factor = object.number("worst_factor");
-  fit.us_per_iteration = object.number("us_per_iteration");
+  fit.us_per_iteration = number_or_nan(object, "us_per_iteration");
   object.finish();
   return fit;
 }

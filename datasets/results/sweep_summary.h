@@ -25,7 +25,7 @@ struct SweepInterpretation {
 };
 
 // One interpretation at one threshold and one range of errors. NaN where nothing answered. Errors are
-// distances to the true joint, over the answered trials.
+// distances to the true joint; they and the iterations are over the answered trials.
 struct SweepCell {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::size_t interpretation = 0;
@@ -59,16 +59,17 @@ struct SweepCell {
 // How well a reading fits the printed table. Ratios are ours / printed.
 struct SweepFit {
   std::size_t interpretation = 0;
-  std::string reported;           // errors: "distance" or "axis_mean"; times: "iterations"
-  double rms_log_ratio = 0.0;     // natural logarithm
-  double worst_factor = 1.0;      // of the worst cell, 1 or more
-  double us_per_iteration = 0.0;  // times only: the one scale that fits best
+  std::string reported;                        // errors: "distance" or "axis_mean"; times: "iterations"
+  double rms_log_ratio = 0.0;                  // natural logarithm
+  double worst_factor = 1.0;                   // of the worst cell, 1 or more
+  double us_per_iteration = SweepCell::kNone;  // times only: the one scale that fits best
 };
 
 struct SweepRanking {
-  std::vector<SweepFit> best;                                // the first few, best first
-  std::uint64_t ranked = 0;                                  // readings that answered in every cell
-  double best_rms = 0.0, median_rms = 0.0, worst_rms = 0.0;  // rms_log_ratio over all ranked
+  std::vector<SweepFit> best;  // the first few, best first
+  std::uint64_t ranked = 0;    // readings that answered in every cell
+  // rms_log_ratio over all ranked; NaN when none was
+  double best_rms = SweepCell::kNone, median_rms = SweepCell::kNone, worst_rms = SweepCell::kNone;
 };
 
 // Two readings that differ in the gradient only: what the smallest threshold costs against the largest.

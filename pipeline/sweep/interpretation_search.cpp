@@ -58,7 +58,7 @@ SweepFit fit_of(std::size_t interpretation, const std::string& reported, const L
     worst = std::max(worst, std::abs(m));
   }
   return {interpretation, reported, std::sqrt(squares / static_cast<double>(ratios.size())), std::exp(worst),
-          0.0};
+          SweepCell::kNone};
 }
 
 bool is_ranked(const SweepSummary& s, std::size_t interpretation) {
