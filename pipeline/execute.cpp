@@ -3,13 +3,9 @@
 
 #include <chrono>
 
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
-
-#include "datasets/base/error.h"
-#include "datasets/base/files.h"
 #include "pipeline/manifest.h"
 #include "pipeline/plan.h"
+#include "pipeline/results_folder.h"
 #include "pipeline/runner.h"
 #include "pipeline/summarise.h"
 
@@ -20,27 +16,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-void check_output(const std::filesystem::path& output) {
-  namespace fs = std::filesystem;
-  if (!fs::exists(output)) return;
-  const bool empty = fs::is_directory(output) && fs::is_empty(output);
-  const bool results = fs::exists(output / "summary.json") && fs::exists(output / "manifest.json") &&
-                       fs::exists(output / "samples.h5");
-  if (!empty && !results)
-    throw InputError(output.string(), "exists and is not a results folder; choose another name or remove it");
-}
-
-void put_in_place(const std::filesystem::path& partial, const std::filesystem::path& output) {
-  namespace fs = std::filesystem;
-  const fs::path old = partial.string() + ".old";
-  std::error_code error;
-  fs::remove_all(old, error);
-  if (fs::exists(output)) fs::rename(output, old, error);
-  if (!error) fs::rename(partial, output, error);
-  if (error) throw InputError(output.string(), "cannot be put in place: " + error.message());
-  fs::remove_all(old, error);
 }
 
 ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
@@ -63,19 +38,13 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
 }  // namespace
 
 ResultsSummary execute_study(const StudySpec& study, const Campaign& campaign,
-                             const std::filesystem::path& folder, const ExecuteOptions& options) {
-  const std::filesystem::path output = folder.has_filename() ? folder : folder.parent_path();  // "results/"
-  check_output(output);
-  const std::filesystem::path partial = partial_name(output);
-  std::filesystem::remove_all(partial);
-  make_folder(partial);
-  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads));
-  tbb::task_arena arena(threads);
+                             const std::filesystem::path& output, const ExecuteOptions& options) {
+  const ResultsFolder folder(output);
   ResultsSummary summary;
-  arena.execute([&] { summary = execute_into(study, campaign, partial, options, threads); });
-  put_in_place(partial, output);
+  on_threads(options.threads, [&](int threads) {
+    summary = execute_into(study, campaign, folder.partial(), options, threads);
+  });
+  folder.put_in_place();
   return summary;
 }
 

@@ -44,6 +44,8 @@ void hash_input(Input& input, const std::function<bool()>& stop_requested) {
   }
 }
 
+}  // namespace
+
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -53,8 +55,6 @@ std::string processor_name() {
     }
   return "unknown";
 }
-
-}  // namespace
 
 void write_manifest(const std::filesystem::path& folder, const Plan& plan,
                     const std::function<bool()>& stop_requested) {
@@ -100,17 +100,23 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
 
 void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,
                       int threads) {
-  const Json json{{"format", "trilat.run"},
-                  {"version", 1},
-                  {"processor", processor_name()},
-                  {"processors", std::thread::hardware_concurrency()},
-                  {"threads", threads},
-                  {"compiler", __VERSION__},
-                  {"wall_s", wall_s},
-                  {"read_s", times.read_s},
-                  {"solve_s", times.solve_s},
-                  {"write_s", times.write_s},
-                  {"summarise_s", times.summarise_s}};
+  write_run_record(folder,
+                   {{"read_s", times.read_s},
+                    {"solve_s", times.solve_s},
+                    {"write_s", times.write_s},
+                    {"summarise_s", times.summarise_s}},
+                   wall_s, threads);
+}
+
+void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {
+  Json json{{"format", "trilat.run"},
+            {"version", 1},
+            {"processor", processor_name()},
+            {"processors", std::thread::hardware_concurrency()},
+            {"threads", threads},
+            {"compiler", __VERSION__},
+            {"wall_s", wall_s}};
+  json.update(times);
   write_file(folder / "run.json", json.dump(1) + "\n");
 }
 

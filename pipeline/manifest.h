@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
+#include "datasets/base/strict_json.h"
 #include "pipeline/plan.h"
 #include "pipeline/runner.h"
 
@@ -18,5 +20,9 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
 // run.json: what may differ between equal runs: the machine, the number of threads, the times.
 void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,
                       int threads);
+void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads);
+
+// As this machine calls it, or "unknown".
+std::string processor_name();
 
 }  // namespace trilat

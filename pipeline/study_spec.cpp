@@ -109,6 +109,10 @@ const std::vector<std::string>& method_kind_names() {
   return names;
 }
 
+StudyKind study_kind(const Json& json, const std::string& place) {
+  return static_cast<StudyKind>(JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep"}));
+}
+
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
   JsonObject object(json, place, "");
   StudySpec spec;

@@ -28,6 +28,7 @@ enum class Purpose : std::uint32_t {
   mocap_clock = 10,
   clock_exchange = 11,
   arrival_delay = 12,
+  range_trial = 13,
 };
 
 // Random numbers as a pure function of (seed, purpose, item, index): no state, no order, no thread.

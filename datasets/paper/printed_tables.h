@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace trilat {
+
+// Table I as the paper prints it. The paper does not say in which unit C is.
+struct PrintedTable1 {
+  struct Row {
+    double threshold = 0.0;        // C
+    std::vector<double> error_cm;  // by range
+    std::vector<double> time_us;   // by range
+    bool time_is_below = false;    // printed as "<" that time
+  };
+  std::string source;
+  std::vector<std::array<double, 2>> ranges_cm;
+  std::vector<Row> rows;
+};
+
+PrintedTable1 printed_table1();
 
 // Table III as the paper prints it, centimetres. The printed averages differ from those of its rows (erratum
 // E13).

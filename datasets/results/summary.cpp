@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/summary.h"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.results";
-
-// A number, or the null that stands for NaN.
-double number_or_nan(JsonObject& object, const std::string& key) {
-  return object.value(key).is_null() ? kNoNumber : object.number(key);
-}
-
 Json json_of(const SummaryCell& cell) {
-  Json statuses = Json::object();
-  for (const auto& [name, count] : cell.statuses) statuses[name] = count;
   return {{"method", cell.method},
           {"condition", cell.condition},
           {"group", cell.group},
@@ -29,7 +18,7 @@ Json json_of(const SummaryCell& cell) {
           {"asked", cell.asked},
           {"answered", cell.answered},
           {"coverage", cell.coverage()},
-          {"statuses", statuses},
+          {"statuses", counts_json(cell.statuses)},
           {"mae_m", cell.mae_m},
           {"axis_mae_m", cell.axis_mae_m},
           {"rmse_m", cell.rmse_m},
@@ -50,8 +39,7 @@ SummaryCell read_cell(JsonObject& object) {
   cell.asked = object.count("asked");
   cell.answered = object.count("answered");
   number_or_nan(object, "coverage");
-  JsonObject statuses = object.object("statuses");
-  for (const std::string& name : statuses.keys()) cell.statuses[name] = statuses.count(name);
+  cell.statuses = read_counts(object.object("statuses"));
   cell.mae_m = number_or_nan(object, "mae_m");
   const Json& axes = object.value("axis_mae_m");
   if (!axes.is_array() || axes.size() != 3) object.refuse("axis_mae_m", "must be an array of 3");
@@ -101,20 +89,19 @@ CrossCheck read_cross_check(JsonObject object) {
 }  // namespace
 
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& s) {
-  Json json{{"format", kFormat},
-            {"version", 1},
-            {"study", s.study},
-            {"campaign", s.campaign},
-            {"simulated", s.simulated},
-            {"takes", s.takes},
-            {"takes_failed", s.takes_failed},
-            {"participants", s.participants},
-            {"methods", s.methods},
-            {"conditions", s.conditions},
-            {"groups", s.groups},
-            {"alignments", s.alignments},
-            {"cells", Json::array()},
-            {"notes", Json::array()}};
+  Json json = results_head(ResultsKind::accuracy);
+  json.update({{"study", s.study},
+               {"campaign", s.campaign},
+               {"simulated", s.simulated},
+               {"takes", s.takes},
+               {"takes_failed", s.takes_failed},
+               {"participants", s.participants},
+               {"methods", s.methods},
+               {"conditions", s.conditions},
+               {"groups", s.groups},
+               {"alignments", s.alignments},
+               {"cells", Json::array()},
+               {"notes", Json::array()}});
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
   for (const TakeNote& note : s.notes) json["notes"].push_back(json_of(note));
   if (s.cross_check) json["cross_check"] = json_of(*s.cross_check);
@@ -122,15 +109,9 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
 }
 
 ResultsSummary read_summary(const std::filesystem::path& folder) {
-  const auto path = folder / "summary.json";
-  if (!std::filesystem::exists(path))
-    throw InputError(folder.string(),
-                     "is not a results folder: it holds no summary.json (was the run finished?)");
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
+  const Json json = read_results_json(folder);
+  JsonObject object(json, (folder / "summary.json").string(), "");
+  check_results_head(object, ResultsKind::accuracy);
   ResultsSummary s;
   s.study = object.text("study");
   s.campaign = object.text("campaign");

@@ -74,9 +74,10 @@ struct ResultsSummary {
   std::optional<CrossCheck> cross_check;
 };
 
-// summary.json (results format 1). NaN is written as null.
+// summary.json (results format 1, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
-// Reads `folder`/summary.json; InputError when it is not there, of another version, or not one.
+// Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
+// not one.
 ResultsSummary read_summary(const std::filesystem::path& folder);
 
 // The cell of these four names, or none.

@@ -76,7 +76,8 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
     code = simulate(a.simulate);
   });
 
-  auto* run_verb = app.add_subcommand("run", "a study: takes x methods x settings -> results");
+  auto* run_verb = app.add_subcommand(
+      "run", "a study: takes x methods, or a sweep over the stopping threshold -> results");
   run_verb->add_option("study", a.run.study, "study.json")->required();
   run_verb->add_option("--campaign", a.run.campaign, "folder of takes, instead of the study's own");
   run_verb->add_option("-o,--output", a.run.output, "results folder; not needed with --dry-run");

@@ -69,7 +69,10 @@ void print_notes(const ResultsSummary& summary) {
 }  // namespace
 
 int run(const RunArguments& arguments) {
-  const StudySpec study = read_study(arguments.study);
+  const Json json = read_json(arguments.study);
+  if (study_kind(json, arguments.study.string()) == StudyKind::threshold_sweep)
+    return run_sweep_study(arguments, json);
+  const StudySpec study = parse_study(json, arguments.study.string(), arguments.study.parent_path());
   const std::filesystem::path folder = arguments.campaign.empty() ? study.campaign : arguments.campaign;
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
@@ -90,11 +93,11 @@ int run(const RunArguments& arguments) {
   print_notes(summary);
   const bool passed = !summary.cross_check || summary.cross_check->passed();
   if (arguments.json) {
-    const Json json{{"results", arguments.output.string()},
-                    {"takes", summary.takes},
-                    {"takes_failed", summary.takes_failed},
-                    {"cross_check_passed", summary.cross_check ? Json(passed) : Json()}};
-    fmt::print("{}\n", json_text(json, 2));
+    const Json document{{"results", arguments.output.string()},
+                        {"takes", summary.takes},
+                        {"takes_failed", summary.takes_failed},
+                        {"cross_check_passed", summary.cross_check ? Json(passed) : Json()}};
+    fmt::print("{}\n", json_text(document, 2));
   } else {
     for (const Table& table : accuracy_tables(summary)) fmt::print("{}\n", markdown_of(table));
     fmt::print("results: {}\n", arguments.output.string());

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
+
 namespace trilat {
 
 // Exit codes of every verb. Bad input and bugs leave by exception: 2 and 70.
@@ -51,6 +53,8 @@ struct RunArguments {
   bool json = false;
 };
 int run(const RunArguments& arguments);
+// The same for a study of kind threshold_sweep, already read.
+int run_sweep_study(const RunArguments& arguments, const Json& study);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> results;

@@ -298,6 +298,50 @@ TEST(RunVerb, AnInterruptWhileEvaluatingLeavesNoResults) {
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
+constexpr const char* kSweep = R"({"format": "trilat.study", "version": 1, "kind": "threshold_sweep",
+    "name": "sweep", "rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": )";
+
+TEST(RunVerb, SweepsThresholdsWithoutACampaign) {
+  const ScratchFolder folder;
+  const std::string study = file_with(folder, "sweep.json", std::string(kSweep) + R"(50, "search": true})");
+  const Ended text = run_trilat(folder, {"run", study, "-o", folder / "results"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("sweep (simulated, 50 trials a cell)"));
+  EXPECT_THAT(text.out, HasSubstr("4 readings tried against the printed Table I"));
+  const Ended json = run_trilat(folder, {"run", study, "-o", folder / "results", "--json"});
+  EXPECT_EQ(only_json(json)["trials"], 4 * 12 * 50);
+  EXPECT_EQ(only_json(json)["simulated"], true);
+  const Ended dry = run_trilat(folder, {"run", study, "--dry-run"});
+  EXPECT_THAT(dry.out, HasSubstr("4 interpretations x 4 thresholds x 3 error ranges = 48 cells x 50 trials"));
+  EXPECT_THAT(dry.out, HasSubstr("a/volume/range_signed/cm2/printed/gauss_newton/objective/none/linear"));
+  const Ended dry_json = run_trilat(folder, {"run", study, "--dry-run", "--json"});
+  EXPECT_EQ(only_json(dry_json)["interpretations"].size(), 4u);
+}
+
+TEST(RunVerb, RefusesWhatASweepHasNoUseFor) {
+  const ScratchFolder folder;
+  const std::string study = file_with(folder, "sweep.json", std::string(kSweep) + "50}");
+  expect_refused(run_trilat(folder, {"run", study, "-o", folder / "r", "--campaign", folder.path().string()}),
+                 "--campaign: is of no use: a threshold sweep makes its own trials and needs none");
+  expect_refused(run_trilat(folder, {"run", study, "-o", folder / "r", "--cross-check"}),
+                 "--cross-check: is for studies of kind accuracy");
+  expect_refused(run_trilat(folder, {"run", study}), "--output: is missing");
+  const std::string bad = file_with(folder, "bad.json", std::string(kSweep) + R"(50, "thresholds": [-1]})");
+  expect_refused(run_trilat(folder, {"run", bad, "-o", folder / "r"}),
+                 "bad.json /thresholds/0: must be greater than 0, is -1");
+  EXPECT_FALSE(std::filesystem::exists(folder / "r.partial"));
+}
+
+TEST(RunVerb, AnInterruptedSweepKeepsWhatIsDone) {
+  const ScratchFolder folder;
+  const std::string study = file_with(folder, "sweep.json", std::string(kSweep) + "1000000000000}");
+  const Process process(folder, {"run", study, "-o", folder / "results"});
+  const Ended ended = interrupted_at(process, folder / "results.partial/manifest.json");
+  EXPECT_THAT(ended.err, HasSubstr("interrupted; what was finished has been kept in "));
+  EXPECT_THAT(ended.err, HasSubstr("results.partial"));
+  EXPECT_THAT(read_file(folder / "results.partial/summary.json"), HasSubstr("\"interrupted\": true"));
+}
+
 TEST(ReproduceVerb, RefusesAFolderOfSomebodyElse) {
   const ScratchFolder folder;
   file_with(folder, "chapter1.tex", "ten years of work");

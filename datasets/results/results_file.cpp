@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/results_file.h"
+
+#include <limits>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.results";
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep"};
+
+ResultsKind read_head(JsonObject& object) {
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1)
+    object.refuse("version", "is another version; this program reads version 1");
+  return static_cast<ResultsKind>(object.choice("kind", kKinds, 0));
+}
+
+}  // namespace
+
+std::string name_of(ResultsKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
+
+Json read_results_json(const std::filesystem::path& folder) {
+  const auto path = folder / "summary.json";
+  if (!std::filesystem::exists(path))
+    throw InputError(folder.string(),
+                     "is not a results folder: it holds no summary.json (was the run finished?)");
+  return read_json(path);
+}
+
+ResultsKind results_kind(const std::filesystem::path& folder) {
+  const Json json = read_results_json(folder);
+  JsonObject object(json, (folder / "summary.json").string(), "");
+  return read_head(object);
+}
+
+Json results_head(ResultsKind kind) { return {{"format", kFormat}, {"version", 1}, {"kind", name_of(kind)}}; }
+
+void check_results_head(JsonObject& object, ResultsKind wanted) {
+  const ResultsKind kind = read_head(object);
+  if (kind != wanted)
+    object.refuse(
+        "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");
+}
+
+double number_or_nan(JsonObject& object, const std::string& key) {
+  return object.value(key).is_null() ? std::numeric_limits<double>::quiet_NaN() : object.number(key);
+}
+
+Json counts_json(const std::map<std::string, std::uint64_t>& counts) {
+  Json json = Json::object();
+  for (const auto& [name, count] : counts) json[name] = count;
+  return json;
+}
+
+std::map<std::string, std::uint64_t> read_counts(JsonObject object) {
+  std::map<std::string, std::uint64_t> counts;
+  for (const std::string& name : object.keys()) counts[name] = object.count(name);
+  return counts;
+}
+
+}  // namespace trilat

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "datasets/base/strict_json.h"
+
+namespace trilat {
+
+// What a results folder holds: the study's kind.
+enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep };
+std::string name_of(ResultsKind kind);  // "accuracy", "threshold_sweep"
+
+// Which reader `folder` wants; InputError when it is no results folder of this version.
+ResultsKind results_kind(const std::filesystem::path& folder);
+
+// The parts that the summaries of every kind share.
+Json read_results_json(const std::filesystem::path& folder);  // summary.json
+Json results_head(ResultsKind kind);                          // its first keys
+// Refuses other formats, versions and kinds. A summary without a kind is one of accuracy.
+void check_results_head(JsonObject& object, ResultsKind wanted);
+
+// A number, or the null that stands for NaN.
+double number_or_nan(JsonObject& object, const std::string& key);
+
+Json counts_json(const std::map<std::string, std::uint64_t>& counts);
+std::map<std::string, std::uint64_t> read_counts(JsonObject object);
+
+}  // namespace trilat

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// One reading of what the paper leaves open, each choice in the words of the study.
+struct SweepInterpretation {
+  std::string id;                                  // the choices below, joined by '/'; unique
+  std::string rig;                                 // its name
+  std::vector<std::array<double, 3>> sensors_m;    // world
+  std::string joint;                               // centre, volume
+  std::string error_model;                         // range_signed, displacement, gaussian
+  std::string threshold_unit;                      // cm2, m2
+  std::string gradient, curvature, stop, damping;  // as of the method `nonlinear`
+  std::string start;                               // linear, squared_ranges, mean, previous
+};
+
+// One interpretation at one threshold and one range of errors. NaN where nothing answered. Errors are
+// distances to the true joint; they and the iterations are over the answered trials.
+struct SweepCell {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::size_t interpretation = 0;
+  std::size_t threshold = 0;
+  std::size_t range = 0;
+  std::uint64_t asked = 0;                        // trials done; fewer than the study's when interrupted
+  std::uint64_t answered = 0;                     // of those, with a usable estimate
+  std::map<std::string, std::uint64_t> statuses;  // sums to asked
+  double mae_m = kNone;                           // mean Euclidean distance
+  double mae_standard_error_m = kNone;            // standard deviation / sqrt(answered)
+  std::array<double, 3> axis_mae_m{kNone, kNone, kNone};  // world x, y, z
+  double rmse_m = kNone;
+  double p50_m = kNone;  // quantiles of the distance to within 0.8 %
+  double p95_m = kNone;
+  double max_m = kNone;
+  double start_mae_m = kNone;  // mean distance of the starts, over all trials whose start is finite
+  double mean_iterations = kNone;
+  double p50_iterations = kNone;
+  double p99_iterations = kNone;
+  double max_iterations = kNone;
+  // -log10(|x - x*| / |x*|), from 0 to 15, x* the minimum that damped Gauss-Newton finds with a step rule of
+  // 1e-12 m; over the first trials, where both answered.
+  std::uint64_t digits_trials = 0;
+  double mean_digits = kNone;
+  double p50_digits = kNone;
+  double min_digits = kNone;
+
+  double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }
+};
+
+// How well a reading fits the printed table. Ratios are ours / printed.
+struct SweepFit {
+  std::size_t interpretation = 0;
+  std::string reported;                        // errors: "distance" or "axis_mean"; times: "iterations"
+  double rms_log_ratio = 0.0;                  // natural logarithm
+  double worst_factor = 1.0;                   // of the worst cell, 1 or more
+  double us_per_iteration = SweepCell::kNone;  // times only: the one scale that fits best
+};
+
+struct SweepRanking {
+  std::vector<SweepFit> best;  // the first few, best first
+  std::uint64_t ranked = 0;    // readings that answered in every cell
+  // rms_log_ratio over all ranked; NaN when none was
+  double best_rms = SweepCell::kNone, median_rms = SweepCell::kNone, worst_rms = SweepCell::kNone;
+};
+
+// Two readings that differ in the gradient only: what the smallest threshold costs against the largest.
+struct SweepCompromise {
+  std::string best_for;                    // "errors" or "times": which ranking one of the two leads
+  std::size_t printed = 0, corrected = 0;  // interpretations
+  // One entry an error range. Factors from the largest threshold to the smallest.
+  std::vector<double> printed_iterations_factor, corrected_iterations_factor;
+  std::vector<double> printed_error_factor, corrected_error_factor;  // of mae_m
+};
+
+// Which readings fit the printed Table I.
+struct SweepSearch {
+  std::uint64_t tried = 0;
+  SweepRanking errors;  // each reading counts twice: distance and axis_mean
+  SweepRanking times;
+  std::vector<SweepCompromise> compromises;
+};
+
+// What a threshold sweep found. Everything in it is simulated.
+struct SweepSummary {
+  struct ErrorRange {
+    double low_m = 0.0, high_m = 0.0;
+  };
+  std::string study;
+  bool simulated = true;
+  std::uint64_t seed = 0;
+  std::uint64_t trials = 0;  // asked of each cell
+  std::uint64_t max_iterations = 0;
+  bool interrupted = false;
+  std::uint64_t skipped = 0;       // combinations that contradict themselves or repeat another
+  std::vector<double> thresholds;  // C as in the study, in each interpretation's unit
+  std::vector<ErrorRange> ranges;
+  std::vector<SweepInterpretation> interpretations;
+  std::vector<SweepCell> cells;  // interpretation by interpretation, in each threshold by threshold
+  std::optional<SweepSearch> search;
+
+  const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
+    return cells.at((interpretation * thresholds.size() + threshold) * ranges.size() + range);
+  }
+};
+
+// summary.json (results format 1, kind threshold_sweep). NaN is written as null.
+void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& summary);
+// InputError when it is not there, of another version or kind, or its cells do not fit its lists.
+SweepSummary read_sweep_summary(const std::filesystem::path& folder);
+
+}  // namespace trilat

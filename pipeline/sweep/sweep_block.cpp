@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/sweep/sweep_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/base/check.h"
+#include "evaluators/solvers/range_equations.h"
+
+namespace trilat {
+namespace {
+
+// Sensors that stand off every plane by a thousandth of their spread: within kNear_m of the origin no
+// geometry is rank deficient, so only answers beyond have to be asked.
+constexpr double kLeastThickness = 1e-6;  // of the scatter
+constexpr double kNear_m = 100.0;
+constexpr double kExactStep_m = 1e-13;
+constexpr double kMostDigits = 15.0;
+constexpr int kFirstStage = 32;  // iterations; each further stage is as long as all before
+
+double digits_of(const Eigen::Vector3d& x_m, const Eigen::Vector3d& exact_m) {
+  const double relative = (x_m - exact_m).norm() / exact_m.norm();
+  return std::clamp(-std::log10(std::max(relative, 1e-300)), 0.0, kMostDigits);
+}
+
+NonlinearOptions exact_options() {
+  NonlinearOptions options;
+  options.step_tolerance_m = kExactStep_m;
+  return options;
+}
+
+Eigen::Vector3d column(const LaneRows& rows, std::size_t i) {
+  return {rows.row(0)[i], rows.row(1)[i], rows.row(2)[i]};
+}
+
+void set_column(LaneRows& rows, std::size_t i, const Eigen::Vector3d& x_m) {
+  for (int axis = 0; axis < 3; ++axis) rows.row(static_cast<std::size_t>(axis))[i] = x_m[axis];
+}
+
+void copy_lanes(const LaneRows& from, const std::vector<std::size_t>& lanes, std::size_t rows, LaneRows& to) {
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t i = 0; i < lanes.size(); ++i) to.row(r)[i] = from.row(r)[lanes[i]];
+}
+
+}  // namespace
+
+SweepCellSolver solver_of(const SweepPlan& plan, const SweepCellPlace& place) {
+  const SweepReading& reading = plan.readings[place.reading];
+  SweepCellSolver cell;
+  cell.trials = trials_of(plan, place);
+  cell.options = options_of(plan, place);
+  cell.start = reading.start;
+  cell.hint_is_mean = reading.hint_is_mean;
+  cell.hint_is_previous = reading.hint_is_previous;
+  cell.plane = reading.plane;
+  cell.sensors.count = cell.trials.sensors;
+  for (int i = 0; i < cell.sensors.count; ++i) {
+    const auto& s = cell.trials.sensor_m[static_cast<std::size_t>(i)];
+    cell.sensors.sensor_m[i] = {s[0], s[1], s[2]};
+  }
+  const bool thick = cell.plane.scatter_m2[0] > kLeastThickness * cell.plane.scatter_m2[2];
+  cell.straight = thick && cell.options.damping == Damping::none && cell.start != SweepStart::squared_ranges;
+  if (cell.straight && cell.start == SweepStart::linear) cell.linear = linear_start(cell.sensors);
+  return cell;
+}
+
+SweepBlock::SweepBlock(int sensors)
+    : batch_(sensors, kBlockTrials, true),
+      unfinished_(sensors, kBlockTrials, true),
+      truth_m_(3, kBlockTrials),
+      mean_m_(3, kBlockTrials),
+      previous_m_(3, kBlockTrials) {}
+
+void SweepBlock::make_trials(const SweepCellSolver& cell, std::uint64_t first_trial, std::size_t count) {
+  TRILAT_CHECK(count <= kBlockTrials && cell.trials.sensors == sensors(), "a block has room for its trials");
+  batch_.count = count;
+  problems_are_made_ = false;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(sensors()); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      batch_.sensor_m.row(3 * i + axis)[0] = unfinished_.sensor_m.row(3 * i + axis)[0] =
+          cell.trials.sensor_m[i][axis];
+  RangeTrialRows rows;
+  rows.stride = truth_m_.stride();
+  rows.truth_m = truth_m_.row(0);
+  rows.range_m = batch_.range_m.row(0);
+  if (cell.hint_is_mean) rows.mean_m = mean_m_.row(0);
+  if (cell.hint_is_previous) rows.previous_m = previous_m_.row(0);
+  make_range_trials(cell.trials, first_trial, count, rows);
+}
+
+std::span<const RangeProblem> SweepBlock::problems(const SweepCellSolver& cell) {
+  if (problems_are_made_) return {problems_.data(), batch_.count};
+  problems_.assign(batch_.count, cell.sensors);
+  for (std::size_t i = 0; i < batch_.count; ++i) {
+    for (std::size_t s = 0; s < static_cast<std::size_t>(sensors()); ++s)
+      problems_[i].range_m[s] = batch_.range_m.row(s)[i];
+    if (cell.hint_is_mean) problems_[i].hint_m = column(mean_m_, i);
+    if (cell.hint_is_previous) problems_[i].hint_m = column(previous_m_, i);
+  }
+  problems_are_made_ = true;
+  return {problems_.data(), batch_.count};
+}
+
+SweepOutcomeRows SweepBlock::rows() const {
+  return {batch_.count,
+          truth_m_.stride(),
+          truth_m_.row(0),
+          batch_.position_m.row(0),
+          batch_.iterations.row(0),
+          batch_.status.data()};
+}
+
+void SweepBlock::find_starts(const SweepCellSolver& cell) {
+  if (cell.straight && cell.start == SweepStart::linear) {
+    cell.linear.positions(sensors(), batch_.count, truth_m_.stride(), batch_.range_m.row(0),
+                          batch_.position_m.row(0));
+    return;
+  }
+  if (cell.options.start == Start::hint) {
+    const LaneRows& from = cell.hint_is_mean ? mean_m_ : previous_m_;
+    std::copy_n(from.row(0), 3 * from.stride(), batch_.position_m.row(0));
+    return;
+  }
+  const auto all = problems(cell);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    set_column(batch_.position_m, i,
+               wanted_start_m(all[i], cell.plane, cell.options.start, cell.options.start_point_m,
+                              cell.options.linear));
+}
+
+// Lanes that are done wait for the slowest of their vector. So every stage gathers those that are not: an
+// undamped descent has no memory but its position, and goes on as if it had not been stopped.
+void SweepBlock::descend_in_stages(const DescentOptions& options) {
+  DescentOptions stage = options;
+  stage.max_iterations = std::min(options.max_iterations, kFirstStage);
+  descend(batch_, stage);
+  for (int done = stage.max_iterations; done < options.max_iterations; done += stage.max_iterations) {
+    unfinished_lanes_.clear();
+    for (std::size_t i = 0; i < batch_.count; ++i)
+      if (batch_.status[i] == SolveStatus::iteration_limit) unfinished_lanes_.push_back(i);
+    if (unfinished_lanes_.empty()) return;
+    unfinished_.count = unfinished_lanes_.size();
+    copy_lanes(batch_.range_m, unfinished_lanes_, static_cast<std::size_t>(sensors()), unfinished_.range_m);
+    copy_lanes(batch_.position_m, unfinished_lanes_, 3, unfinished_.position_m);
+    stage.max_iterations = std::min(done, options.max_iterations - done);
+    descend(unfinished_, stage);
+    for (std::size_t i = 0; i < unfinished_lanes_.size(); ++i) {
+      const std::size_t lane = unfinished_lanes_[i];
+      set_column(batch_.position_m, lane, column(unfinished_.position_m, i));
+      batch_.iterations.row(0)[lane] = done + unfinished_.iterations.row(0)[i];
+      batch_.status[lane] = unfinished_.status[i];
+    }
+  }
+}
+
+// As solve_nonlinear() does: an answer from where the directions to the sensors do not span space is none.
+void SweepBlock::refuse_far_answers(const SweepCellSolver& cell) {
+  const double* coordinate_m = batch_.position_m.row(0);
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < 3 * truth_m_.stride(); ++i)  // columns that are not in use do no harm
+    farthest_m = std::max(farthest_m, std::abs(coordinate_m[i]));
+  if (farthest_m <= kNear_m) return;
+  const auto all = problems(cell);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Eigen::Vector3d x_m = column(batch_.position_m, i);
+    if (!is_usable(batch_.status[i]) || x_m.cwiseAbs().maxCoeff() <= kNear_m) continue;
+    if (!std::isfinite(estimate_at(all[i], x_m, batch_.status[i], 0).gdop))
+      batch_.status[i] = SolveStatus::rank_deficient;
+  }
+}
+
+void SweepBlock::solve_one_by_one(const SweepCellSolver& cell) {
+  const auto all = problems(cell);
+  estimates_.resize(all.size());
+  solve_nonlinear(all, cell.options, estimates_);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    set_column(batch_.position_m, i, estimates_[i].position_m);
+    batch_.iterations.row(0)[i] = estimates_[i].iterations;
+    batch_.status[i] = estimates_[i].status;
+  }
+}
+
+void SweepBlock::solve_into(const SweepCellSolver& cell, SweepSums& sums) {
+  find_starts(cell);
+  sums.add_starts(rows());
+  if (cell.straight) {
+    descend_in_stages(cell.options);
+    refuse_far_answers(cell);
+  } else {
+    solve_one_by_one(cell);
+  }
+  sums.add_outcomes(rows());
+}
+
+void SweepBlock::add_digits(const SweepCellSolver& cell, std::size_t count, SweepSums& sums) {
+  const auto all = problems(cell).first(std::min(count, batch_.count));
+  estimates_.resize(std::max(estimates_.size(), all.size()));
+  static const NonlinearOptions exact = exact_options();
+  solve_nonlinear(all, exact, std::span(estimates_).first(all.size()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (is_usable(estimates_[i].status) && is_usable(batch_.status[i]))
+      sums.digits.push_back(digits_of(column(batch_.position_m, i), estimates_[i].position_m));
+}
+
+std::unique_ptr<SweepBlock> SweepBlocks::take(int sensors) {
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = blocks_.size(); i-- > 0;)
+    if (blocks_[i]->sensors() == sensors) {
+      std::unique_ptr<SweepBlock> block = std::move(blocks_[i]);
+      blocks_.erase(blocks_.begin() + static_cast<std::ptrdiff_t>(i));
+      return block;
+    }
+  return std::make_unique<SweepBlock>(sensors);
+}
+
+void SweepBlocks::give_back(std::unique_ptr<SweepBlock> block) {
+  const std::lock_guard lock(mutex_);
+  blocks_.push_back(std::move(block));
+}
+
+}  // namespace trilat

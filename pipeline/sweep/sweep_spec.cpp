@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/sweep/sweep_spec.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+#include "pipeline/sweep/sweep_rig.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.study";
+constexpr std::uint64_t kMostTrials = 1'000'000'000'000;
+constexpr std::uint64_t kMostIterations = 20'000;
+constexpr std::uint64_t kMostDigitsTrials = 1'000'000;
+constexpr std::uint64_t kMostTimed = 1'000'000;
+constexpr double kLargestError_cm = 1e5;
+
+using Words = std::vector<std::string>;
+const Words kJoints{"centre", "volume"};
+const Words kErrors{"range_signed", "displacement", "gaussian"};
+const Words kUnits{"cm2", "m2"};
+const Words kGradients{"printed", "corrected"};
+const Words kCurvatures{"gauss_newton", "newton"};
+const Words kStops{"printed", "objective", "step"};
+const Words kDampings{"none", "lm"};
+const Words kStarts{"linear", "squared_ranges", "mean", "previous"};
+
+template <class Enum>
+std::string word(const Words& words, Enum choice) {
+  return words.at(static_cast<std::size_t>(choice));
+}
+
+[[noreturn]] void refuse_entry(const JsonObject& object, const char* key, std::size_t i,
+                               const std::string& problem) {
+  throw InputError(fmt::format("{}/{}", object.place_of(key), i), problem);
+}
+
+template <class Enum>
+Json words_json(const std::vector<Enum>& choices) {
+  Json json = Json::array();
+  for (const Enum choice : choices) json.push_back(word_of(choice));
+  return json;
+}
+
+// A list of different words, each of which is known.
+template <class Enum>
+void read_choices(JsonObject& object, const std::string& key, const Words& known,
+                  std::vector<Enum>& choices) {
+  if (!object.has(key)) return;
+  const Words words = object.texts(key);
+  if (words.empty()) object.refuse(key, fmt::format("must name at least one of: {}", fmt::join(known, ", ")));
+  if (const std::string twice = first_repeated(words); !twice.empty())
+    object.refuse(key, "has \"" + twice + "\" twice");
+  choices.clear();
+  for (const std::string& word : words) {
+    const auto found = std::find(known.begin(), known.end(), word);
+    if (found == known.end())
+      object.refuse(key, fmt::format("has \"{}\"; known are: {}", word, fmt::join(known, ", ")));
+    choices.push_back(static_cast<Enum>(found - known.begin()));
+  }
+}
+
+void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
+  const char* key = "thresholds";
+  if (!object.has(key)) return;
+  thresholds = object.numbers(key, object.value(key).size());
+  if (thresholds.empty()) object.refuse(key, "must hold at least one threshold");
+  for (std::size_t i = 0; i < thresholds.size(); ++i) {
+    if (!(thresholds[i] > 0.0))
+      refuse_entry(object, key, i, fmt::format("must be greater than 0, is {}", thresholds[i]));
+    if (std::find(thresholds.begin(), thresholds.begin() + static_cast<std::ptrdiff_t>(i), thresholds[i]) !=
+        thresholds.begin() + static_cast<std::ptrdiff_t>(i))
+      object.refuse(key, fmt::format("has {} twice", thresholds[i]));
+  }
+}
+
+SweepSummary::ErrorRange read_range(const JsonObject& object, const char* key, std::size_t i,
+                                    const Json& value) {
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
+    refuse_entry(object, key, i, "must be an array of two numbers, as in [5, 15]");
+  const double low_cm = value[0].get<double>(), high_cm = value[1].get<double>();
+  if (low_cm < 0.0) refuse_entry(object, key, i, fmt::format("must not be below 0, is {}", value.dump()));
+  if (low_cm > high_cm)
+    refuse_entry(object, key, i, fmt::format("must have the smaller error first, is {}", value.dump()));
+  if (high_cm > kLargestError_cm)
+    refuse_entry(object, key, i, fmt::format("must stay within {} cm", kLargestError_cm));
+  return {low_cm * kMetresPerCentimetre, high_cm * kMetresPerCentimetre};
+}
+
+void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& ranges) {
+  const char* key = "error_ranges_cm";
+  if (!object.has(key)) return;
+  const Json& values = object.value(key);
+  if (!values.is_array() || values.empty()) object.refuse(key, "must hold at least one [low, high]");
+  ranges.clear();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ranges.push_back(read_range(object, key, i, values[i]));
+    for (std::size_t before = 0; before < i; ++before)
+      if (values[before] == values[i]) object.refuse(key, "has " + values[i].dump() + " twice");
+  }
+}
+
+std::uint64_t read_count(JsonObject& object, const char* key, std::uint64_t fallback, std::uint64_t least,
+                         std::uint64_t most) {
+  const std::uint64_t count = object.count(key, fallback);
+  if (count < least || count > most)
+    object.refuse(key, fmt::format("must be {} to {}, is {}", least, most, count));
+  return count;
+}
+
+void check_search(const JsonObject& object, const SweepSpec& spec) {
+  if (!spec.search) return;
+  const PrintedTable1 printed = printed_table1();
+  bool same = spec.thresholds.size() == printed.rows.size() && spec.ranges.size() == printed.ranges_cm.size();
+  for (std::size_t i = 0; same && i < printed.rows.size(); ++i)
+    same = spec.thresholds[i] == printed.rows[i].threshold;
+  for (std::size_t i = 0; same && i < printed.ranges_cm.size(); ++i)
+    same = spec.ranges[i].low_m == printed.ranges_cm[i][0] * kMetresPerCentimetre &&
+           spec.ranges[i].high_m == printed.ranges_cm[i][1] * kMetresPerCentimetre;
+  if (!same)
+    object.refuse(
+        "search",
+        "compares with the printed Table I, so thresholds and error_ranges_cm must be its own; leave "
+        "them out");
+}
+
+}  // namespace
+
+std::string word_of(TrialJoint joint) { return word(kJoints, joint); }
+std::string word_of(TrialError error) { return word(kErrors, error); }
+std::string word_of(ThresholdUnit unit) { return word(kUnits, unit); }
+std::string word_of(Gradient gradient) { return word(kGradients, gradient); }
+std::string word_of(Curvature curvature) { return word(kCurvatures, curvature); }
+std::string word_of(StopRule stop) { return word(kStops, stop); }
+std::string word_of(Damping damping) { return word(kDampings, damping); }
+std::string word_of(SweepStart start) { return word(kStarts, start); }
+
+SweepSpec parse_sweep(const Json& json, const std::string& place) {
+  JsonObject object(json, place, "");
+  SweepSpec spec;
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.choice("kind", {"threshold_sweep"});
+  spec.name = object.text("name");
+  spec.rigs = read_rigs(object, "rigs");
+  read_choices(object, "joints", kJoints, spec.joints);
+  read_choices(object, "error_models", kErrors, spec.error_models);
+  read_choices(object, "threshold_units", kUnits, spec.threshold_units);
+  read_choices(object, "gradients", kGradients, spec.gradients);
+  read_choices(object, "curvatures", kCurvatures, spec.curvatures);
+  read_choices(object, "stops", kStops, spec.stops);
+  read_choices(object, "dampings", kDampings, spec.dampings);
+  read_choices(object, "starts", kStarts, spec.starts);
+  read_thresholds(object, spec.thresholds);
+  read_ranges(object, spec.ranges);
+  spec.trials = read_count(object, "trials", spec.trials, 1, kMostTrials);
+  spec.seed = object.count("seed", spec.seed);
+  spec.max_iterations = read_count(object, "max_iterations", spec.max_iterations, 1, kMostIterations);
+  spec.digits_trials = read_count(object, "digits_trials", spec.digits_trials, 0, kMostDigitsTrials);
+  spec.time_problems = read_count(object, "time_problems", spec.time_problems, 0, kMostTimed);
+  spec.time_repeats = read_count(object, "time_repeats", spec.time_repeats, 1, 1000);
+  spec.search = object.boolean("search", spec.search);
+  check_search(object, spec);
+  object.finish();
+  return spec;
+}
+
+Json resolved_json(const SweepSpec& spec) {
+  Json rigs = Json::array(), ranges = Json::array();
+  for (const SweepRig& rig : spec.rigs) rigs.push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
+  for (const auto& range : spec.ranges)
+    ranges.push_back({range.low_m / kMetresPerCentimetre, range.high_m / kMetresPerCentimetre});
+  return {{"format", kFormat},
+          {"version", 1},
+          {"kind", "threshold_sweep"},
+          {"name", spec.name},
+          {"rigs", rigs},
+          {"joints", words_json(spec.joints)},
+          {"error_models", words_json(spec.error_models)},
+          {"threshold_units", words_json(spec.threshold_units)},
+          {"gradients", words_json(spec.gradients)},
+          {"curvatures", words_json(spec.curvatures)},
+          {"stops", words_json(spec.stops)},
+          {"dampings", words_json(spec.dampings)},
+          {"starts", words_json(spec.starts)},
+          {"thresholds", spec.thresholds},
+          {"error_ranges_cm", ranges},
+          {"trials", spec.trials},
+          {"seed", spec.seed},
+          {"max_iterations", spec.max_iterations},
+          {"digits_trials", spec.digits_trials},
+          {"time_problems", spec.time_problems},
+          {"time_repeats", spec.time_repeats},
+          {"search", spec.search}};
+}
+
+}  // namespace trilat

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/results/sweep_summary.h"
+#include "pipeline/sweep/execute_sweep.h"
+#include "pipeline/sweep/interpretation_search.h"
+#include "pipeline/sweep/linear_start.h"
+#include "pipeline/sweep/sweep_runner.h"
+#include "pipeline/sweep/sweep_sums.h"
+#include "tests/pipeline/sweeps.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+// The trials of a cell, one problem at a time.
+struct PlainLoop {
+  std::uint64_t answered = 0;
+  std::array<double, 3> axis_m{};
+  double distance_m = 0.0, square_m2 = 0.0, largest_m = 0.0, iterations = 0.0;
+};
+
+PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
+  const RangeTrialModel model = trials_of(plan, place);
+  const SweepReading& reading = plan.readings[place.reading];
+  const auto n = static_cast<std::size_t>(plan.spec.trials);
+  const std::size_t stride = n + kTrialBlock;
+  std::vector<double> truth(3 * stride), range(8 * stride), mean(3 * stride), previous(3 * stride);
+  make_range_trials(model, 0, n, {stride, truth.data(), range.data(), mean.data(), previous.data()});
+  PlainLoop loop;
+  for (std::size_t i = 0; i < n; ++i) {
+    RangeProblem problem;
+    problem.count = model.sensors;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(model.sensors); ++s) {
+      problem.sensor_m[s] = {model.sensor_m[s][0], model.sensor_m[s][1], model.sensor_m[s][2]};
+      problem.range_m[s] = range[s * stride + i];
+    }
+    const auto& hint = reading.hint_is_mean ? mean : previous;
+    if (reading.hint_is_mean || reading.hint_is_previous)
+      problem.hint_m = Eigen::Vector3d(hint[i], hint[stride + i], hint[2 * stride + i]);
+    const PointEstimate estimate = solve_nonlinear(problem, options_of(plan, place));
+    if (!is_usable(estimate.status)) continue;
+    const Eigen::Vector3d error_m =
+        estimate.position_m - Eigen::Vector3d(truth[i], truth[stride + i], truth[2 * stride + i]);
+    ++loop.answered;
+    for (int axis = 0; axis < 3; ++axis) loop.axis_m[axis] += std::abs(error_m[axis]);
+    loop.distance_m += error_m.norm();
+    loop.square_m2 += error_m.squaredNorm();
+    loop.largest_m = std::max(loop.largest_m, error_m.norm());
+    loop.iterations += estimate.iterations;
+  }
+  return loop;
+}
+
+TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
+  const SweepPlan plan = sweep_plan_of(R"("rigs": [{"name": "high", "heights_m": [0.3, 2.3, 0.3, 2.3]},
+      {"name": "nearly flat", "heights_m": [0.9, 0.9, 0.9, 1.4]}, {"name": "flat", "heights_m": [1, 1, 1, 1]},
+      {"name": "three", "heights_m": [1, 2, 1.5]}, {"name": "five", "heights_m": [0.3, 2, 0.5, 1, 1.2]}],
+      "error_models": ["range_signed", "displacement"], "stops": ["printed", "objective", "step"],
+      "dampings": ["none", "lm"], "starts": ["linear", "squared_ranges", "mean", "previous"],
+      "thresholds": [1, 1e-4], "error_ranges_cm": [[5, 15]], "trials": 60, "max_iterations": 200)");
+  const SweepRun run = run_sweep(plan, {});
+  ASSERT_EQ(run.cells.size(), plan.cells());
+  std::uint64_t failed = 0;
+  for (std::size_t c = 0; c < run.cells.size(); ++c) {
+    const SweepCell& cell = run.cells[c];
+    const PlainLoop loop = plain_loop(plan, place_of(plan, c));
+    const std::string& id = plan.readings[cell.interpretation].text.id;
+    ASSERT_EQ(cell.asked, 60u);
+    ASSERT_EQ(cell.answered, loop.answered) << id;
+    failed += cell.asked - cell.answered;
+    if (loop.answered == 0) continue;
+    const auto n = static_cast<double>(loop.answered);
+    // Long undamped descents blow up the rounding of their start.
+    const double same_m = cell.max_iterations > 50 ? 1e-5 : 1e-10;
+    EXPECT_NEAR(cell.mae_m, loop.distance_m / n, same_m) << id;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(cell.axis_mae_m[axis], loop.axis_m[axis] / n, same_m) << id;
+    EXPECT_NEAR(cell.rmse_m, std::sqrt(loop.square_m2 / n), same_m) << id;
+    EXPECT_NEAR(cell.max_m, loop.largest_m, 10.0 * same_m) << id;
+    EXPECT_NEAR(cell.mean_iterations, loop.iterations / n, 0.05) << id;
+  }
+  EXPECT_GT(failed, 100u);  // the iteration limit and its stages are among what is compared
+}
+
+TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1e-6],
+      "error_models": ["range_signed", "displacement", "gaussian"], "gradients": ["corrected"],
+      "stops": ["objective", "step"], "starts": ["linear", "squared_ranges"], "trials": 500)");
+  for (const SweepCell& cell : run_sweep(plan, {}).cells) {
+    EXPECT_EQ(cell.answered, 500u);
+    EXPECT_LT(cell.max_m, 1e-12);  // the worst joints of the volume are known to a thousand roundings
+    EXPECT_LT(cell.p95_m, 1e-14);
+    EXPECT_EQ(cell.digits_trials, 500u);
+    EXPECT_GT(cell.mean_digits, 14.5);
+    EXPECT_GT(cell.p50_digits, 14.9);
+    EXPECT_GT(cell.min_digits, 12.0);
+  }
+}
+
+// A damped descent starts off the sensors' middle plane, so a large threshold stops it early.
+TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1],
+      "gradients": ["corrected"], "stops": ["step"], "dampings": ["lm"],
+      "starts": ["linear", "squared_ranges", "mean", "previous"], "trials": 500)");
+  for (const SweepCell& cell : run_sweep(plan, {}).cells) {
+    EXPECT_EQ(cell.answered, 500u);
+    EXPECT_LT(cell.max_m, 1e-9);
+  }
+}
+
+TEST(Sweep, ASmallerThresholdGivesMoreDigitsForMoreIterations) {
+  const SweepPlan plan =
+      sweep_plan_of(kOneRig + R"(, "stops": ["objective"], "error_ranges_cm": [[0, 5]], "trials": 1000)");
+  const SweepRun run = run_sweep(plan, {});
+  for (std::size_t reading = 0; reading < 2; ++reading)
+    for (std::size_t t = 1; t < 4; ++t) {
+      const SweepCell &before = run.cells[reading * 4 + t - 1], &after = run.cells[reading * 4 + t];
+      EXPECT_GT(after.mean_iterations, before.mean_iterations);
+      EXPECT_GT(after.mean_digits, before.mean_digits);
+    }
+  EXPECT_GT(run.cells[3].mean_iterations, 500.0);  // printed gradient, smallest threshold
+  EXPECT_LT(run.cells[7].mean_iterations, 5.0);    // corrected
+}
+
+TEST(Sweep, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "thresholds": [1e-2, 1e-4], "trials": 40000,
+      "error_ranges_cm": [[5, 15]], "stops": ["objective"], "time_problems": 10, "time_repeats": 2)");
+  for (const int threads : {1, 2, 7})
+    execute_sweep(plan, folder / std::to_string(threads), {.threads = threads});
+  for (const char* file : {"summary.json", "manifest.json"}) {
+    const std::string one = read_file(folder / "1" / file);
+    EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
+    EXPECT_EQ(one, read_file(folder / "7" / file)) << file;
+  }
+  const auto timings = read_sweep_timings(folder / "2");
+  ASSERT_TRUE(timings);
+  EXPECT_EQ(timings->cells.size(), 4u);
+  EXPECT_GT(timings->cells[3].scalar_min_ns, 0.0);
+  EXPECT_GE(timings->cells[3].batched_median_ns, timings->cells[3].batched_min_ns);
+}
+
+TEST(Sweep, AnInterruptionKeepsTheTrialsThatAreDone) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "thresholds": [1e-4], "trials": 2000000,
+      "error_ranges_cm": [[0, 5], [5, 15]], "stops": ["objective"], "gradients": ["corrected"])");
+  std::atomic<int> asked{0};
+  const SweepOutcome outcome = execute_sweep(
+      plan, folder / "results", {.threads = 2, .stop_requested = [&] { return ++asked > 1500; }});
+  EXPECT_EQ(outcome.folder, folder / "results.partial");
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+  const SweepSummary summary = read_sweep_summary(outcome.folder);
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_EQ(summary.trials, 2'000'000u);
+  EXPECT_GT(summary.cells.at(0).asked, kChunkTrials);
+  EXPECT_LT(summary.cells[0].asked, 2'000'000u);
+  EXPECT_EQ(summary.cells[0].asked % kChunkTrials, 0u);
+  EXPECT_EQ(summary.cells[0].answered, summary.cells[0].asked);
+  EXPECT_NEAR(summary.cells[0].mae_m, 0.0437, 0.002);
+  EXPECT_EQ(summary.cells.at(1).asked, 0u);
+  EXPECT_TRUE(std::isnan(summary.cells[1].mae_m));
+}
+
+TEST(Sweep, AnInterruptedTimingKeepsTheCells) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10, "time_problems": 1000000)");
+  std::atomic<bool> timing{false};
+  const SweepOutcome outcome = execute_sweep(plan, folder / "results",
+                                             {.stop_requested = [&] { return timing.load(); },
+                                              .progress = [&](double share) { timing = share >= 1.0; }});
+  EXPECT_TRUE(read_sweep_summary(outcome.folder).interrupted);
+  EXPECT_FALSE(read_sweep_timings(outcome.folder));
+}
+
+TEST(Sweep, ResultsOfEitherKindMayTakeThePlaceOfOlderOnes) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10)");
+  execute_sweep(plan, folder / "results", {});
+  execute_sweep(plan, folder / "results/", {});
+  EXPECT_EQ(read_sweep_summary(folder / "results").cells.at(0).asked, 10u);
+  write_file(folder / "thesis.txt", "ten years of work");
+  EXPECT_THAT(message_of([&] { execute_sweep(plan, folder.path(), {}); }),
+              HasSubstr("exists and is not a results folder"));
+}
+
+TEST(LinearStart, IsLinearTrilateration) {
+  for (const char* rig :
+       {"[0.3, 2.3, 0.3, 2.3]", "[0.9, 0.9, 0.9, 1.4]", "[1, 2, 0.4, 1.1, 2.2, 0.7, 1.9, 0.3]"}) {
+    const SweepPlan plan =
+        sweep_plan_of(std::string(R"("rigs": [{"name": "a", "heights_m": )") + rig + R"(}], "trials": 1)");
+    const RangeTrialModel model = trials_of(plan, {0, 0, 0});
+    RangeProblem problem;
+    problem.count = model.sensors;
+    for (int i = 0; i < problem.count; ++i)
+      problem.sensor_m[i] = Eigen::Vector3d(model.sensor_m[i][0], model.sensor_m[i][1], model.sensor_m[i][2]);
+    const LinearStart start = linear_start(problem);
+    std::vector<double> truth_m(3 * 64), range_m(8 * 64), position_m(3 * 64);
+    make_range_trials(model, 0, 64, {64, truth_m.data(), range_m.data()});
+    start.positions(problem.count, 64, 64, range_m.data(), position_m.data());
+    for (std::size_t i = 0; i < 64; ++i) {
+      for (std::size_t s = 0; s < static_cast<std::size_t>(problem.count); ++s)
+        problem.range_m[s] = range_m[s * 64 + i];
+      const Eigen::Vector3d expected_m = solve_linear(problem, {}).position_m;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(position_m[axis * 64 + i], expected_m[static_cast<int>(axis)], 1e-9);
+    }
+  }
+}
+
+TEST(SweepSums, QuantilesComeFromTheCounts) {
+  Counts counts;
+  for (std::size_t value = 1; value <= 100; ++value) counts.add(value);
+  EXPECT_EQ(counts.quantile(0.5), 50u);
+  EXPECT_EQ(counts.quantile(0.99), 99u);
+  EXPECT_EQ(counts.quantile(1.0), 100u);
+  EXPECT_EQ(counts.quantile(0.0), 1u);
+  for (const double distance_m : {1e-9, 0.001, 0.0437, 1.0, 123.0})
+    EXPECT_NEAR(bin_distance_m(distance_bin(distance_m)) / distance_m, 1.0, 0.008);
+  EXPECT_EQ(bin_distance_m(distance_bin(0.0)), 0.0);
+}
+
+TEST(SweepSums, FollowFromTheTrialsByPencil) {
+  const double truth_m[6] = {}, position_m[6] = {3.0, 1.0, 0.0, 2.0, -4.0, 2.0}, iterations[2] = {2, 4};
+  const SolveStatus status[2] = {SolveStatus::converged, SolveStatus::converged};
+  SweepSums sums;
+  sums.add_outcomes({2, 2, truth_m, position_m, iterations, status});
+  SweepSums all;
+  all.add(sums);
+  const SweepCell cell = all.cell();
+  EXPECT_EQ(cell.mae_m, 4.0);  // 5 and 3
+  EXPECT_EQ(cell.axis_mae_m, (std::array<double, 3>{2.0, 1.0, 3.0}));
+  EXPECT_EQ(cell.axis_mean_mae_m(), 2.0);
+  EXPECT_DOUBLE_EQ(cell.rmse_m, std::sqrt(17.0));
+  EXPECT_DOUBLE_EQ(cell.mae_standard_error_m, 1.0);  // sqrt(2) / sqrt(2)
+  EXPECT_EQ(cell.max_m, 5.0);
+  EXPECT_EQ(cell.mean_iterations, 3.0);
+  EXPECT_EQ(cell.p50_iterations, 2.0);
+}
+
+// A printed table made from one reading.
+PrintedTable1 table_of(const SweepSummary& s, std::size_t reading, bool axis_mean) {
+  PrintedTable1 table;
+  for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
+    PrintedTable1::Row row{s.thresholds[t], {}, {}, t == 0};
+    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
+      const SweepCell& cell = s.cell(reading, t, r);
+      row.error_cm.push_back(100.0 * (axis_mean ? cell.axis_mean_mae_m() : cell.mae_m));
+      row.time_us.push_back(0.25 * cell.mean_iterations * (t == 0 ? 1.5 : 1.0));
+    }
+    table.rows.push_back(row);
+  }
+  table.ranges_cm.resize(s.ranges.size());
+  return table;
+}
+
+TEST(InterpretationSearch, RanksTheReadingFirstThatTheTableIsMadeFrom) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "joints": ["centre", "volume"],
+      "error_models": ["range_signed", "displacement"], "stops": ["objective"], "trials": 50)");
+  const SweepSummary summary = execute_sweep(plan, folder / "results", {}).summary;
+  EXPECT_FALSE(summary.search);
+  for (std::size_t reading = 0; reading < summary.interpretations.size(); ++reading) {
+    const SweepSearch search = search_interpretations(summary, table_of(summary, reading, true));
+    EXPECT_EQ(search.tried, summary.interpretations.size());
+    EXPECT_EQ(search.errors.ranked, 2 * search.tried);
+    EXPECT_EQ(search.errors.best.at(0).interpretation, reading);
+    EXPECT_EQ(search.errors.best[0].reported, "axis_mean");
+    EXPECT_NEAR(search.errors.best[0].rms_log_ratio, 0.0, 1e-12);
+    EXPECT_GT(search.errors.best[1].rms_log_ratio, 1e-6);
+    EXPECT_EQ(search.times.best.at(0).interpretation, reading);
+    EXPECT_NEAR(search.times.best[0].rms_log_ratio, 0.0, 1e-12);
+    EXPECT_NEAR(search.times.best[0].us_per_iteration, 0.25, 1e-12);
+    ASSERT_EQ(search.compromises.size(), 2u);
+    EXPECT_NE(search.compromises[0].printed, search.compromises[0].corrected);
+    EXPECT_GT(search.compromises[0].printed_iterations_factor.at(2), 100.0);
+    EXPECT_LT(search.compromises[0].corrected_iterations_factor.at(2), 10.0);
+  }
+}
+
+TEST(InterpretationSearch, IsPartOfTheSummaryWhenAsked) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 20, "search": true)");
+  execute_sweep(plan, folder / "results", {});
+  const auto search = read_sweep_summary(folder / "results").search;
+  ASSERT_TRUE(search);
+  EXPECT_EQ(search->tried, 4u);
+  EXPECT_LE(search->errors.best_rms, search->errors.median_rms);
+}
+
+}  // namespace
+}  // namespace trilat
