@@ -17,11 +17,11 @@
 
 namespace trilat {
 
-enum class MethodKind { linear, geometric, nonlinear, newton, ceres, mean, tracked_mean, single };
 // What a study.json asks for; each kind has its own reader.
 enum class StudyKind : std::uint8_t { accuracy, threshold_sweep };
 StudyKind study_kind(const Json& json, const std::string& place);
 
+enum class MethodKind { linear, geometric, nonlinear, newton, ceres, mean, tracked_mean, single };
 const std::vector<std::string>& method_kind_names();
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own

@@ -64,9 +64,11 @@ Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
                    {"batched (us)", "batched_us", false},
                    {"statuses", "statuses", true}};
   table.notes = {
-      "Errors are distances to the true joint; +- is 1.96 standard errors of the mean; the axis mean is the mean "
+      "Errors are distances to the true joint; +- is 1.96 standard errors of the mean; the axis mean is the "
+      "mean "
       "of the three axes' mean absolute errors.",
-      "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are of this "
+      "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are "
+      "of this "
       "machine, start included: one problem at a time, and many side by side."};
   return table;
 }
@@ -76,7 +78,8 @@ Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
 const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell) {
   if (!timings) return nullptr;
   for (const SweepCellTiming& t : timings->cells)
-    if (t.interpretation == cell.interpretation && t.threshold == cell.threshold && t.range == cell.range) return &t;
+    if (t.interpretation == cell.interpretation && t.threshold == cell.threshold && t.range == cell.range)
+      return &t;
   return nullptr;
 }
 
@@ -88,17 +91,29 @@ std::vector<Table> sweep_tables(const SweepSummary& s, const std::optional<Sweep
       for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
         const SweepCell& c = s.cell(reading, t, r);
         const SweepCellTiming* time = timing_of(timings, c);
-        const double share = c.asked == 0 ? SweepCell::kNone
-                                          : 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
-        table.rows.push_back(
-            {TableValue::of(range_text(s.ranges[r])), TableValue::of(s.thresholds[t], -1), count(c.answered),
-             TableValue::of(share, 1), cm(c.mae_m), cm(kNormal95 * c.mae_standard_error_m, 3), cm(c.axis_mean_mae_m()),
-             cm(c.rmse_m), cm(c.p95_m), cm(c.max_m), cm(c.start_mae_m), TableValue::of(c.mean_iterations, 2),
-             TableValue::of(c.p50_iterations, 0), TableValue::of(c.p99_iterations, 0),
-             TableValue::of(c.max_iterations, 0), TableValue::of(c.mean_digits, 1), TableValue::of(c.min_digits, 1),
-             TableValue::of(time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone, 3),
-             TableValue::of(time ? time->batched_median_ns / kNsPerUs : SweepCell::kNone, 3),
-             TableValue::of(statuses_text(c.statuses, c.asked))});
+        const double share = c.asked == 0
+                                 ? SweepCell::kNone
+                                 : 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
+        table.rows.push_back({TableValue::of(range_text(s.ranges[r])),
+                              TableValue::of(s.thresholds[t], -1),
+                              count(c.answered),
+                              TableValue::of(share, 1),
+                              cm(c.mae_m),
+                              cm(kNormal95 * c.mae_standard_error_m, 3),
+                              cm(c.axis_mean_mae_m()),
+                              cm(c.rmse_m),
+                              cm(c.p95_m),
+                              cm(c.max_m),
+                              cm(c.start_mae_m),
+                              TableValue::of(c.mean_iterations, 2),
+                              TableValue::of(c.p50_iterations, 0),
+                              TableValue::of(c.p99_iterations, 0),
+                              TableValue::of(c.max_iterations, 0),
+                              TableValue::of(c.mean_digits, 1),
+                              TableValue::of(c.min_digits, 1),
+                              TableValue::of(time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone, 3),
+                              TableValue::of(time ? time->batched_median_ns / kNsPerUs : SweepCell::kNone, 3),
+                              TableValue::of(statuses_text(c.statuses, c.asked))});
       }
     tables.push_back(std::move(table));
   }

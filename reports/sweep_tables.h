@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "datasets/results/sweep_summary.h"
@@ -21,6 +22,9 @@ std::vector<Table> search_tables(const SweepSummary& summary);
 
 // Every number of every cell, one table a reading; for many readings, of those only that lead a ranking.
 std::vector<Table> sweep_tables(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// Of a cell; none when it was not timed.
+const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
 
 // A sentence or two a person can take away from the search; empty without one.
 std::vector<std::string> search_sentences(const SweepSummary& summary);

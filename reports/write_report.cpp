@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 #include "reports/accuracy_tables.h"
 #include "reports/render.h"
+#include "reports/sweep_tables.h"
 
 namespace trilat {
 namespace {
@@ -34,6 +36,42 @@ void make_unique(Table& table, std::set<std::string>& ids, const std::string& st
   }
 }
 
+std::string heading_of(const SweepSummary& s) {
+  std::string text = fmt::format(
+      "## {}\n\nThreshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a "
+      "cell{}.\n",
+      s.study, s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials,
+      s.interrupted ? " (interrupted: some cells hold fewer)" : "");
+  for (const std::string& sentence : search_sentences(s)) text += "\n" + sentence + "\n";
+  return text;
+}
+
+// What one results folder becomes.
+struct Chapter {
+  std::string study, heading;
+  std::vector<Table> tables;
+};
+
+void append(std::vector<Table>& tables, std::vector<Table> more) {
+  for (Table& table : more) tables.push_back(std::move(table));
+}
+
+Chapter accuracy_chapter(const std::filesystem::path& path) {
+  const ResultsSummary summary = read_summary(path);
+  Chapter chapter{summary.study, heading_of(summary), table3(summary)};
+  append(chapter.tables, accuracy_tables(summary));
+  return chapter;
+}
+
+Chapter sweep_chapter(const std::filesystem::path& path) {
+  const SweepSummary summary = read_sweep_summary(path);
+  const std::optional<SweepTimings> timings = read_sweep_timings(path);
+  Chapter chapter{summary.study, heading_of(summary), table1(summary, timings)};
+  append(chapter.tables, search_tables(summary));
+  append(chapter.tables, sweep_tables(summary, timings));
+  return chapter;
+}
+
 }  // namespace
 
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
@@ -42,12 +80,11 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   std::set<std::string> ids;
   std::string markdown = "# Trilateration accuracy\n";
   for (const auto& path : results) {
-    const ResultsSummary summary = read_summary(path);
-    markdown += "\n" + heading_of(summary);
-    std::vector<Table> tables = table3(summary);
-    for (Table& table : accuracy_tables(summary)) tables.push_back(std::move(table));
-    for (Table& table : tables) {
-      make_unique(table, ids, summary.study);
+    Chapter chapter =
+        results_kind(path) == ResultsKind::threshold_sweep ? sweep_chapter(path) : accuracy_chapter(path);
+    markdown += "\n" + chapter.heading;
+    for (Table& table : chapter.tables) {
+      make_unique(table, ids, chapter.study);
       markdown += "\n" + markdown_of(table);
       report.tables.push_back(std::move(table));
     }

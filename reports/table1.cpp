@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+#include "reports/sweep_tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kMostTables = 6;
+constexpr double kNsPerUs = 1e3;
+constexpr double kSameNumber = 1e-9;  // relative
+
+// The readings of one table: alike in all but gradient and stop rule.
+struct Family {
+  std::optional<std::size_t> as_printed;  // eq. 17 and eq. 19 as they stand: errata E7 and E8
+  std::optional<std::size_t> printed;     // eq. 17 as it stands, |F_k - F_{k-1}| < C
+  std::optional<std::size_t> corrected;   // J^T f, |F_k - F_{k-1}| < C
+  bool complete() const { return printed && corrected; }
+};
+
+std::string family_name(const SweepInterpretation& i) {
+  return fmt::format("{}, joint {}, error {}, C in {}, start {}, damping {}, {}", i.rig, i.joint,
+                     i.error_model, i.threshold_unit, i.start, i.damping, i.curvature);
+}
+
+std::map<std::string, Family> families_of(const SweepSummary& s) {
+  std::map<std::string, Family> families;
+  for (std::size_t k = 0; k < s.interpretations.size(); ++k) {
+    const SweepInterpretation& i = s.interpretations[k];
+    Family& family = families[family_name(i)];
+    if (i.gradient == "printed" && i.stop == "printed") family.as_printed = k;
+    if (i.gradient == "printed" && i.stop == "objective") family.printed = k;
+    if (i.gradient == "corrected" && i.stop == "objective") family.corrected = k;
+  }
+  return families;
+}
+
+// Of many families, those that a ranking or a comparison names.
+bool is_worth_a_table(const SweepSummary& s, const Family& family, std::size_t families) {
+  if (!family.complete()) return false;
+  if (families <= kMostTables) return true;
+  if (!s.search) return false;
+  for (const SweepCompromise& c : s.search->compromises)
+    if (c.printed == *family.printed || c.corrected == *family.corrected) return true;
+  return false;
+}
+
+bool same(double a, double b) { return std::abs(a - b) <= kSameNumber * std::abs(b); }
+
+bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
+  if (s.thresholds.size() != paper.rows.size() || s.ranges.size() != paper.ranges_cm.size()) return false;
+  bool all = true;
+  for (std::size_t t = 0; t < paper.rows.size(); ++t) all &= same(s.thresholds[t], paper.rows[t].threshold);
+  for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r)
+    all &= same(s.ranges[r].low_m * kCentimetresPerMetre, paper.ranges_cm[r][0]) &&
+           same(s.ranges[r].high_m * kCentimetresPerMetre, paper.ranges_cm[r][1]);
+  return all;
+}
+
+class Column {
+ public:
+  Column(const SweepSummary& s, const std::optional<SweepTimings>& timings,
+         std::optional<std::size_t> reading)
+      : s_(s), timings_(timings), reading_(reading) {}
+
+  TableValue error_cm(std::size_t t, std::size_t r) const {
+    return number(
+        t, r, [](const SweepCell& c) { return c.mae_m * kCentimetresPerMetre; }, 2);
+  }
+  TableValue iterations(std::size_t t, std::size_t r) const {
+    return number(
+        t, r, [](const SweepCell& c) { return c.mean_iterations; }, 1);
+  }
+  TableValue digits(std::size_t t, std::size_t r) const {
+    return number(
+        t, r, [](const SweepCell& c) { return c.mean_digits; }, 1);
+  }
+  TableValue time_us(std::size_t t, std::size_t r) const {
+    const SweepCellTiming* time = reading_ ? timing_of(timings_, s_.cell(*reading_, t, r)) : nullptr;
+    return TableValue::of(time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone, 2);
+  }
+
+ private:
+  template <class Get>
+  TableValue number(std::size_t t, std::size_t r, const Get& get, int decimals) const {
+    return TableValue::of(reading_ ? get(s_.cell(*reading_, t, r)) : SweepCell::kNone, decimals);
+  }
+
+  const SweepSummary& s_;
+  const std::optional<SweepTimings>& timings_;
+  std::optional<std::size_t> reading_;
+};
+
+void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimings>& timings,
+              const PrintedTable1& paper, const Family& family) {
+  const Column as_printed(s, timings, family.as_printed), printed(s, timings, family.printed),
+      corrected(s, timings, family.corrected);
+  for (std::size_t r = 0; r < s.ranges.size(); ++r)
+    for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
+      const PrintedTable1::Row& row = paper.rows[t];
+      TableValue time = TableValue::of(row.time_us[r], -1);
+      if (row.time_is_below) time = TableValue::of(fmt::format("<{:g}", row.time_us[r]));
+      table.rows.push_back(
+          {TableValue::of(fmt::format("{:g}-{:g}", paper.ranges_cm[r][0], paper.ranges_cm[r][1])),
+           TableValue::of(row.threshold, -1), TableValue::of(row.error_cm[r], 1), as_printed.error_cm(t, r),
+           printed.error_cm(t, r), corrected.error_cm(t, r), time, as_printed.time_us(t, r),
+           printed.time_us(t, r), corrected.time_us(t, r), as_printed.iterations(t, r),
+           printed.iterations(t, r), corrected.iterations(t, r), printed.digits(t, r),
+           corrected.digits(t, r)});
+    }
+}
+
+Table empty_table1(const SweepSummary& s, const std::string& family, std::size_t number) {
+  Table table;
+  table.id = number == 0 ? "table1" : fmt::format("table1-{}", number + 1);
+  table.title = fmt::format(
+      "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} trials a "
+      "cell, "
+      "seed {})",
+      family, s.trials, s.seed);
+  table.columns = {{"error range (cm)", "range_cm", true},
+                   {"C", "threshold", false},
+                   {"error, paper (cm)", "paper_error_cm", false},
+                   {"as printed (cm)", "as_printed_error_cm", false},
+                   {"printed gradient (cm)", "printed_error_cm", false},
+                   {"corrected (cm)", "corrected_error_cm", false},
+                   {"time, paper (us)", "paper_time_us", false},
+                   {"as printed (us)", "as_printed_time_us", false},
+                   {"printed gradient (us)", "printed_time_us", false},
+                   {"corrected (us)", "corrected_time_us", false},
+                   {"steps, as printed", "as_printed_iterations", false},
+                   {"printed gradient", "printed_iterations", false},
+                   {"corrected", "corrected_iterations", false},
+                   {"digits, printed gradient", "printed_digits", false},
+                   {"digits, corrected", "corrected_digits", false}};
+  table.notes = {
+      "Error: mean distance to the true joint. Time: of one solve, start included, on this machine; the "
+      "paper's is of "
+      "its own. Steps: mean number of iterations. Digits: agreement with the minimum of F.",
+      "As printed: eq. 17 and the stop rule of eq. 19 as they stand (errata E7, E8). Printed gradient: eq. "
+      "17 as it "
+      "stands, stop when |F_k - F_(k-1)| < C. Corrected: the gradient J^T f with the same stop rule."};
+  if (s.interrupted) table.notes.push_back("The sweep was interrupted; its cells hold fewer trials.");
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> table1(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+  const PrintedTable1 paper = printed_table1();
+  std::vector<Table> tables;
+  if (!is_the_papers_grid(s, paper)) return tables;
+  const std::map<std::string, Family> families = families_of(s);
+  for (const auto& [name, family] : families) {
+    if (!is_worth_a_table(s, family, families.size())) continue;
+    Table table = empty_table1(s, name, tables.size());
+    add_rows(table, s, timings, paper, family);
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace trilat
