@@ -87,8 +87,7 @@ std::string span_text(const std::vector<double>& factors) {
 
 std::string compromise_sentence(const SweepCompromise& c) {
   const auto most = [](const std::vector<double>& f) { return *std::max_element(f.begin(), f.end()); };
-  const auto least = [](const std::vector<double>& f) { return *std::min_element(f.begin(), f.end()); };
-  const bool printed_pays = least(c.printed_iterations_factor) > kCostly;
+  const bool printed_pays = most(c.printed_iterations_factor) > kCostly;
   const bool corrected_pays = most(c.corrected_iterations_factor) > kCostly;
   const std::string verdict = !printed_pays    ? "there is no compromise even with the printed gradient"
                               : corrected_pays ? "the compromise survives the corrected gradient"
