@@ -281,7 +281,21 @@ TEST(InterpretationSearch, RanksTheReadingFirstThatTheTableIsMadeFrom) {
     EXPECT_NE(search.compromises[0].printed, search.compromises[0].corrected);
     EXPECT_GT(search.compromises[0].printed_iterations_factor.at(2), 100.0);
     EXPECT_LT(search.compromises[0].corrected_iterations_factor.at(2), 10.0);
+    EXPECT_GE(search.compromises[0].printed_coverage, kLeastCoverage);
   }
+}
+
+TEST(InterpretationSearch, DoesNotRankAReadingThatFailsTooOften) {
+  const ScratchFolder folder;
+  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "gradients": ["corrected"], "trials": 100)");
+  SweepSummary summary = execute_sweep(plan, folder / "results", {}).summary;
+  const PrintedTable1 table = table_of(summary, 0, false);
+  EXPECT_EQ(search_interpretations(summary, table).times.ranked, 2u);
+  summary.cells[7].answered = 89;
+  const SweepSearch search = search_interpretations(summary, table);
+  EXPECT_EQ(search.times.ranked, 1u);
+  EXPECT_EQ(search.tried, 2u);
+  EXPECT_EQ(search.errors.best.at(0).interpretation, 1u);
 }
 
 TEST(InterpretationSearch, IsPartOfTheSummaryWhenAsked) {
