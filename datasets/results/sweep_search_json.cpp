@@ -33,7 +33,9 @@ Json json_of(const SweepCompromise& c) {
           {"printed_iterations_factor", c.printed_iterations_factor},
           {"corrected_iterations_factor", c.corrected_iterations_factor},
           {"printed_error_factor", c.printed_error_factor},
-          {"corrected_error_factor", c.corrected_error_factor}};
+          {"corrected_error_factor", c.corrected_error_factor},
+          {"printed_coverage", c.printed_coverage},
+          {"corrected_coverage", c.corrected_coverage}};
 }
 
 std::size_t read_index(JsonObject& object, const std::string& key, std::size_t interpretations) {
@@ -82,6 +84,8 @@ SweepCompromise read_compromise(JsonObject& object, std::size_t interpretations)
   c.corrected_iterations_factor = read_factors(object, "corrected_iterations_factor");
   c.printed_error_factor = read_factors(object, "printed_error_factor");
   c.corrected_error_factor = read_factors(object, "corrected_error_factor");
+  c.printed_coverage = number_or_nan(object, "printed_coverage");
+  c.corrected_coverage = number_or_nan(object, "corrected_coverage");
   object.finish();
   return c;
 }

@@ -79,6 +79,9 @@ struct SweepCompromise {
   // One entry an error range. Factors from the largest threshold to the smallest.
   std::vector<double> printed_iterations_factor, corrected_iterations_factor;
   std::vector<double> printed_error_factor, corrected_error_factor;  // of mae_m
+  // The least share of trials that any of its cells answered: where it is low, the factors are those of the
+  // easy trials.
+  double printed_coverage = SweepCell::kNone, corrected_coverage = SweepCell::kNone;
 };
 
 // Which readings fit the printed Table I.

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // `trilat run` of a threshold sweep.
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -80,7 +83,10 @@ void print_search(const SweepSummary& s) {
   print_ranking(s, "errors", s.search->errors);
   print_ranking(s, "times", s.search->times);
   for (const SweepCompromise& c : s.search->compromises) {
-    fmt::print("best by {}, from the largest threshold to the smallest:\n", c.best_for);
+    fmt::print(
+        "best by {}, from the largest threshold to the smallest (least share answered: {:.0f} % as printed, "
+        "{:.0f} % corrected):\n",
+        c.best_for, 100.0 * c.printed_coverage, 100.0 * c.corrected_coverage);
     for (std::size_t r = 0; r < s.ranges.size(); ++r)
       fmt::print(
           "  error to {:g} cm: iterations x {:.1f} as printed, x {:.2f} corrected; error x {:.2f} as "
@@ -122,10 +128,15 @@ int run_sweep_study(const RunArguments& arguments, const Json& study) {
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   SweepOutcome outcome;
   {
-    Progress progress("sweeping"), timing("timing");
-    outcome = execute_sweep(plan, arguments.output,
-                            {arguments.threads, stop_requested, [&](double s) { progress.set(s); },
-                             [&](double s) { timing.set(s); }});
+    Progress sweeping("sweeping");
+    std::optional<Progress> timing;  // its clock starts when it is first shown
+    const auto show_timing = [&](double share) {
+      if (!timing) timing.emplace("timing");
+      timing->set(share);
+    };
+    outcome = execute_sweep(
+        plan, arguments.output,
+        {arguments.threads, stop_requested, [&](double share) { sweeping.set(share); }, show_timing});
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text(result_json(outcome), 2));

@@ -61,15 +61,26 @@ SweepFit fit_of(std::size_t interpretation, const std::string& reported, const L
           SweepCell::kNone};
 }
 
+// The least share of trials that any cell of the reading answered.
+double coverage_of(const SweepSummary& s, std::size_t interpretation) {
+  double least = 1.0;
+  for (std::size_t t = 0; t < s.thresholds.size(); ++t)
+    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
+      const SweepCell& cell = s.cell(interpretation, t, r);
+      if (cell.asked == 0) return 0.0;
+      least = std::min(least, static_cast<double>(cell.answered) / static_cast<double>(cell.asked));
+    }
+  return least;
+}
+
 bool is_ranked(const SweepSummary& s, std::size_t interpretation) {
   for (std::size_t t = 0; t < s.thresholds.size(); ++t)
     for (std::size_t r = 0; r < s.ranges.size(); ++r) {
       const SweepCell& cell = s.cell(interpretation, t, r);
-      if (cell.asked == 0 || !(cell.mae_m > 0.0) || !(cell.axis_mean_mae_m() > 0.0) ||
-          static_cast<double>(cell.answered) < kLeastCoverage * static_cast<double>(cell.asked))
+      if (!(cell.mae_m > 0.0) || !(cell.axis_mean_mae_m() > 0.0) || !(cell.mean_iterations > 0.0))
         return false;
     }
-  return true;
+  return coverage_of(s, interpretation) >= kLeastCoverage;
 }
 
 SweepFit distance_fit(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation) {
@@ -156,6 +167,8 @@ void add_compromise(const SweepSummary& s, const char* best_for, const SweepRank
     c.corrected_iterations_factor = factors(s, c.corrected, iterations);
     c.printed_error_factor = factors(s, c.printed, error_m);
     c.corrected_error_factor = factors(s, c.corrected, error_m);
+    c.printed_coverage = coverage_of(s, c.printed);
+    c.corrected_coverage = coverage_of(s, c.corrected);
     search.compromises.push_back(std::move(c));
   }
 }

@@ -32,6 +32,15 @@ double quantile_of(std::vector<double> values, double share) {
   return *at;
 }
 
+void describe_digits(const std::vector<double>& digits, SweepCell& cell) {
+  double sum = 0.0;
+  for (const double d : digits) sum += d;
+  cell.digits_trials = digits.size();
+  cell.mean_digits = sum / static_cast<double>(digits.size());
+  cell.p50_digits = quantile_of(digits, 0.5);
+  cell.min_digits = *std::min_element(digits.begin(), digits.end());
+}
+
 }  // namespace
 
 std::size_t Counts::quantile(double share) const {
@@ -147,13 +156,7 @@ SweepCell SweepSums::cell() const {
   cell.p50_iterations = static_cast<double>(iteration_counts.quantile(0.5));
   cell.p99_iterations = static_cast<double>(iteration_counts.quantile(0.99));
   cell.max_iterations = static_cast<double>(iteration_counts.quantile(1.0));
-  cell.digits_trials = digits.size();
-  if (digits.empty()) return cell;
-  double digits_sum = 0.0;
-  for (const double d : digits) digits_sum += d;
-  cell.mean_digits = digits_sum / static_cast<double>(digits.size());
-  cell.p50_digits = quantile_of(digits, 0.5);
-  cell.min_digits = *std::min_element(digits.begin(), digits.end());
+  if (!digits.empty()) describe_digits(digits, cell);
   return cell;
 }
 

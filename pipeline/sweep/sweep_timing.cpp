@@ -89,6 +89,7 @@ SweepCellTiming timing_of(const SweepCellPlace& place, const std::vector<Round>&
 std::optional<SweepTimings> time_sweep(const SweepPlan& plan, const std::function<bool()>& stop_requested,
                                        const std::function<void(double)>& progress) {
   const std::uint64_t problems = plan.spec.time_problems;
+  if (progress) progress(0.0);
   Stopwatch stopwatch(plan, stop_requested);
   std::vector<std::vector<Round>> rounds(plan.cells());
   for (std::size_t cell = 0; cell < plan.cells(); ++cell)

@@ -58,7 +58,7 @@ TEST(SweepSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   const ScratchFolder folder;
   SweepSummary written = two_cells();
   written.search = SweepSearch{1, {{{0, "axis_mean", 0.25, 1.5, 0.0}}, 2, 0.25, 0.5, 0.75}, {}, {}};
-  written.search->compromises = {{"errors", 0, 0, {900.0}, {2.0}, {0.4}, {0.5}}};
+  written.search->compromises = {{"errors", 0, 0, {900.0}, {2.0}, {0.4}, {0.5}, 1.0, 0.75}};
   write_sweep_summary(folder.path(), written);
   const SweepSummary read = read_sweep_summary(folder.path());
   EXPECT_TRUE(read.simulated);
@@ -75,6 +75,7 @@ TEST(SweepSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   EXPECT_EQ(read.search->errors.best.at(0).reported, "axis_mean");
   EXPECT_EQ(read.search->errors.median_rms, 0.5);
   EXPECT_EQ(read.search->compromises.at(0).printed_iterations_factor, std::vector<double>{900.0});
+  EXPECT_EQ(read.search->compromises[0].corrected_coverage, 0.75);
   const std::string first = read_file(folder / "summary.json");
   write_sweep_summary(folder.path(), read);
   EXPECT_EQ(read_file(folder / "summary.json"), first);
