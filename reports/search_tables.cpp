@@ -12,6 +12,7 @@ namespace {
 
 // A compromise worth the name: the smallest threshold costs this many times the steps of the largest.
 constexpr double kCostly = 5.0;
+constexpr double kFewAnswers = 0.9;  // share of the trials
 
 Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool errors) {
   Table table;
@@ -64,16 +65,23 @@ Table compromise_table(const SweepSummary& s) {
                    {"steps x, printed", "printed_iterations_factor", false},
                    {"steps x, corrected", "corrected_iterations_factor", false},
                    {"error x, printed", "printed_error_factor", false},
-                   {"error x, corrected", "corrected_error_factor", false}};
+                   {"error x, corrected", "corrected_error_factor", false},
+                   {"answered, printed (%)", "printed_coverage_percent", false},
+                   {"answered, corrected (%)", "corrected_coverage_percent", false}};
+  table.notes = {
+      "Answered: the least share of trials with a usable estimate in any cell of the reading. Where it is "
+      "low, the "
+      "factors are those of the easy trials: undamped Gauss-Newton diverges or cycles on nearly flat rigs."};
   for (const SweepCompromise& c : s.search->compromises)
     for (std::size_t r = 0; r < s.ranges.size(); ++r)
-      table.rows.push_back({TableValue::of(c.best_for), TableValue::of(s.interpretations[c.printed].id),
-                            TableValue::of(fmt::format("{:g}-{:g}", s.ranges[r].low_m * kCentimetresPerMetre,
-                                                       s.ranges[r].high_m * kCentimetresPerMetre)),
-                            TableValue::of(c.printed_iterations_factor[r], 1),
-                            TableValue::of(c.corrected_iterations_factor[r], 1),
-                            TableValue::of(c.printed_error_factor[r], 2),
-                            TableValue::of(c.corrected_error_factor[r], 2)});
+      table.rows.push_back(
+          {TableValue::of(c.best_for), TableValue::of(s.interpretations[c.printed].id),
+           TableValue::of(fmt::format("{:g}-{:g}", s.ranges[r].low_m * kCentimetresPerMetre,
+                                      s.ranges[r].high_m * kCentimetresPerMetre)),
+           TableValue::of(c.printed_iterations_factor[r], 1),
+           TableValue::of(c.corrected_iterations_factor[r], 1), TableValue::of(c.printed_error_factor[r], 2),
+           TableValue::of(c.corrected_error_factor[r], 2), TableValue::of(100.0 * c.printed_coverage, 1),
+           TableValue::of(100.0 * c.corrected_coverage, 1)});
   return table;
 }
 
@@ -92,12 +100,19 @@ std::string compromise_sentence(const SweepCompromise& c) {
   const std::string verdict = !printed_pays    ? "there is no compromise even with the printed gradient"
                               : corrected_pays ? "the compromise survives the corrected gradient"
                                                : "the compromise does not survive the corrected gradient";
-  return fmt::format(
+  std::string text = fmt::format(
       "In the reading that fits the printed {} best, the smallest threshold takes {} times the steps of the "
       "largest "
       "with the printed gradient and {} times with the corrected one, for {} and {} times the error: {}.",
       c.best_for, span_text(c.printed_iterations_factor), span_text(c.corrected_iterations_factor),
       span_text(c.printed_error_factor), span_text(c.corrected_error_factor), verdict);
+  if (c.corrected_coverage < kFewAnswers)
+    text += fmt::format(
+        " (On this rig undamped corrected Gauss-Newton answers as few as {:.0f} % of the trials, so these "
+        "factors are "
+        "those of the easy ones.)",
+        100.0 * c.corrected_coverage);
+  return text;
 }
 
 }  // namespace

@@ -97,13 +97,26 @@ TEST(Table1, PutsEveryReadingInItsColumnBesideThePapersNumber) {
   EXPECT_DOUBLE_EQ(number("corrected_iterations"), 2031);
   EXPECT_DOUBLE_EQ(number("corrected_time_us"), 1.5);
   EXPECT_TRUE(std::isnan(number("printed_time_us")));
+  EXPECT_DOUBLE_EQ(number("corrected_answered_percent"), 98);
   EXPECT_EQ(table.rows[0][column(table, "paper_time_us")].text, "<0.1");
+  for (const auto& values : table.rows) EXPECT_EQ(values.size(), table.columns.size());
 }
 
 TEST(Table1, IsOnlyMadeOfThePapersGrid) {
   SweepSummary s = hand_made_sweep();
   s.thresholds[1] = 0.02;
   EXPECT_THAT(table1(s, {}), IsEmpty());
+}
+
+// The reading that leads the search is shown in the metric that it fits in.
+TEST(Table1, ShowsTheMeanOverTheAxesWhereTheSearchFoundThatMetric) {
+  SweepSummary s = hand_made_sweep();
+  for (SweepCell& cell : s.cells) cell.axis_mae_m = {0.01, 0.02, 0.06};
+  s.search.emplace();
+  s.search->errors.best = {{1, "axis_mean", 0.1, 1.2, 0.0}};
+  const Table table = table1(s, {}).at(0);
+  EXPECT_DOUBLE_EQ(table.rows[0][column(table, "printed_error_cm")].number.value(), 3.0);
+  EXPECT_THAT(table.notes[0], HasSubstr("mean over the three axes"));
 }
 
 TEST(SweepTables, GiveOneTableAReadingWithCoverageAndStatuses) {
@@ -126,7 +139,8 @@ SweepSearch hand_made_search() {
   search.errors.worst_rms = std::log(9.0);
   search.times = search.errors;
   search.times.best[0].us_per_iteration = 0.5;
-  search.compromises = {{"times", 1, 2, {300, 400, 950}, {2, 2.5, 3}, {0.5, 0.6, 0.7}, {0.9, 0.95, 1}}};
+  search.compromises = {
+      {"times", 1, 2, {300, 400, 950}, {2, 2.5, 3}, {0.5, 0.6, 0.7}, {0.9, 0.95, 1}, 1.0, 0.62}};
   return search;
 }
 
@@ -136,12 +150,15 @@ TEST(SearchTables, SayHowManyWereTriedAndWhetherTheCompromiseSurvives) {
   s.search = hand_made_search();
   const std::vector<Table> tables = search_tables(s);
   ASSERT_THAT(tables, SizeIs(3));
+  for (const Table& table : tables)
+    for (const auto& values : table.rows) EXPECT_EQ(values.size(), table.columns.size());
   EXPECT_THAT(tables[0].title, HasSubstr("3 tried"));
   EXPECT_THAT(tables[0].notes[0], HasSubstr("best 1.25, median 2.00, worst 9.00"));
   const auto sentences = search_sentences(s);
   ASSERT_THAT(sentences, SizeIs(3));
   EXPECT_THAT(sentences[2], HasSubstr("300 to 950 times"));
   EXPECT_THAT(sentences[2], HasSubstr("does not survive"));
+  EXPECT_THAT(sentences[2], HasSubstr("as few as 62 % of the trials"));
   s.search->compromises[0].corrected_iterations_factor = {2, 2.5, 300};
   EXPECT_THAT(search_sentences(s)[2], HasSubstr("survives"));
 }
