@@ -31,7 +31,8 @@ struct NonlinearOptions : DescentOptions {
 
 // Minimises F = sum w (|x - s| - r)^2 (eq. 10), or a robust loss of the same residuals, by Gauss-Newton
 // or the full Hessian. With lm, starts that are implausible are replaced as in safe_start(), the descent
-// also goes down from the mirror image of its start, and the better minimum wins as in choose_minimum();
+// also goes down from the mirror image of its start and, when the sensors are nearly in one plane and
+// both ended on one side of it, of the minimum; the best wins as in choose_minimum();
 // without damping the mirror image counts only when the sensors are in one plane. Ends with
 //   converged        the stop rule held
 //   rank_deficient   sensors on one line; or is_rank_deficient() at the end or, without damping, at
