@@ -97,7 +97,7 @@ TEST(Table1, PutsEveryReadingInItsColumnBesideThePapersNumber) {
   EXPECT_DOUBLE_EQ(number("corrected_iterations"), 2031);
   EXPECT_DOUBLE_EQ(number("corrected_time_us"), 1.5);
   EXPECT_TRUE(std::isnan(number("printed_time_us")));
-  EXPECT_DOUBLE_EQ(number("corrected_answered_percent"), 98);
+  EXPECT_DOUBLE_EQ(number("least_answered_percent"), 98);
   EXPECT_EQ(table.rows[0][column(table, "paper_time_us")].text, "<0.1");
   for (const auto& values : table.rows) EXPECT_EQ(values.size(), table.columns.size());
 }
