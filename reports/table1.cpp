@@ -127,11 +127,8 @@ void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimi
            as_printed.error_cm(t, r, axis_mean), printed.error_cm(t, r, axis_mean),
            corrected.error_cm(t, r, axis_mean), time, as_printed.time_us(t, r), printed.time_us(t, r),
            corrected.time_us(t, r), as_printed.iterations(t, r), printed.iterations(t, r),
-           corrected.iterations(t, r),
-           TableValue::of(
-               std::fmin(as_printed.answered_percent(t, r),
-                         std::fmin(printed.answered_percent(t, r), corrected.answered_percent(t, r))),
-               1)});
+           corrected.iterations(t, r), TableValue::of(printed.answered_percent(t, r), 1),
+           TableValue::of(corrected.answered_percent(t, r), 1)});
     }
 }
 
@@ -156,21 +153,20 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
                    {"steps, E7+E8", "as_printed_iterations", false},
                    {"E7", "printed_iterations", false},
                    {"corrected", "corrected_iterations", false},
-                   {"answered, least (%)", "least_answered_percent", false}};
+                   {"answered, E7 (%)", "printed_answered_percent", false},
+                   {"corrected (%)", "corrected_answered_percent", false}};
   table.notes = {
       std::string("Error: ") +
           (axis_mean ? "mean over the three axes of the mean absolute error, which is the metric of the "
                        "best-fitting "
                        "reading"
                      : "mean distance to the true joint") +
-          ", over the answered trials; the tables of each reading have its interval, statuses and digits. "
-          "Time: of "
-          "one solve, start included, on this machine; the paper's is of its own. Steps: mean number of "
-          "iterations. "
-          "Answered: the least share of the three.",
+          ", over the answered trials; the tables of each reading have its interval, statuses and digits.",
+      "Time: of one solve, start included, on this machine; the paper's is of its own. Steps: mean number of "
+      "iterations of all trials, the failed ones included. Answered: the share with a usable estimate.",
       "E7+E8: eq. 17 and the stop rule of eq. 19 as they stand. E7: eq. 17 as it stands, stop when the "
-      "change of F is "
-      "below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
+      "change "
+      "of F is below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
   if (s.interrupted) table.notes.push_back("The sweep was interrupted; its cells hold fewer trials.");
   return table;
 }

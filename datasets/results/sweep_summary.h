@@ -41,13 +41,13 @@ struct SweepCell {
   double p50_m = kNone;  // quantiles of the distance to within 0.8 %
   double p95_m = kNone;
   double max_m = kNone;
-  double start_mae_m = kNone;  // mean distance of the starts, over all trials whose start is finite
-  double mean_iterations = kNone;
+  double start_mae_m = kNone;      // mean distance of the starts, over all trials whose start is finite
+  double mean_iterations = kNone;  // of all trials, also of those that failed at the limit
   double p50_iterations = kNone;
   double p99_iterations = kNone;
   double max_iterations = kNone;
-  // -log10(|x - x*| / |x*|), from 0 to 15, x* the minimum that damped Gauss-Newton finds with a step rule of
-  // 1e-12 m; over the first trials, where both answered.
+  // -log10(|x - x*| / |x*|), from 0 to 15, x* the minimum that damped Gauss-Newton finds with a tight step
+  // rule; over the first trials, where both answered.
   std::uint64_t digits_trials = 0;
   double mean_digits = kNone;
   double p50_digits = kNone;
@@ -67,12 +67,13 @@ struct SweepFit {
 
 struct SweepRanking {
   std::vector<SweepFit> best;  // the first few, best first
-  std::uint64_t ranked = 0;    // readings that answered in every cell
+  std::uint64_t ranked = 0;    // entries: each reading that answered nine trials in ten in every cell
   // rms_log_ratio over all ranked; NaN when none was
   double best_rms = SweepCell::kNone, median_rms = SweepCell::kNone, worst_rms = SweepCell::kNone;
 };
 
-// Two readings that differ in the gradient only: what the smallest threshold costs against the largest.
+// Two readings that differ in the gradient, and perhaps the damping, only: what the smallest threshold costs
+// against the largest.
 struct SweepCompromise {
   std::string best_for;                    // "errors" or "times": which ranking one of the two leads
   std::size_t printed = 0, corrected = 0;  // interpretations

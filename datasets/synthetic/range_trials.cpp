@@ -271,7 +271,9 @@ HWY_EXPORT(MakeUniforms);
 void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, std::size_t count,
                        const RangeTrialRows& rows) {
   TRILAT_CHECK(model.sensors >= 1 && model.sensors <= RangeTrialModel::kMaxSensors, "a rig fits the model");
-  TRILAT_CHECK(rows.truth_m && rows.range_m && rows.stride >= count, "trials have rows to go to");
+  TRILAT_CHECK(
+      rows.truth_m && rows.range_m && rows.stride >= (count + kTrialBlock - 1) / kTrialBlock * kTrialBlock,
+      "trials have rows to go to");
   HWY_DYNAMIC_DISPATCH(MakeTrials)(model, first_trial, count, rows);
 }
 

@@ -35,15 +35,17 @@ Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane
   return start;
 }
 
-Descent choose_minimum(const RangeProblem& problem, const Descent& first, const Descent& second,
-                       double same_residual_m) {
+Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
+                       const Descent& second, double same_residual_m) {
   const int iterations = first.iterations + second.iterations;
   const bool both = is_usable(first.status) && is_usable(second.status);
   Descent chosen = is_usable(second.status) && !is_usable(first.status) ? second : first;
   if (both && (first.position_m - second.position_m).norm() > kSameMinimum_m) {
     const double first_rms_m = residual_rms_m(problem, first.cost_m2);
     const double second_rms_m = residual_rms_m(problem, second.cost_m2);
-    if (std::abs(first_rms_m - second_rms_m) > same_residual_m) {
+    // A coarse stop rule leaves two descents into one minimum apart.
+    const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
+    if (one_side || std::abs(first_rms_m - second_rms_m) > same_residual_m) {
       chosen = first_rms_m < second_rms_m ? first : second;
     } else {
       const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);

@@ -29,10 +29,11 @@ Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane
                            const Eigen::Vector3d& wanted_m);
 
 // Chooses between two descents. Costs are compared as root mean square residuals: when they differ
-// by more than `same_residual_m`, the lower one wins, else choose_mirror() decides, and without a
-// decision the status is mirror_ambiguous. The iterations of both are added.
-Descent choose_minimum(const RangeProblem& problem, const Descent& first, const Descent& second,
-                       double same_residual_m);
+// by more than `same_residual_m`, or both ended on one side of the sensors' plane, the lower one
+// wins, else choose_mirror() decides, and without a decision the status is mirror_ambiguous. The
+// iterations of both are added.
+Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
+                       const Descent& second, double same_residual_m);
 
 // The other minimum of a problem whose sensors are exactly in one plane.
 inline Descent mirrored(const SensorPlane& plane, Descent descent) {
@@ -48,7 +49,7 @@ Descent descend_on_both_sides(const RangeProblem& problem, const SensorPlane& pl
                               const Descend& descend) {
   const Descent first = descend(start_m);
   const Descent second = plane.exact ? mirrored(plane, first) : descend(plane.mirrored(start_m));
-  return choose_minimum(problem, first, second, same_residual_m);
+  return choose_minimum(problem, plane, first, second, same_residual_m);
 }
 
 // The chosen minimum with its geometry; rank_deficient when the directions do not span space there.

@@ -125,9 +125,9 @@ PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, co
   if (options.loss != Loss::squares)
     for (Descent* descent : {&first, &second, &third})
       descent->cost_m2 = total_loss_m2(problem, options, descent->position_m);
-  Descent best = choose_minimum(problem, first, second, options.same_residual_m);
+  Descent best = choose_minimum(problem, plane, first, second, options.same_residual_m);
   if (third.status != SolveStatus::not_solved)
-    best = choose_minimum(problem, best, third, options.same_residual_m);
+    best = choose_minimum(problem, plane, best, third, options.same_residual_m);
   return estimate_of(problem, best);
 }
 

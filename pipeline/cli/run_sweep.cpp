@@ -10,6 +10,7 @@
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/sweep/execute_sweep.h"
+#include "reports/statuses_text.h"
 
 namespace trilat {
 namespace {
@@ -43,6 +44,11 @@ int print_plan(const SweepPlan& plan, bool json) {
 
 void print_cell(const SweepSummary& s, const SweepCell& cell) {
   const auto& range = s.ranges[cell.range];
+  if (cell.answered == 0) {
+    fmt::print("  C {:<6g} error {:>4g} to {:>2g} cm: no trial answered: {}\n", s.thresholds[cell.threshold],
+               100.0 * range.low_m, 100.0 * range.high_m, statuses_text(cell.statuses, cell.asked));
+    return;
+  }
   const std::string digits =
       cell.digits_trials > 0 ? fmt::format("{:4.1f} digits, ", cell.mean_digits) : std::string();
   fmt::print(

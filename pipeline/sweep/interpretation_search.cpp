@@ -129,9 +129,10 @@ SweepRanking ranking_of(std::vector<SweepFit> fits) {
   return ranking;
 }
 
+// The printed gradient cannot be damped, so its partner may be.
 bool same_but_gradient(const SweepInterpretation& a, const SweepInterpretation& b) {
   const auto others = [](const SweepInterpretation& i) {
-    return std::tie(i.rig, i.joint, i.error_model, i.threshold_unit, i.curvature, i.stop, i.damping, i.start);
+    return std::tie(i.rig, i.joint, i.error_model, i.threshold_unit, i.curvature, i.stop, i.start);
   };
   return others(a) == others(b) && a.gradient != b.gradient;
 }

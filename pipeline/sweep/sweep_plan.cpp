@@ -100,16 +100,32 @@ SweepReading reading_of(const Choices& c, const SweepSpec& spec, const SweepRig&
   return reading;
 }
 
+// The pointer of the choice that rules out every other: what is left must be a start or a damping.
+std::string emptying_choice(const SweepSpec& spec) {
+  const bool only_linear = spec.starts == std::vector{SweepStart::linear};
+  const bool some_fits = std::any_of(spec.dampings.begin(), spec.dampings.end(), [&](Damping damping) {
+    return std::any_of(spec.gradients.begin(), spec.gradients.end(), [&](Gradient gradient) {
+      DescentOptions options;
+      options.damping = damping;
+      options.gradient = gradient;
+      options.curvature = spec.curvatures.front();
+      return contradiction_in(options).empty();
+    });
+  });
+  return only_linear && some_fits ? "/starts" : "/dampings";
+}
+
 void check_size(const SweepPlan& plan, const std::string& place) {
   if (plan.readings.empty())
-    throw InputError(place,
+    throw InputError(place + " " + emptying_choice(plan.spec),
                      fmt::format("leaves nothing to compute: each of the {} combinations of its choices "
-                                 "contradicts itself (printed gradient with damping lm, newton without "
-                                 "lm, a linear start for sensors in one plane)",
+                                 "contradicts itself (printed gradient with damping lm, newton without lm, a "
+                                 "linear start for sensors in one plane or fewer than four)",
                                  plan.skipped));
   if (plan.cells() > kMostCells)
-    throw InputError(place,
-                     fmt::format("asks for {} cells; at most {} can be kept", plan.cells(), kMostCells));
+    throw InputError(place + " /rigs",
+                     fmt::format("and the other lists ask for {} cells in all; at most {} can be kept",
+                                 plan.cells(), kMostCells));
   const double in_all = static_cast<double>(plan.spec.trials) * static_cast<double>(plan.cells());
   if (in_all > kMostTrialsInAll)
     throw InputError(place + " /trials",

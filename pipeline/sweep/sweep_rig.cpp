@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/sweep/sweep_rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,7 +16,6 @@ namespace {
 
 constexpr std::size_t kLeastSensors = 3;
 constexpr double kSamePlace_m = 1e-3;
-
 constexpr double kFarthest_m = 1e4;
 
 std::array<double, 3> on_circle(std::size_t i, std::size_t count, double radius_m, double height_m) {
@@ -77,8 +77,8 @@ void check_sensors(const JsonObject& object, const std::string& key,
 SweepRig read_rig(JsonObject& object) {
   SweepRig rig;
   rig.name = object.text("name");
-  if (rig.name.empty() || rig.name.size() > 60 || rig.name.find('/') != std::string::npos)
-    object.refuse("name", "must have 1 to 60 characters and no '/'");
+  if (!is_plain_name(rig.name) || rig.name.find('/') != std::string::npos)
+    object.refuse("name", "must have 1 to 60 printable characters, none of them '/' or '|'");
   const bool circle = object.has("heights_m");
   if (circle == object.has("sensors_m"))
     object.refuse(circle ? "sensors_m" : "heights_m",
@@ -90,6 +90,11 @@ SweepRig read_rig(JsonObject& object) {
 }
 
 }  // namespace
+
+bool is_plain_name(const std::string& name) {
+  const auto is_odd = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '|' || c == 127; };
+  return !name.empty() && name.size() <= 60 && std::none_of(name.begin(), name.end(), is_odd);
+}
 
 std::vector<SweepRig> read_rigs(JsonObject& object, const std::string& key) {
   std::vector<SweepRig> rigs;

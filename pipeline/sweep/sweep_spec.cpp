@@ -2,6 +2,7 @@
 #include "pipeline/sweep/sweep_spec.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -69,6 +70,7 @@ void read_choices(JsonObject& object, const std::string& key, const Words& known
 void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
   const char* key = "thresholds";
   if (!object.has(key)) return;
+  if (!object.value(key).is_array()) object.refuse(key, "must be a list of numbers above 0");
   thresholds = object.numbers(key, object.value(key).size());
   if (thresholds.empty()) object.refuse(key, "must hold at least one threshold");
   for (std::size_t i = 0; i < thresholds.size(); ++i) {
@@ -130,6 +132,9 @@ void check_search(const JsonObject& object, const SweepSpec& spec) {
         "them out");
 }
 
+// As it was written: 7 cm are not 7.000000000000001.
+double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
+
 }  // namespace
 
 std::string word_of(TrialJoint joint) { return word(kJoints, joint); }
@@ -148,6 +153,7 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   if (object.integer("version") != 1) object.refuse("version", "must be 1");
   object.choice("kind", {"threshold_sweep"});
   spec.name = object.text("name");
+  if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
   spec.rigs = read_rigs(object, "rigs");
   read_choices(object, "joints", kJoints, spec.joints);
   read_choices(object, "error_models", kErrors, spec.error_models);
@@ -175,7 +181,7 @@ Json resolved_json(const SweepSpec& spec) {
   Json rigs = Json::array(), ranges = Json::array();
   for (const SweepRig& rig : spec.rigs) rigs.push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
   for (const auto& range : spec.ranges)
-    ranges.push_back({range.low_m / kMetresPerCentimetre, range.high_m / kMetresPerCentimetre});
+    ranges.push_back({centimetres(range.low_m), centimetres(range.high_m)});
   return {{"format", kFormat},
           {"version", 1},
           {"kind", "threshold_sweep"},

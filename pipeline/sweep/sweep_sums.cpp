@@ -98,8 +98,10 @@ void SweepSums::add_outcomes(const SweepOutcomeRows& rows) {
   asked += rows.count;
   for (std::size_t i = 0; i < rows.count; ++i) {
     ++statuses[static_cast<std::size_t>(rows.status[i])];
-    if (!is_usable(rows.status[i])) continue;
     const std::size_t lane = i % kLanes;
+    sums[iterations].of[lane] += rows.iterations[i];
+    iteration_counts.add(static_cast<std::size_t>(rows.iterations[i]));
+    if (!is_usable(rows.status[i])) continue;
     const double dx = std::abs(rows.position_m[i] - rows.truth_m[i]);
     const double dy = std::abs(rows.position_m[rows.stride + i] - rows.truth_m[rows.stride + i]);
     const double dz = std::abs(rows.position_m[2 * rows.stride + i] - rows.truth_m[2 * rows.stride + i]);
@@ -110,10 +112,8 @@ void SweepSums::add_outcomes(const SweepOutcomeRows& rows) {
     sums[z].of[lane] += dz;
     sums[distance].of[lane] += distance_m;
     sums[square].of[lane] += square_m2;
-    sums[iterations].of[lane] += rows.iterations[i];
     max_m = std::max(max_m, distance_m);
     distance_bins.add(distance_bin(distance_m));
-    iteration_counts.add(static_cast<std::size_t>(rows.iterations[i]));
   }
   for (const Term term : {x, y, z, distance, square, iterations}) sum[term] += sums[term].total();
 }
@@ -141,6 +141,12 @@ SweepCell SweepSums::cell() const {
     if (is_usable(static_cast<SolveStatus>(i))) cell.answered += statuses[i];
   }
   if (starts > 0) cell.start_mae_m = (sum[start] + lost[start]) / static_cast<double>(starts);
+  if (cell.asked > 0) {
+    cell.mean_iterations = (sum[iterations] + lost[iterations]) / static_cast<double>(asked);
+    cell.p50_iterations = static_cast<double>(iteration_counts.quantile(0.5));
+    cell.p99_iterations = static_cast<double>(iteration_counts.quantile(0.99));
+    cell.max_iterations = static_cast<double>(iteration_counts.quantile(1.0));
+  }
   if (cell.answered == 0) return cell;
   const double n = static_cast<double>(cell.answered);
   const auto mean = [&](Term term) { return (sum[term] + lost[term]) / n; };
@@ -149,13 +155,9 @@ SweepCell SweepSums::cell() const {
   cell.rmse_m = std::sqrt(mean(square));
   if (cell.answered > 1)
     cell.mae_standard_error_m = std::sqrt(std::max(0.0, mean(square) - cell.mae_m * cell.mae_m) / (n - 1.0));
-  cell.p50_m = bin_distance_m(distance_bins.quantile(0.5));
-  cell.p95_m = bin_distance_m(distance_bins.quantile(0.95));
+  cell.p50_m = std::min(max_m, bin_distance_m(distance_bins.quantile(0.5)));
+  cell.p95_m = std::min(max_m, bin_distance_m(distance_bins.quantile(0.95)));
   cell.max_m = max_m;
-  cell.mean_iterations = mean(iterations);
-  cell.p50_iterations = static_cast<double>(iteration_counts.quantile(0.5));
-  cell.p99_iterations = static_cast<double>(iteration_counts.quantile(0.99));
-  cell.max_iterations = static_cast<double>(iteration_counts.quantile(1.0));
   if (!digits.empty()) describe_digits(digits, cell);
   return cell;
 }

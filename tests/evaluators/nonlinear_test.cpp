@@ -248,6 +248,19 @@ TEST(Nonlinear, DampingReachesTheMinimumFromAnyStart) {
   }
 }
 
+// A coarse stop rule leaves the two descents apart in one minimum, which is no mirror image of itself.
+TEST(Nonlinear, ACoarseStopRuleDoesNotMakeAMinimumAmbiguous) {
+  NonlinearOptions options;
+  options.stop = StopRule::objective;
+  for (const double threshold_m2 : {1e-4, 1e-6, 1e-8})
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      options.threshold_m2 = threshold_m2;
+      const RangeProblem problem = noisy_problem(i, 0.05);
+      EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged)
+          << i << " at " << threshold_m2;
+    }
+}
+
 TEST(Nonlinear, NoOtherStartFindsALowerCost) {
   const std::vector<std::vector<Vector3d>> rigs{well_posed_sensors_m(), ring_m(0.9, 0.9, 0.9, 1.4),
                                                 ring_m(0.6, 1.2, 1.8, 0.9)};

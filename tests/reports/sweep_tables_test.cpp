@@ -7,6 +7,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/paper/printed_tables.h"
+#include "datasets/results/summary.h"
 #include "reports/render.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
@@ -97,7 +98,7 @@ TEST(Table1, PutsEveryReadingInItsColumnBesideThePapersNumber) {
   EXPECT_DOUBLE_EQ(number("corrected_iterations"), 2031);
   EXPECT_DOUBLE_EQ(number("corrected_time_us"), 1.5);
   EXPECT_TRUE(std::isnan(number("printed_time_us")));
-  EXPECT_DOUBLE_EQ(number("least_answered_percent"), 98);
+  EXPECT_DOUBLE_EQ(number("corrected_answered_percent"), 98);
   EXPECT_EQ(table.rows[0][column(table, "paper_time_us")].text, "<0.1");
   for (const auto& values : table.rows) EXPECT_EQ(values.size(), table.columns.size());
 }
@@ -157,10 +158,15 @@ TEST(SearchTables, SayHowManyWereTriedAndWhetherTheCompromiseSurvives) {
   const auto sentences = search_sentences(s);
   ASSERT_THAT(sentences, SizeIs(3));
   EXPECT_THAT(sentences[2], HasSubstr("300 to 950 times"));
-  EXPECT_THAT(sentences[2], HasSubstr("does not survive"));
-  EXPECT_THAT(sentences[2], HasSubstr("as few as 62 % of the trials"));
+  EXPECT_THAT(sentences[2], HasSubstr("no verdict, because only 62 % of the trials are answered"));
+  s.search->compromises[0].corrected_coverage = 0.95;
+  EXPECT_THAT(search_sentences(s)[2], HasSubstr("does not survive"));
   s.search->compromises[0].corrected_iterations_factor = {2, 2.5, 300};
-  EXPECT_THAT(search_sentences(s)[2], HasSubstr("survives"));
+  EXPECT_THAT(search_sentences(s)[2], HasSubstr("the compromise survives"));
+  s.search->compromises[0].printed_error_factor = {1.0, 1.0, 0.99};
+  EXPECT_THAT(search_sentences(s)[2], HasSubstr("buy nothing"));
+  s.search->compromises[0].printed_error_factor[0] = kNoNumber;
+  EXPECT_THAT(search_sentences(s), SizeIs(2));
 }
 
 TEST(WriteReport, TellsASweepFromAnAccuracyStudy) {
