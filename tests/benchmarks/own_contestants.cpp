@@ -133,11 +133,11 @@ Contestant batched(const ComparisonProblems& problems, const Kind& kind, std::in
   if (threads > 1) name += ", " + std::to_string(threads) + " threads";
   const auto solve_all = [=](const ComparisonProblems&, Tolerance tolerance, Positions& positions_m) {
     const NonlinearOptions options = options_of(kind, tolerance);
-    std::vector<std::jthread> helpers;
+    std::vector<std::jthread> workers;
     for (std::size_t t = 1; t < blocks->size(); ++t)
-      helpers.emplace_back([&, t] { (*blocks)[t].solve(options, rounds); });
+      workers.emplace_back([&, t] { (*blocks)[t].solve(options, rounds); });
     (*blocks)[0].solve(options, rounds);
-    helpers.clear();
+    workers.clear();
     double iterations = 0.0;
     for (const Block& block : *blocks) iterations += block.collect(positions_m);
     return iterations;
