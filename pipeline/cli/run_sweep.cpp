@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // `trilat run` of a threshold sweep.
-#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/sweep/execute_sweep.h"
 #include "reports/statuses_text.h"
+#include "reports/sweep_tables.h"
 
 namespace trilat {
 namespace {
@@ -72,36 +72,6 @@ void print_cells(const SweepSummary& s) {
   if (printed > kMostPrinted) fmt::print("  … all {} cells are in summary.json\n", s.cells.size());
 }
 
-void print_ranking(const SweepSummary& s, const char* title, const SweepRanking& ranking) {
-  constexpr std::size_t kShown = 5;
-  fmt::print("{}: {} ranked, rms log ratio best {:.3f}, median {:.3f}, worst {:.3f}\n", title, ranking.ranked,
-             ranking.best_rms, ranking.median_rms, ranking.worst_rms);
-  for (std::size_t i = 0; i < std::min(kShown, ranking.best.size()); ++i) {
-    const SweepFit& fit = ranking.best[i];
-    fmt::print("  {}. {:.3f} (worst cell {:.2f} times) {} by {}\n", i + 1, fit.rms_log_ratio,
-               fit.worst_factor, s.interpretations[fit.interpretation].id, fit.reported);
-  }
-}
-
-void print_search(const SweepSummary& s) {
-  if (!s.search) return;
-  fmt::print("{} readings tried against the printed Table I\n", s.search->tried);
-  print_ranking(s, "errors", s.search->errors);
-  print_ranking(s, "times", s.search->times);
-  for (const SweepCompromise& c : s.search->compromises) {
-    fmt::print(
-        "best by {}, from the largest threshold to the smallest (least share answered: {:.0f} % as printed, "
-        "{:.0f} % corrected):\n",
-        c.best_for, 100.0 * c.printed_coverage, 100.0 * c.corrected_coverage);
-    for (std::size_t r = 0; r < s.ranges.size(); ++r)
-      fmt::print(
-          "  error to {:g} cm: iterations x {:.1f} as printed, x {:.2f} corrected; error x {:.2f} as "
-          "printed, x {:.2f} corrected\n",
-          100.0 * s.ranges[r].high_m, c.printed_iterations_factor[r], c.corrected_iterations_factor[r],
-          c.printed_error_factor[r], c.corrected_error_factor[r]);
-  }
-}
-
 Json result_json(const SweepOutcome& outcome) {
   const SweepSummary& s = outcome.summary;
   std::uint64_t asked = 0, answered = 0;
@@ -148,7 +118,7 @@ int run_sweep_study(const RunArguments& arguments, const Json& study) {
     fmt::print("{}\n", json_text(result_json(outcome), 2));
   } else {
     print_cells(outcome.summary);
-    print_search(outcome.summary);
+    for (const std::string& sentence : search_sentences(outcome.summary)) fmt::print("{}\n", sentence);
     fmt::print("results: {}\n", outcome.folder.string());
   }
   if (!outcome.summary.interrupted) return kDone;

@@ -307,7 +307,10 @@ TEST(RunVerb, SweepsThresholdsWithoutACampaign) {
   const Ended text = run_trilat(folder, {"run", study, "-o", folder / "results"});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("sweep (simulated, 50 trials a cell)"));
-  EXPECT_THAT(text.out, HasSubstr("4 readings tried against the printed Table I"));
+  EXPECT_THAT(text.out, HasSubstr("Of 4 readings tried, a/volume/range_signed/cm2/"));
+  EXPECT_THAT(text.out, HasSubstr(" fits the printed errors best: typically within a factor of "));
+  EXPECT_THAT(text.out,
+              HasSubstr("In the reading that fits the printed times best, the smallest threshold takes "));
   const Ended json = run_trilat(folder, {"run", study, "-o", folder / "results", "--json"});
   EXPECT_EQ(only_json(json)["trials"], 4 * 12 * 50);
   EXPECT_EQ(only_json(json)["simulated"], true);
