@@ -293,7 +293,16 @@ HWY_INLINE hn::Mask<D> RankDeficient(D d, const Symmetric<D>& normal, const Symm
   return hn::Not(hn::And(pairs > ratio * trace * trace, determinant > ratio * trace * pairs));
 }
 
-// R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14, with the adjugate inverse of eq. 18.
+// The step that solves matrix * step = -gradient, by the adjugate inverse of eq. 18.
+template <class D>
+HWY_INLINE Vector3<D> StepOf(D d, const Symmetric<D>& adjugate, hn::Vec<D> determinant,
+                             const Vector3<D>& gradient) {
+  const Vector3<D> direction = Times<D>(adjugate, gradient);
+  const auto scale = hn::Set(d, -1.0) / determinant;
+  return {direction.x * scale, direction.y * scale, direction.z * scale};
+}
+
+// R_{k+1} = R_k - (J^T J)^-1 J^T f, eq. 14.
 template <class Kind, class P>
 class UndampedDescent {
  public:
@@ -313,9 +322,7 @@ class UndampedDescent {
     const auto determinant = DeterminantOf<D>(equations_.matrix, adjugate);
     const auto deficient = hn::And(ends_.active, RankDeficient(d, equations_.matrix, adjugate, determinant));
     if (HWY_UNLIKELY(!hn::AllFalse(d, deficient))) ends_.end(d, deficient, SolveStatus::rank_deficient, k);
-    const Vector3<D> direction = Times<D>(adjugate, equations_.gradient);
-    const auto scale = hn::Set(d, -1.0) / determinant;
-    const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
+    const Vector3<D> step = StepOf(d, adjugate, determinant, equations_.gradient);
     SelectInto<D>(ends_.active, {now_.x + step.x, now_.y + step.y, now_.z + step.z}, now_);
     equations_ = Linearise<Kind>(problems, now_, options, unused_, unused_);
     const auto change = equations_.cost - cost_;
@@ -401,9 +408,7 @@ class DampedDescent {
     damped.zz = damped.zz + lambda;
     const Symmetric<D> adjugate = AdjugateOf<D>(damped);
     const auto determinant = DeterminantOf<D>(damped, adjugate);
-    const Vector3<D> direction = Times<D>(adjugate, equations_.gradient);
-    const auto scale = hn::Set(d, -1.0) / determinant;
-    const Vector3<D> step{direction.x * scale, direction.y * scale, direction.z * scale};
+    const Vector3<D> step = StepOf(d, adjugate, determinant, equations_.gradient);
     auto sound = ends_.active;
     if constexpr (Kind::curvature == Curvature::newton)
       sound = hn::And(sound, PositiveDefinite(d, damped, adjugate, determinant));
