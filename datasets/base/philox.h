@@ -29,6 +29,11 @@ enum class Purpose : std::uint32_t {
   clock_exchange = 11,
   arrival_delay = 12,
   range_trial = 13,
+  depth_pixel = 14,
+  depth_unit = 15,
+  wand_motion = 16,
+  wand_sample = 17,
+  calibration_trial = 18,
 };
 
 // Random numbers as a pure function of (seed, purpose, item, index): no state, no order, no thread.

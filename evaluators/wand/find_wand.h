@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "datasets/depth/axial_noise.h"
+#include "datasets/depth/depth_image.h"
+#include "datasets/depth/depth_rays.h"
+#include "evaluators/wand/wand_sighting.h"
+
+namespace trilat {
+
+struct FindWandOptions {
+  double ball_radius_m = 0.075;
+  double nearest_m = 0.5;  // depths outside are not looked at
+  double farthest_m = 4.5;
+  AxialNoise noise;  // weights and covariance
+};
+
+// The centre of a ball of known radius: segments the image at depth steps, keeps what has the ball's size and
+// outline, fits a sphere in 3-D by least squares along the rays with weights from the noise model, and
+// refuses what is not round. `near_m` (sensor frame), when given, is where the ball was a moment ago: only
+// the surroundings are searched, and a ball elsewhere is not noticed.
+[[nodiscard]] WandSighting find_wand(const DepthImageView& image, const DepthRays& rays,
+                                     const FindWandOptions& options,
+                                     const std::optional<Eigen::Vector3d>& near_in_sensor_m = std::nullopt);
+
+}  // namespace trilat

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "datasets/depth/depth_image.h"
+#include "datasets/depth/depth_rays.h"
+#include "evaluators/wand/wand_sighting.h"
+
+namespace trilat {
+
+// What is printed, or what it must have meant.
+enum class Reading : std::uint8_t { printed, corrected };
+
+// The paper's wand recognition (eq. 1 to 5) with a switch for each thing that cannot be so.
+struct PrintedWandOptions {
+  Reading invalid_pixels =
+      Reading::printed;             // eq. 1 lifts them to 50 cm, the nearest of all; corrected: left out
+  Reading stop = Reading::printed;  // E1, eq. 3: Min C >= Max; corrected: Min >= C Max
+  Reading projection = Reading::printed;  // E2, eq. 4: linear in the angle; corrected: lens model
+  Reading centre = Reading::printed;      // E3, eq. 5: z + width in pixels; corrected: radius along the ray
+  double c_offset = 0.5025;
+  double ball_radius_m = 0.075;  // for the corrected centre only
+};
+
+// The position in the sensor's frame (the paper's client frame, y down, is turned). The covariance stays NaN:
+// the paper states none. When the printed stop rule never holds the status is `not_ended` and the position is
+// that of the last pixels that were left.
+[[nodiscard]] WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& rays,
+                                                const PrintedWandOptions& options);
+
+}  // namespace trilat
