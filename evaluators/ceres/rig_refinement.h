@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/geometry/rigid_transform.h"
+#include "evaluators/calibration/rig_problem.h"
+
+namespace trilat {
+
+// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a smooth function
+// of depth, piecewise linear between knots. Priors keep it at zero where the data say nothing.
+struct DepthCorrectionOptions {
+  double offset_sigma_m = 0.014;   // 24 mm uniform in +-
+  double wiggle_sigma_m = 0.0025;  // of each knot
+  double knot_spacing_m = 0.1;
+};
+
+// A point whose place in the world is known, from OptiTrack or a laser meter.
+struct KnownPoint {
+  std::size_t point = 0;
+  Eigen::Vector3d point_in_world_m = Eigen::Vector3d::Zero();
+  double sigma_m = 0.001;  // an axis
+};
+
+// What says where the world is. Distances between sensors do not: one of these has to.
+struct FirstPoints {  // origin at the first, x towards the second, the third above the x axis (y > 0, z = 0)
+  std::array<std::size_t, 3> points{};
+};
+struct RigGauge {
+  std::optional<FirstPoints> first_points;
+  std::vector<KnownPoint> known_points;  // at least three, not on a line, when there are no first_points
+  // Neither: the reference sensor of the start stays at this pose.
+  RigidTransform world_from_reference;
+};
+
+struct RigRefinementOptions {
+  std::optional<DepthCorrectionOptions> depth_correction;
+  double covariance_floor_m = 0.0;  // added to every observation, an axis: what its covariance leaves out
+  double robust_scale = 3.0;        // Cauchy loss of the first round, in standard deviations
+  double rejection_chi2 = 30.0;     // squared normalised distance beyond which an observation is left out
+  int rejection_rounds = 5;         // 0: nothing is left out and the loss stays
+  bool covariances = true;
+};
+
+enum class RigStatus : std::uint8_t {
+  not_solved,
+  converged,
+  gauge_undetermined,   // the points that fix the world lie on a line, or fewer than three are left
+  sensor_undetermined,  // rejection left a sensor with fewer than three observations
+  iteration_limit,
+  failed,
+};
+std::string name_of(RigStatus status);
+
+struct RefinedSensor {
+  RigidTransform world_from_sensor;
+  // Of (rotation vector in world axes, rad; position, m); NaN when it was not asked for.
+  Eigen::Matrix<double, 6, 6> covariance;
+  double depth_offset_m = 0.0;
+  double depth_offset_sigma_m = 0.0;
+  double rms_m = 0.0;  // of the observations used, an axis
+  std::size_t used = 0;
+  std::size_t rejected = 0;
+};
+
+struct RigRefinement {
+  RigStatus status = RigStatus::not_solved;
+  std::vector<RefinedSensor> sensors;
+  std::vector<Eigen::Vector3d> point_in_world_m;  // NaN when no observation of it is used
+  std::vector<bool> used;                         // one an observation
+  std::vector<double> chi2;                       // one an observation: squared normalised distance
+  double reduced_chi2 = 0.0;  // 1 when the covariances were right; covariances grow with it
+  int iterations = 0;
+};
+
+// All poses and points at once by Ceres: minimises the squared distances between each point, turned into the
+// sensor's frame, and its observation, each weighted by its covariance. First with a Cauchy loss; then
+// observations that are too far off are left out, worst of each point first, until none is, and the rest is
+// solved without loss. `reference_from_sensor` starts it (start_rig()).
+[[nodiscard]] RigRefinement refine_rig(const RigProblem& problem,
+                                       const std::vector<RigidTransform>& reference_from_sensor,
+                                       std::size_t reference, const RigGauge& gauge,
+                                       const RigRefinementOptions& options);
+
+}  // namespace trilat
