@@ -132,4 +132,27 @@ std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t 
   return out;
 }
 
+bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw) {
+  if (chunk.size() < 4) return false;
+  const std::span<const std::byte> data = chunk.first(chunk.size() - 4);
+  std::uint32_t stored = 0;
+  for (std::size_t byte = 0; byte < 4; ++byte)
+    stored |= std::to_integer<std::uint32_t>(chunk[data.size() + byte]) << (8 * byte);
+  if (fletcher32(data) != stored) return false;
+  if (compression == ChunkCompression::blosc) {
+    std::size_t size = 0;
+    return blosc_cbuffer_validate(data.data(), data.size(), &size) >= 0 && size == raw.size() &&
+           blosc_decompress_ctx(data.data(), raw.data(), raw.size(), 1) == static_cast<int>(raw.size());
+  }
+  if (compression == ChunkCompression::deflate) {
+    uLongf size = raw.size();
+    return uncompress(reinterpret_cast<Bytef*>(raw.data()), &size,
+                      reinterpret_cast<const Bytef*>(data.data()), data.size()) == Z_OK &&
+           size == raw.size();
+  }
+  if (data.size() != raw.size()) return false;
+  std::copy(data.begin(), data.end(), raw.begin());
+  return true;
+}
+
 }  // namespace trilat

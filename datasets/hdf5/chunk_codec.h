@@ -28,4 +28,8 @@ std::vector<unsigned int> filter_values_of(ChunkCompression compression, std::si
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_bytes,
                                     ChunkCompression compression);
 
+// The raw bytes of a chunk made by encode_chunk(). False when the checksum or the compressed stream is
+// damaged, or the chunk does not hold raw.size() bytes. Pure: any thread may call it.
+bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw);
+
 }  // namespace trilat

@@ -155,15 +155,6 @@ void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
   transfer(first, const_cast<void*>(data), elements, type, true);
 }
 
-void H5Table::append_filtered_row(std::span<const std::byte> chunk) {
-  const std::uint64_t row = rows();
-  extend_to(row + 1);
-  std::vector<hsize_t> offset(1 + row_shape_.size(), 0);
-  offset[0] = row;
-  if (H5Dwrite_chunk(id_.id(), H5P_DEFAULT, 0, offset.data(), chunk.size(), chunk.data()) < 0)
-    refuse_output(place_, "cannot be written");
-}
-
 void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
   if (elements == 0) return;
   TRILAT_CHECK(elements % row_elements_ == 0, "whole rows are transferred");

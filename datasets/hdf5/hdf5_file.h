@@ -4,10 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "datasets/hdf5/chunk_codec.h"
 
 namespace trilat {
 
@@ -58,6 +61,11 @@ class H5Table {
   }
   // Appends one row whose chunk (of one row) has already been through the filters.
   void append_filtered_row(std::span<const std::byte> chunk);
+  // How such rows are compressed; nothing when chunks or filters are not those that encode_chunk() makes.
+  std::optional<ChunkCompression> row_compression() const;
+  // One row as it lies in the file, for decode_chunk(). The library decompresses under its one lock; this
+  // leaves the work to the caller's thread. Only with row_compression().
+  std::vector<std::byte> read_filtered_row(std::uint64_t row) const;
   template <class T>
   void write(std::uint64_t first_row, std::span<const T> values) {
     transfer(first_row, const_cast<T*>(values.data()), values.size(), h5_type_of<T>(), true);

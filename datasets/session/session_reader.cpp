@@ -2,10 +2,12 @@
 #include "datasets/session/session_reader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <limits>
 #include <optional>
 
+#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/session/session_layout.h"
 
@@ -61,6 +63,7 @@ struct SensorTables {
   H5Table clock_exchanges, drop_counts;
   std::vector<std::uint64_t> body_row_at;  // of every kCheckpoint-th frame
   SensorCounts counts;
+  std::optional<ChunkCompression> depth_compression;
 };
 
 DepthIntrinsics read_intrinsics(const H5Node& node) {
@@ -162,6 +165,7 @@ SensorTables open_tables(const H5Node& node) {
     t.depth_stamps.emplace(depth);
     t.depth_frames.emplace(
         depth.table(layout::kDepthFrames.name, layout::kDepthFrames.type, layout::kDepthFrames.row_shape));
+    t.depth_compression = t.depth_frames->row_compression();
     const CommonRows rows = CommonRows{}
                                 .with(t.depth_stamps->sequence)
                                 .with(t.depth_stamps->device_ticks)
@@ -315,6 +319,33 @@ void SessionReader::depth_frame(std::size_t sensor, std::uint64_t index,
   if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
   check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
   t.depth_frames->read(index, depth_mm);
+}
+
+StoredDepthFrame SessionReader::stored_depth_frame(std::size_t sensor, std::uint64_t index) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
+  check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
+  StoredDepthFrame frame{
+      t.depth_frames->place() + " frame " + std::to_string(index), t.depth_compression, {}};
+  if (frame.compression) {
+    frame.chunk = t.depth_frames->read_filtered_row(index);
+  } else {
+    frame.chunk.resize(kDepthPixels * sizeof(std::uint16_t));
+    depth_frame(sensor, index, {reinterpret_cast<std::uint16_t*>(frame.chunk.data()), kDepthPixels});
+  }
+  return frame;
+}
+
+void decode_depth_frame(const StoredDepthFrame& frame, std::span<std::uint16_t> depth_mm) {
+  static_assert(std::endian::native == std::endian::little, "the file's words are little-endian");
+  TRILAT_CHECK(depth_mm.size() == kDepthPixels, "the image has room for a depth frame");
+  const std::span<std::byte> raw = std::as_writable_bytes(depth_mm);
+  if (!frame.compression) {
+    TRILAT_CHECK(frame.chunk.size() == raw.size(), "an uncompressed frame is whole");
+    std::copy(frame.chunk.begin(), frame.chunk.end(), raw.begin());
+  } else if (!decode_chunk(frame.chunk, *frame.compression, raw)) {
+    throw InputError(frame.place, "cannot be read: the stored data are damaged");
+  }
 }
 
 std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor) const {

@@ -3,9 +3,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "datasets/hdf5/chunk_codec.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {
@@ -20,6 +23,15 @@ struct SensorCounts {
   // middle of.
   std::uint64_t torn_rows = 0;
 };
+
+// A depth frame as it lies in the file. decode_depth_frame() makes it an image, on any thread.
+struct StoredDepthFrame {
+  std::string place;  // `file.h5:/path`, for errors
+  std::optional<ChunkCompression> compression;
+  std::vector<std::byte> chunk;  // compressed; without `compression` the raw millimetres
+};
+// InputError when the frame is damaged. `depth_mm` holds kDepthPixels values.
+void decode_depth_frame(const StoredDepthFrame& frame, std::span<std::uint16_t> depth_mm);
 
 enum class FrameStream { bodies, depth };
 
@@ -47,6 +59,8 @@ class SessionReader {
                                  std::uint64_t count) const;
   std::vector<BodyFrame> body_frames(std::size_t sensor, std::uint64_t first, std::uint64_t count) const;
   void depth_frame(std::size_t sensor, std::uint64_t index, std::span<std::uint16_t> depth_mm) const;
+  // Only reads; what costs is left to decode_depth_frame().
+  StoredDepthFrame stored_depth_frame(std::size_t sensor, std::uint64_t index) const;
   std::vector<ClockExchange> clock_exchanges(std::size_t sensor) const;
   std::vector<DropCount> drop_counts(std::size_t sensor) const;
 

@@ -130,6 +130,13 @@ TEST(Session, DepthSurvivesEveryCompressionBitByBit) {
     for (std::uint16_t i = 0; i < 5; ++i) {
       reader.depth_frame(0, i, depth);
       EXPECT_EQ(depth, depth_of(i)) << "compression " << static_cast<int>(compression);
+      StoredDepthFrame stored = reader.stored_depth_frame(0, i);
+      EXPECT_EQ(stored.compression, compression);
+      std::fill(depth.begin(), depth.end(), std::uint16_t{9});
+      decode_depth_frame(stored, depth);
+      EXPECT_EQ(depth, depth_of(i)) << "compression " << static_cast<int>(compression);
+      stored.chunk[stored.chunk.size() / 2] ^= std::byte{1};
+      EXPECT_THROW(decode_depth_frame(stored, depth), InputError);
     }
     if (compression != ChunkCompression::none) {
       EXPECT_LT(reader.counts(0).depth_stored_bytes, 5 * kDepthPixels);
