@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -15,6 +16,35 @@ namespace {
 constexpr const char* kFormat = "trilat.calibration";
 constexpr double kUnitTolerance = 1e-3;
 constexpr double kFarthest_m = 100.0;
+constexpr double kSamePlace_m = 0.01;           // two sensors cannot stand so close
+constexpr std::size_t kCovarianceNumbers = 21;  // of the lower triangle, row by row
+
+double not_negative(JsonObject& entry, const std::string& key) {
+  const double value = entry.number(key, 0.0);
+  if (value < 0.0) entry.refuse(key, "must not be negative");
+  return value;
+}
+
+Eigen::Matrix<double, 6, 6> read_covariance(JsonObject& entry) {
+  const auto numbers = entry.numbers("covariance", kCovarianceNumbers);
+  Eigen::Matrix<double, 6, 6> covariance;
+  std::size_t next = 0;
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column <= row; ++column)
+      covariance(row, column) = covariance(column, row) = numbers[next++];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(covariance, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()[0] >= -1e-9 * std::max(eigen.eigenvalues()[5], 0.0)) ||
+      eigen.eigenvalues()[5] < 0.0)
+    entry.refuse("covariance", "is no covariance: its lower triangle gives a negative variance");
+  return covariance;
+}
+
+Json covariance_json(const Eigen::Matrix<double, 6, 6>& covariance) {
+  Json numbers = Json::array();
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column <= row; ++column) numbers.push_back(covariance(row, column));
+  return numbers;
+}
 
 SensorPose read_pose(JsonObject& entry) {
   SensorPose pose;
@@ -24,16 +54,62 @@ SensorPose read_pose(JsonObject& entry) {
     if (std::abs(value) > kFarthest_m) entry.refuse("position_m", "lies beyond 100 m; is the unit metres?");
   const auto q = entry.numbers("rotation_xyzw", 4);
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (std::abs(rotation.norm() - 1.0) > kUnitTolerance)
+  if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance))
     entry.refuse("rotation_xyzw",
                  "must be a unit quaternion (x, y, z, w); its length is " + std::to_string(rotation.norm()));
   pose.world_from_sensor = {rotation.normalized(), {position[0], position[1], position[2]}};
-  pose.position_sigma_m = entry.number("position_sigma_m", pose.position_sigma_m);
-  pose.rotation_sigma_rad = entry.number("rotation_sigma_rad", pose.rotation_sigma_rad);
-  if (pose.position_sigma_m < 0.0) entry.refuse("position_sigma_m", "must not be negative");
-  if (pose.rotation_sigma_rad < 0.0) entry.refuse("rotation_sigma_rad", "must not be negative");
+  pose.position_sigma_m = not_negative(entry, "position_sigma_m");
+  pose.rotation_sigma_rad = not_negative(entry, "rotation_sigma_rad");
+  if (entry.has("covariance")) pose.covariance = read_covariance(entry);
+  pose.depth_offset_m = entry.number("depth_offset_m", 0.0);
+  if (std::abs(pose.depth_offset_m) > 0.5)
+    entry.refuse("depth_offset_m", "is beyond half a metre; is the unit metres?");
+  pose.depth_offset_sigma_m = not_negative(entry, "depth_offset_sigma_m");
+  pose.residual_rms_m = not_negative(entry, "residual_rms_m");
+  pose.used = entry.count("used", 0);
+  pose.left_out = entry.count("left_out", 0);
   entry.finish();
   return pose;
+}
+
+void check_places(JsonObject& object, const std::vector<SensorPose>& sensors) {
+  for (std::size_t a = 0; a < sensors.size(); ++a)
+    for (std::size_t b = a + 1; b < sensors.size(); ++b)
+      if ((sensors[a].world_from_sensor.translation_m - sensors[b].world_from_sensor.translation_m).norm() <
+          kSamePlace_m)
+        object.refuse("sensors", "has \"" + sensors[a].name + "\" and \"" + sensors[b].name +
+                                     "\" in one place; two sensors cannot stand within 1 cm");
+}
+
+RejectedSighting read_rejected(JsonObject& entry) {
+  const RejectedSighting result{entry.text("sensor"), entry.count("position"), entry.number("time_s"),
+                                not_negative(entry, "off_by_m")};
+  entry.finish();
+  return result;
+}
+
+CalibrationSource read_source(JsonObject& entry) {
+  const CalibrationSource result{entry.text("file"), entry.text("sha256")};
+  entry.finish();
+  return result;
+}
+
+Json pose_json(const SensorPose& pose) {
+  const auto& t = pose.world_from_sensor.translation_m;
+  const auto& q = pose.world_from_sensor.rotation;
+  Json json{{"name", pose.name},
+            {"position_m", {t.x(), t.y(), t.z()}},
+            {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+            {"position_sigma_m", pose.position_sigma_m},
+            {"rotation_sigma_rad", pose.rotation_sigma_rad}};
+  if (pose.covariance) json["covariance"] = covariance_json(*pose.covariance);
+  if (pose.used == 0) return json;
+  json["depth_offset_m"] = pose.depth_offset_m;
+  json["depth_offset_sigma_m"] = pose.depth_offset_sigma_m;
+  json["residual_rms_m"] = pose.residual_rms_m;
+  json["used"] = pose.used;
+  json["left_out"] = pose.left_out;
+  return json;
 }
 
 }  // namespace
@@ -45,28 +121,48 @@ Calibration read_calibration(const std::filesystem::path& path) {
   if (object.integer("version") != 1) object.refuse("version", "must be 1");
   Calibration calibration;
   calibration.method = object.text("method");
+  calibration.world = object.text("world", calibration.world);
+  calibration.positions = object.count("positions", 0);
+  calibration.reduced_chi2 = not_negative(object, "reduced_chi2");
+  calibration.program = object.text("program", "");
   std::set<std::string> names;
   for (JsonObject& entry : object.objects("sensors")) {
     calibration.sensors.push_back(read_pose(entry));
     if (!names.insert(calibration.sensors.back().name).second) entry.refuse("name", "stands here twice");
   }
   if (calibration.sensors.empty()) object.refuse("sensors", "must name at least one sensor");
+  check_places(object, calibration.sensors);
+  if (object.has("rejected"))
+    for (JsonObject& entry : object.objects("rejected")) calibration.rejected.push_back(read_rejected(entry));
+  if (object.has("sources"))
+    for (JsonObject& entry : object.objects("sources")) calibration.sources.push_back(read_source(entry));
   object.finish();
   return calibration;
 }
 
+Json calibration_json(const Calibration& calibration) {
+  Json json{{"format", kFormat},
+            {"version", 1},
+            {"method", calibration.method},
+            {"world", calibration.world},
+            {"sensors", Json::array()}};
+  for (const SensorPose& pose : calibration.sensors) json["sensors"].push_back(pose_json(pose));
+  if (calibration.positions == 0) return json;
+  json["positions"] = calibration.positions;
+  json["reduced_chi2"] = calibration.reduced_chi2;
+  json["rejected"] = Json::array();
+  for (const RejectedSighting& r : calibration.rejected)
+    json["rejected"].push_back(
+        {{"sensor", r.sensor}, {"position", r.position}, {"time_s", r.time_s}, {"off_by_m", r.off_by_m}});
+  json["sources"] = Json::array();
+  for (const CalibrationSource& s : calibration.sources)
+    json["sources"].push_back({{"file", s.file}, {"sha256", s.sha256}});
+  json["program"] = calibration.program;
+  return json;
+}
+
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration) {
-  Json json{{"format", kFormat}, {"version", 1}, {"method", calibration.method}, {"sensors", Json::array()}};
-  for (const SensorPose& pose : calibration.sensors) {
-    const auto& t = pose.world_from_sensor.translation_m;
-    const auto& q = pose.world_from_sensor.rotation;
-    json["sensors"].push_back({{"name", pose.name},
-                               {"position_m", {t.x(), t.y(), t.z()}},
-                               {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-                               {"position_sigma_m", pose.position_sigma_m},
-                               {"rotation_sigma_rad", pose.rotation_sigma_rad}});
-  }
-  write_file(path, json.dump(2) + "\n");
+  write_file(path, json_text(calibration_json(calibration), 2) + "\n");
 }
 
 const SensorPose& pose_of(const Calibration& calibration, const std::string& name, const std::string& place) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,20 +17,52 @@ namespace trilat {
 struct SensorPose {
   std::string name;
   RigidTransform world_from_sensor;
-  double position_sigma_m = 0.0;
-  double rotation_sigma_rad = 0.0;
+  double position_sigma_m = 0.0;    // root mean square over the axes
+  double rotation_sigma_rad = 0.0;  // root mean square over the axes
+  // Of (rotation vector in world axes, rad; position, m).
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance = std::nullopt;
+  // How much farther than true the sensor's depth is, and how sure that is.
+  double depth_offset_m = 0.0;
+  double depth_offset_sigma_m = 0.0;
+  // Of the measurements that made the pose: root mean square residual an axis, how many were used and how
+  // many were left out because they disagreed.
+  double residual_rms_m = 0.0;
+  std::uint64_t used = 0;
+  std::uint64_t left_out = 0;
 };
 
-// calibration.json, format 1. `method` says how it was made ("simulated truth", "wand", …).
+// A measurement that disagreed with all others.
+struct RejectedSighting {
+  std::string sensor;
+  std::uint64_t position = 0;  // from 1, in the order of time
+  double time_s = 0.0;         // since the recording's first frame
+  double off_by_m = 0.0;
+};
+
+// What a calibration was made from.
+struct CalibrationSource {
+  std::string file;
+  std::string sha256;
+};
+
+// calibration.json, format 1. `method` says how it was made ("simulated truth", "wand", "bodies", …), `world`
+// where the poses' world is.
 struct Calibration {
   std::string method;
   std::vector<SensorPose> sensors;
+  std::string world = "optitrack";
+  std::uint64_t positions = 0;  // of the wand, or joints at instants
+  double reduced_chi2 = 0.0;    // 1: residuals are as large as their covariances say
+  std::vector<RejectedSighting> rejected = {};
+  std::vector<CalibrationSource> sources = {};
+  std::string program = {};
 };
 
-// Refuses what cannot be: sensors named twice, quaternions that are not unit (beyond 1e-3),
-// positions beyond 100 m.
+// Refuses what cannot be: sensors named twice or in one place, quaternions that are not unit (beyond 1e-3),
+// positions beyond 100 m, covariances that are none.
 Calibration read_calibration(const std::filesystem::path& path);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
+Json calibration_json(const Calibration& calibration);
 
 // The pose of `name`; InputError at `place` listing the calibrated sensors.
 const SensorPose& pose_of(const Calibration& calibration, const std::string& name, const std::string& place);

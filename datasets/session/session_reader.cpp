@@ -63,7 +63,7 @@ struct SensorTables {
   H5Table clock_exchanges, drop_counts;
   std::vector<std::uint64_t> body_row_at;  // of every kCheckpoint-th frame
   SensorCounts counts;
-  std::optional<ChunkCompression> depth_compression;
+  std::optional<ChunkCompression> depth_compression = std::nullopt;
 };
 
 DepthIntrinsics read_intrinsics(const H5Node& node) {

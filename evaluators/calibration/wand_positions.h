@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/base/time.h"
+#include "evaluators/wand/wand_sighting.h"
+
+namespace trilat {
+
+// One frame in which a sensor found the ball.
+struct TimedSighting {
+  HostTime time;
+  WandSighting sighting;
+};
+
+struct WandPositionOptions {
+  double still_radius_m = 0.010;  // all sightings of a rest are within this of their median
+  Duration shortest_rest{500'000'000};
+  Duration longest_gap{200'000'000};    // between two sightings of one rest
+  Duration settling{100'000'000};       // taken off both ends of a rest
+  Duration least_overlap{200'000'000};  // of two sensors' rests that are the same position
+  double deviation =
+      3.5;  // frames farther from the median than so many robust standard deviations are left out
+};
+
+// The ball at rest as one sensor saw it: the mean of several frames, the deviating ones left out.
+struct RestingBall {
+  std::size_t sensor = 0;
+  HostTime first, last;
+  Eigen::Vector3d centre_in_sensor_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();  // of the mean, from noise alone
+  std::size_t frames_used = 0;
+  std::size_t frames_left_out = 0;
+};
+
+// A place where the wand was held, as all sensors that saw it there.
+struct WandPosition {
+  HostTime first, last;
+  std::vector<RestingBall> seen;  // at most one a sensor
+};
+
+// The rests of one sensor's ball, in the order of time; sightings must rise in time.
+[[nodiscard]] std::vector<RestingBall> find_rests(std::span<const TimedSighting> sightings,
+                                                  std::size_t sensor, const WandPositionOptions& options);
+
+// Brings together what several sensors saw at the same time; in the order of time.
+[[nodiscard]] std::vector<WandPosition> find_wand_positions(std::vector<RestingBall> rests,
+                                                            const WandPositionOptions& options);
+
+}  // namespace trilat
