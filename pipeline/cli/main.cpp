@@ -40,6 +40,7 @@ struct AllArguments {
   VerifyArguments verify;
   MocapArguments mocap;
   SimulateArguments simulate;
+  CalibrateArguments calibrate;
   RunArguments run;
   ReportArguments report;
   ReproduceArguments reproduce;
@@ -65,6 +66,43 @@ void add_inspection(CLI::App& app, AllArguments& a, int& code) {
   mocap_verb->callback([&] { code = mocap(a.mocap); });
 }
 
+void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
+  auto* verb = app.add_subcommand("calibrate", "wand frames to sensor poses, with stated uncertainty");
+  CalibrateArguments& c = a.calibrate;
+  verb->add_option("sessions", c.sessions,
+                   "session.h5 of one rig, in which the wand is held still at many places")
+      ->required();
+  verb->add_option("-o,--output", c.output, "calibration.json")->required();
+  verb->add_option("--method", c.method,
+                   "wand: all positions, refined together; bodies: a tracked person instead of a wand; "
+                   "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed")
+      ->check(CLI::IsMember({"wand", "bodies", "two_positions", "printed"}))
+      ->capture_default_str();
+  verb->add_option("--ball-radius-m", c.ball_radius_m, "of the wand's ball")
+      ->check(CLI::Range(0.02, 0.3))
+      ->capture_default_str();
+  verb->add_option(
+      "--intrinsics", c.intrinsics,
+      "SENSOR=FILE: an OpenCV calibration (YAML) instead of the session's intrinsics; may be repeated");
+  verb->add_option("--mocap", c.mocap, "OptiTrack export of the wand: poses come out in OptiTrack's world");
+  verb->add_option("--asset", c.asset, "asset of the export whose position is the ball's centre");
+  verb->add_option("--mocap-start-host-ns", c.mocap_start_host_ns,
+                   "what the recording's host clock showed at the export's first frame");
+  verb->add_option("--movement-m", c.movement_m,
+                   "two_positions, printed: how far the wand moved, when measured")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag("--no-depth-correction", c.no_depth_correction,
+                 "do not estimate each sensor's depth offset and wiggle beside its pose");
+  verb->add_option("--threads", c.threads, "how many threads; 0: one a processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_json(*verb, c.json);
+  verb->callback([&] {
+    end_in_order();
+    code = calibrate(a.calibrate);
+  });
+}
+
 void add_work(CLI::App& app, AllArguments& a, int& code) {
   auto* simulate_verb =
       app.add_subcommand("simulate", "virtual Kinects watch a generated person or a real OptiTrack take");
@@ -80,6 +118,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       "run", "a study: takes x methods, or a sweep over the stopping threshold -> results");
   run_verb->add_option("study", a.run.study, "study.json")->required();
   run_verb->add_option("--campaign", a.run.campaign, "folder of takes, instead of the study's own");
+  run_verb->add_option("--calibration", a.run.calibration, "calibration.json, instead of the takes' own");
   run_verb->add_option("-o,--output", a.run.output, "results folder; not needed with --dry-run");
   run_verb->add_option("--threads", a.run.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
@@ -130,6 +169,7 @@ int guarded_main(int argc, char** argv) {
   AllArguments arguments;
   int code = kDone;
   add_work(app, arguments, code);
+  add_calibrate(app, arguments, code);
   add_inspection(app, arguments, code);
   try {
     app.parse(argc, argv);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/execute.h"
@@ -77,7 +78,11 @@ int run(const RunArguments& arguments) {
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
                      "is missing; name it there or with --campaign DIR");
-  const Campaign campaign = read_campaign(folder);
+  Campaign campaign = read_campaign(folder);
+  if (!arguments.calibration.empty()) {
+    read_calibration(arguments.calibration);  // one error now instead of one a take
+    for (Take& take : campaign.takes) take.calibration = arguments.calibration;
+  }
   if (arguments.dry_run) return print_plan(make_plan(study, campaign), arguments.json);
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   ExecuteOptions options;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,26 @@ struct SimulateArguments {
 };
 int simulate(const SimulateArguments& arguments);
 
+struct CalibrateArguments {
+  std::vector<std::filesystem::path> sessions;
+  std::filesystem::path output;
+  std::string method = "wand";
+  double ball_radius_m = 0.075;
+  std::vector<std::string> intrinsics;  // SENSOR=FILE
+  std::filesystem::path mocap;
+  std::string asset;
+  std::optional<std::int64_t> mocap_start_host_ns;
+  std::optional<double> movement_m;
+  bool no_depth_correction = false;
+  int threads = 0;
+  bool json = false;
+};
+int calibrate(const CalibrateArguments& arguments);
+
 struct RunArguments {
   std::filesystem::path study;
   std::filesystem::path campaign;
+  std::filesystem::path calibration;  // instead of the takes' own
   std::filesystem::path output;
   int threads = 0;  // 0: as many as there are processors
   bool cross_check = false;

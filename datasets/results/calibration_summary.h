@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// How a set of errors is spread. NaN where nothing answered.
+struct ErrorSpread {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::uint64_t asked = 0;
+  std::uint64_t answered = 0;
+  double mean_m = kNone;
+  double sd_m = kNone;
+  double median_m = kNone;
+  double p95_m = kNone;
+  double max_m = kNone;
+  // 95 % interval of the mean, by bootstrap over units (each with its own depth offset), not over samples.
+  double mean_low_m = kNone, mean_high_m = kNone;
+};
+
+// One way to find the wand, over all simulated samples of one scene.
+struct WandRow {
+  std::string method;       // "as printed", "ours", …
+  std::string scene;        // "free": ball and stick alone; "room": with floor, walls and the person
+  ErrorSpread all;          // over the whole span of distance and angle
+  ErrorSpread recommended;  // 0.8 to 3 m and below 26 degrees
+  ErrorSpread near;         // nearer than 0.5 m
+  std::map<std::string, std::uint64_t> statuses;  // of `all`
+};
+
+// One sample of the figure: error against distance and angle.
+struct WandSample {
+  std::size_t row = 0;  // of which WandRow
+  std::uint64_t unit = 0;
+  double distance_m = 0.0;
+  double angle_rad = 0.0;
+  double error_m = ErrorSpread::kNone;  // NaN: no answer
+};
+
+// A flat wall, per column of the image's middle row; mean absolute values over all frames.
+struct DistortionCurve {
+  double wall_m = 0.0;
+  std::uint64_t frames = 0;
+  std::uint64_t unit = 0;
+  double unit_offset_m = 0.0;         // what the simulated unit adds to every depth
+  std::vector<std::uint64_t> valid;   // frames in which the column had a depth
+  std::vector<double> depth_error_m;  // of the depth
+  std::vector<double>
+      depth_residual_m;                 // of the depth less the row's mean error: without the constant offset
+  std::vector<double> printed_error_m;  // sideways, eq. 4 as printed (E2)
+  std::vector<double> lens_error_m;     // sideways, lens model
+};
+
+// One way to calibrate a rig, over simulated runs.
+struct RigRow {
+  std::string method;  // "printed", "two positions corrected", "wand", …
+  std::uint64_t runs = 0;
+  std::uint64_t failed_runs = 0;  // no pose for at least one sensor
+  ErrorSpread position;           // over sensors of all runs
+  double rotation_mean_rad = ErrorSpread::kNone;
+  double rotation_max_rad = ErrorSpread::kNone;
+  double within_limits_share = ErrorSpread::kNone;  // of sensors: 5 mm and 0.2 degrees
+  double coverage_share = ErrorSpread::kNone;  // of stated 95 % intervals, an axis each, that hold the truth
+  double coverage_low = ErrorSpread::kNone, coverage_high = ErrorSpread::kNone;  // 95 % interval over runs
+};
+
+// How an uncertain calibration carries into joints.
+struct EffectRow {
+  std::string calibration;      // "exact", "5 mm", or the method of a RigRow
+  double sensor_sigma_m = 0.0;  // an axis: assumed, or the root mean square found
+  double range_sigma_m = 0.0;
+  std::string method;  // nonlinear, linear, mean
+  std::uint64_t joints = 0;
+  std::uint64_t answered = 0;
+  double rmse_m = ErrorSpread::kNone;
+  double bound_m = ErrorSpread::kNone;  // Cramer-Rao, of these ranges and uncertain sensors; for ranges only
+  double ratio_low = ErrorSpread::kNone, ratio_high = ErrorSpread::kNone;  // 95 % interval of rmse / bound
+};
+
+// summary.json of a study of kind "calibration". All of it is simulated.
+struct CalibrationSummary {
+  std::string study;
+  std::uint64_t seed = 0;
+  bool interrupted = false;
+  std::uint64_t samples = 0, units = 0, frames = 0;  // samples a unit, frames a position
+  double ball_radius_m = 0.0;
+  std::vector<WandRow> wand;
+  std::vector<WandSample> wand_samples;
+  std::vector<DistortionCurve> distortion;
+  std::uint64_t positions = 0;  // of the wand in a run
+  std::vector<RigRow> rigs;
+  std::vector<EffectRow> effect;
+};
+
+void write_calibration_summary(const std::filesystem::path& folder, const CalibrationSummary& summary);
+// InputError with file and pointer when it is not one of these.
+CalibrationSummary read_calibration_summary(const std::filesystem::path& folder);
+
+}  // namespace trilat

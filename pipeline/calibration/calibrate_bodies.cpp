@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration/calibrate_bodies.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "datasets/base/version.h"
+#include "datasets/session/session_clock.h"
+#include "evaluators/calibration/rig_start.h"
+#include "evaluators/ceres/rig_refinement.h"
+#include "pipeline/calibration/floor_plane.h"
+#include "pipeline/parallel.h"
+#include "pipeline/sensor_track.h"
+
+namespace trilat {
+namespace {
+
+using Covariance = Eigen::Matrix<double, 6, 6>;
+
+// A tracker that sees a back may take the left side for the right; these it cannot exchange.
+constexpr std::array kMidline{Joint::spine_base, Joint::spine_mid, Joint::spine_shoulder, Joint::neck,
+                              Joint::head};
+
+struct Span {
+  HostTime first, last;
+};
+
+std::vector<Joint> all_joints() {
+  std::vector<Joint> joints;
+  for (std::size_t j = 0; j < kJointCount; ++j) joints.push_back(static_cast<Joint>(j));
+  return joints;
+}
+
+// The time that all sensors cover.
+Span common_span(const SessionReader& session,
+                 const std::vector<ClockMap<HostClock, SensorClock>>& host_from_sensor) {
+  Span span{{std::numeric_limits<std::int64_t>::min()}, {std::numeric_limits<std::int64_t>::max()}};
+  for (std::size_t s = 0; s < host_from_sensor.size(); ++s) {
+    const SensorDescription& sensor = session.header().sensors[s];
+    const std::uint64_t frames = session.counts(s).body_frames;
+    const auto time = [&](std::uint64_t row) {
+      return host_from_sensor[s](device_time(sensor, session.stamps(s, FrameStream::bodies, row, 1)[0]));
+    };
+    span.first = std::max(span.first, time(0));
+    span.last = std::min(span.last, time(frames - 1));
+  }
+  if (!(span.first < span.last))
+    throw InputError(session.path().string(), "has no time that all of its sensors cover");
+  return span;
+}
+
+// Point number instant * kJointCount + joint.
+RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& options) {
+  const std::size_t sensors = session.header().sensors.size();
+  std::vector<ClockMap<HostClock, SensorClock>> clocks;
+  std::vector<SensorTrack> tracks;
+  for (std::size_t s = 0; s < sensors; ++s) {
+    if (session.counts(s).body_frames == 0)
+      throw InputError(session.path().string() + ":/sensors/" + session.header().sensors[s].name,
+                       "has no body frames, from which the sensors could be placed");
+    clocks.push_back(fit_sensor_clock(session, s));
+    tracks.emplace_back(session, s, clocks.back(), all_joints(), duration_from_s(options.longest_gap_s));
+  }
+  const Span span = common_span(session, clocks);
+  RigProblem problem{sensors, options.instants * kJointCount, {}};
+  std::vector<std::array<SensorJoint, kJointCount>> seen(sensors);
+  for (std::size_t i = 0; i < options.instants; ++i) {
+    if (options.stop_requested && options.stop_requested()) throw Interrupted();
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(options.instants);
+    const HostTime t = span.first + duration_from_s(share * (span.last - span.first).seconds());
+    for (std::size_t s = 0; s < sensors; ++s) tracks[s].observe(t, seen[s]);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const auto tracked = [&](std::size_t s) { return seen[s][j].state == TrackingState::tracked; };
+      std::size_t trackers = 0;
+      for (std::size_t s = 0; s < sensors; ++s) trackers += tracked(s);
+      if (trackers < 2) continue;
+      for (std::size_t s = 0; s < sensors; ++s)
+        if (tracked(s))
+          problem.observations.push_back(
+              {s, i * kJointCount + j, seen[s][j].point_in_sensor_m,
+               options.joint_sigma_m * options.joint_sigma_m * Eigen::Matrix3d::Identity(),
+               seen[s][j].point_in_sensor_m.z()});
+    }
+  }
+  return problem;
+}
+
+bool is_midline(std::size_t point) {
+  return std::find(kMidline.begin(), kMidline.end(), static_cast<Joint>(point % kJointCount)) !=
+         kMidline.end();
+}
+
+RigProblem part_of(const RigProblem& problem, const std::function<bool(std::size_t)>& wanted_point) {
+  RigProblem part{problem.sensors, problem.points, {}};
+  for (const PointObservation& o : problem.observations)
+    if (wanted_point(o.point)) part.observations.push_back(o);
+  return part;
+}
+
+RigStart start_of(const RigProblem& problem) {
+  const RigStartOptions options{.tolerance_m = 0.15, .least_breadth_m = 0.1};
+  RigStart start = start_rig(part_of(problem, is_midline), options);
+  if (!start.complete()) start = start_rig(problem, options);
+  return start;
+}
+
+void check_placement(const RigStart& start, const SessionReader& session) {
+  for (std::size_t s = 0; s < start.placement.size(); ++s) {
+    const std::string who = "sensor \"" + session.header().sensors[s].name + "\" ";
+    const std::string place = session.path().string();
+    switch (start.placement[s]) {
+      case SensorPlacement::placed:
+        break;
+      case SensorPlacement::nothing_seen:
+        throw InputError(place, who + "tracks nobody at a time when another sensor does");
+      case SensorPlacement::no_common_view:
+        throw InputError(place,
+                         who +
+                             "tracks the person together with no other sensor; let the person walk where "
+                             "two see them");
+      case SensorPlacement::points_on_line:
+        throw InputError(place, who + "is undetermined: the person hardly moves while two sensors see them");
+      case SensorPlacement::disagrees:
+        throw InputError(place,
+                         who +
+                             "tracks a person whom no pose brings together with the others'; is it the "
+                             "same person, and are the clocks right?");
+    }
+  }
+}
+
+// The reference sensor above the world's origin, its y axis along the floor's normal.
+RigidTransform levelled(const SessionReader& session, std::size_t sensor) {
+  const std::optional<FloorPlane> floor = floor_seen_by(session, sensor);
+  if (!floor) return {};
+  const Eigen::Vector3d up = floor->up_in_sensor;
+  const Eigen::Vector3d forward = Eigen::Vector3d::UnitZ() - up.z() * up;
+  if (!(forward.norm() > 0.1)) return {};
+  Eigen::Matrix3d axes;
+  axes.row(1) = up.transpose();
+  axes.row(2) = forward.normalized().transpose();
+  axes.row(0) = axes.row(1).cross(axes.row(2));
+  return {Eigen::Quaterniond(axes).normalized(), {0.0, floor->height_m, 0.0}};
+}
+
+Eigen::Matrix<double, 6, 1> difference(const RigidTransform& a, const RigidTransform& b) {
+  const Eigen::AngleAxisd turn(a.rotation * b.rotation.conjugate());
+  Eigen::Matrix<double, 6, 1> d;
+  d << turn.angle() * turn.axis(), a.translation_m - b.translation_m;
+  return d;
+}
+
+// Each joint left out in turn.
+std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement& all, std::size_t reference,
+                                  const RigGauge& gauge, const RigRefinementOptions& refinement,
+                                  const CalibrateBodiesOptions& options) {
+  std::set<std::size_t> joints;
+  for (const PointObservation& o : problem.observations) joints.insert(o.point % kJointCount);
+  const std::vector<std::size_t> left_out(joints.begin(), joints.end());
+  std::vector<RigidTransform> start;
+  for (const RefinedSensor& sensor : all.sensors) start.push_back(sensor.world_from_sensor);
+  std::vector<RigRefinement> refits(left_out.size());
+  parallel_for_index(left_out.size(), 1, [&](std::size_t k) {
+    if (options.stop_requested && options.stop_requested()) throw Interrupted();
+    refits[k] =
+        refine_rig(part_of(problem, [&](std::size_t point) { return point % kJointCount != left_out[k]; }),
+                   start, reference, gauge, refinement);
+  });
+  std::vector<Covariance> result(problem.sensors, Covariance::Zero());
+  const double n = static_cast<double>(refits.size());
+  for (std::size_t s = 0; s < problem.sensors; ++s) {
+    Eigen::Matrix<double, 6, 1> mean = Eigen::Matrix<double, 6, 1>::Zero();
+    for (const RigRefinement& refit : refits)
+      mean += difference(refit.sensors[s].world_from_sensor, start[s]) / n;
+    for (const RigRefinement& refit : refits) {
+      const auto d = (difference(refit.sensors[s].world_from_sensor, start[s]) - mean).eval();
+      result[s] += (n - 1.0) / n * d * d.transpose();
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+BodyCalibration calibrate_bodies(const std::filesystem::path& path, const CalibrateBodiesOptions& options) {
+  const SessionReader session(path);
+  const RigProblem problem = gather(session, options);
+  const RigStart start = start_of(problem);
+  check_placement(start, session);
+  RigGauge gauge;
+  gauge.world_from_reference = levelled(session, start.reference);
+  RigRefinementOptions refinement;
+  refinement.robust_scale = options.robust_scale;
+  refinement.rejection_rounds = 0;
+  refinement.covariances = false;
+  const RigRefinement refined =
+      refine_rig(problem, start.reference_from_sensor, start.reference, gauge, refinement);
+  if (refined.status != RigStatus::converged)
+    throw InputError(path.string(),
+                     "cannot be calibrated: the refinement ended with " + name_of(refined.status));
+  const auto covariances = jackknife(problem, refined, start.reference, gauge, refinement, options);
+  BodyCalibration result;
+  Calibration& calibration = result.calibration;
+  calibration.method = "bodies";
+  calibration.world = "sensor " + session.header().sensors[start.reference].name + ", on the floor below it";
+  calibration.program = kProgramVersion;
+  calibration.reduced_chi2 = refined.reduced_chi2;
+  std::set<std::size_t> instants, points;
+  for (const PointObservation& o : problem.observations) {
+    instants.insert(o.point / kJointCount);
+    points.insert(o.point);
+  }
+  result.instants = instants.size();
+  calibration.positions = points.size();
+  for (std::size_t s = 0; s < problem.sensors; ++s) {
+    SensorPose pose;
+    pose.name = session.header().sensors[s].name;
+    pose.world_from_sensor = refined.sensors[s].world_from_sensor;
+    pose.covariance = covariances[s];
+    pose.rotation_sigma_rad = std::sqrt(covariances[s].topLeftCorner<3, 3>().trace() / 3.0);
+    pose.position_sigma_m = std::sqrt(covariances[s].bottomRightCorner<3, 3>().trace() / 3.0);
+    pose.residual_rms_m = refined.sensors[s].rms_m;
+    pose.used = refined.sensors[s].used;
+    calibration.sensors.push_back(pose);
+  }
+  calibration.sources = {{path.filename().string(), hash_of_file(path, options.stop_requested)}};
+  return result;
+}
+
+}  // namespace trilat

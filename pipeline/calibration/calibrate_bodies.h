@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "datasets/calibration/calibration.h"
+
+namespace trilat {
+
+struct CalibrateBodiesOptions {
+  std::size_t instants = 200;   // spread evenly over the recording
+  double longest_gap_s = 0.1;   // between two frames of a sensor that are interpolated
+  double joint_sigma_m = 0.02;  // of a tracked joint, an axis; only relative to the robust loss
+  double robust_scale = 2.0;    // Cauchy loss, in standard deviations
+  std::function<bool()> stop_requested = {};
+  std::function<void(double)> progress = {};
+};
+
+struct BodyCalibration {
+  Calibration calibration;
+  std::size_t instants = 0;  // with at least one joint that two sensors tracked
+};
+
+// Sensor poses from one person whom several sensors tracked at the same time, for people without a wand. The
+// world is the best seen sensor's, moved to the floor below it and levelled by its floor plane: y up, z
+// horizontally out of the lens. Trackers see each joint a little off, differently from every side, and time
+// does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn), which
+// contains it. InputError says which sensor cannot be placed and why.
+BodyCalibration calibrate_bodies(const std::filesystem::path& session, const CalibrateBodiesOptions& options);
+
+}  // namespace trilat

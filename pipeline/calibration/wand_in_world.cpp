@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration/wand_in_world.h"
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kStill_m = 0.005;
+
+struct Mean {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d first_m = Eigen::Vector3d::Zero();
+  double farthest_m = 0.0;
+  int samples = 0;
+
+  void add(const Eigen::Vector3d& position_m) {
+    if (samples++ == 0) first_m = position_m;
+    sum_m += position_m;
+    farthest_m = std::max(farthest_m, (position_m - first_m).norm());
+  }
+};
+
+}  // namespace
+
+std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
+  OptitrackCsvReader reader(world.mocap);
+  const std::size_t asset = find_asset(reader.header(), world.asset, world.mocap.string());
+  if (!reader.header().assets[asset].has_position)
+    throw InputError(world.mocap.string(), "holds no position of \"" + world.asset + "\"");
+  reader.read_only({asset});
+  FrozenFilter frames(reader);
+  std::vector<Mean> means(positions.size());
+  MocapFrame frame;
+  while (frames.next(frame)) {
+    if (!frame.poses[asset].has_position()) continue;
+    const HostTime time{world.mocap_start_host_ns + frame.time.ns};
+    for (std::size_t p = 0; p < positions.size(); ++p)
+      if (positions[p].first <= time && time <= positions[p].last)
+        means[p].add(frame.poses[asset].position_m);
+  }
+  std::vector<KnownPoint> known;
+  for (std::size_t p = 0; p < positions.size(); ++p)
+    if (means[p].samples > 0 && means[p].farthest_m <= kStill_m)
+      known.push_back({p, means[p].sum_m / means[p].samples, world.sigma_m});
+  if (known.size() < 3)
+    throw InputError(
+        world.mocap.string(),
+        fmt::format("shows \"{}\" at rest at {} of the {} wand positions; three are needed. Is the "
+                    "start of the export on the host clock right?",
+                    world.asset, known.size(), positions.size()));
+  return known;
+}
+
+}  // namespace trilat
