@@ -21,11 +21,14 @@ struct PrintedWandOptions {
   Reading centre = Reading::printed;      // E3, eq. 5: z + width in pixels; corrected: radius along the ray
   double c_offset = 0.5025;
   double ball_radius_m = 0.075;  // for the corrected centre only
+  int max_iterations = 100;      // reached only with c_offset >= 1: otherwise every step leaves less
 };
 
 // The position in the sensor's frame (the paper's client frame, y down, is turned). The covariance stays NaN:
-// the paper states none. When the printed stop rule never holds the status is `not_ended` and the position is
-// that of the last pixels that were left.
+// the paper states none. When the stop rule never holds (as printed, always) the status is `not_ended` and
+// the position is that of the last pixels that were left; `no_wand` when already the first threshold leaves
+// none. Looked at are D <= R of eq. 2 from the second label map on; the first, which is all ones, ends
+// nothing.
 [[nodiscard]] WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& rays,
                                                 const PrintedWandOptions& options);
 

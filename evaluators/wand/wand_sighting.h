@@ -9,7 +9,8 @@
 
 namespace trilat {
 
-// How a search for the wand's ball in one depth image ended. Only `found` has a position.
+// How a search for the wand's ball in one depth image ended. Only `found` has a position that may be used;
+// `not_ended` has one to show what the printed method would have said.
 enum class WandStatus : std::uint8_t {
   not_looked,
   found,
@@ -17,7 +18,7 @@ enum class WandStatus : std::uint8_t {
   several_candidates,  // more than one (a second ball, a reflection, a head): none is taken
   out_of_range,        // a ball, but nearer or farther than depth is reliable
   cut_by_edge,         // a ball, but the image ends inside it
-  not_ended,           // printed stop rule: no pixel was left before it held
+  not_ended,           // printed method: no pixel was left before its stop rule held
 };
 std::string name_of(WandStatus status);
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "datasets/depth/depth_image.h"
+#include "datasets/depth/depth_rays.h"
+#include "evaluators/wand/ball_fit.h"
+
+namespace trilat {
+
+// The pixels around a ball's image, those where nothing was seen too; what lies far outside its image and the
+// rays the lens model does not know are left out.
+std::vector<RayDepth> pixels_around(const DepthImageView& image, const DepthRays& rays,
+                                    const Eigen::Vector3d& centre_in_sensor_m, double radius_m);
+
+// What lies on a circle somewhat larger than the ball's outline, in shares of the directions inside the
+// image.
+struct BallSurroundings {
+  double beyond = 0.0;      // behind the ball's middle, or nothing was seen
+  double continuing = 0.0;  // at the ball's depth: the thing is larger than a ball, or its stick
+  double in_front = 0.0;    // something hides the ball there
+  double in_image = 0.0;    // share of all directions
+};
+BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& rays,
+                                 const Eigen::Vector3d& centre_in_sensor_m, double radius_m,
+                                 double circle_radius_m, int directions);
+
+// Whether the whole outline lies inside the image.
+bool outline_in_image(const DepthIntrinsics& intrinsics, const Eigen::Vector3d& centre_in_sensor_m,
+                      double radius_m);
+
+// Why a fit is no ball; empty when it is one.
+const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings, double radius_m);
+
+}  // namespace trilat

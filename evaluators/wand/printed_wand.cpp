@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/wand/printed_wand.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "datasets/base/check.h"
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kNearest_cm = 50.0;  // eq. 1
+constexpr double kFarthest_cm = 650.0;
+constexpr double kLeftOut = -1.0;
+
+// D of eq. 1, in centimetres as the paper has it: eq. 5 adds pixels to them.
+std::vector<double> standardised_cm(const DepthImageView& image, Reading invalid_pixels) {
+  std::vector<double> depth_cm(image.depth_mm.size());
+  std::transform(image.depth_mm.begin(), image.depth_mm.end(), depth_cm.begin(), [&](std::uint16_t depth_mm) {
+    if (depth_mm == 0 && invalid_pixels == Reading::corrected) return kLeftOut;
+    return std::clamp(0.1 * depth_mm, kNearest_cm, kFarthest_cm);
+  });
+  return depth_cm;
+}
+
+// The labelled pixels (T) are those with a depth of at most `threshold_cm`.
+struct Labelled {
+  double threshold_cm = kFarthest_cm;
+  int pixels = 0;
+  double sum_cm = 0.0;
+  double min_cm = INFINITY;
+  double max_cm = -INFINITY;
+  int left = 0, top = 0, right = 0, bottom = 0;  // P_ul and P_br
+
+  bool contains(double depth_cm) const { return depth_cm != kLeftOut && depth_cm <= threshold_cm; }
+};
+
+Labelled label(const std::vector<double>& depth_cm, int width_px, double threshold_cm) {
+  Labelled t{.threshold_cm = threshold_cm, .left = width_px, .top = INT32_MAX, .right = -1, .bottom = -1};
+  for (std::size_t i = 0; i < depth_cm.size(); ++i) {
+    if (!t.contains(depth_cm[i])) continue;
+    const int column = static_cast<int>(i) % width_px;
+    const int row = static_cast<int>(i) / width_px;
+    ++t.pixels;
+    t.sum_cm += depth_cm[i];
+    t.min_cm = std::min(t.min_cm, depth_cm[i]);
+    t.max_cm = std::max(t.max_cm, depth_cm[i]);
+    t.left = std::min(t.left, column);
+    t.right = std::max(t.right, column);
+    t.top = std::min(t.top, row);
+    t.bottom = std::max(t.bottom, row);
+  }
+  return t;
+}
+
+bool stops(const Labelled& t, const PrintedWandOptions& options) {  // eq. 3 and erratum E1
+  return options.stop == Reading::printed ? t.min_cm * options.c_offset >= t.max_cm
+                                          : t.min_cm >= options.c_offset * t.max_cm;
+}
+
+// D at P_m. Our reading where the paper is silent: the pixel up and left of a middle between pixels, and the
+// labelled pixel nearest to it when it is invalid and invalid pixels are left out.
+double depth_at_middle_cm(const std::vector<double>& depth_cm, int width_px, const Labelled& t) {
+  const int column = (t.left + t.right) / 2;
+  const int row = (t.top + t.bottom) / 2;
+  const auto at = [&](int c, int r) {
+    return depth_cm[static_cast<std::size_t>(r) * static_cast<std::size_t>(width_px) +
+                    static_cast<std::size_t>(c)];
+  };
+  if (at(column, row) != kLeftOut) return at(column, row);
+  int best_px2 = INT32_MAX;
+  double best_cm = NAN;
+  for (int r = t.top; r <= t.bottom; ++r)
+    for (int c = t.left; c <= t.right; ++c) {
+      const int away_px2 = (c - column) * (c - column) + (r - row) * (r - row);
+      if (away_px2 >= best_px2 || !t.contains(at(c, r))) continue;
+      best_px2 = away_px2;
+      best_cm = at(c, r);
+    }
+  return best_cm;
+}
+
+// Eq. 4 and 5 with errata E2 and E3, turned to the sensor's frame; NaN where the lens model has no ray.
+Vector3d centre_in_sensor_m(const std::vector<double>& depth_cm, const DepthIntrinsics& intrinsics,
+                            const Labelled& t, const PrintedWandOptions& options) {
+  const Vector2d middle_px(0.5 * (t.left + t.right), 0.5 * (t.top + t.bottom));
+  const double depth = depth_at_middle_cm(depth_cm, intrinsics.width_px, t);
+  Vector3d surface_cm = Vector3d::Constant(NAN);
+  if (options.projection == Reading::printed) {
+    const Vector3d y_down = printed_linear_angle_point(middle_px, depth);
+    surface_cm = {y_down.x(), -y_down.y(), y_down.z()};
+  } else if (const auto ray = ray_through(intrinsics, middle_px)) {
+    surface_cm = depth * Vector3d(ray->x(), ray->y(), 1.0);
+  }
+  if (options.centre == Reading::printed)
+    return kMetresPerCentimetre * (surface_cm + Vector3d(0.0, 0.0, t.right - t.left));
+  const double radius_cm = kCentimetresPerMetre * options.ball_radius_m;
+  return kMetresPerCentimetre * (1.0 + radius_cm / surface_cm.norm()) * surface_cm;
+}
+
+}  // namespace
+
+WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& rays,
+                                  const PrintedWandOptions& options) {
+  TRILAT_CHECK(image.width_px == rays.intrinsics.width_px && image.height_px == rays.intrinsics.height_px &&
+                   image.depth_mm.size() == rays.x.size(),
+               "the image has the size of the camera's rays");
+  const std::vector<double> depth_cm = standardised_cm(image, options.invalid_pixels);
+  const Labelled everything = label(depth_cm, image.width_px, kFarthest_cm);
+  WandSighting sighting{.status = WandStatus::no_wand};
+  if (everything.pixels == 0) return sighting;
+  Labelled labelled = everything;
+  sighting.status = WandStatus::not_ended;
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    const double threshold_cm = labelled.sum_cm / labelled.pixels * options.c_offset;  // eq. 2
+    const Labelled next = label(depth_cm, image.width_px, threshold_cm);
+    if (next.pixels == 0) {
+      if (iteration == 0) sighting.status = WandStatus::no_wand;
+      break;
+    }
+    labelled = next;
+    if (stops(labelled, options)) {
+      sighting.status = WandStatus::found;
+      break;
+    }
+  }
+  if (sighting.status == WandStatus::no_wand) return sighting;
+  sighting.centre_in_sensor_m = centre_in_sensor_m(depth_cm, rays.intrinsics, labelled, options);
+  sighting.pixels = labelled.pixels;
+  if (!sighting.centre_in_sensor_m.allFinite()) return {.status = WandStatus::no_wand};
+  return sighting;
+}
+
+}  // namespace trilat
