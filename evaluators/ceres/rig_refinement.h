@@ -43,7 +43,7 @@ struct RigGauge {
 struct RigRefinementOptions {
   std::optional<DepthCorrectionOptions> depth_correction;
   double covariance_floor_m = 0.0;  // added to every observation, an axis: what its covariance leaves out
-  double robust_scale = 3.0;        // Cauchy loss of the first round, in standard deviations
+  double robust_scale = 3.0;        // soft-L1 loss of the first round, in standard deviations
   double rejection_chi2 = 30.0;     // squared normalised distance beyond which an observation is left out
   int rejection_rounds = 5;         // 0: nothing is left out and the loss stays
   bool covariances = true;
@@ -81,9 +81,9 @@ struct RigRefinement {
 };
 
 // All poses and points at once by Ceres: minimises the squared distances between each point, turned into the
-// sensor's frame, and its observation, each weighted by its covariance. First with a Cauchy loss; then
-// observations that are too far off are left out, worst of each point first, until none is, and the rest is
-// solved without loss. `reference_from_sensor` starts it (start_rig()).
+// sensor's frame, and its observation, each weighted by its covariance. First with a soft-L1 loss (convex: no
+// start is lost); then observations that are too far off are left out, worst of each point first, until none
+// is, and the rest is solved without loss. `reference_from_sensor` starts it (start_rig()).
 [[nodiscard]] RigRefinement refine_rig(const RigProblem& problem,
                                        const std::vector<RigidTransform>& reference_from_sensor,
                                        std::size_t reference, const RigGauge& gauge,

@@ -14,7 +14,7 @@ struct CalibrateBodiesOptions {
   std::size_t instants = 200;   // spread evenly over the recording
   double longest_gap_s = 0.1;   // between two frames of a sensor that are interpolated
   double joint_sigma_m = 0.02;  // of a tracked joint, an axis; only relative to the robust loss
-  double robust_scale = 2.0;    // Cauchy loss, in standard deviations
+  double robust_scale = 2.0;    // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
 };
