@@ -17,31 +17,17 @@
 //
 #include <hwy/highway.h>
 
+#include "datasets/synthetic/random_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace trilat {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::ScalableTag<double>;
-using U = hn::RebindToUnsigned<D>;
-using Doubles = hn::Vec<D>;
-using Bits = hn::Vec<U>;
 
 struct Vector3 {
   Doubles x, y, z;
 };
 
 HWY_INLINE Doubles Number(double value) { return hn::Set(D(), value); }
-
-// The product of the low 32 bits of each lane and a constant.
-HWY_INLINE Bits TimesLow32(Bits a, std::uint32_t factor) {
-#if HWY_TARGET == HWY_SCALAR
-  return hn::Set(U(), (hn::GetLane(a) & 0xFFFFFFFFu) * std::uint64_t{factor});
-#else
-  const hn::RepartitionToNarrow<U> narrow;
-  return hn::MulEven(hn::BitCast(narrow, a), hn::Set(narrow, factor));
-#endif
-}
 
 // (0, 1) from two words, as RandomStream does: 53 bits and a half.
 HWY_INLINE Doubles OpenUnit(Bits low, Bits high) {
@@ -58,7 +44,7 @@ HWY_INLINE Doubles OpenUnit(Bits low, Bits high) {
   return (upper_value + lower_value + Number(0.5)) * Number(0x1p-53);
 }
 
-// Philox4x32-10 for a vector of trials. Only the low 32 bits of each lane count until the end.
+// The numbers of a vector of trials.
 class Draws {
  public:
   HWY_INLINE Draws(std::uint64_t seed, Bits trial) : seed_(seed), trial_(trial) {}
@@ -75,18 +61,7 @@ class Draws {
     Bits c1 = trial_;
     Bits c2 = hn::ShiftRight<32>(trial_);
     Bits c3 = hn::Set(u, static_cast<std::uint64_t>(Purpose::range_trial));
-    auto k0 = static_cast<std::uint32_t>(seed_);
-    auto k1 = static_cast<std::uint32_t>(seed_ >> 32);
-    for (int round = 0; round < 10; ++round) {
-      const Bits a = TimesLow32(c0, 0xD2511F53);
-      const Bits b = TimesLow32(c2, 0xCD9E8D57);
-      c0 = hn::Xor(hn::Xor(hn::ShiftRight<32>(b), c1), hn::Set(u, std::uint64_t{k0}));
-      c2 = hn::Xor(hn::Xor(hn::ShiftRight<32>(a), c3), hn::Set(u, std::uint64_t{k1}));
-      c1 = b;
-      c3 = a;
-      k0 += 0x9E3779B9;
-      k1 += 0xBB67AE85;
-    }
+    Philox(seed_, c0, c1, c2, c3);
     first = OpenUnit(c0, c1);
     second = OpenUnit(c2, c3);
   }

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "datasets/synthetic/depth_scene.h"
+#include "datasets/synthetic/motion.h"
+
+namespace trilat {
+
+// The room about the middle of the rig: the floor y = 0 and up to four walls, in the order -z, -x, +x, +z.
+struct RoomSpec {
+  double half_width_m = 3.0;  // along x
+  double half_depth_m = 3.0;  // along z
+  int walls = 3;
+};
+void append_room(DepthScene& scene, const RoomSpec& room, const Eigen::Vector3d& centre_in_world_m);
+
+// A capsule for every bone whose ends are present and a sphere for the head.
+void append_person(DepthScene& scene, const SkeletonPose& pose);
+
+// A ball on a stick, which starts in the ball's centre.
+struct WandShape {
+  double ball_radius_m = 0.075;
+  double stick_radius_m = 0.01;
+  double stick_length_m = 1.2;
+};
+void append_wand(DepthScene& scene, const Eigen::Vector3d& ball_in_world_m,
+                 const Eigen::Vector3d& stick_direction, const WandShape& shape);
+
+}  // namespace trilat
