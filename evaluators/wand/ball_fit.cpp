@@ -17,6 +17,8 @@ using Eigen::Vector4d;
 
 constexpr double kRoundingVariance_m2 = 1e-6 / 12.0;  // depths are whole millimetres
 constexpr std::size_t kCoarsePixels = 300;            // enough for the first steps
+constexpr double kMaxBehindShare = 0.25;      // in the first steps, when the centre may be somewhat off
+constexpr double kMaxInnerBehindShare = 0.1;  // once pixels are chosen by the noise
 constexpr double kGateSigmas = 4.0;
 constexpr double kMaxNoiseFactor = 2.5;  // an image may be noisier than the model, within reason
 
@@ -56,6 +58,8 @@ struct Sums {
   double residual2_m2 = 0.0;
   double variance_m2 = 0.0;
   int used = 0;
+  int looked_at = 0;  // in the first steps: also those beyond the gate, and of these those behind the ball
+  int behind = 0;
 
   void add(const Meeting& meeting, double residual_m, double pixel_variance_m2) {
     Vector4d row;
@@ -81,11 +85,17 @@ class Fitter {
       return meet(pixel, centre_, r).has_value();
     });
     const std::size_t stride = static_cast<std::size_t>(on_ball) / kCoarsePixels + 1;
-    bool good = true;
-    for (const double gate_m : {0.6 * r, 0.6 * r, 0.6 * r, 0.3 * r, 0.3 * r})
-      good = good && step(coarse(gate_m, stride));
-    for (int i = 0; i < 2; ++i) good = good && choose() && step(sums_of_chosen());
-    if (good && choose()) descend();
+    for (const double gate_m : {0.6 * r, 0.6 * r, 0.6 * r, 0.3 * r, 0.3 * r}) {
+      const Sums sums = coarse(gate_m, stride);
+      if (sums.behind > kMaxBehindShare * sums.looked_at) {
+        failed(BallFitStatus::seen_through);
+        return result_;
+      }
+      if (!step(sums)) return result_;
+    }
+    for (int i = 0; i < 2; ++i)
+      if (!choose() || !step(sums_of_chosen())) return result_;
+    if (choose()) descend();
     return result_;
   }
 
@@ -104,7 +114,10 @@ class Fitter {
       const auto meeting = meet(pixels_[i], centre_, options_.radius_m);
       if (!meeting || meeting->sine > limit) continue;
       const double residual_m = pixels_[i].depth_m - meeting->depth_m;
-      if (std::abs(residual_m) < gate_m)
+      ++sums.looked_at;
+      if (residual_m >= gate_m)
+        ++sums.behind;
+      else if (residual_m > -gate_m)
         sums.add(*meeting, residual_m, 1.0 / (meeting->cosine * meeting->cosine));
     }
     return sums;
@@ -114,6 +127,7 @@ class Fitter {
   struct Seen {
     std::uint32_t pixel;
     float in_sigmas;
+    double variance_m2;
     bool inner;
   };
 
@@ -134,9 +148,9 @@ class Fitter {
         continue;
       }
       const double residual_m = pixels_[i].depth_m - meeting->depth_m;
-      seen.push_back({static_cast<std::uint32_t>(i),
-                      static_cast<float>(residual_m / std::sqrt(variance_m2(options_.noise, *meeting))),
-                      inner});
+      const double pixel_m2 = variance_m2(options_.noise, *meeting);
+      seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(residual_m / std::sqrt(pixel_m2)),
+                      pixel_m2, inner});
     }
     return seen;
   }
@@ -150,12 +164,14 @@ class Fitter {
     result_.inner_agreeing = result_.inner_behind = 0;
     for (const Seen& s : seen) {
       if (std::abs(s.in_sigmas) < gate) {
-        chosen_.push_back(s.pixel);
+        chosen_.push_back(s);
         result_.inner_agreeing += s.inner;
       } else {
         result_.inner_behind += s.inner && s.in_sigmas > 0.0F;
       }
     }
+    if (result_.inner_behind > kMaxInnerBehindShare * result_.inner)
+      return failed(BallFitStatus::seen_through);
     return true;
   }
 
@@ -169,11 +185,12 @@ class Fitter {
     return std::clamp(1.4826 * static_cast<double>(*middle), 1.0, kMaxNoiseFactor);
   }
 
+  // Weights stay those of the centre at which the pixels were chosen.
   Sums sums_of_chosen() const {
     Sums sums;
-    for (const std::uint32_t i : chosen_)
-      if (const auto meeting = meet(pixels_[i], centre_, options_.radius_m))
-        sums.add(*meeting, pixels_[i].depth_m - meeting->depth_m, variance_m2(options_.noise, *meeting));
+    for (const Seen& s : chosen_)
+      if (const auto meeting = meet(pixels_[s.pixel], centre_, options_.radius_m))
+        sums.add(*meeting, pixels_[s.pixel].depth_m - meeting->depth_m, s.variance_m2);
     return sums;
   }
 
@@ -221,7 +238,7 @@ class Fitter {
   const BallFitOptions& options_;
   Vector3d centre_;
   double step_m_ = NAN;
-  std::vector<std::uint32_t> chosen_;
+  std::vector<Seen> chosen_;
   BallFit result_;
 };
 

@@ -32,6 +32,7 @@ struct BallFitOptions {
 enum class BallFitStatus : std::uint8_t {
   not_fitted,
   fitted,
+  seen_through,     // at too many of its pixels something behind the ball is seen
   too_few_pixels,   // less than kMinBallPixels agree with a ball near the start
   rank_deficient,   // they do not determine a centre
   left_start,       // a step of more than a radius

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The pixel of one direction on the circle about the centre, square to the line of sight; nothing outside the
-// image.
+// Uses the points of a circle about the centre, square to the line of sight, with their pixels; nothing for a
+// pixel outside the image.
 template <class Use>
 void on_circle(const DepthIntrinsics& intrinsics, const Vector3d& centre, double circle_radius_m,
                int directions, Use use) {
@@ -27,8 +27,13 @@ void on_circle(const DepthIntrinsics& intrinsics, const Vector3d& centre, double
     if (pixel && !(pixel->x() > -0.5 && pixel->y() > -0.5 && pixel->x() < intrinsics.width_px - 0.5 &&
                    pixel->y() < intrinsics.height_px - 0.5))
       pixel.reset();
-    use(pixel);
+    use(point, pixel);
   }
+}
+
+double depth_at_m(const DepthImageView& image, const Vector2d& pixel_px) {
+  return 1e-3 * image.at_mm(static_cast<int>(std::lround(pixel_px.x())),
+                            static_cast<int>(std::lround(pixel_px.y())));
 }
 
 }  // namespace
@@ -40,7 +45,7 @@ std::vector<RayDepth> pixels_around(const DepthImageView& image, const DepthRays
   // Off the axis a ball's image is stretched by up to 1 / cos^2 of the angle; a half more, for a start that
   // is somewhat off.
   const double stretch = centre.squaredNorm() / (centre.z() * centre.z());
-  const double half_px = 1.5 * rays.intrinsics.fx_px * radius_m / centre.norm() * stretch + 2.0;
+  const double half_px = 1.4 * rays.intrinsics.fx_px * radius_m / centre.norm() * stretch + 2.0;
   const int left = std::max(0, static_cast<int>(middle->x() - half_px));
   const int top = std::max(0, static_cast<int>(middle->y() - half_px));
   const int right = std::min(image.width_px - 1, static_cast<int>(middle->x() + half_px));
@@ -61,26 +66,40 @@ std::vector<RayDepth> pixels_around(const DepthImageView& image, const DepthRays
 BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& rays, const Vector3d& centre,
                                  double radius_m, double circle_radius_m, int directions) {
   int inside = 0, beyond = 0, in_front = 0;
-  on_circle(rays.intrinsics, centre, circle_radius_m, directions, [&](const std::optional<Vector2d>& pixel) {
-    if (!pixel) return;
-    ++inside;
-    const double depth_m = 1e-3 * image.at_mm(static_cast<int>(std::lround(pixel->x())),
-                                              static_cast<int>(std::lround(pixel->y())));
-    if (depth_m <= 0.0 || depth_m > centre.z() + 0.3 * radius_m)
-      ++beyond;
-    else if (depth_m < centre.z() - 1.3 * radius_m)
-      ++in_front;
-  });
+  on_circle(rays.intrinsics, centre, circle_radius_m, directions,
+            [&](const Vector3d&, const std::optional<Vector2d>& pixel) {
+              if (!pixel) return;
+              ++inside;
+              const double depth_m = depth_at_m(image, *pixel);
+              if (depth_m <= 0.0 || depth_m > centre.z() + 0.3 * radius_m)
+                ++beyond;
+              else if (depth_m < centre.z() - 1.3 * radius_m)
+                ++in_front;
+            });
   if (inside == 0) return {};
   const double share = 1.0 / inside;
   return {share * beyond, share * (inside - beyond - in_front), share * in_front,
           static_cast<double>(inside) / directions};
 }
 
+bool worth_fitting(const DepthImageView& image, const DepthRays& rays, const Vector3d& centre,
+                   double radius_m) {
+  constexpr double kCircle = 0.35;  // in radii, as is the tolerance: a hidden ball's start is off its middle
+  constexpr double kTolerance = 0.3;
+  const double before_m = radius_m * std::sqrt(1.0 - kCircle * kCircle) * centre.normalized().z();
+  int off = 0;
+  on_circle(rays.intrinsics, centre, kCircle * radius_m, 8,
+            [&](const Vector3d& point, const std::optional<Vector2d>& pixel) {
+              off += pixel &&
+                     std::abs(depth_at_m(image, *pixel) - (point.z() - before_m)) > kTolerance * radius_m;
+            });
+  return off <= 2 && surroundings_of(image, rays, centre, radius_m, 1.6 * radius_m, 16).continuing <= 0.2;
+}
+
 bool outline_in_image(const DepthIntrinsics& intrinsics, const Vector3d& centre, double radius_m) {
   bool inside = true;
   on_circle(intrinsics, centre, radius_m, 32,
-            [&](const std::optional<Vector2d>& pixel) { inside &= pixel.has_value(); });
+            [&](const Vector3d&, const std::optional<Vector2d>& pixel) { inside &= pixel.has_value(); });
   return inside;
 }
 
@@ -88,7 +107,6 @@ const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings,
   if (fit.status != BallFitStatus::fitted) return "no ball fits";
   if (surroundings.continuing > 0.25) return "it goes on beyond the outline";
   if (surroundings.beyond < 0.4) return "too little of the outline is free";
-  if (fit.inner_behind > 0.1 * fit.inner) return "one can see through it";
   if (fit.inner_agreeing < 0.55 * (fit.inner - fit.inner_invalid)) return "too much of the disc is hidden";
   if (fit.inner_agreeing < 0.4 * fit.inner) return "too little of the disc was seen";
   // Corners of the image are up to twice as noisy as the model, and rays jitter sideways.

@@ -28,6 +28,12 @@ BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& r
                                  const Eigen::Vector3d& centre_in_sensor_m, double radius_m,
                                  double circle_radius_m, int directions);
 
+// Whether a ball may be where a search starts: what is seen on a small circle about the middle lies roughly
+// where the ball's surface would (a floor is too steep, a rim too deep), and the thing does not go on around
+// it.
+bool worth_fitting(const DepthImageView& image, const DepthRays& rays,
+                   const Eigen::Vector3d& centre_in_sensor_m, double radius_m);
+
 // Whether the whole outline lies inside the image.
 bool outline_in_image(const DepthIntrinsics& intrinsics, const Eigen::Vector3d& centre_in_sensor_m,
                       double radius_m);

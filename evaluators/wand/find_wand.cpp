@@ -52,8 +52,7 @@ WandSighting judged(const DepthImageView& image, const DepthRays& rays, const Fi
   WandSighting sighting{.status = WandStatus::no_wand};
   const double radius_m = options.ball_radius_m;
   const auto start = start_of(candidate, rays, radius_m);
-  if (!start || surroundings_of(image, rays, *start, radius_m, 1.6 * radius_m, 16).continuing > 0.2)
-    return sighting;
+  if (!start || !worth_fitting(image, rays, *start, radius_m)) return sighting;
   const BallFit fit =
       fit_ball(pixels_around(image, rays, *start, radius_m), *start,
                {.radius_m = radius_m, .noise = options.noise, .pixel_rad = 1.0 / rays.intrinsics.fx_px});
