@@ -18,7 +18,7 @@
 namespace trilat {
 
 // What a study.json asks for; each kind has its own reader.
-enum class StudyKind : std::uint8_t { accuracy, threshold_sweep };
+enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration };
 StudyKind study_kind(const Json& json, const std::string& place);
 
 enum class MethodKind { linear, geometric, nonlinear, newton, ceres, mean, tracked_mean, single };

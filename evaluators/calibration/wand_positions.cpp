@@ -48,7 +48,13 @@ Sightings without_ends(Sightings rest, Duration settling) {
   return rest.subspan(first, last - first);
 }
 
-RestingBall mean_of(Sightings rest, std::size_t sensor, double deviation) {
+Duration overlap_of(HostTime first_a, HostTime last_a, HostTime first_b, HostTime last_b) {
+  return std::min(last_a, last_b) - std::max(first_a, first_b);
+}
+
+}  // namespace
+
+RestingBall mean_of_rest(Sightings rest, std::size_t sensor, double deviation) {
   RestingBall ball;
   ball.sensor = sensor;
   ball.first = rest.front().time;
@@ -79,12 +85,6 @@ RestingBall mean_of(Sightings rest, std::size_t sensor, double deviation) {
   return ball;
 }
 
-Duration overlap_of(HostTime first_a, HostTime last_a, HostTime first_b, HostTime last_b) {
-  return std::min(last_a, last_b) - std::max(first_a, first_b);
-}
-
-}  // namespace
-
 std::vector<RestingBall> find_rests(Sightings sightings, std::size_t sensor,
                                     const WandPositionOptions& options) {
   std::vector<RestingBall> rests;
@@ -96,7 +96,7 @@ std::vector<RestingBall> find_rests(Sightings sightings, std::size_t sensor,
       continue;
     }
     const Sightings quiet = without_ends(rest, options.settling);
-    if (!quiet.empty()) rests.push_back(mean_of(quiet, sensor, options.deviation));
+    if (!quiet.empty()) rests.push_back(mean_of_rest(quiet, sensor, options.deviation));
     first += length;
   }
   return rests;

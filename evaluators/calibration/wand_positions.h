@@ -44,6 +44,10 @@ struct WandPosition {
   std::vector<RestingBall> seen;  // at most one a sensor
 };
 
+// The mean of sightings of a ball at rest, at least one; frames that deviate are left out, as in the paper.
+[[nodiscard]] RestingBall mean_of_rest(std::span<const TimedSighting> rest, std::size_t sensor,
+                                       double deviation);
+
 // The rests of one sensor's ball, in the order of time; sightings must rise in time.
 [[nodiscard]] std::vector<RestingBall> find_rests(std::span<const TimedSighting> sightings,
                                                   std::size_t sensor, const WandPositionOptions& options);

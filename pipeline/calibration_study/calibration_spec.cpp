@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/calibration_spec.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.study";
+
+std::uint64_t count_within(JsonObject& object, const char* key, std::uint64_t fallback, std::uint64_t least,
+                           std::uint64_t most) {
+  const std::uint64_t count = object.count(key, fallback);
+  if (count < least || count > most)
+    object.refuse(key, fmt::format("must be {} to {}, is {}", least, most, count));
+  return count;
+}
+
+double within(JsonObject& object, const char* key, double fallback, double low, double high) {
+  const double value = object.number(key, fallback);
+  if (!(value >= low && value <= high))
+    object.refuse(key, fmt::format("must lie between {} and {}", low, high));
+  return value;
+}
+
+void read_distances(JsonObject& object, std::vector<double>& distances_m) {
+  if (!object.has("distances_m")) return;
+  distances_m = object.numbers("distances_m", 2);
+  if (!(distances_m[0] >= 0.2 && distances_m[0] < distances_m[1] && distances_m[1] <= 8.0))
+    object.refuse("distances_m", "must be [from, to] within 0.2 to 8 m, the nearer first");
+}
+
+void read_sigmas(JsonObject& object, std::vector<double>& sigmas_m) {
+  if (!object.has("sensor_sigmas_m")) return;
+  const std::size_t size = object.value("sensor_sigmas_m").size();
+  sigmas_m = object.numbers("sensor_sigmas_m", size);
+  for (double sigma : sigmas_m)
+    if (!(sigma >= 0.0 && sigma <= 1.0)) object.refuse("sensor_sigmas_m", "must lie between 0 and 1 m");
+}
+
+void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
+  if (object.has("rig")) {
+    JsonObject rig = object.object("rig");
+    spec.rig.radius_m = within(rig, "radius_m", spec.rig.radius_m, 1.0, 4.0);
+    if (rig.has("heights_m")) {
+      const std::size_t sensors = rig.value("heights_m").size();
+      if (sensors < 2 || sensors > 8) rig.refuse("heights_m", "must hold 2 to 8 heights, one a sensor");
+      spec.rig.heights_m = rig.numbers("heights_m", sensors);
+    }
+    rig.finish();
+  }
+  spec.runs = count_within(object, "runs", spec.runs, 0, 10'000);
+  spec.positions = count_within(object, "positions", spec.positions, 3, 1000);
+  spec.position_frames = count_within(object, "position_frames", spec.position_frames, 1, 100);
+  spec.bodies_s = within(object, "bodies_s", spec.bodies_s, 0.0, 600.0);
+}
+
+}  // namespace
+
+CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place) {
+  JsonObject object(json, place, "");
+  CalibrationSpec spec;
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.choice("kind", {"calibration"});
+  spec.name = object.text("name");
+  if (spec.name.empty()) object.refuse("name", "must not be empty");
+  spec.seed = object.count("seed", spec.seed);
+  spec.ball_radius_m = within(object, "ball_radius_m", spec.ball_radius_m, 0.02, 0.3);
+  spec.units = count_within(object, "units", spec.units, 1, 1000);
+  spec.samples = count_within(object, "samples", spec.samples, 0, 100'000);
+  spec.near_samples = count_within(object, "near_samples", spec.near_samples, 0, 100'000);
+  spec.frames = count_within(object, "frames", spec.frames, 1, 100);
+  read_distances(object, spec.distances_m);
+  spec.largest_angle_deg = within(object, "largest_angle_deg", spec.largest_angle_deg, 0.0, 40.0);
+  spec.distortion_units = count_within(object, "distortion_units", spec.distortion_units, 0, 1000);
+  spec.distortion_frames = count_within(object, "distortion_frames", spec.distortion_frames, 1, 1'000'000);
+  spec.wall_m = within(object, "wall_m", spec.wall_m, 0.5, 8.0);
+  read_rig_part(object, spec);
+  spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 100'000'000);
+  spec.range_sigma_m = within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
+  read_sigmas(object, spec.sensor_sigmas_m);
+  object.finish();
+  return spec;
+}
+
+Json resolved_json(const CalibrationSpec& s) {
+  return {{"format", kFormat},
+          {"version", 1},
+          {"kind", "calibration"},
+          {"name", s.name},
+          {"seed", s.seed},
+          {"ball_radius_m", s.ball_radius_m},
+          {"units", s.units},
+          {"samples", s.samples},
+          {"near_samples", s.near_samples},
+          {"frames", s.frames},
+          {"distances_m", s.distances_m},
+          {"largest_angle_deg", s.largest_angle_deg},
+          {"distortion_units", s.distortion_units},
+          {"distortion_frames", s.distortion_frames},
+          {"wall_m", s.wall_m},
+          {"rig", {{"radius_m", s.rig.radius_m}, {"heights_m", s.rig.heights_m}}},
+          {"runs", s.runs},
+          {"positions", s.positions},
+          {"position_frames", s.position_frames},
+          {"bodies_s", s.bodies_s},
+          {"effect_joints", s.effect_joints},
+          {"range_sigma_m", s.range_sigma_m},
+          {"sensor_sigmas_m", s.sensor_sigmas_m}};
+}
+
+}  // namespace trilat

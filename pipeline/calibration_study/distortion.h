@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "datasets/results/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/study_units.h"
+
+namespace trilat {
+
+// The paper's distortion figure: a flat wall square to the lens, per column of the middle row. Frames are
+// rendered and added up one by one; none is kept.
+std::vector<DistortionCurve> measure_distortion(const CalibrationSpec& spec, const StudyHooks& hooks);
+
+}  // namespace trilat

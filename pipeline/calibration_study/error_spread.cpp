@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/error_spread.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "datasets/base/philox.h"
+#include "evaluators/metrics/error_statistics.h"
+
+namespace trilat {
+namespace {
+
+constexpr int kResamples = 2000;
+constexpr std::size_t kFewestClusters = 4;
+
+}  // namespace
+
+std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
+                                         std::uint64_t seed) {
+  if (sums.size() < kFewestClusters) return {ErrorSpread::kNone, ErrorSpread::kNone};
+  std::vector<double> means;
+  for (std::uint64_t r = 0; r < kResamples; ++r) {
+    const RandomStream random{seed, Purpose::calibration_trial, (std::uint64_t{1} << 40) + r};
+    double sum = 0.0, count = 0.0;
+    for (std::uint32_t k = 0; k < sums.size(); ++k) {
+      const auto pick = static_cast<std::size_t>(random.uniform(k) * static_cast<double>(sums.size()));
+      sum += sums[pick];
+      count += counts[pick];
+    }
+    if (count > 0.0) means.push_back(sum / count);
+  }
+  if (means.empty()) return {ErrorSpread::kNone, ErrorSpread::kNone};
+  const auto q = quantiles_of(means, {0.025, 0.975});
+  return {q[0], q[1]};
+}
+
+ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed) {
+  ErrorSpread spread;
+  std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count
+  std::vector<double> answered;
+  CompensatedSum sum, squares;
+  for (const ClusteredError& e : errors) {
+    ++spread.asked;
+    if (!std::isfinite(e.error_m)) continue;
+    answered.push_back(e.error_m);
+    sum.add(e.error_m);
+    clusters[e.cluster].first += e.error_m;
+    clusters[e.cluster].second += 1.0;
+  }
+  spread.answered = answered.size();
+  if (answered.empty()) return spread;
+  const double n = static_cast<double>(answered.size());
+  spread.mean_m = sum.value() / n;
+  for (double error : answered) squares.add((error - spread.mean_m) * (error - spread.mean_m));
+  if (answered.size() > 1) spread.sd_m = std::sqrt(squares.value() / (n - 1.0));
+  const auto q = quantiles_of(answered, {0.5, 0.95, 1.0});
+  spread.median_m = q[0];
+  spread.p95_m = q[1];
+  spread.max_m = q[2];
+  std::vector<double> sums, counts;
+  for (const auto& [cluster, s] : clusters) {
+    sums.push_back(s.first);
+    counts.push_back(s.second);
+  }
+  std::tie(spread.mean_low_m, spread.mean_high_m) = bootstrap_mean(sums, counts, seed);
+  return spread;
+}
+
+}  // namespace trilat

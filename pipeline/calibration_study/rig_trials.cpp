@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/rig_trials.h"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/units.h"
+#include "evaluators/calibration/two_positions.h"
+#include "pipeline/calibration/calibrate_bodies.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/simulated_run.h"
+#include "pipeline/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kGoodPosition_m = 0.005, kGoodRotation_rad = 0.2 * kRadPerDegree;
+constexpr double kGoodBodies_m = 0.02, kGoodBodies_rad = 0.5 * kRadPerDegree;
+constexpr double kNormal95 = 1.959964;
+
+struct Method {
+  const char* name;
+  enum class Kind { two_positions, wand, bodies } kind;
+  TwoPositionOptions two = {};
+  bool upright = true;            // two positions: the sensors are taken to stand upright, as in the paper
+  bool option = true;             // wand: depth correction; bodies: biased tracker
+  bool usable_for_joints = true;  // goes on to the effect on joints
+};
+
+std::vector<Method> methods() {
+  using Kind = Method::Kind;
+  const TwoPositionOptions printed;
+  TwoPositionOptions corrected{true, true, true, Eigen::Vector3d::UnitY()};
+  TwoPositionOptions axes = corrected, e4 = corrected, e5 = corrected;
+  axes.horizontal_axes = false;
+  e4.signed_angle = false;
+  e5.translation = false;
+  return {{"two positions, as printed", Kind::two_positions, printed, true, true, false},
+          {"corrected, but axes of eq. 4", Kind::two_positions, axes, false, true, false},
+          {"corrected, but E4 as printed", Kind::two_positions, e4, false, true, false},
+          {"corrected, but E5 as printed", Kind::two_positions, e5, false, true, false},
+          {"corrected, sensors taken to stand upright", Kind::two_positions, corrected, true, true, false},
+          {"two positions, corrected", Kind::two_positions, corrected, false},
+          {"wand, depth taken as it is", Kind::wand, {}, true, false},
+          {"wand", Kind::wand, {}, true, true},
+          {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
+          {"bodies", Kind::bodies, {}, true, true}};
+}
+
+// One sensor's error in one run.
+struct PoseError {
+  double position_m = ErrorSpread::kNone, rotation_rad = ErrorSpread::kNone;
+  int covered = 0, asked = 0;  // of the stated intervals
+};
+
+struct RunOutcome {
+  bool failed = true;
+  std::vector<PoseError> sensors;
+  CalibratedRig in_world;
+};
+
+PoseError error_of(const RigidTransform& got, const RigidTransform& truth,
+                   const std::optional<Eigen::Matrix<double, 6, 6>>& covariance) {
+  PoseError error;
+  const Eigen::AngleAxisd turn(got.rotation * truth.rotation.conjugate());
+  Eigen::Matrix<double, 6, 1> off;
+  off << turn.angle() * turn.axis(), got.translation_m - truth.translation_m;
+  error.position_m = off.tail<3>().norm();
+  error.rotation_rad = off.head<3>().norm();
+  if (!covariance) return error;
+  for (int i = 0; i < 6; ++i, ++error.asked)
+    error.covered += std::abs(off[i]) <= kNormal95 * std::sqrt((*covariance)(i, i));
+  return error;
+}
+
+// `frame_from_world` is the truth's frame in which the poses were found.
+RunOutcome compare(const std::vector<SensorPose>& poses, const RigidTransform& frame_from_world,
+                   const std::vector<RigidTransform>& truth) {
+  RunOutcome outcome;
+  outcome.failed = false;
+  const RigidTransform world_from_frame = frame_from_world.inverse();
+  for (std::size_t s = 0; s < truth.size(); ++s) {
+    outcome.sensors.push_back(
+        error_of(poses[s].world_from_sensor, frame_from_world * truth[s], poses[s].covariance));
+    outcome.in_world.world_from_sensor.push_back(world_from_frame * poses[s].world_from_sensor);
+  }
+  return outcome;
+}
+
+RunOutcome run_two_positions(const SimulatedRun& run, const Method& method,
+                             const std::vector<RigidTransform>& truth) {
+  if (run.views.positions.size() < 2) return {};
+  std::vector<SensorPose> poses(truth.size());
+  for (std::size_t s = 0; s < truth.size(); ++s) {
+    const RestingBall *first = nullptr, *second = nullptr;
+    for (const RestingBall& ball : run.views.positions[0].seen) first = ball.sensor == s ? &ball : first;
+    for (const RestingBall& ball : run.views.positions[1].seen) second = ball.sensor == s ? &ball : second;
+    if (!first || !second) return {};
+    TwoPositionOptions options = method.two;
+    if (!method.upright) options.up_in_sensor = truth[s].rotation.conjugate() * Eigen::Vector3d::UnitY();
+    const TwoPositionPose pose =
+        solve_two_positions(first->centre_in_sensor_m, second->centre_in_sensor_m, run.movement_m, options);
+    if (pose.status != TwoPositionStatus::solved) return {};
+    poses[s].world_from_sensor = pose.wand_from_sensor;
+  }
+  return compare(poses, run.wand_from_world, truth);
+}
+
+RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const Method& method,
+                    const std::vector<RigidTransform>& truth) {
+  CalibrateWandOptions options;
+  options.search.find.ball_radius_m = spec.ball_radius_m;
+  options.depth_correction = method.option;
+  try {
+    const WandCalibration result = calibrate_views(run.views, "simulated run", options);
+    return compare(result.calibration.sensors, run.wand_from_world, truth);
+  } catch (const InputError&) {
+    return {};  // counted as a failed run
+  }
+}
+
+// Bodies place the sensors beside each other; the truth is taken to where the best seen one was put.
+RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Method& method,
+                      const std::vector<RigidTransform>& truth, const std::filesystem::path& scratch) {
+  const auto session = scratch / fmt::format("walk-{}-{}.h5", run, method.option ? "biased" : "unbiased");
+  write_walk(spec, truth, run, method.option, session);
+  RunOutcome outcome;
+  try {
+    const BodyCalibration result = calibrate_bodies(session, {});
+    const auto& poses = result.calibration.sensors;
+    std::size_t reference = 0;
+    for (std::size_t s = 0; s < poses.size(); ++s)
+      if (poses[s].position_sigma_m == 0.0) reference = s;
+    outcome = compare(poses, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
+    outcome.sensors.erase(outcome.sensors.begin() + static_cast<std::ptrdiff_t>(reference));
+  } catch (const InputError&) {
+    outcome = {};
+  }
+  std::filesystem::remove(session);
+  return outcome;
+}
+
+RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std::uint64_t seed) {
+  RigRow row;
+  row.method = method.name;
+  row.runs = outcomes.size();
+  std::vector<ClusteredError> errors;
+  std::vector<double> covered, asked;
+  double rotation_sum = 0.0, good = 0.0, sensors = 0.0;
+  const bool bodies = method.kind == Method::Kind::bodies;
+  for (std::size_t r = 0; r < outcomes.size(); ++r) {
+    row.failed_runs += outcomes[r].failed;
+    double run_covered = 0.0, run_asked = 0.0;
+    for (const PoseError& e : outcomes[r].sensors) {
+      errors.push_back({r, e.position_m});
+      rotation_sum += e.rotation_rad;
+      row.rotation_max_rad = std::isfinite(row.rotation_max_rad)
+                                 ? std::max(row.rotation_max_rad, e.rotation_rad)
+                                 : e.rotation_rad;
+      good += e.position_m <= (bodies ? kGoodBodies_m : kGoodPosition_m) &&
+              e.rotation_rad <= (bodies ? kGoodBodies_rad : kGoodRotation_rad);
+      sensors += 1.0;
+      run_covered += e.covered;
+      run_asked += e.asked;
+    }
+    if (run_asked == 0.0) continue;
+    covered.push_back(run_covered);
+    asked.push_back(run_asked);
+  }
+  row.position = spread_of(errors, seed);
+  if (sensors > 0.0) {
+    row.rotation_mean_rad = rotation_sum / sensors;
+    row.within_limits_share = good / sensors;
+  }
+  double covered_sum = 0.0, asked_sum = 0.0;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    covered_sum += covered[i];
+    asked_sum += asked[i];
+  }
+  if (asked_sum > 0.0) row.coverage_share = covered_sum / asked_sum;
+  std::tie(row.coverage_low, row.coverage_high) = bootstrap_mean(covered, asked, seed);
+  return row;
+}
+
+}  // namespace
+
+std::vector<RigidTransform> true_rig(const CalibrationSpec& spec) {
+  std::vector<RigidTransform> rig;
+  for (const SensorPose& pose : rig_poses(spec.rig, {0.0, 1.0, 0.0})) rig.push_back(pose.world_from_sensor);
+  return rig;
+}
+
+RigTrialResults measure_rigs(const CalibrationSpec& spec, const std::filesystem::path& scratch,
+                             const StudyHooks& hooks) {
+  RigTrialResults results;
+  if (spec.runs == 0) return results;
+  const std::vector<RigidTransform> truth = true_rig(spec);
+  const std::vector<Method> all = methods();
+  std::vector<std::vector<RunOutcome>> outcomes(all.size(), std::vector<RunOutcome>(spec.runs));
+  std::atomic<std::uint64_t> done{0};
+  parallel_for_index(spec.runs, 1, [&](std::size_t r) {
+    const SimulatedRun run = simulate_run(spec, truth, r, hooks);
+    for (std::size_t m = 0; m < all.size(); ++m) {
+      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      outcomes[m][r] = all[m].kind == Method::Kind::two_positions ? run_two_positions(run, all[m], truth)
+                       : all[m].kind == Method::Kind::wand        ? run_wand(spec, run, all[m], truth)
+                       : spec.bodies_s > 0.0 ? run_bodies(spec, r, all[m], truth, scratch)
+                                             : RunOutcome{};
+    }
+    if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(spec.runs));
+  });
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    if (all[m].kind == Method::Kind::bodies && spec.bodies_s == 0.0) continue;
+    results.rows.push_back(row_of(all[m], outcomes[m], spec.seed));
+    if (!all[m].usable_for_joints) continue;
+    RigCalibrations calibrations{all[m].name, {}};
+    for (const RunOutcome& outcome : outcomes[m])
+      if (!outcome.failed) calibrations.runs.push_back(outcome.in_world);
+    results.calibrations.push_back(std::move(calibrations));
+  }
+  return results;
+}
+
+}  // namespace trilat

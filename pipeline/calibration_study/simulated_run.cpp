@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/simulated_run.h"
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/session/session_writer.h"
+#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/synthetic/wand_motion.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kDeviation = 3.5;
+constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
+
+// The frame of frames.h: origin at the first place, x towards the second, the third on y's side.
+RigidTransform wand_frame(const std::vector<Eigen::Vector3d>& places_m) {
+  const Eigen::Vector3d x = places_m[1] - places_m[0];
+  Eigen::Matrix3d axes;
+  axes.row(0) = x.normalized();
+  axes.row(2) = x.cross(places_m[2] - places_m[0]).normalized();
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+  const Eigen::Quaterniond rotation(axes);
+  return {rotation, -(rotation * places_m[0])};
+}
+
+DepthScene scene_at(const WandInstant& instant, double ball_radius_m) {
+  DepthScene scene;
+  append_room(scene, RoomSpec{}, Eigen::Vector3d::Zero());
+  append_person(scene, instant.person);
+  append_wand(scene, instant.ball_in_world_m, instant.stick_direction, {.ball_radius_m = ball_radius_m});
+  return scene;
+}
+
+}  // namespace
+
+SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
+                          std::uint64_t run, const StudyHooks& hooks) {
+  const std::uint64_t run_seed = spec.seed + 1'000'003 * (run + 1);
+  const WandMotion motion({.positions = spec.positions}, run_seed, {0.0, 1.0, 0.0}, Person{});
+  std::vector<StudyUnit> units;
+  SimulatedRun result;
+  for (std::size_t s = 0; s < world_from_sensor.size(); ++s) {
+    units.push_back(draw_study_unit(run_seed, kUnitsOfSamples + s));
+    result.views.evidence.push_back({.name = fmt::format("k{}", s + 1), .statuses = {}});
+  }
+  FindWandOptions find;
+  find.ball_radius_m = spec.ball_radius_m;
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  for (std::size_t p = 0; p < motion.holds().size(); ++p) {
+    const WandHold& hold = motion.holds()[p];
+    const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), spec.ball_radius_m);
+    WandPosition position{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}};
+    for (std::size_t s = 0; s < units.size(); ++s) {
+      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      std::vector<TimedSighting> found;
+      for (std::uint64_t frame = 0; frame < spec.position_frames; ++frame) {
+        const RandomStream key{run_seed, Purpose::depth_pixel,
+                               random_item(3, s, 0, p * spec.position_frames + frame)};
+        units[s].renderer.render(scene, world_from_sensor[s], key, depth_mm);
+        const WandSighting sighting = find_wand({kDepthWidth, kDepthHeight, depth_mm}, units[s].rays, find);
+        ++result.views.evidence[s].statuses[name_of(sighting.status)];
+        ++result.views.evidence[s].frames;
+        if (sighting.status == WandStatus::found)
+          found.push_back({HostTime{static_cast<std::int64_t>(frame)}, sighting});
+      }
+      if (2 * found.size() < spec.position_frames) continue;
+      position.seen.push_back(mean_of_rest(found, s, kDeviation));
+    }
+    if (position.seen.empty()) continue;
+    result.views.positions.push_back(std::move(position));
+    result.position_in_world_m.push_back(hold.ball_in_world_m);
+  }
+  result.views.positions_of_first = result.views.positions.size();
+  if (result.position_in_world_m.size() < 3) return result;
+  result.wand_from_world = wand_frame(result.position_in_world_m);
+  result.movement_m = (result.position_in_world_m[1] - result.position_in_world_m[0]).norm();
+  return result;
+}
+
+void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
+                std::uint64_t run, bool with_bias, const std::filesystem::path& session) {
+  SensorSpec sensor_spec;
+  if (!with_bias) sensor_spec.joint_bias_sigma_m = 0.0;
+  const SimulatedItem item{spec.seed + 1'000'003 * (run + 1), 0, run};
+  const Motion walk = generated_motion(draw_person(spec.seed, run, 1.70, 0.17), Activity::walking);
+  std::vector<SimulatedSensor> sensors;
+  SessionHeader header;
+  header.simulated = true;
+  for (std::size_t s = 0; s < world_from_sensor.size(); ++s) {
+    SensorPose pose;
+    pose.name = fmt::format("k{}", s + 1);
+    pose.world_from_sensor = world_from_sensor[s];
+    sensors.push_back(draw_sensor(sensor_spec, item, s, pose));
+    header.sensors.push_back(description_of(sensors.back(), sensor_spec));
+  }
+  SessionWriter writer(session, header);
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    const auto frames = static_cast<std::uint64_t>(spec.bodies_s * sensor_spec.rate_hz);
+    for (std::uint64_t f = 0; f < frames; ++f)
+      if (const auto frame = simulate_body_frame(sensors[s], sensor_spec, item, walk, f))
+        writer.add_body_frame(s, *frame);
+    const auto exchanges = static_cast<std::uint64_t>(spec.bodies_s / sensor_spec.exchange_period_s);
+    for (std::uint64_t e = 0; e < exchanges; ++e)
+      writer.add_clock_exchange(s, simulate_exchange(sensors[s], sensor_spec, item, e));
+  }
+  writer.finish();
+}
+
+}  // namespace trilat

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/wand_samples.h"
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/base/error.h"
+#include "datasets/base/units.h"
+#include "datasets/session/session_types.h"
+#include "datasets/synthetic/generated_person.h"
+#include "datasets/synthetic/room_scene.h"
+#include "evaluators/calibration/wand_positions.h"
+#include "evaluators/wand/find_wand.h"
+#include "evaluators/wand/printed_wand.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kNear_m = 0.5, kNearest_m = 0.3;
+constexpr double kRecommendedFrom_m = 0.8, kRecommendedTo_m = 3.0;  // the paper's range
+constexpr double kRecommendedAngle_rad = 26.0 * kRadPerDegree;
+constexpr double kSensorHeight_m = 1.2;
+constexpr double kPersonBehind_m = 1.2;
+constexpr double kDeviation = 3.5;
+
+struct Variant {
+  const char* name;
+  bool printed_method = true;
+  PrintedWandOptions printed = {};
+};
+
+std::vector<Variant> variants(double ball_radius_m) {
+  PrintedWandOptions corrected{Reading::corrected, Reading::corrected, Reading::corrected,
+                               Reading::corrected};
+  corrected.ball_radius_m = ball_radius_m;
+  PrintedWandOptions printed;
+  printed.ball_radius_m = ball_radius_m;
+  PrintedWandOptions clamped = corrected, e1 = corrected, e2 = corrected, e3 = corrected;
+  clamped.invalid_pixels = Reading::printed;
+  e1.stop = Reading::printed;
+  e2.projection = Reading::printed;
+  e3.centre = Reading::printed;
+  return {{"as printed", true, printed},
+          {"corrected, but eq. 1 as printed", true, clamped},
+          {"corrected, but E1 as printed", true, e1},
+          {"corrected, but E2 as printed", true, e2},
+          {"corrected, but E3 as printed", true, e3},
+          {"corrected", true, corrected},
+          {"ours", false, {}}};
+}
+
+enum class Scene { free, room };
+
+struct Sample {
+  double distance_m, angle_rad;
+  Eigen::Vector3d ball_in_sensor_m;
+  bool near;
+};
+
+// Directions lie within 15 degrees of the horizontal plane through the lens, to both sides.
+Sample draw_sample(const CalibrationSpec& spec, std::uint64_t unit, std::uint64_t index, bool near) {
+  const RandomStream random{spec.seed, Purpose::wand_sample, random_item(near ? 1 : 0, unit, 0, index)};
+  Sample sample;
+  sample.near = near;
+  sample.distance_m = near ? random.uniform(0, kNearest_m, kNear_m)
+                           : random.uniform(0, spec.distances_m[0], spec.distances_m[1]);
+  sample.angle_rad =
+      random.uniform(1, 0.0, near ? kRecommendedAngle_rad : spec.largest_angle_deg * kRadPerDegree);
+  const double tilt_rad =
+      random.uniform(2, -15.0, 15.0) * kRadPerDegree + (random.uniform(3) < 0.5 ? std::numbers::pi : 0.0);
+  const double sine = std::sin(sample.angle_rad);
+  sample.ball_in_sensor_m =
+      sample.distance_m *
+      Eigen::Vector3d(sine * std::cos(tilt_rad), sine * std::sin(tilt_rad), std::cos(sample.angle_rad));
+  return sample;
+}
+
+// The sensor looks along the world's z from the height of a table.
+RigidTransform world_from_sensor() { return {Eigen::Quaterniond::Identity(), {0.0, kSensorHeight_m, 0.0}}; }
+
+DepthScene scene_of(Scene kind, const Eigen::Vector3d& ball_in_world_m, double ball_radius_m) {
+  const WandShape wand{.ball_radius_m = ball_radius_m};
+  DepthScene scene;
+  // The stick comes from behind, from the right hand of somebody who stands there.
+  SkeletonPose person = generated_motion(Person{}, Activity::standing)(0.0);
+  const Eigen::Vector3d away(ball_in_world_m.x(), 0.0, ball_in_world_m.z());
+  const Eigen::Vector3d stand_m = away + kPersonBehind_m * away.normalized() - person.at(Joint::spine_base);
+  for (Eigen::Vector3d& joint : person.joint_in_world_m)
+    joint += Eigen::Vector3d(stand_m.x(), 0.0, stand_m.z());
+  append_wand(scene, ball_in_world_m, (person.at(Joint::hand_right) - ball_in_world_m).normalized(), wand);
+  if (kind == Scene::free) return scene;
+  append_person(scene, person);
+  append_room(scene, RoomSpec{}, {0.0, 0.0, 2.5});
+  return scene;
+}
+
+struct SampleOutcome {
+  std::vector<double> error_m;     // by variant; NaN: no answer
+  std::vector<WandStatus> status;  // by variant
+};
+
+// The mean of the frames in which the ball was found, when it was in at least half of them.
+void conclude(const std::vector<std::vector<WandSighting>>& sightings, const Sample& sample,
+              SampleOutcome& outcome) {
+  for (const std::vector<WandSighting>& frames : sightings) {
+    std::vector<TimedSighting> found;
+    WandStatus failure = WandStatus::no_wand;
+    for (const WandSighting& sighting : frames)
+      if (sighting.status == WandStatus::found)
+        found.push_back({HostTime{static_cast<std::int64_t>(found.size())}, sighting});
+      else
+        failure = sighting.status;
+    const bool answered = 2 * found.size() >= frames.size();
+    outcome.status.push_back(answered ? WandStatus::found : failure);
+    outcome.error_m.push_back(
+        answered ? (mean_of_rest(found, 0, kDeviation).centre_in_sensor_m - sample.ball_in_sensor_m).norm()
+                 : ErrorSpread::kNone);
+  }
+}
+
+SampleOutcome measure(const CalibrationSpec& spec, const StudyUnit& unit, std::uint64_t unit_number,
+                      const Sample& sample, std::uint64_t index, Scene kind,
+                      const std::vector<Variant>& methods) {
+  const DepthScene scene = scene_of(kind, world_from_sensor() * sample.ball_in_sensor_m, spec.ball_radius_m);
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  std::vector<std::vector<WandSighting>> sightings(methods.size());
+  FindWandOptions ours;
+  ours.ball_radius_m = spec.ball_radius_m;
+  for (std::uint64_t frame = 0; frame < spec.frames; ++frame) {
+    const auto part = static_cast<std::uint64_t>(kind) * 2 + (sample.near ? 1 : 0);
+    const RandomStream key{spec.seed, Purpose::depth_pixel,
+                           random_item(2, unit_number, part, index * spec.frames + frame)};
+    unit.renderer.render(scene, world_from_sensor(), key, depth_mm);
+    const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
+    for (std::size_t m = 0; m < methods.size(); ++m)
+      sightings[m].push_back(methods[m].printed_method
+                                 ? find_wand_as_printed(image, unit.rays, methods[m].printed)
+                                 : find_wand(image, unit.rays, ours));
+  }
+  SampleOutcome outcome;
+  conclude(sightings, sample, outcome);
+  return outcome;
+}
+
+bool is_recommended(const Sample& sample) {
+  return !sample.near && sample.distance_m >= kRecommendedFrom_m && sample.distance_m <= kRecommendedTo_m &&
+         sample.angle_rad < kRecommendedAngle_rad;
+}
+
+}  // namespace
+
+WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& hooks) {
+  WandSampleResults results;
+  const std::vector<Variant> methods = variants(spec.ball_radius_m);
+  const std::uint64_t per_unit = spec.samples + spec.near_samples;
+  if (per_unit == 0) return results;
+  std::vector<std::vector<ClusteredError>> all(2 * methods.size()), recommended(all), near(all);
+  for (Scene kind : {Scene::free, Scene::room})
+    for (const Variant& variant : methods)
+      results.rows.push_back({variant.name, kind == Scene::free ? "free" : "room", {}, {}, {}, {}});
+  std::atomic<std::uint64_t> done{0};
+  for (std::uint64_t u = 0; u < spec.units; ++u) {
+    const StudyUnit unit = draw_study_unit(spec.seed, u);
+    std::vector<Sample> samples;
+    for (std::uint64_t i = 0; i < per_unit; ++i)
+      samples.push_back(draw_sample(spec, u, i, i >= spec.samples));
+    std::vector<SampleOutcome> outcomes(2 * per_unit);
+    parallel_for_index(outcomes.size(), 1, [&](std::size_t k) {
+      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      const std::uint64_t i = k / 2;
+      outcomes[k] = measure(spec, unit, u, samples[i], i, k % 2 == 0 ? Scene::free : Scene::room, methods);
+      if (hooks.progress)
+        hooks.progress(static_cast<double>(++done) / static_cast<double>(2 * per_unit * spec.units));
+    });
+    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+      const Sample& sample = samples[k / 2];
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        const std::size_t row = (k % 2) * methods.size() + m;
+        const ClusteredError error{u, outcomes[k].error_m[m]};
+        (sample.near ? near : all)[row].push_back(error);
+        if (is_recommended(sample)) recommended[row].push_back(error);
+        if (sample.near) continue;
+        ++results.rows[row].statuses[name_of(outcomes[k].status[m])];
+        results.samples.push_back({row, u, sample.distance_m, sample.angle_rad, outcomes[k].error_m[m]});
+      }
+    }
+  }
+  for (std::size_t row = 0; row < results.rows.size(); ++row) {
+    results.rows[row].all = spread_of(all[row], spec.seed);
+    results.rows[row].recommended = spread_of(recommended[row], spec.seed);
+    results.rows[row].near = spread_of(near[row], spec.seed);
+  }
+  return results;
+}
+
+}  // namespace trilat

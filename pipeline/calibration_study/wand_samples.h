@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "datasets/results/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/study_units.h"
+
+namespace trilat {
+
+struct WandSampleResults {
+  std::vector<WandRow> rows;
+  std::vector<WandSample> samples;  // of the whole span; those nearer than 0.5 m are in the rows only
+};
+
+// The paper's calibration figure: the error of one wand position, the mean of a few frames, against distance
+// and angle; as the paper prints it, with each erratum alone as printed, and ours; before nothing and in a
+// room with the person who holds it.
+WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& hooks);
+
+}  // namespace trilat
