@@ -20,6 +20,10 @@ std::string marker_name(Joint joint, int marker);
 std::vector<Eigen::Vector3d> simulate_markers(const SkeletonPose& pose, Joint joint, const MocapSpec& spec,
                                               const SimulatedItem& item, std::uint64_t frame);
 
+// A rigid body's position at frame `frame`, with the noise of a marker; NaN while it is lost.
+Eigen::Vector3d simulate_rigid_body(const Eigen::Vector3d& position_in_world_m, const MocapSpec& spec,
+                                    const SimulatedItem& item, std::uint64_t frame);
+
 // What the stated start of the mocap is later than the true one, on the host clock.
 Duration mocap_clock_error(const MocapSpec& spec, const SimulatedItem& item);
 

@@ -9,34 +9,16 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
+#include "datasets/synthetic/json_ranges.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.simulation";
 
-double share(JsonObject& object, const std::string& key, double fallback) {
-  const double value = object.number(key, fallback);
-  if (!(value >= 0.0 && value <= 1.0)) object.refuse(key, "must lie between 0 and 1");
-  return value;
-}
-
-double not_negative(JsonObject& object, const std::string& key, double fallback) {
-  const double value = object.number(key, fallback);
-  if (!(value >= 0.0)) object.refuse(key, "must not be negative");
-  return value;
-}
-
-double within(JsonObject& object, const std::string& key, double fallback, double low, double high) {
-  const double value = object.number(key, fallback);
-  if (!(value >= low && value <= high))
-    object.refuse(key, "must lie between " + Json(low).dump() + " and " + Json(high).dump());
-  return value;
-}
-
 RigSpec read_rig(JsonObject object) {
   RigSpec rig;
-  rig.radius_m = within(object, "radius_m", rig.radius_m, 0.3, 20.0);
+  rig.radius_m = number_within(object, "radius_m", rig.radius_m, 0.3, 20.0);
   if (object.has("heights_m")) {
     const std::size_t sensors = object.value("heights_m").size();
     if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
@@ -52,34 +34,34 @@ RigSpec read_rig(JsonObject object) {
 
 SensorSpec read_sensor(JsonObject object) {
   SensorSpec s;
-  s.rate_hz = within(object, "rate_hz", s.rate_hz, 1.0, 1000.0);
+  s.rate_hz = number_within(object, "rate_hz", s.rate_hz, 1.0, 1000.0);
   s.nearest_m = not_negative(object, "nearest_m", s.nearest_m);
   s.farthest_m = object.positive("farthest_m", s.farthest_m);
   if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
   s.joint_bias_sigma_m = not_negative(object, "joint_bias_sigma_m", s.joint_bias_sigma_m);
   s.joint_noise_sigma_m = not_negative(object, "joint_noise_sigma_m", s.joint_noise_sigma_m);
-  s.inferred_share = share(object, "inferred_share", s.inferred_share);
+  s.inferred_share = share_within(object, "inferred_share", s.inferred_share);
   s.inferred_noise_factor = not_negative(object, "inferred_noise_factor", s.inferred_noise_factor);
-  s.dropped_share = share(object, "dropped_share", s.dropped_share);
-  s.clock_drift_ppm = within(object, "clock_drift_ppm", s.clock_drift_ppm, 0.0, 500.0);
-  s.latency_s = within(object, "latency_s", s.latency_s, 0.0, 1.0);
-  s.arrival_jitter_s = within(object, "arrival_jitter_s", s.arrival_jitter_s, 0.0, 1.0);
-  s.exchange_period_s = within(object, "exchange_period_s", s.exchange_period_s, 0.01, 3600.0);
-  s.exchange_jitter_s = within(object, "exchange_jitter_s", s.exchange_jitter_s, 0.0, 1.0);
+  s.dropped_share = share_within(object, "dropped_share", s.dropped_share);
+  s.clock_drift_ppm = number_within(object, "clock_drift_ppm", s.clock_drift_ppm, 0.0, 500.0);
+  s.latency_s = number_within(object, "latency_s", s.latency_s, 0.0, 1.0);
+  s.arrival_jitter_s = number_within(object, "arrival_jitter_s", s.arrival_jitter_s, 0.0, 1.0);
+  s.exchange_period_s = number_within(object, "exchange_period_s", s.exchange_period_s, 0.01, 3600.0);
+  s.exchange_jitter_s = number_within(object, "exchange_jitter_s", s.exchange_jitter_s, 0.0, 1.0);
   s.free_running = object.boolean("free_running", s.free_running);
-  s.focal_spread_px = within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
-  s.centre_spread_px = within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
+  s.focal_spread_px = number_within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
+  s.centre_spread_px = number_within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
   object.finish();
   return s;
 }
 
 MocapSpec read_mocap_spec(JsonObject object) {
   MocapSpec m;
-  m.rate_hz = within(object, "rate_hz", m.rate_hz, 1.0, 2000.0);
+  m.rate_hz = number_within(object, "rate_hz", m.rate_hz, 1.0, 2000.0);
   m.marker_noise_sigma_m = not_negative(object, "marker_noise_sigma_m", m.marker_noise_sigma_m);
   m.marker_offset_m = not_negative(object, "marker_offset_m", m.marker_offset_m);
-  m.gap_share = share(object, "gap_share", m.gap_share);
-  m.clock_error_s = within(object, "clock_error_s", m.clock_error_s, 0.0, 10.0);
+  m.gap_share = share_within(object, "gap_share", m.gap_share);
+  m.clock_error_s = number_within(object, "clock_error_s", m.clock_error_s, 0.0, 10.0);
   object.finish();
   return m;
 }
@@ -102,7 +84,7 @@ std::vector<Joint> default_marker_joints(Activity activity) {
 ActivitySpec read_activity(JsonObject& object) {
   ActivitySpec activity;
   activity.activity = static_cast<Activity>(object.choice("name", activity_names()));
-  activity.duration_s = within(object, "duration_s", activity.duration_s, 0.1, 1e6);
+  activity.duration_s = number_within(object, "duration_s", activity.duration_s, 0.1, 1e6);
   activity.marker_joints = default_marker_joints(activity.activity);
   if (object.has("marker_joints")) {
     activity.marker_joints.clear();
@@ -135,8 +117,8 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     object.refuse("participants", "must be 1 to 10000");
   if (object.has("stature_m")) {
     JsonObject stature = object.object("stature_m");
-    spec.stature_mean_m = within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
-    spec.stature_half_range_m = within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
+    spec.stature_mean_m = number_within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
+    spec.stature_half_range_m = number_within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
     if (spec.stature_mean_m - spec.stature_half_range_m < 0.5)
       stature.refuse("half_range", "must leave everybody at least 0.5 m tall");
     stature.finish();
@@ -155,6 +137,13 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
+  if (object.has("room")) spec.room = read_room(object.object("room"));
+  if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
+  if (object.has("wand")) spec.wand = read_wand_spec(object.object("wand"));
+  if (object.has("depth") && !spec.depth.takes && !spec.wand)
+    object.refuse("depth", "says nothing without \"takes\": true in it or \"wand\" beside it");
+  if (object.has("room") && !spec.depth.takes && !spec.wand)
+    object.refuse("room", "is seen by nobody without depth: \"takes\": true in \"depth\", or \"wand\"");
   object.finish();
   if (spec.recorded) spec.participants = 1;
   if (spec.participants * std::max<std::size_t>(1, spec.activities.size()) > 16'000)

@@ -12,6 +12,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"
+#include "datasets/synthetic/depth_spec.h"
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {
@@ -80,6 +81,9 @@ struct SimulationSpec {
   RigSpec rig;
   SensorSpec sensor;
   MocapSpec mocap;
+  RoomSpec room;
+  DepthSpec depth;
+  std::optional<WandSpec> wand;
 };
 
 // Paths inside are taken relative to `folder`.

@@ -71,8 +71,9 @@ void print_notes(const ResultsSummary& summary) {
 
 int run(const RunArguments& arguments) {
   const Json json = read_json(arguments.study);
-  if (study_kind(json, arguments.study.string()) == StudyKind::threshold_sweep)
-    return run_sweep_study(arguments, json);
+  const StudyKind kind = study_kind(json, arguments.study.string());
+  if (kind == StudyKind::threshold_sweep) return run_sweep_study(arguments, json);
+  if (kind == StudyKind::calibration) return run_calibration_study(arguments, json);
   const StudySpec study = parse_study(json, arguments.study.string(), arguments.study.parent_path());
   const std::filesystem::path folder = arguments.campaign.empty() ? study.campaign : arguments.campaign;
   if (folder.empty())

@@ -94,6 +94,8 @@ Json result_json(const SweepOutcome& outcome) {
 int run_sweep_study(const RunArguments& arguments, const Json& study) {
   if (!arguments.campaign.empty())
     throw InputError("--campaign", "is of no use: a threshold sweep makes its own trials and needs none");
+  if (!arguments.calibration.empty())
+    throw InputError("--calibration", "is of no use: a threshold sweep places its own sensors");
   if (arguments.cross_check)
     throw InputError("--cross-check",
                      "is for studies of kind accuracy; a threshold sweep counts the digits "

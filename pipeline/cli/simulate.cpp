@@ -23,10 +23,18 @@ int simulate(const SimulateArguments& arguments) {
   if (arguments.json) {
     Json takes = Json::array();
     for (const Take& take : campaign.takes) takes.push_back(take.id);
-    fmt::print("{}\n", json_text({{"campaign", arguments.output.string()}, {"takes", takes}}, 2));
+    Json json{{"campaign", arguments.output.string()}, {"takes", takes}};
+    if (spec.wand)
+      json["wand"] = {{"session", (arguments.output / "wand" / "session.h5").string()},
+                      {"mocap", (arguments.output / "wand" / "mocap.csv").string()},
+                      {"mocap_start_host_ns", wand_mocap_start(spec).ns}};
+    fmt::print("{}\n", json_text(json, 2));
   } else {
     fmt::print("{} simulated takes: {}\n", campaign.takes.size(),
                (arguments.output / "campaign.json").string());
+    if (spec.wand)
+      fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n",
+                 (arguments.output / "wand" / "session.h5").string(), wand_mocap_start(spec).ns);
   }
   return kDone;
 }

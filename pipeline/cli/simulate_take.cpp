@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/simulate_take.h"
 
-#include <atomic>
+#include <mutex>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,31 +12,14 @@
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
+#include "pipeline/cli/simulate_wand.h"
+#include "pipeline/cli/simulated_truth.h"
 #include "pipeline/parallel.h"
 #include "recorders/recorder.h"
 #include "recorders/synthetic_source.h"
 
 namespace trilat {
 namespace {
-
-std::int64_t mocap_frames(const MocapSpec& mocap, double duration_s) {
-  return static_cast<std::int64_t>(duration_s * mocap.rate_hz) + 1;
-}
-
-MocapHeader mocap_header(const std::string& name, double rate_hz, std::int64_t frames,
-                         const std::vector<std::string>& markers) {
-  MocapHeader header;
-  header.take_name = name;
-  header.capture_rate_hz = rate_hz;
-  header.export_rate_hz = rate_hz;
-  header.capture_start_frame = 0;
-  header.total_frames_in_take = frames;
-  header.total_exported_frames = frames;
-  for (std::size_t m = 0; m < markers.size(); ++m)
-    header.assets.push_back(
-        {AssetType::marker, markers[m], fmt::format("{:X}", 0xA000 + m), "", false, true});
-  return header;
-}
 
 // The virtual OptiTrack's export, and beside it the same frames without noise, gaps and markers.
 void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
@@ -46,10 +30,10 @@ void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
   for (int j = 0; j < kJointCount; ++j) joints.emplace_back(name_of(static_cast<Joint>(j)));
   const double rate_hz = spec.mocap.rate_hz;
   const std::int64_t frames = mocap_frames(spec.mocap, plan.duration_s);
-  OptitrackCsvWriter mocap(folder / "mocap.csv",
-                           mocap_header(plan.id + " simulated", rate_hz, frames, markers));
-  OptitrackCsvWriter truth(folder / "truth.csv",
-                           mocap_header(plan.id + " true joints", rate_hz, frames, joints));
+  OptitrackCsvWriter mocap(folder / "mocap.csv", simulated_mocap_header(plan.id + " simulated", rate_hz,
+                                                                        frames, AssetType::marker, markers));
+  OptitrackCsvWriter truth(folder / "truth.csv", simulated_mocap_header(plan.id + " true joints", rate_hz,
+                                                                        frames, AssetType::marker, joints));
   MocapFrame seen, exact;
   seen.poses.resize(markers.size());
   exact.poses.resize(joints.size());
@@ -90,25 +74,15 @@ void copy_recorded(const std::filesystem::path& from, const std::filesystem::pat
   publish_file(partial, to);
 }
 
-// What only the simulator knows.
-void write_truth(const SimulatedTakePlan& plan, const std::vector<SimulatedSensor>& sensors,
-                 Duration mocap_error, const std::filesystem::path& folder) {
-  Json list = Json::array();
-  for (const SimulatedSensor& s : sensors)
-    list.push_back(
-        {{"name", s.pose.name},
-         {"sensor_clock_origin_ns", s.host_from_sensor.origin_from.ns},
-         {"host_at_origin_ns", s.host_from_sensor.origin_to.ns},
-         {"host_from_sensor_drift", s.host_from_sensor.drift},
-         {"agent_minus_host_at_start_ns", s.agent_from_host.origin_to.ns - s.agent_from_host.origin_from.ns},
-         {"agent_from_host_drift", s.agent_from_host.drift}});
-  const Json json{{"format", "trilat.simulated_truth"},
-                  {"version", 1},
-                  {"motion_start_host_ns", kMotionStart.ns},
-                  {"stated_minus_true_mocap_start_ns", mocap_error.ns},
-                  {"seed", plan.item.seed},
-                  {"sensors", list}};
-  write_file(folder / "truth.json", json.dump(2) + "\n");
+// The person in the room as the sensors see them at one time of the take.
+SceneMotion scene_of(const SimulationSpec& spec, const SimulatedTakePlan& plan,
+                     const Eigen::Vector3d& rig_centre_m) {
+  return [&spec, &plan, rig_centre_m](double time_s) {
+    DepthScene scene;
+    append_room(scene, spec.room, rig_centre_m);
+    append_person(scene, plan.motion(time_s));
+    return scene;
+  };
 }
 
 std::vector<SimulatedTakePlan> generated_takes(const SimulationSpec& spec) {
@@ -145,28 +119,66 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
   return take;
 }
 
+// About how long each recording takes, in seconds of a take without depth; the wand's is the last.
+std::vector<double> costs_of(const SimulationSpec& spec, const std::vector<SimulatedTakePlan>& takes) {
+  constexpr double kDepth = 60.0;
+  std::vector<double> costs;
+  for (const SimulatedTakePlan& take : takes)
+    costs.push_back(take.duration_s * (spec.depth.takes ? kDepth : 1.0));
+  if (spec.wand) costs.push_back(kDepth * wand_duration_s(*spec.wand));
+  return costs;
+}
+
+// Adds up how far several recordings are; any thread may tell.
+class JointProgress {
+ public:
+  JointProgress(std::vector<double> costs, const std::function<void(double)>& report)
+      : costs_(std::move(costs)), shares_(costs_.size(), 0.0), report_(report) {}
+
+  void set(std::size_t recording, double share) {
+    if (!report_) return;
+    const std::lock_guard lock(mutex_);
+    shares_[recording] = share;
+    report_(std::inner_product(costs_.begin(), costs_.end(), shares_.begin(), 0.0) /
+            std::accumulate(costs_.begin(), costs_.end(), 0.0));
+  }
+
+ private:
+  std::vector<double> costs_, shares_;
+  const std::function<void(double)>& report_;
+  std::mutex mutex_;
+};
+
 }  // namespace
 
-Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                   const std::vector<SensorPose>& poses, const std::filesystem::path& folder,
-                   const std::filesystem::path& calibration, const std::function<bool()>& stop_requested) {
+Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
+                   const std::filesystem::path& folder, const std::filesystem::path& calibration,
+                   const SimulationWatch& watch) {
   make_folder(folder);
   std::vector<SimulatedSensor> sensors;
-  for (std::size_t s = 0; s < poses.size(); ++s)
-    sensors.push_back(draw_sensor(spec.sensor, plan.item, s, poses[s]));
-  SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s);
+  for (const SensorPose& pose : rig.poses)
+    sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
   RecordOptions options;
-  options.stop_requested = stop_requested;
-  record(source, folder / "session.h5", options);
+  options.stop_requested = watch.stop_requested;
+  if (spec.depth.takes) {
+    SyntheticDepthSource source = watched_depth_source(spec, plan.item, plan.motion, sensors, plan.duration_s,
+                                                       scene_of(spec, plan, rig.centre_m), watch);
+    record(source, folder / "session.h5", options);
+  } else {
+    SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s);
+    record(source, folder / "session.h5", options);
+  }
   if (plan.recorded_mocap.empty()) {
-    write_mocap(spec, plan, folder, stop_requested);
+    write_mocap(spec, plan, folder, watch.stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
   } else {
     copy_recorded(plan.recorded_mocap, folder / "mocap.csv");
     copy_recorded(plan.recorded_mapping, folder / "mapping.json");
   }
   const Duration error = mocap_clock_error(spec.mocap, plan.item);
-  write_truth(plan, sensors, error, folder);
+  const Json truth =
+      simulated_truth(plan.item, sensors, error, spec.depth.takes ? &spec.depth.noise : nullptr);
+  write_file(folder / "truth.json", truth.dump(2) + "\n");
   return {plan.id,     plan.participant,     plan.activity,           folder / "session.h5",
           calibration, folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns};
 }
@@ -185,17 +197,20 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
   }
   make_folder(folder);
   std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
-  const std::vector<SensorPose> poses = rig_poses(spec.rig, centre_m);
-  write_calibration(folder / "calibration.json", {"simulated truth", poses});
+  const SimulatedRig rig{rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
+  write_calibration(folder / "calibration.json", {"simulated truth", rig.poses});
   Campaign campaign{spec.name, true, {}, folder};
   campaign.takes.resize(takes.size());
-  std::atomic<std::size_t> done{0};
+  JointProgress joint_progress(costs_of(spec, takes), progress);
   parallel_for_index(takes.size(), 1, [&](std::size_t t) {
     if (stop_requested && stop_requested()) throw Interrupted();
-    campaign.takes[t] = simulate_take(spec, takes[t], poses, folder / takes[t].id,
-                                      folder / "calibration.json", stop_requested);
-    if (progress) progress(static_cast<double>(++done) / static_cast<double>(takes.size()));
+    campaign.takes[t] = simulate_take(spec, takes[t], rig, folder / takes[t].id, folder / "calibration.json",
+                                      {stop_requested, [&](double share) { joint_progress.set(t, share); }});
+    joint_progress.set(t, 1.0);
   });
+  if (spec.wand)
+    simulate_wand(spec, rig.poses, rig.centre_m, folder / "wand",
+                  {stop_requested, [&](double share) { joint_progress.set(takes.size(), share); }});
   write_campaign(folder, campaign);
   return campaign;
 }

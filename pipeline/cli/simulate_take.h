@@ -6,6 +6,7 @@
 
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/take/campaign.h"
+#include "pipeline/cli/simulate_wand.h"
 
 namespace trilat {
 
@@ -22,14 +23,21 @@ struct SimulatedTakePlan {
   std::filesystem::path recorded_mapping;
 };
 
+// The sensors' true poses and what they look at.
+struct SimulatedRig {
+  std::vector<SensorPose> poses;
+  Eigen::Vector3d centre_m;
+};
+
 // Writes `folder`/session.h5, mocap.csv, truth.csv, truth.json and mapping.json for one take, and returns its
 // entry for the campaign. For a real take mocap.csv and mapping.json are copies of what was given, and there
 // is no truth.csv.
-Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                   const std::vector<SensorPose>& poses, const std::filesystem::path& folder,
-                   const std::filesystem::path& calibration, const std::function<bool()>& stop_requested);
+Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
+                   const std::filesystem::path& folder, const std::filesystem::path& calibration,
+                   const SimulationWatch& watch);
 
-// Simulates a whole campaign into `folder` on all processors and writes calibration.json and campaign.json.
+// Simulates a whole campaign into `folder` on all processors and writes calibration.json, the
+// wand recording when there is one (in `folder`/wand), and campaign.json.
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
                            const std::function<bool()>& stop_requested,
                            const std::function<void(double)>& progress);

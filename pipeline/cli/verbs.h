@@ -73,6 +73,8 @@ struct RunArguments {
 int run(const RunArguments& arguments);
 // The same for a study of kind threshold_sweep, already read.
 int run_sweep_study(const RunArguments& arguments, const Json& study);
+// And for one of kind calibration.
+int run_calibration_study(const RunArguments& arguments, const Json& study);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> results;

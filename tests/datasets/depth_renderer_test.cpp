@@ -142,6 +142,9 @@ TEST(DepthRenderer, JitteredRaysMeetWhatEveryRayAgainstEverySurfaceMeets) {
   DepthScene scene = lab.scene;
   scene.spheres.push_back({lab.pose * Vector3d(-0.5, 0.3, 0.9), 0.3});  // large, near and in the corner
   scene.capsules.push_back({lab.pose * Vector3d(0.2, 0.2, -0.5), lab.pose * Vector3d(0.9, 0.5, 2.0), 0.05});
+  // along the image's sides, where a box fits tightly
+  scene.capsules.push_back({lab.pose * Vector3d(0.1, -0.4, 1.0), lab.pose * Vector3d(0.1, 0.4, 1.0), 0.03});
+  scene.capsules.push_back({lab.pose * Vector3d(-0.5, 0.1, 1.0), lab.pose * Vector3d(0.5, 0.1, 1.0), 0.03});
   const auto ours = rendered({{}, noise, lab.unit}, scene, 3, lab.pose);
   const auto plain = PlainDepthRenderer({}, noise, lab.unit).render(scene, lab.pose, key_of(3));
   std::size_t differing = 0, seen = 0;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "datasets/synthetic/simulated_sensor.h"
+#include "recorders/synthetic_depth_source.h"
+
+namespace trilat {
+
+// How long work is watched and ended.
+struct SimulationWatch {
+  std::function<bool()> stop_requested = {};
+  std::function<void(double share)> progress = {};
+};
+
+// A source with depth that renders on all processors, tells how far it is and ends by Interrupted.
+SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
+                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
+                                          double duration_s, SceneMotion scene, const SimulationWatch& watch);
+
+double wand_duration_s(const WandSpec& wand);
+// The wand recording's place among the campaign's random numbers: behind all takes.
+SimulatedItem wand_item(const SimulationSpec& spec);
+// What the recording's host clock is said to show at the first frame of the wand's mocap.csv.
+HostTime wand_mocap_start(const SimulationSpec& spec);
+
+// Writes `folder`/session.h5 (depth and bodies), truth.json and mocap.csv of the calibration recording that
+// spec.wand asks for.
+void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& poses,
+                   const Eigen::Vector3d& rig_centre_m, const std::filesystem::path& folder,
+                   const SimulationWatch& watch);
+
+}  // namespace trilat
