@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -103,17 +104,32 @@ bool outline_in_image(const DepthIntrinsics& intrinsics, const Vector3d& centre,
   return inside;
 }
 
-const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings, double radius_m) {
+std::string_view not_a_ball(const DepthImageView& image, const DepthRays& rays, const BallFit& fit,
+                            double radius_m) {
   if (fit.status != BallFitStatus::fitted) return "no ball fits";
-  if (surroundings.continuing > 0.25) return "it goes on beyond the outline";
-  if (surroundings.beyond < 0.4) return "too little of the outline is free";
+  const Vector3d& centre = fit.centre_in_sensor_m;
+  const double pixel_m = centre.norm() / rays.intrinsics.fx_px;
+  // Just outside the outline lies what a larger ball still covers at 4.5 m.
+  const double close_m = std::max(1.1 * radius_m, radius_m + 0.75 * pixel_m);
+  const double wide_m = std::max(1.25 * radius_m, radius_m + 1.5 * pixel_m);
+  if (surroundings_of(image, rays, centre, radius_m, close_m, 32).continuing > 0.25) return "it is larger";
+  const BallSurroundings wide = surroundings_of(image, rays, centre, radius_m, wide_m, 32);
+  if (wide.continuing > 0.25) return "it goes on beyond the outline";
+  if (wide.beyond < 0.4) return "too little of the outline is free";
   if (fit.inner_agreeing < 0.55 * (fit.inner - fit.inner_invalid)) return "too much of the disc is hidden";
   if (fit.inner_agreeing < 0.4 * fit.inner) return "too little of the disc was seen";
   // Corners of the image are up to twice as noisy as the model, and rays jitter sideways.
   if (fit.rms_m > 2.0 * fit.expected_rms_m + 0.0015) return "it is rougher than noise";
-  if (std::abs(fit.radius_excess_m) > std::min(0.1 * radius_m + 4.0 * fit.radius_sigma_m, 0.22 * radius_m))
+  if (std::abs(fit.radius_excess_m) > std::min(0.1 * radius_m + 3.0 * fit.radius_sigma_m, 0.2 * radius_m))
     return "another radius fits better";
-  return "";
+  // Lost pixels belong to a dark corner of the image, or to the rim of something before the ball.
+  if (lacks_pixels(fit) && fit.inner_behind > 0.02 * fit.inner) return "its rim is within the disc";
+  return {};
+}
+
+bool lacks_pixels(const BallFit& fit) {
+  const int hidden = fit.inner - fit.inner_agreeing - fit.inner_behind - fit.inner_invalid;
+  return fit.inner_invalid > 0.08 * fit.inner + hidden;
 }
 
 }  // namespace trilat

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -39,6 +39,10 @@ bool outline_in_image(const DepthIntrinsics& intrinsics, const Eigen::Vector3d& 
                       double radius_m);
 
 // Why a fit is no ball; empty when it is one.
-const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings, double radius_m);
+std::string_view not_a_ball(const DepthImageView& image, const DepthRays& rays, const BallFit& fit,
+                            double radius_m);
+
+// Whether more of the disc is invalid than lost pixels and the rim of something before the ball explain.
+bool lacks_pixels(const BallFit& fit);
 
 }  // namespace trilat
