@@ -46,9 +46,10 @@ std::optional<Meeting> meet(const RayDepth& pixel, const Vector3d& centre, doubl
                  -radius_m * scale};
 }
 
-double variance_m2(const AxialNoise& noise, const Meeting& meeting) {
-  const double sigma_m = noise.sigma_m(meeting.depth_m, std::acos(std::min(1.0, meeting.cosine)));
-  return sigma_m * sigma_m + kRoundingVariance_m2;
+double variance_m2(const BallFitOptions& options, const Meeting& meeting) {
+  const double axial_m = options.noise.sigma_m(meeting.depth_m, std::acos(std::min(1.0, meeting.cosine)));
+  const double lateral_m = options.lateral_sigma_m * meeting.sine / meeting.cosine;
+  return axial_m * axial_m + lateral_m * lateral_m + kRoundingVariance_m2;
 }
 
 struct Sums {
@@ -148,7 +149,7 @@ class Fitter {
         continue;
       }
       const double residual_m = pixels_[i].depth_m - meeting->depth_m;
-      const double pixel_m2 = variance_m2(options_.noise, *meeting);
+      const double pixel_m2 = variance_m2(options_, *meeting);
       seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(residual_m / std::sqrt(pixel_m2)),
                       pixel_m2, inner});
     }

@@ -23,6 +23,7 @@ struct RayDepth {
 struct BallFitOptions {
   double radius_m = 0.075;
   AxialNoise noise = {};
+  double lateral_sigma_m = 0.0016;  // sideways jitter of a ray: on a slope it becomes depth
   // Only pixels that see the surface at less than this angle between ray and normal, and that lie at least
   // one pixel inside the outline: beyond, depth is noisy or mixed with the background.
   double max_angle_rad = 60.0 * kRadPerDegree;

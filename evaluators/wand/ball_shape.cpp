@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -65,12 +66,13 @@ std::vector<RayDepth> pixels_around(const DepthImageView& image, const DepthRays
 
 BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& rays, const Vector3d& centre,
                                  double radius_m, double circle_radius_m, int directions) {
-  int inside = 0, beyond = 0, in_front = 0;
+  int inside = 0, beyond = 0, in_front = 0, unseen = 0;
   on_circle(rays.intrinsics, centre, circle_radius_m, directions,
             [&](const Vector3d&, const std::optional<Vector2d>& pixel) {
               if (!pixel) return;
               ++inside;
               const double depth_m = depth_at_m(image, *pixel);
+              unseen += depth_m <= 0.0;
               if (depth_m <= 0.0 || depth_m > centre.z() + 0.3 * radius_m)
                 ++beyond;
               else if (depth_m < centre.z() - 1.3 * radius_m)
@@ -78,8 +80,7 @@ BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& r
             });
   if (inside == 0) return {};
   const double share = 1.0 / inside;
-  return {share * beyond, share * (inside - beyond - in_front), share * in_front,
-          static_cast<double>(inside) / directions};
+  return {share * beyond, share * (inside - beyond - in_front), share * in_front, share * unseen};
 }
 
 bool worth_fitting(const DepthImageView& image, const DepthRays& rays, const Vector3d& centre,
@@ -103,17 +104,44 @@ bool outline_in_image(const DepthIntrinsics& intrinsics, const Vector3d& centre,
   return inside;
 }
 
-const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings, double radius_m) {
+namespace {
+
+BallSurroundings wide_surroundings(const DepthImageView& image, const DepthRays& rays, const Vector3d& centre,
+                                   double radius_m) {
+  const double pixel_m = centre.norm() / rays.intrinsics.fx_px;
+  return surroundings_of(image, rays, centre, radius_m, std::max(1.25 * radius_m, radius_m + 1.5 * pixel_m),
+                         32);
+}
+
+}  // namespace
+
+bool lacks_pixels(const DepthImageView& image, const DepthRays& rays, const BallFit& fit, double radius_m) {
+  const int hidden = fit.inner - fit.inner_agreeing - fit.inner_behind - fit.inner_invalid;
+  return fit.inner_invalid > 0.08 * fit.inner + 3 * hidden &&
+         wide_surroundings(image, rays, fit.centre_in_sensor_m, radius_m).in_front < 0.05;
+}
+
+std::string_view not_a_ball(const DepthImageView& image, const DepthRays& rays, const BallFit& fit,
+                            double radius_m) {
   if (fit.status != BallFitStatus::fitted) return "no ball fits";
-  if (surroundings.continuing > 0.25) return "it goes on beyond the outline";
-  if (surroundings.beyond < 0.4) return "too little of the outline is free";
+  const Vector3d& centre = fit.centre_in_sensor_m;
+  const double pixel_m = centre.norm() / rays.intrinsics.fx_px;
+  // Just outside the outline lies what a larger ball still covers at 4.5 m.
+  const double close_m = std::max(1.1 * radius_m, radius_m + 0.75 * pixel_m);
+  if (surroundings_of(image, rays, centre, radius_m, close_m, 32).continuing > 0.25) return "it is larger";
+  const BallSurroundings wide = wide_surroundings(image, rays, centre, radius_m);
+  if (wide.continuing > 0.25) return "it goes on beyond the outline";
+  if (wide.beyond < 0.4) return "too little of the outline is free";
   if (fit.inner_agreeing < 0.55 * (fit.inner - fit.inner_invalid)) return "too much of the disc is hidden";
   if (fit.inner_agreeing < 0.4 * fit.inner) return "too little of the disc was seen";
-  // Corners of the image are up to twice as noisy as the model, and rays jitter sideways.
-  if (fit.rms_m > 2.0 * fit.expected_rms_m + 0.0015) return "it is rougher than noise";
-  if (std::abs(fit.radius_excess_m) > std::min(0.1 * radius_m + 4.0 * fit.radius_sigma_m, 0.22 * radius_m))
+  // Corners of the image are up to twice as noisy as the model.
+  if (fit.rms_m > 2.0 * fit.expected_rms_m + 0.001) return "it is rougher than noise";
+  if (std::abs(fit.radius_excess_m) > std::min(0.1 * radius_m + 3.0 * fit.radius_sigma_m, 0.2 * radius_m))
     return "another radius fits better";
-  return "";
+  // A dark corner of the image that cuts the ball goes on beyond it; what lacks pixels otherwise is smaller.
+  if (lacks_pixels(image, rays, fit, radius_m) && (fit.inner_behind > 0.02 * fit.inner || wide.unseen < 0.2))
+    return "its rim lies within the disc";
+  return {};
 }
 
 }  // namespace trilat

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -22,7 +22,7 @@ struct BallSurroundings {
   double beyond = 0.0;      // behind the ball's middle, or nothing was seen
   double continuing = 0.0;  // at the ball's depth: the thing is larger than a ball, or its stick
   double in_front = 0.0;    // something hides the ball there
-  double in_image = 0.0;    // share of all directions
+  double unseen = 0.0;      // of those beyond: nothing was seen
 };
 BallSurroundings surroundings_of(const DepthImageView& image, const DepthRays& rays,
                                  const Eigen::Vector3d& centre_in_sensor_m, double radius_m,
@@ -39,6 +39,10 @@ bool outline_in_image(const DepthIntrinsics& intrinsics, const Eigen::Vector3d& 
                       double radius_m);
 
 // Why a fit is no ball; empty when it is one.
-const char* not_a_ball(const BallFit& fit, const BallSurroundings& surroundings, double radius_m);
+std::string_view not_a_ball(const DepthImageView& image, const DepthRays& rays, const BallFit& fit,
+                            double radius_m);
+
+// Whether more of the disc is invalid than lost pixels and the rim of something before the ball explain.
+bool lacks_pixels(const DepthImageView& image, const DepthRays& rays, const BallFit& fit, double radius_m);
 
 }  // namespace trilat

@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInvalidShareOfCutBall = 0.08;
-
 double outline_px(const DepthRays& rays, const FindWandOptions& options, double depth_m) {
   return rays.intrinsics.fx_px * options.ball_radius_m / depth_m;
 }
@@ -53,18 +51,16 @@ WandSighting judged(const DepthImageView& image, const DepthRays& rays, const Fi
   const double radius_m = options.ball_radius_m;
   const auto start = start_of(candidate, rays, radius_m);
   if (!start || !worth_fitting(image, rays, *start, radius_m)) return sighting;
-  const BallFit fit =
-      fit_ball(pixels_around(image, rays, *start, radius_m), *start,
-               {.radius_m = radius_m, .noise = options.noise, .pixel_rad = 1.0 / rays.intrinsics.fx_px});
-  if (fit.status != BallFitStatus::fitted) return sighting;
+  const BallFit fit = fit_ball(pixels_around(image, rays, *start, radius_m), *start,
+                               {.radius_m = radius_m,
+                                .noise = options.noise,
+                                .lateral_sigma_m = options.lateral_sigma_m,
+                                .pixel_rad = 1.0 / rays.intrinsics.fx_px});
+  if (!not_a_ball(image, rays, fit, radius_m).empty()) return sighting;
   const Vector3d& centre = fit.centre_in_sensor_m;
-  const double circle_m = radius_m * std::max(1.25, 1.0 + 1.5 / outline_px(rays, options, centre.z()));
-  if (*not_a_ball(fit, surroundings_of(image, rays, centre, radius_m, circle_m, 32), radius_m) != '\0')
-    return sighting;
   if (centre.z() - radius_m < options.nearest_m || centre.z() > options.farthest_m)
     sighting.status = WandStatus::out_of_range;
-  else if (fit.inner_invalid > kInvalidShareOfCutBall * fit.inner ||
-           !outline_in_image(rays.intrinsics, centre, radius_m))
+  else if (lacks_pixels(image, rays, fit, radius_m) || !outline_in_image(rays.intrinsics, centre, radius_m))
     sighting.status = WandStatus::cut_by_edge;
   else
     sighting.status = WandStatus::found;

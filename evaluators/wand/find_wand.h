@@ -14,7 +14,8 @@ struct FindWandOptions {
   double ball_radius_m = 0.075;
   double nearest_m = 0.5;  // depths outside are not looked at
   double farthest_m = 4.5;
-  AxialNoise noise = {};  // weights and covariance
+  AxialNoise noise = {};            // weights and covariance, with
+  double lateral_sigma_m = 0.0016;  // how far a ray jitters sideways at the surface
 };
 
 // The centre of a ball of known radius: segments the image at depth steps, keeps what has the ball's size and
