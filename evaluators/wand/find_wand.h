@@ -12,7 +12,8 @@ namespace trilat {
 
 struct FindWandOptions {
   double ball_radius_m = 0.075;
-  double nearest_m = 0.5;  // depths outside are not looked at
+  // Out of range is a ball some of whose surface is nearer in depth, or whose middle is farther.
+  double nearest_m = 0.5;
   double farthest_m = 4.5;
   AxialNoise noise = {};            // weights and covariance, with
   double lateral_sigma_m = 0.0016;  // how far a ray jitters sideways at the surface
