@@ -62,7 +62,7 @@ struct RigRow {
   std::string method;  // "printed", "two positions corrected", "wand", …
   std::uint64_t runs = 0;
   std::uint64_t failed_runs = 0;  // no pose for at least one sensor
-  ErrorSpread position;           // over sensors of all runs
+  ErrorSpread position;           // over sensors of all runs; not answered: no pose
   double rotation_mean_rad = ErrorSpread::kNone;
   double rotation_max_rad = ErrorSpread::kNone;
   double within_limits_share = ErrorSpread::kNone;  // of sensors: 5 mm and 0.2 degrees

@@ -300,7 +300,7 @@ RigStatus Refiner::solve(bool robust) {
   options.num_threads = 1;
   options.max_num_iterations = 200;
   // With a loss the steps shrink by a constant factor only; what is left is far below its own uncertainty.
-  options.function_tolerance = robust ? 1e-13 : 1e-14;
+  options.function_tolerance = robust ? 1e-10 : 1e-14;
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-14;
   ceres::Solver::Summary summary;

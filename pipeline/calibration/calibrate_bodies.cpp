@@ -178,7 +178,7 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
       mean += difference(refit.sensors[s].world_from_sensor, start[s]) / n;
     for (const RigRefinement& refit : refits) {
       const auto d = (difference(refit.sensors[s].world_from_sensor, start[s]) - mean).eval();
-      result[s] += (n - 1.0) / n * d * d.transpose();
+      if (s != reference) result[s] += (n - 1.0) / n * d * d.transpose();
     }
   }
   return result;
@@ -204,6 +204,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
   const auto covariances = jackknife(problem, refined, start.reference, gauge, refinement, options);
   BodyCalibration result;
+  result.reference = start.reference;
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";
   calibration.world = "sensor " + session.header().sensors[start.reference].name + ", on the floor below it";

@@ -11,7 +11,7 @@
 namespace trilat {
 
 struct CalibrateBodiesOptions {
-  std::size_t instants = 200;   // spread evenly over the recording
+  std::size_t instants = 100;   // spread evenly over the recording
   double longest_gap_s = 0.1;   // between two frames of a sensor that are interpolated
   double joint_sigma_m = 0.02;  // of a tracked joint, an axis; only relative to the robust loss
   double robust_scale = 2.0;    // soft-L1 loss, in standard deviations
@@ -21,7 +21,8 @@ struct CalibrateBodiesOptions {
 
 struct BodyCalibration {
   Calibration calibration;
-  std::size_t instants = 0;  // with at least one joint that two sensors tracked
+  std::size_t reference = 0;  // the sensor whose pose is the world; it has no uncertainty
+  std::size_t instants = 0;   // with at least one joint that two sensors tracked
 };
 
 // Sensor poses from one person whom several sensors tracked at the same time, for people without a wand. The

@@ -58,7 +58,7 @@ struct PoseError {
 };
 
 struct RunOutcome {
-  bool failed = true;
+  bool failed = true;  // at least one sensor has no pose
   std::vector<PoseError> sensors;
   CalibratedRig in_world;
 };
@@ -91,23 +91,36 @@ RunOutcome compare(const std::vector<SensorPose>& poses, const RigidTransform& f
   return outcome;
 }
 
+const RestingBall* ball_at(const SimulatedRun& run, std::size_t position, std::size_t sensor) {
+  for (const RestingBall& ball : run.views.positions[position].seen)
+    if (ball.sensor == sensor) return &ball;
+  return nullptr;
+}
+
+// Each sensor by itself: those that did not see both places, or have no angle, are left without a pose.
 RunOutcome run_two_positions(const SimulatedRun& run, const Method& method,
                              const std::vector<RigidTransform>& truth) {
-  if (run.views.positions.size() < 2) return {};
-  std::vector<SensorPose> poses(truth.size());
+  RunOutcome outcome;
+  outcome.sensors.resize(truth.size());
+  if (run.views.positions.size() < 2) return outcome;
+  outcome.failed = false;
+  outcome.in_world.world_from_sensor.resize(truth.size());
   for (std::size_t s = 0; s < truth.size(); ++s) {
-    const RestingBall *first = nullptr, *second = nullptr;
-    for (const RestingBall& ball : run.views.positions[0].seen) first = ball.sensor == s ? &ball : first;
-    for (const RestingBall& ball : run.views.positions[1].seen) second = ball.sensor == s ? &ball : second;
-    if (!first || !second) return {};
+    const RestingBall *first = ball_at(run, 0, s), *second = ball_at(run, 1, s);
     TwoPositionOptions options = method.two;
     if (!method.upright) options.up_in_sensor = truth[s].rotation.conjugate() * Eigen::Vector3d::UnitY();
-    const TwoPositionPose pose =
-        solve_two_positions(first->centre_in_sensor_m, second->centre_in_sensor_m, run.movement_m, options);
-    if (pose.status != TwoPositionStatus::solved) return {};
-    poses[s].world_from_sensor = pose.wand_from_sensor;
+    TwoPositionPose pose;
+    if (first && second)
+      pose =
+          solve_two_positions(first->centre_in_sensor_m, second->centre_in_sensor_m, run.movement_m, options);
+    if (pose.status != TwoPositionStatus::solved) {
+      outcome.failed = true;
+      continue;
+    }
+    outcome.sensors[s] = error_of(pose.wand_from_sensor, run.wand_from_world * truth[s], std::nullopt);
+    outcome.in_world.world_from_sensor[s] = run.wand_from_world.inverse() * pose.wand_from_sensor;
   }
-  return compare(poses, run.wand_from_world, truth);
+  return outcome;
 }
 
 RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const Method& method,
@@ -132,9 +145,7 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
   try {
     const BodyCalibration result = calibrate_bodies(session, {});
     const auto& poses = result.calibration.sensors;
-    std::size_t reference = 0;
-    for (std::size_t s = 0; s < poses.size(); ++s)
-      if (poses[s].position_sigma_m == 0.0) reference = s;
+    const std::size_t reference = result.reference;
     outcome = compare(poses, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
     outcome.sensors.erase(outcome.sensors.begin() + static_cast<std::ptrdiff_t>(reference));
   } catch (const InputError&) {
@@ -157,6 +168,7 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
     double run_covered = 0.0, run_asked = 0.0;
     for (const PoseError& e : outcomes[r].sensors) {
       errors.push_back({r, e.position_m});
+      if (!std::isfinite(e.position_m)) continue;
       rotation_sum += e.rotation_rad;
       row.rotation_max_rad = std::isfinite(row.rotation_max_rad)
                                  ? std::max(row.rotation_max_rad, e.rotation_rad)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/simulate_wand.h"
 
-#include <algorithm>
-
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -10,7 +8,6 @@
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "pipeline/cli/simulated_truth.h"
-#include "pipeline/parallel.h"
 #include "recorders/recorder.h"
 
 namespace trilat {
@@ -56,24 +53,6 @@ void write_wand_truth(const SimulationSpec& spec, const WandMotion& wand,
 }
 
 }  // namespace
-
-SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
-                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene,
-                                          const SimulationWatch& watch) {
-  const double expected =
-      std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
-  const ForEach for_each = [watch, expected, done = 0.0](
-                               std::size_t count, const std::function<void(std::size_t)>& body) mutable {
-    parallel_for_index(count, 1, [&](std::size_t i) {
-      if (watch.stop_requested && watch.stop_requested()) throw Interrupted();
-      body(i);
-    });
-    done += static_cast<double>(count);
-    if (watch.progress) watch.progress(std::min(1.0, done / expected));
-  };
-  return {spec.sensor, item, motion, sensors, duration_s, {std::move(scene), spec.depth.noise, for_each}};
-}
 
 double wand_duration_s(const WandSpec& wand) {
   return static_cast<double>(wand.motion.positions) * (wand.motion.hold_s + wand.motion.move_s) -

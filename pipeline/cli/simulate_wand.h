@@ -2,24 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <vector>
 
 #include "datasets/synthetic/simulated_sensor.h"
-#include "recorders/synthetic_depth_source.h"
+#include "pipeline/cli/watched_depth.h"
 
 namespace trilat {
-
-// How long work is watched and ended.
-struct SimulationWatch {
-  std::function<bool()> stop_requested = {};
-  std::function<void(double share)> progress = {};
-};
-
-// A source with depth that renders on all processors, tells how far it is and ends by Interrupted.
-SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
-                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene, const SimulationWatch& watch);
 
 double wand_duration_s(const WandSpec& wand);
 // The wand recording's place among the campaign's random numbers: behind all takes.

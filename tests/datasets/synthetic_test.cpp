@@ -325,6 +325,24 @@ TEST(SimulatedMarkers, AJointTheSourceDoesNotKnowHasNoMarkers) {
     EXPECT_TRUE(marker.array().isNaN().all());
 }
 
+TEST(SimulatedMarkers, ARigidBodyIsWhereItIsButForAMarkersNoiseAndGaps) {
+  MocapSpec spec;
+  spec.gap_share = 0.05;
+  const Vector3d position(0.3, 1.2, -0.4);
+  Moments noise;
+  double lost = 0.0;
+  for (std::uint64_t f = 0; f < 20'000; ++f) {
+    const Vector3d seen = simulate_rigid_body(position, spec, {9, 0, 0}, f);
+    if (!seen.allFinite())
+      lost += 1.0;
+    else
+      for (int axis = 0; axis < 3; ++axis) noise.add(seen[axis] - position[axis]);
+  }
+  EXPECT_NEAR(noise.mean(), 0.0, 1e-5);
+  EXPECT_NEAR(noise.sigma(), spec.marker_noise_sigma_m, 0.02 * spec.marker_noise_sigma_m);
+  EXPECT_NEAR(lost / 20'000.0, 0.05, 4.0 * std::sqrt(0.05 * 0.95 / 1000.0));
+}
+
 TEST(SimulatedMarkers, TheStatedStartIsOffByNoMoreThanDeclared) {
   Moments error;
   for (std::uint64_t take = 0; take < 1000; ++take) error.add(mocap_clock_error({}, {1, take, 0}).seconds());
@@ -392,11 +410,61 @@ TEST(SimulationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
       {R"(, "sensor": {"joint_noise_sigma_m": -1})", "sim.json /sensor/joint_noise_sigma_m: must not be"},
       {R"(, "sensor": {"free_running": 1})", "sim.json /sensor/free_running: must be true or false"},
       {R"(, "mocap": {"rate_hz": 0})", "sim.json /mocap/rate_hz: must lie between 1"},
+      {R"(, "depth": {})", "sim.json /depth: says nothing without \"takes\": true"},
+      {R"(, "room": {})", "sim.json /room: is seen by nobody without depth"},
+      {R"(, "depth": {"takes": 1})", "sim.json /depth/takes: must be true or false"},
+      {R"(, "depth": {"takes": true, "sigma": 1})", "sim.json /depth/sigma: is an unknown key"},
+      {R"(, "depth": {"takes": true, "axial": {"level_m": 1}})",
+       "sim.json /depth/axial/level_m: is an unknown"},
+      {R"(, "depth": {"lateral_sigma_m": -1})", "sim.json /depth/lateral_sigma_m: must lie between 0"},
+      {R"(, "depth": {"edge_dropped_share": 80})",
+       "sim.json /depth/edge_dropped_share: must lie between 0 and 1"},
+      {R"(, "depth": {"wiggle_length_low_m": 3})",
+       "sim.json /depth/wiggle_length_high_m: must not be less than wiggle_length_low_m"},
+      {R"(, "depth": {"nearest_m": 9})", "sim.json /depth/farthest_m: must be farther than nearest_m"},
+      {R"(, "wand": {"positions": 2})", "sim.json /wand/positions: must be 3 to 10000"},
+      {R"(, "wand": {"hold_s": 0})", "sim.json /wand/hold_s: must lie between 0.1"},
+      {R"(, "wand": {"move": 1})", "sim.json /wand/move: is an unknown key"},
+      {R"(, "wand": {"stick_radius_m": 0.1})",
+       "sim.json /wand/stick_radius_m: must lie between 0.001 and 0.075"},
+      {R"(, "wand": {}, "room": {"walls": 5})", "sim.json /room/walls: must be 0 to 4"},
       {R"(, "mocap": {"rate_hz": 100, "rate_hz": 120})", "sim.json: has the key \"rate_hz\" twice"}};
   for (const auto& [members, message] : cases)
     EXPECT_THAT(refusal_of(members), HasSubstr(message)) << members;
   EXPECT_THAT(message_of([] { read_simulation("/nonexistent/sim.json"); }),
               HasSubstr("/nonexistent/sim.json"));
+}
+
+TEST(SimulationSpec, DepthAndWandAreAbsentUnlessAskedForAndHaveDefaults) {
+  const auto parsed = [](const std::string& members) {
+    return parse_simulation(
+        parse_json(R"({"format": "trilat.simulation", "version": 1)" + members + "}", "sim.json"), "sim.json",
+        {});
+  };
+  EXPECT_FALSE(parsed("").depth.takes);
+  EXPECT_FALSE(parsed("").wand);
+  const SimulationSpec wand = parsed(R"(, "wand": {})");
+  ASSERT_TRUE(wand.wand);
+  EXPECT_FALSE(wand.depth.takes);
+  EXPECT_EQ(wand.wand->motion.positions, 50u);
+  EXPECT_EQ(wand.wand->shape.ball_radius_m, 0.075);
+  EXPECT_TRUE(wand.wand->person);
+  EXPECT_EQ(wand.room.walls, 3);
+  const SimulationSpec all = parsed(R"(, "depth": {"takes": true, "axial": {"square_mm": 0.5},
+      "grazing_limit_rad": 1.2}, "wand": {"positions": 7, "move_s": 0.5, "person": false, "ball_radius_m": 0.1},
+      "room": {"half_width_m": 4, "walls": 2})");
+  EXPECT_TRUE(all.depth.takes);
+  EXPECT_EQ(all.depth.noise.axial.square_mm, 0.5);
+  EXPECT_EQ(all.depth.noise.axial.level_mm, 1.5);
+  EXPECT_EQ(all.depth.noise.grazing_limit_rad, 1.2);
+  EXPECT_EQ(all.wand->motion.positions, 7u);
+  EXPECT_EQ(all.wand->motion.hold_s, 1.0);
+  EXPECT_EQ(all.wand->motion.move_s, 0.5);
+  EXPECT_EQ(all.wand->shape.ball_radius_m, 0.1);
+  EXPECT_FALSE(all.wand->person);
+  EXPECT_EQ(all.room.half_width_m, 4.0);
+  EXPECT_EQ(all.room.half_depth_m, 3.0);
+  EXPECT_EQ(all.room.walls, 2);
 }
 
 TEST(SimulationSpec, PathsInItAreRelativeToItsFile) {

@@ -286,6 +286,17 @@ TEST(RunVerb, AnInterruptWhileTheMocapIsWrittenLeavesNoHalfExport) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out/campaign.json"));
 }
 
+TEST(RunVerb, AnInterruptWhileTheWandIsRecordedLeavesNoCampaign) {
+  const ScratchFolder folder;
+  const std::string spec =
+      simulation_file(folder, R"("participants": 1, "activities": [{"name": "walking", "duration_s": 0.2}],
+      "wand": {"positions": 10000})");
+  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
+  interrupted_at(process, folder / "out/wand/session.h5.partial");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/wand/session.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/campaign.json"));
+}
+
 TEST(RunVerb, AnInterruptWhileEvaluatingLeavesNoResults) {
   const ScratchFolder folder;
   const std::string spec = simulation_file(folder, R"("participants": 1, "mocap": {"rate_hz": 30},

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/watched_depth.h"
+
+#include <algorithm>
+
+#include "datasets/base/error.h"
+#include "pipeline/parallel.h"
+
+namespace trilat {
+
+SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
+                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
+                                          double duration_s, SceneMotion scene,
+                                          const SimulationWatch& watch) {
+  const double expected =
+      std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
+  const ForEach for_each = [watch, expected, done = 0.0](
+                               std::size_t count, const std::function<void(std::size_t)>& body) mutable {
+    parallel_for_index(count, 1, [&](std::size_t i) {
+      if (watch.stop_requested && watch.stop_requested()) throw Interrupted();
+      body(i);
+    });
+    done += static_cast<double>(count);
+    if (watch.progress) watch.progress(std::min(1.0, done / expected));
+  };
+  return {spec.sensor, item, motion, sensors, duration_s, {std::move(scene), spec.depth.noise, for_each}};
+}
+
+}  // namespace trilat
