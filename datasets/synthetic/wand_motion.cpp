@@ -31,10 +31,12 @@ std::vector<Vector3d> positions_of(std::uint64_t count, std::uint64_t seed, cons
     const double bearing_rad = random.uniform(0, 0.0, kTwoPi);
     const double share = random.uniform(1), height_share = random.uniform(2);
     if (i == 0) {
-      positions.push_back(centre_m + 0.1 * share * horizontal(bearing_rad));
+      positions.push_back(centre_m + (0.6 + 0.1 * share) * horizontal(bearing_rad));
       positions.back().y() = 0.95 + 0.1 * height_share;
     } else if (i == 1) {
-      positions.push_back(positions[0] + (0.62 + 0.15 * share) * horizontal(bearing_rad));
+      const Vector3d from_centre = positions[0] - centre_m;
+      positions.push_back(centre_m -
+                          (0.6 + 0.1 * share) * Vector3d(from_centre.x(), 0.0, from_centre.z()).normalized());
       positions.back().y() = 0.95 + 0.1 * height_share;
     } else if (i == 2) {
       positions.push_back(positions[0] + Vector3d(0.0, 0.6, 0.0));
@@ -93,11 +95,13 @@ WandMotion::Stand WandMotion::stand_at(double time_s) const {
 
 WandInstant WandMotion::at(double time_s) const {
   const Stand stand = stand_at(time_s);
-  const Vector3d outward = horizontal(stand.bearing_rad);
-  // Outward as the ball goes, not straight away from it: passing the middle must not turn the person about.
-  Vector3d feet = stand.ball_m + kPersonToBall_m * outward;
+  // A quarter of a turn on from the ball, seen from the middle: nobody stands in front of the nearest sensor.
+  // Turned as the ball goes round, so that passing the middle does not turn the person about.
+  const double beside_rad = stand.bearing_rad + 0.5 * std::numbers::pi;
+  const Vector3d beside = horizontal(beside_rad);
+  Vector3d feet = stand.ball_m + kPersonToBall_m * beside;
   feet.y() = 0.0;
-  const double heading_rad = stand.bearing_rad + std::numbers::pi;
+  const double heading_rad = beside_rad + std::numbers::pi;
   const Eigen::AngleAxisd turn(heading_rad, Vector3d::UnitY());
   WandInstant instant{stand.ball_m, {}, standing_(time_s)};
   instant.person.heading_rad = heading_rad;
@@ -105,7 +109,7 @@ WandInstant WandMotion::at(double time_s) const {
   // The hand waits before the right hip, so that the stick passes beside the body.
   const Vector3d left(std::cos(heading_rad), 0.0, -std::sin(heading_rad));
   const double grip_height_m = 1.05 + 0.3 * (stand.ball_m.y() - 1.05);
-  const Vector3d grip = feet - 0.40 * outward - 0.28 * left + Vector3d(0.0, grip_height_m, 0.0);
+  const Vector3d grip = feet - 0.40 * beside - 0.28 * left + Vector3d(0.0, grip_height_m, 0.0);
   instant.stick_direction = (grip - stand.ball_m).normalized();
   reach(instant.person, grip);
   return instant;

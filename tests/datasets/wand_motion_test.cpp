@@ -18,9 +18,9 @@ double horizontal_m(const Vector3d& a, const Vector3d& b) { return std::hypot(a.
 TEST(WandMotion, TheFirstThreePositionsDefineAFrame) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const auto holds = WandMotion({}, seed, kCentre, Person{}).holds();
-    EXPECT_LE(horizontal_m(holds[0].ball_in_world_m, kCentre), 0.1);
+    EXPECT_LE(horizontal_m(holds[0].ball_in_world_m, kCentre), 0.7);
     EXPECT_NEAR(holds[0].ball_in_world_m.y(), 1.0, 0.05);
-    EXPECT_GE(horizontal_m(holds[1].ball_in_world_m, holds[0].ball_in_world_m), 0.6);
+    EXPECT_GE(horizontal_m(holds[1].ball_in_world_m, holds[0].ball_in_world_m), 1.2);
     EXPECT_LE(horizontal_m(holds[1].ball_in_world_m, kCentre), 0.9);
     EXPECT_LT((holds[2].ball_in_world_m - holds[0].ball_in_world_m - Vector3d(0.0, 0.6, 0.0)).norm(), 1e-12);
   }
@@ -64,14 +64,15 @@ TEST(WandMotion, TheBallIsStillWhileHeldAndMovesWithoutJumps) {
   EXPECT_EQ(wand.at(1e6).ball_in_world_m, wand.holds().back().ball_in_world_m);
 }
 
-TEST(WandMotion, ThePersonStandsOutwardFacesTheBallAndHoldsTheStick) {
+TEST(WandMotion, ThePersonStandsBesideTheBallFacesItAndHoldsTheStick) {
   const WandMotion wand({}, 5, kCentre, Person{});
   for (const WandHold& hold : wand.holds()) {
     const WandInstant instant = wand.at(0.5 * (hold.from_s + hold.to_s));
     const SkeletonPose& person = instant.person;
     const Vector3d base = person.at(Joint::spine_base);
     EXPECT_NEAR(horizontal_m(base, instant.ball_in_world_m), 1.2, 0.03);
-    EXPECT_GT(horizontal_m(base, kCentre), horizontal_m(instant.ball_in_world_m, kCentre) + 1.15);
+    const double across_m = horizontal_m(instant.ball_in_world_m, kCentre);
+    EXPECT_NEAR(horizontal_m(base, kCentre), std::hypot(1.2, across_m), 0.03);
     const Vector3d to_ball = (instant.ball_in_world_m - base).cwiseProduct(Vector3d(1.0, 0.0, 1.0));
     const Vector3d facing(std::sin(person.heading_rad), 0.0, std::cos(person.heading_rad));
     EXPECT_GT(facing.dot(to_ball.normalized()), 0.999);
