@@ -72,6 +72,16 @@ struct KnownResidual {
   }
 };
 
+// Of the gauge's second point, which lies on the x axis.
+struct DistanceResidual {
+  double distance_m = 0.0, weight = 1.0;
+  template <class T>
+  bool operator()(const T* point, T* out) const {
+    out[0] = weight * (point[0] - distance_m);
+    return true;
+  }
+};
+
 struct DepthCorrection {
   double offset_m = 0.0;
   std::map<int, double> knot_m;  // by number: depth = number * spacing
@@ -249,6 +259,12 @@ void Refiner::add_priors(ceres::Problem& ceres_problem) {
     };
     add(&correction.offset_m, options_.depth_correction->offset_sigma_m);
     for (auto& [number, value] : correction.knot_m) add(&value, options_.depth_correction->wiggle_sigma_m);
+  }
+  if (gauge_.first_points && gauge_.first_points->distance_m) {
+    const FirstPoints& first = *gauge_.first_points;
+    ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<DistanceResidual, 1, 3>(
+                                       new DistanceResidual{*first.distance_m, 1.0 / first.distance_sigma_m}),
+                                   nullptr, state_.point_m[first.points[1]].data());
   }
   for (const KnownPoint& known : gauge_.known_points) {
     double* point = state_.point_m[known.point].data();

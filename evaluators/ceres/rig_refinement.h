@@ -32,6 +32,10 @@ struct KnownPoint {
 // What says where the world is. Distances between sensors do not: one of these has to.
 struct FirstPoints {  // origin at the first, x towards the second, the third above the x axis (y > 0, z = 0)
   std::array<std::size_t, 3> points{};
+  // From the first to the second, when somebody measured it. Depth errors that all sensors share look like
+  // another scale, which nothing else can tell from the true one.
+  std::optional<double> distance_m = std::nullopt;
+  double distance_sigma_m = 0.001;
 };
 struct RigGauge {
   std::optional<FirstPoints> first_points;

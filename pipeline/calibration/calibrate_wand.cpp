@@ -89,7 +89,7 @@ RigGauge gauge_of(const WandViews& views, const CalibrateWandOptions& options) {
     gauge.known_points =
         known_positions(*options.world, std::span(views.positions).first(views.positions_of_first));
   else
-    gauge.first_points = FirstPoints{{0, 1, 2}};
+    gauge.first_points = FirstPoints{{0, 1, 2}, options.movement_m, options.movement_sigma_m};
   return gauge;
 }
 
@@ -221,7 +221,8 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
                                  views.positions.size()));
   RigRefinementOptions refinement;
   if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
-  refinement.covariance_floor_m = options.covariance_floor_m;
+  refinement.covariance_floor_m =
+      options.depth_correction ? options.covariance_floor_m : options.uncorrected_depth_sigma_m;
   const RigRefinement refined =
       refine_rig(problem, start.reference_from_sensor, start.reference, gauge_of(views, options), refinement);
   check_refined(refined, views, place);

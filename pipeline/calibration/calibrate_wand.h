@@ -25,9 +25,13 @@ struct CalibrateWandOptions {
   WandPositionOptions positions;
   std::vector<std::pair<std::string, std::filesystem::path>> intrinsics = {};  // sensor and OpenCV file
   std::optional<WandInWorld> world = std::nullopt;
+  std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
+  double movement_sigma_m = 0.001;
   bool depth_correction = true;
   // What the covariance of a ball's centre leaves out: rounding to millimetres, the outline, the lens model.
   double covariance_floor_m = 0.0003;
+  // And what it leaves out, too, where depth offsets are not estimated.
+  double uncorrected_depth_sigma_m = 0.014;
 };
 
 // What a calibration rests on, for the text a person judges it by.

@@ -29,6 +29,7 @@ struct Method {
   bool upright = true;            // two positions: the sensors are taken to stand upright, as in the paper
   bool option = true;             // wand: depth correction; bodies: biased tracker
   bool usable_for_joints = true;  // goes on to the effect on joints
+  bool measured = false;          // wand: the first movement was measured, to 1 mm
 };
 
 std::vector<Method> methods() {
@@ -47,6 +48,7 @@ std::vector<Method> methods() {
           {"two positions, corrected", Kind::two_positions, corrected, false},
           {"wand, depth taken as it is", Kind::wand, {}, true, false},
           {"wand", Kind::wand, {}, true, true},
+          {"wand, first movement measured to 1 mm", Kind::wand, {}, true, true, true, true},
           {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
           {"bodies", Kind::bodies, {}, true, true}};
 }
@@ -128,6 +130,7 @@ RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const 
   CalibrateWandOptions options;
   options.search.find.ball_radius_m = spec.ball_radius_m;
   options.depth_correction = method.option;
+  if (method.measured) options.movement_m = run.measured_movement_m;
   try {
     const WandCalibration result = calibrate_views(run.views, "simulated run", options);
     return compare(result.calibration.sensors, run.wand_from_world, truth);

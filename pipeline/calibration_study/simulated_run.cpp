@@ -13,6 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr double kDeviation = 3.5;
+constexpr double kTapeSigma_m = 0.001;
 constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
 
 // The frame of frames.h: origin at the first place, x towards the second, the third on y's side.
@@ -77,6 +78,8 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
   if (result.position_in_world_m.size() < 3) return result;
   result.wand_from_world = wand_frame(result.position_in_world_m);
   result.movement_m = (result.position_in_world_m[1] - result.position_in_world_m[0]).norm();
+  const RandomStream tape{run_seed, Purpose::calibration_trial, random_item(0, 3, 0, 0)};
+  result.measured_movement_m = result.movement_m + kTapeSigma_m * tape.normal(0);
   return result;
 }
 

@@ -41,6 +41,8 @@ CalibrateWandOptions wand_options(const CalibrateArguments& arguments, Progress&
   options.search.progress = [&](double share) { progress.set(share); };
   options.intrinsics = named_files(arguments.intrinsics);
   options.depth_correction = !arguments.no_depth_correction;
+  options.movement_m = arguments.movement_m;
+  options.movement_sigma_m = arguments.movement_sigma_m;
   if (arguments.mocap.empty() != arguments.asset.empty() ||
       arguments.mocap.empty() == arguments.mocap_start_host_ns.has_value())
     throw InputError("--mocap", "needs --asset and --mocap-start-host-ns beside it, and they need it");

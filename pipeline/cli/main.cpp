@@ -88,9 +88,13 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("--asset", c.asset, "asset of the export whose position is the ball's centre");
   verb->add_option("--mocap-start-host-ns", c.mocap_start_host_ns,
                    "what the recording's host clock showed at the export's first frame");
-  verb->add_option("--movement-m", c.movement_m,
-                   "two_positions, printed: how far the wand moved, when measured")
+  verb->add_option(
+          "--movement-m", c.movement_m,
+          "how far the wand moved from its first place to its second, when measured: fixes the scale")
       ->check(CLI::PositiveNumber);
+  verb->add_option("--movement-sigma-m", c.movement_sigma_m, "how sure that is, one standard deviation")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   verb->add_flag("--no-depth-correction", c.no_depth_correction,
                  "do not estimate each sensor's depth offset and wiggle beside its pose");
   verb->add_option("--threads", c.threads, "how many threads; 0: one a processor")

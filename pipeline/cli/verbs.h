@@ -54,6 +54,7 @@ struct CalibrateArguments {
   std::string asset;
   std::optional<std::int64_t> mocap_start_host_ns;
   std::optional<double> movement_m;
+  double movement_sigma_m = 0.001;
   bool no_depth_correction = false;
   int threads = 0;
   bool json = false;
