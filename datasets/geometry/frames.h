@@ -23,8 +23,8 @@ inline constexpr std::array<FrameDescription, 4> kFrames{{
      "the infrared camera's centre (Kinect camera space)"},
     {"image", "right, with sensor +x", "down, with sensor -y", "-", "px",
      "the centre of the upper left pixel is (0, 0)"},
-    {"wand", "along the wand's second position", "up", "right-handed to x and y", "m",
-     "the ball's first position"},
+    {"wand", "to the ball's second place", "on the side of its third place", "right-handed to x and y", "m",
+     "the ball's first place"},
 }};
 
 }  // namespace trilat

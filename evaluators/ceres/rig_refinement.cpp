@@ -17,70 +17,14 @@
 #include <ceres/solver.h>
 
 #include "evaluators/alignment/alignment.h"
+#include "evaluators/ceres/rig_residuals.h"
 
 namespace trilat {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// Whitened distance of a point from its observation, in the sensor's frame, the measured depth corrected
-// along the ray by offset + wiggle.
-struct PointResidual {
-  Eigen::Vector3d measured_m, along_ray;  // the ray scaled to z = 1
-  Eigen::Matrix3d whitening;
-  double share_b = 0.0;  // of the second knot
-
-  template <class T>
-  void whitened(const T* rotation, const T* position, const T* point, const T& correction_m, T* out) const {
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const Eigen::Map<const Eigen::Quaternion<T>> q(rotation);
-    const Vector in_world = Eigen::Map<const Vector>(point) - Eigen::Map<const Vector>(position);
-    const Vector expected = q.conjugate() * in_world;
-    const Vector corrected = measured_m.cast<T>() - correction_m * along_ray.cast<T>();
-    Eigen::Map<Vector> residual(out);
-    residual = whitening.cast<T>() * (expected - corrected);
-  }
-  template <class T>
-  bool operator()(const T* rotation, const T* position, const T* point, T* out) const {
-    whitened(rotation, position, point, T(0), out);
-    return true;
-  }
-  template <class T>
-  bool operator()(const T* rotation, const T* position, const T* point, const T* offset, const T* knot_a,
-                  const T* knot_b, T* out) const {
-    whitened(rotation, position, point, offset[0] + (1.0 - share_b) * knot_a[0] + share_b * knot_b[0], out);
-    return true;
-  }
-};
-
-struct Prior {
-  double weight = 1.0;
-  template <class T>
-  bool operator()(const T* value, T* out) const {
-    out[0] = weight * value[0];
-    return true;
-  }
-};
-
-struct KnownResidual {
-  Eigen::Vector3d known_m;
-  double weight = 1.0;
-  template <class T>
-  bool operator()(const T* point, T* out) const {
-    for (int axis = 0; axis < 3; ++axis) out[axis] = weight * (point[axis] - known_m[axis]);
-    return true;
-  }
-};
-
-// Of the gauge's second point, which lies on the x axis.
-struct DistanceResidual {
-  double distance_m = 0.0, weight = 1.0;
-  template <class T>
-  bool operator()(const T* point, T* out) const {
-    out[0] = weight * (point[0] - distance_m);
-    return true;
-  }
-};
+double square(double value) { return value * value; }
 
 struct DepthCorrection {
   double offset_m = 0.0;
@@ -111,7 +55,12 @@ class Refiner {
   RigStatus solve(bool robust);
   bool reject_worst();
   std::size_t used_of_sensor(std::size_t sensor) const;
+  int knot_of(const PointObservation& o) const {
+    return static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
+  }
+  double depth_correction_m(const PointObservation& o, double share_b) const;
   void measure();
+  double reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const;
   void find_covariances(ceres::Problem& ceres_problem);
   void build(ceres::Problem& ceres_problem, bool robust);
   RigRefinement result(RigStatus status);
@@ -135,8 +84,7 @@ Refiner::Refiner(const RigProblem& problem, const std::vector<RigidTransform>& s
   if (!options_.depth_correction) return;
   state_.correction.resize(problem.sensors);
   for (const PointObservation& o : problem.observations) {
-    const int knot =
-        static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
+    const int knot = knot_of(o);
     state_.correction[o.sensor].knot_m[knot] = 0.0;
     state_.correction[o.sensor].knot_m[knot + 1] = 0.0;
   }
@@ -241,8 +189,7 @@ void Refiner::add_observations(ceres::Problem& ceres_problem, ceres::LossFunctio
       continue;
     }
     DepthCorrection& correction = state_.correction[o.sensor];
-    const int knot =
-        static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
+    const int knot = knot_of(o);
     ceres_problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3, 1, 1, 1>(residual.release()), loss,
         rotation, position, point, &correction.offset_m, &correction.knot_m.at(knot),
@@ -334,62 +281,68 @@ std::size_t Refiner::used_of_sensor(std::size_t sensor) const {
   return count;
 }
 
+double Refiner::depth_correction_m(const PointObservation& o, double share_b) const {
+  if (!options_.depth_correction) return 0.0;
+  const DepthCorrection& c = state_.correction[o.sensor];
+  const int knot = knot_of(o);
+  return c.offset_m + (1.0 - share_b) * c.knot_m.at(knot) + share_b * c.knot_m.at(knot + 1);
+}
+
 // Squared normalised distances of all observations, used or not, and the sensors' residuals.
 void Refiner::measure() {
   std::vector<double> squares_m2(problem_.sensors, 0.0);
+  std::vector<bool> point_used(problem_.points, false);
   for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
   double total = 0.0;
-  std::vector<bool> point_used(problem_.points, false);
+  std::size_t used = 0;
   for (std::size_t i = 0; i < problem_.observations.size(); ++i) {
     const PointObservation& o = problem_.observations[i];
     const PointResidual residual = residual_of(o);
-    double correction_m = 0.0;
-    if (options_.depth_correction) {
-      const DepthCorrection& c = state_.correction[o.sensor];
-      const int knot =
-          static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
-      correction_m = c.offset_m + (1.0 - residual.share_b) * c.knot_m.at(knot) +
-                     residual.share_b * c.knot_m.at(knot + 1);
-    }
     Eigen::Vector3d whitened;
     residual.whitened(state_.rotation[o.sensor].coeffs().data(), state_.position_m[o.sensor].data(),
-                      state_.point_m[o.point].data(), correction_m, whitened.data());
+                      state_.point_m[o.point].data(), depth_correction_m(o, residual.share_b),
+                      whitened.data());
     result_.chi2[i] = whitened.squaredNorm();
     RefinedSensor& sensor = result_.sensors[o.sensor];
     ++(result_.used[i] ? sensor.used : sensor.rejected);
     if (!result_.used[i]) continue;
+    ++used;
     total += result_.chi2[i];
     point_used[o.point] = true;
-    const Eigen::Vector3d distance_m = residual.whitening.triangularView<Eigen::Lower>().solve(whitened);
-    squares_m2[o.sensor] += distance_m.squaredNorm() / 3.0;
+    squares_m2[o.sensor] +=
+        residual.whitening.triangularView<Eigen::Lower>().solve(whitened).squaredNorm() / 3.0;
   }
-  std::size_t used = 0, points = 0;
-  for (bool u : result_.used) used += u;
-  for (bool u : point_used) points += u;
-  for (std::size_t s = 0; s < problem_.sensors; ++s)
-    result_.sensors[s].rms_m =
-        std::sqrt(squares_m2[s] / static_cast<double>(std::max<std::size_t>(1, result_.sensors[s].used)));
-  // Priors add as many residuals as unknowns, and what they pull is in the total.
-  double prior_total = 0.0;
-  if (options_.depth_correction)
-    for (const DepthCorrection& c : state_.correction) {
-      prior_total += std::pow(c.offset_m / options_.depth_correction->offset_sigma_m, 2);
-      for (const auto& [number, value] : c.knot_m)
-        prior_total += std::pow(value / options_.depth_correction->wiggle_sigma_m, 2);
-    }
-  for (const KnownPoint& known : gauge_.known_points)
-    if (point_used[known.point])
-      prior_total += (state_.point_m[known.point] - known.point_in_world_m).squaredNorm() /
-                     (known.sigma_m * known.sigma_m);
-  std::size_t known = 0;
-  for (const KnownPoint& k : gauge_.known_points) known += point_used[k.point];
-  const double free_parameters =
-      static_cast<double>(6 * problem_.sensors + 3 * points) - (known > 0 ? 0.0 : 6.0);
-  const double residuals = static_cast<double>(3 * used + 3 * known);
-  result_.reduced_chi2 =
-      residuals > free_parameters ? (total + prior_total) / (residuals - free_parameters) : kNone;
+  for (std::size_t s = 0; s < problem_.sensors; ++s) {
+    RefinedSensor& sensor = result_.sensors[s];
+    sensor.rms_m = std::sqrt(squares_m2[s] / static_cast<double>(std::max<std::size_t>(1, sensor.used)));
+  }
   for (std::size_t p = 0; p < problem_.points; ++p)
     if (!point_used[p]) state_.point_m[p].setConstant(kNone);
+  result_.reduced_chi2 = reduced_chi2(total, used, point_used);
+}
+
+// Priors of the depth correction add as many residuals as unknowns; what they pull is in the total.
+double Refiner::reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const {
+  for (const DepthCorrection& c : state_.correction) {
+    total += square(c.offset_m / options_.depth_correction->offset_sigma_m);
+    for (const auto& [number, value] : c.knot_m)
+      total += square(value / options_.depth_correction->wiggle_sigma_m);
+  }
+  std::size_t residuals = 3 * used, known_points = 0;
+  for (const KnownPoint& known : gauge_.known_points) {
+    if (!point_used[known.point]) continue;
+    ++known_points;
+    residuals += 3;
+    total += (state_.point_m[known.point] - known.point_in_world_m).squaredNorm() / square(known.sigma_m);
+  }
+  if (gauge_.first_points && gauge_.first_points->distance_m) {
+    ++residuals;
+    total += square((state_.point_m[gauge_.first_points->points[1]].x() - *gauge_.first_points->distance_m) /
+                    gauge_.first_points->distance_sigma_m);
+  }
+  const auto points = static_cast<std::size_t>(std::count(point_used.begin(), point_used.end(), true));
+  const std::size_t unknowns = 6 * problem_.sensors + 3 * points - (known_points > 0 ? 0 : 6);
+  return residuals > unknowns ? total / static_cast<double>(residuals - unknowns) : kNone;
 }
 
 // Leaves out the worst observation of every point that has one beyond the limit. A point seen by two sensors
