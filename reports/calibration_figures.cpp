@@ -53,8 +53,7 @@ std::string wand_caption(const CalibrationSummary& s, const PrintedCalibration& 
                              method, free->all.asked);
   return caption + fmt::format(
                        "The paper claims {:g} +- {:g} cm from {:g} to {:g} m below {:g} degrees, and more "
-                       "error outside. "
-                       "{}",
+                       "error outside. {}",
                        paper.recommended_mean_cm, paper.recommended_spread_cm, paper.recommended_m[0],
                        paper.recommended_m[1], paper.recommended_below_deg, kMissing);
 }
@@ -120,8 +119,7 @@ Figure effect_figure(const CalibrationSummary& s, const std::vector<EffectRow>& 
   figure.title = "Joints found by nonlinear trilateration with uncertain sensors (simulated)";
   figure.caption = fmt::format(
       "Simulated: RMSE of nonlinear and the Cramer-Rao bound when every sensor is off by a normal error of "
-      "that "
-      "sigma an axis, ranges by {:g} cm, {} joints a point. {} The paper has no such figure.",
+      "that sigma an axis, ranges by {:g} cm, {} joints a point. {} The paper has no such figure.",
       rows.front().range_sigma_m * kCentimetresPerMetre, rows.front().joints, effect_sentence(s));
   figure.x_label = "sensor sigma (mm an axis)";
   figure.y_label = "error of a joint (cm)";

@@ -63,26 +63,30 @@ std::string paper_sentence() {
 }
 
 std::string wand_sentence(const CalibrationSummary& s) {
+  std::string ours, printed;
+  for (const std::string& scene : scenes_of(s)) {
+    if (const WandRow* row = wand_row(s, "ours", scene))
+      ours += fmt::format("{} {}, {} ({} of {} answered)", ours.empty() ? "" : ";", scene_text(scene),
+                          mean_text(row->recommended), row->recommended.answered, row->recommended.asked);
+    if (const WandRow* row = wand_row(s, "as printed", scene))
+      printed += fmt::format("{} {}, {}", printed.empty() ? "" : ";", scene_text(scene),
+                             answers_text(row->recommended));
+  }
   std::string text;
-  for (const std::string& scene : scenes_of(s))
-    if (const WandRow* ours = wand_row(s, "ours", scene)) {
-      text += fmt::format("{}{}: {}, {} of {} answered", text.empty() ? "" : "; ", scene_text(scene),
-                          mean_text(ours->recommended), ours->recommended.answered, ours->recommended.asked);
-      if (const WandRow* printed = wand_row(s, "as printed", scene))
-        text += fmt::format("; the paper's method as printed: {}", answers_text(printed->recommended));
-    }
-  return text.empty() ? text
-                      : fmt::format(
-                            "Simulated, our way of finding the wand is off by, inside the recommended range, "
-                            "{}. The intervals are over the {} units.",
-                            text, s.units);
+  if (!ours.empty())
+    text = fmt::format(
+        "Simulated, inside the recommended range, the mean error of our way of finding the wand is:{}; the "
+        "intervals are over {} units.",
+        ours, s.units);
+  if (!printed.empty())
+    text += fmt::format("{}The paper's method as printed:{}.", text.empty() ? "Simulated: " : " ", printed);
+  return text;
 }
 
 std::string offset_sentence(const CalibrationSummary& s) {
   std::string text =
-      "Why ours is not simply better than the paper's number: every simulated unit adds a constant of its "
-      "own "
-      "to all depths, which a method that looks through one sensor cannot know, and it is in our error";
+      "Why the two numbers may differ: every simulated unit adds a constant of its own to all depths, which "
+      "a method that looks through one sensor cannot know, and it is in our error";
   if (!s.distortion.empty()) {
     const auto [low, high] =
         std::minmax_element(s.distortion.begin(), s.distortion.end(),
@@ -107,8 +111,8 @@ std::string rigs_sentence(const CalibrationSummary& s) {
         fmt::format("; with depth taken as it is, the offsets left in, by {}", mean_text(as_it_is->position));
   if (printed)
     text += fmt::format(
-        "{} the paper's two positions as printed leave {} of {} sensors without a pose and the "
-        "others off by {}",
+        "{} the paper's two positions as printed leave {} of {} sensors without a pose and the others off by "
+        "{}",
         text.empty() ? "Of whole rigs," : ";", printed->position.asked - printed->position.answered,
         printed->position.asked, mean_text(printed->position));
   return text.empty() ? text : text + ".";
@@ -116,10 +120,11 @@ std::string rigs_sentence(const CalibrationSummary& s) {
 
 std::string distortion_sentence(const CalibrationSummary& s) {
   if (s.distortion.empty()) return {};
-  std::vector<double> depth, residual;
+  std::vector<double> depth, residual, printed;
   for (const DistortionCurve& curve : s.distortion) {
     depth.push_back(column_means(curve.depth_error_m).edge_to_middle());
     residual.push_back(column_means(curve.depth_residual_m).edge_to_middle());
+    printed.push_back(column_means(curve.printed_error_m).edge_to_middle());
   }
   const auto range = [](std::vector<double> values) -> std::string {
     std::erase_if(values, [](double v) { return !std::isfinite(v); });
@@ -129,22 +134,20 @@ std::string distortion_sentence(const CalibrationSummary& s) {
   };
   std::string text = fmt::format(
       "The paper finds a flat wall's error at the left and right of the image \"{}\" than in the middle; "
-      "simulated, the depth there is off by {} times the middle's error, {} times without each unit's "
-      "constant "
-      "offset.",
+      "simulated, by unit, the depth there is off by {} times the middle's error, {} times without the "
+      "unit's constant offset.",
       printed_calibration().worse, range(depth), range(residual));
   if (const double worst_m = worst_printed_m(s); std::isfinite(worst_m))
     text += fmt::format(
-        " A larger error there comes from eq. 4 as printed (E2), sideways by up to {:.2f} cm: the simulation "
-        "has no depth error that grows like that.",
-        worst_m * kCentimetresPerMetre);
+        " The sideways error of eq. 4 as printed (E2) is there {} times the middle's, up to {:.2f} cm.",
+        range(printed), worst_m * kCentimetresPerMetre);
   return text;
 }
 
 }  // namespace
 
 std::string mean_text(const ErrorSpread& spread) {
-  if (spread.answered == 0 || !std::isfinite(spread.mean_m)) return "nothing, without an answer";
+  if (spread.answered == 0 || !std::isfinite(spread.mean_m)) return "an unknown distance (no answer)";
   std::string text = fmt::format("{:.2f} cm", spread.mean_m * kCentimetresPerMetre);
   if (!std::isfinite(spread.mean_low_m) || !std::isfinite(spread.mean_high_m))
     return text + " (too few units or runs for an interval)";
@@ -182,8 +185,7 @@ std::string effect_sentence(const CalibrationSummary& s) {
   if (const auto sigma_m = sensor_sigma_m_at(s, kNoticeable))
     return fmt::format(
         "The RMSE of nonlinear is {:.0f} % above that of exact sensors when these are off by {:.1f} mm an "
-        "axis "
-        "(squares interpolated between the listed sigmas; ranges with {:g} cm).",
+        "axis (squares interpolated between the listed sigmas; ranges with {:g} cm).",
         percent, *sigma_m / kMetresPerMillimetre, rows.front().range_sigma_m * kCentimetresPerMetre);
   return fmt::format(
       "The RMSE of nonlinear stays less than {:.0f} % above that of exact sensors: the sigma at which it is "

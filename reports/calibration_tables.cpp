@@ -64,13 +64,11 @@ std::vector<TableValue> distortion_cells(const DistortionCurve& curve) {
 Table calibration_distortion_table(const CalibrationSummary& s) {
   Table table;
   table.id = "calibration_distortion";
-  table.title =
-      s.distortion.empty()
-          ? "A flat wall, simulated: not measured"
-          : fmt::format(
-                "A flat wall at {:g} m, simulated: mean absolute errors in the middle row, {} frames a "
-                "unit, seed {}",
-                s.distortion.front().wall_m, s.distortion.front().frames, s.seed);
+  table.title = s.distortion.empty() ? "A flat wall, simulated: not measured"
+                                     : fmt::format(
+                                           "A flat wall at {:g} m, simulated: mean absolute errors in the "
+                                           "middle row, {} frames a unit, seed {}",
+                                           s.distortion.front().wall_m, s.distortion.front().frames, s.seed);
   table.columns = {{"unit", "unit", true},
                    {"offset (mm)", "unit_offset_mm"},
                    {"depth, 0-149 (mm)", "depth_left_mm"},
@@ -90,11 +88,9 @@ Table calibration_distortion_table(const CalibrationSummary& s) {
   for (const DistortionCurve& curve : s.distortion) table.rows.push_back(distortion_cells(curve));
   table.notes = {
       "Less offset: each frame's mean error over the row is taken off first, which leaves noise and what "
-      "bends "
-      "the wall.",
+      "bends the wall.",
       "Sideways errors are those of a pixel's place across the view: by eq. 4 as printed (E2), and by the "
-      "lens "
-      "model, where only the depth error is left.",
+      "lens model, where only the depth error is left.",
       "The paper's figure of this is missing from its source: there is only its text, whose last column lies "
       "beyond the image's."};
   return table;
@@ -130,11 +126,9 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
                           percent_cell(r.coverage_low), percent_cell(r.coverage_high)});
   table.notes = {
       "Errors are of the sensors that got a pose, with the mean's 95 % interval over runs; within limits: 5 "
-      "mm "
-      "and 0.2 degrees, from bodies 2 cm and 0.5 degrees.",
+      "mm and 0.2 degrees, from bodies 2 cm and 0.5 degrees.",
       "Truth in interval: how often a stated 95 % interval of an axis holds the truth, with its own "
-      "interval; "
-      "a dash where a method states none.",
+      "interval; a dash where a method states none.",
       "Bodies place the sensors beside one of them, which is not counted.",
       "The paper gives no number for the poses of a rig."};
   return table;

@@ -61,13 +61,12 @@ std::vector<std::string> wand_notes(const CalibrationSummary& s, const PrintedCa
       fmt::format("The first row is what the paper states ({}); what its +- is, it does not say.",
                   paper.source),
       "Eq. 2 keeps what is nearer than about half of the mean depth, which a ball seen alone never is, and "
-      "in a "
-      "room the nearest things are kept, the wand or not: this holds for every row of the paper's method."};
+      "in a room the nearest things are kept, the wand or not: this holds for every row of the paper's "
+      "method."};
   for (std::string& sentence : wand_errata_sentences(s)) notes.push_back(std::move(sentence));
   notes.push_back(
       "A unit's constant depth offset, which no method with a single sensor can know, is in the error of "
-      "every "
-      "row.");
+      "every row.");
   notes.push_back("All rows but the first are simulated; statuses are those of the span.");
   return notes;
 }

@@ -51,8 +51,7 @@ std::string heading_of(const SweepSummary& s) {
 std::string heading_of(const CalibrationSummary& s) {
   std::string text = fmt::format(
       "## {}\n\nCalibration, **simulated** (seed {}{}): every number here is one of simulated depth images "
-      "and "
-      "sensors, except those that are called the paper's.\n",
+      "and sensors, except those that are called the paper's.\n",
       s.study, s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
   for (const std::string& sentence : calibration_sentences(s)) text += "\n" + sentence + "\n";
   return text;
