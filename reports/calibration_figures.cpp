@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reports/calibration_figures.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include <fmt/format.h>
 

@@ -66,7 +66,7 @@ std::string wand_sentence(const CalibrationSummary& s) {
   std::string ours, printed;
   for (const std::string& scene : scenes_of(s)) {
     if (const WandRow* row = wand_row(s, "ours", scene))
-      ours += fmt::format("{} {}, {} ({} of {} answered)", ours.empty() ? "" : ";", scene_text(scene),
+      ours += fmt::format("{} {}, {}, {} of {} answered", ours.empty() ? "" : ";", scene_text(scene),
                           mean_text(row->recommended), row->recommended.answered, row->recommended.asked);
     if (const WandRow* row = wand_row(s, "as printed", scene))
       printed += fmt::format("{} {}, {}", printed.empty() ? "" : ";", scene_text(scene),
@@ -130,7 +130,8 @@ std::string distortion_sentence(const CalibrationSummary& s) {
     std::erase_if(values, [](double v) { return !std::isfinite(v); });
     if (values.empty()) return "an unknown number of";
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    return fmt::format("{:.2f} to {:.2f}", *low, *high);
+    const std::string from = fmt::format("{:.2f}", *low), to = fmt::format("{:.2f}", *high);
+    return from == to ? from : from + " to " + to;
   };
   std::string text = fmt::format(
       "The paper finds a flat wall's error at the left and right of the image \"{}\" than in the middle; "

@@ -166,7 +166,7 @@ Table calibration_bins_table(const CalibrationSummary& s) {
     }
   table.notes = {
       "Bins of distance hold every angle and bins of angle every distance; a sample on an edge counts in the "
-      "bin above it; n includes samples without an answer, the mean does not."};
+      "bin above it, on the last in the last; n includes samples without an answer, the mean does not."};
   return table;
 }
 

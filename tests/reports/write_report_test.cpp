@@ -90,7 +90,7 @@ TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
   const std::string markdown = read_file(folder / "report/report.md");
   EXPECT_THAT(markdown, HasSubstr("Calibration, **simulated**"));
   EXPECT_THAT(markdown, HasSubstr("50 samples inside give 0.73 +- 0.85 cm"));
-  EXPECT_THAT(markdown, HasSubstr("2.00 cm (95 % interval 1.00 to 3.00 cm) (3 of 4 answered)"));
+  EXPECT_THAT(markdown, HasSubstr("2.00 cm (95 % interval 1.00 to 3.00 cm), 3 of 4 answered"));
   for (const Figure& figure : report.figures) {
     EXPECT_THAT(markdown, HasSubstr("![" + figure.title + "](" + figure.id + ".svg)"));
     EXPECT_EQ(read_file(folder / ("report/" + figure.id + ".svg")), svg_of(figure));
