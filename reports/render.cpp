@@ -33,13 +33,6 @@ std::string markdown_cell(const std::string& text) {
   return result;
 }
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
-}
-
 std::string latex_text(const std::string& text) {
   std::string result;
   for (char c : one_line(text)) {
@@ -108,6 +101,13 @@ std::string markdown_of(const Table& table) {
   return text + (table.notes.empty() ? "" : "\n");
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
 std::string csv_of(const Table& table) {
   std::string text;
   for (std::size_t c = 0; c < table.columns.size(); ++c)
@@ -153,7 +153,7 @@ std::string latex_of(const Table& table) {
   return text + "}\n";
 }
 
-std::string latex_document(const std::vector<Table>& tables) {
+std::string latex_document(const std::vector<Table>& tables, const std::vector<std::string>& remarks) {
   std::string text = R"(\documentclass{article}
 \usepackage[utf8]{inputenc}
 \usepackage[T1]{fontenc}
@@ -162,6 +162,7 @@ std::string latex_document(const std::vector<Table>& tables) {
 \begin{document}
 )";
   for (const Table& table : tables) text += latex_of(table) + "\\clearpage\n";
+  for (const std::string& remark : remarks) text += "\\noindent " + latex_text(remark) + "\\par\n";
   return text + "\\end{document}\n";
 }
 

@@ -9,6 +9,9 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 #include "reports/accuracy_tables.h"
+#include "reports/calibration_figures.h"
+#include "reports/calibration_findings.h"
+#include "reports/calibration_tables.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
 
@@ -28,12 +31,11 @@ std::string heading_of(const ResultsSummary& s) {
 }
 
 // Ids become file names, so two results of one kind must not share them.
-void make_unique(Table& table, std::set<std::string>& ids, const std::string& study) {
-  if (!ids.insert(table.id).second) {
-    const std::string base = usable_id(study + "-" + table.id);
-    table.id = base;
-    for (int n = 2; !ids.insert(table.id).second; ++n) table.id = fmt::format("{}-{}", base, n);
-  }
+void make_unique(std::string& id, std::set<std::string>& ids, const std::string& study) {
+  if (ids.insert(id).second) return;
+  const std::string base = usable_id(study + "-" + id);
+  id = base;
+  for (int n = 2; !ids.insert(id).second; ++n) id = fmt::format("{}-{}", base, n);
 }
 
 std::string heading_of(const SweepSummary& s) {
@@ -46,10 +48,20 @@ std::string heading_of(const SweepSummary& s) {
   return text;
 }
 
+std::string heading_of(const CalibrationSummary& s) {
+  std::string text = fmt::format(
+      "## {}\n\nCalibration, **simulated** (seed {}{}): every number here is one of simulated depth images "
+      "and sensors, except those that are called the paper's.\n",
+      s.study, s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
+  for (const std::string& sentence : calibration_sentences(s)) text += "\n" + sentence + "\n";
+  return text;
+}
+
 // What one results folder becomes.
 struct Chapter {
   std::string study, heading;
   std::vector<Table> tables;
+  std::vector<Figure> figures = {};
 };
 
 void append(std::vector<Table>& tables, std::vector<Table> more) {
@@ -72,6 +84,38 @@ Chapter sweep_chapter(const std::filesystem::path& path) {
   return chapter;
 }
 
+Chapter calibration_chapter(const std::filesystem::path& path) {
+  const CalibrationSummary summary = read_calibration_summary(path);
+  return {summary.study, heading_of(summary), calibration_tables(summary), calibration_figures(summary)};
+}
+
+Chapter chapter_of(const std::filesystem::path& path) {
+  switch (results_kind(path)) {
+    case ResultsKind::threshold_sweep:
+      return sweep_chapter(path);
+    case ResultsKind::calibration:
+      return calibration_chapter(path);
+    case ResultsKind::accuracy:
+      break;
+  }
+  return accuracy_chapter(path);
+}
+
+// Brackets in the text would end the picture's name.
+std::string markdown_of(const Figure& figure) {
+  std::string name;
+  for (char c : figure.title) name += c == '[' || c == ']' ? std::string("\\") + c : std::string(1, c);
+  return fmt::format("![{}]({}.svg)\n\n*{}*\n", name, figure.id, figure.caption);
+}
+
+std::vector<std::string> remarks_on(const std::vector<Figure>& figures) {
+  if (figures.empty()) return {};
+  std::string names;
+  for (const Figure& figure : figures) names += (names.empty() ? "" : ", ") + figure.id + ".svg";
+  return {"Figures are left out here; they lie beside this document, each with its numbers as CSV: " + names +
+          "."};
+}
+
 }  // namespace
 
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
@@ -80,13 +124,17 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   std::set<std::string> ids;
   std::string markdown = "# Trilateration accuracy\n";
   for (const auto& path : results) {
-    Chapter chapter =
-        results_kind(path) == ResultsKind::threshold_sweep ? sweep_chapter(path) : accuracy_chapter(path);
+    Chapter chapter = chapter_of(path);
     markdown += "\n" + chapter.heading;
     for (Table& table : chapter.tables) {
-      make_unique(table, ids, chapter.study);
+      make_unique(table.id, ids, chapter.study);
       markdown += "\n" + markdown_of(table);
       report.tables.push_back(std::move(table));
+    }
+    for (Figure& figure : chapter.figures) {
+      make_unique(figure.id, ids, chapter.study);
+      markdown += "\n" + markdown_of(figure);
+      report.figures.push_back(std::move(figure));
     }
   }
   make_folder(folder);
@@ -95,10 +143,14 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
     report.written.push_back(folder / name);
   };
   write("report.md", markdown);
-  write("report.tex", latex_document(report.tables));
+  write("report.tex", latex_document(report.tables, remarks_on(report.figures)));
   for (const Table& table : report.tables) {
     write(table.id + ".csv", csv_of(table));
     write(table.id + ".tex", latex_of(table));
+  }
+  for (const Figure& figure : report.figures) {
+    write(figure.id + ".svg", svg_of(figure));
+    write(figure.id + ".csv", csv_of(figure));
   }
   return report;
 }

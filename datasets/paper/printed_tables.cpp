@@ -33,4 +33,29 @@ PrintedTable3 printed_table3() {
   return table;
 }
 
+PrintedCalibration printed_calibration() {
+  const Json json = parse_json(embedded::calibration_json, "datasets/paper/calibration.json");
+  JsonObject object(json, "datasets/paper/calibration.json", "");
+  PrintedCalibration paper;
+  paper.source = object.text("source");
+  paper.samples = static_cast<int>(object.integer("samples"));
+  JsonObject recommended = object.object("recommended");
+  const std::vector<double> distance_m = recommended.numbers("distance_m", 2);
+  paper.recommended_m = {distance_m[0], distance_m[1]};
+  paper.recommended_below_deg = recommended.number("below_angle_deg");
+  paper.recommended_samples = static_cast<int>(recommended.integer("samples"));
+  paper.recommended_mean_cm = recommended.number("mean_error_cm");
+  paper.recommended_spread_cm = recommended.number("spread_cm");
+  JsonObject near = object.object("near");
+  paper.near_m = near.number("nearer_than_m");
+  paper.near_valid_percent = near.number("valid_percent");
+  JsonObject distortion = object.object("distortion");
+  paper.wall_m = distortion.number("wall_m");
+  paper.wall_frames = static_cast<int>(distortion.integer("frames"));
+  for (const Json& range : distortion.value("worse_columns"))
+    paper.worse_columns.push_back({range.at(0).get<double>(), range.at(1).get<double>()});
+  paper.worse = distortion.text("worse");
+  return paper;
+}
+
 }  // namespace trilat

@@ -36,4 +36,24 @@ struct PrintedTable3 {
 
 PrintedTable3 printed_table3();
 
+// What the paper states about its calibration. It prints no table of it, and the data of its two figures are
+// not available.
+struct PrintedCalibration {
+  std::string source;
+  int samples = 0;
+  std::array<double, 2> recommended_m{};
+  double recommended_below_deg = 0.0;
+  int recommended_samples = 0;
+  double recommended_mean_cm = 0.0;
+  double recommended_spread_cm = 0.0;  // behind the "+-"; what it is, is not said
+  double near_m = 0.0;
+  double near_valid_percent = 0.0;
+  double wall_m = 0.0;
+  int wall_frames = 0;
+  std::vector<std::array<double, 2>> worse_columns;  // as printed: the last ends beyond the image
+  std::string worse;                                 // how the paper calls the error there
+};
+
+PrintedCalibration printed_calibration();
+
 }  // namespace trilat

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "tests/reports/calibration_summaries.h"
 #include "tests/reports/summaries.h"
 #include "tests/support/scratch.h"
 
@@ -21,6 +22,13 @@ std::filesystem::path results_in(const ScratchFolder& folder, const std::string&
                                  const ResultsSummary& summary) {
   std::filesystem::create_directories(folder / name);
   write_summary(folder / name, summary);
+  return folder / name;
+}
+
+std::filesystem::path results_in(const ScratchFolder& folder, const std::string& name,
+                                 const CalibrationSummary& summary) {
+  std::filesystem::create_directories(folder / name);
+  write_calibration_summary(folder / name, summary);
   return folder / name;
 }
 
@@ -64,11 +72,40 @@ TEST(Report, HoldsEveryTableInEveryForm) {
 
 TEST(Report, EqualResultsGiveEqualBytes) {
   const ScratchFolder folder;
-  const auto results = results_in(folder, "results", hand_made_summary());
-  const ReportFiles first = write_report({results}, folder / "first");
-  write_report({results}, folder / "second");
+  const std::vector<std::filesystem::path> results{
+      results_in(folder, "results", hand_made_summary()),
+      results_in(folder, "calibration", hand_made_calibration())};
+  const ReportFiles first = write_report(results, folder / "first");
+  write_report(results, folder / "second");
   for (const auto& path : first.written)
     EXPECT_EQ(read_file(path), read_file(folder / "second" / path.filename())) << path;
+}
+
+TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_calibration());
+  const ReportFiles report = write_report({results}, folder / "report");
+  EXPECT_EQ(report.tables.size(), 5u);
+  ASSERT_EQ(report.figures.size(), 4u);
+  const std::string markdown = read_file(folder / "report/report.md");
+  EXPECT_THAT(markdown, HasSubstr("Calibration, **simulated**"));
+  EXPECT_THAT(markdown, HasSubstr("50 samples inside give 0.73 +- 0.85 cm"));
+  EXPECT_THAT(markdown, HasSubstr("2.00 cm (95 % interval 1.00 to 3.00 cm), 3 of 4 answered"));
+  for (const Figure& figure : report.figures) {
+    EXPECT_THAT(markdown, HasSubstr("![" + figure.title + "](" + figure.id + ".svg)"));
+    EXPECT_EQ(read_file(folder / ("report/" + figure.id + ".svg")), svg_of(figure));
+    EXPECT_EQ(read_file(folder / ("report/" + figure.id + ".csv")), csv_of(figure));
+  }
+  EXPECT_THAT(read_file(folder / "report/report.tex"), HasSubstr("Figures are left out here"));
+}
+
+TEST(Report, FiguresOfSeveralResultsDoNotOverwriteEachOther) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_calibration());
+  const ReportFiles report = write_report({results, results}, folder / "report");
+  const std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
+  EXPECT_EQ(written.size(), report.written.size());
+  EXPECT_EQ(report.figures.size(), 8u);
 }
 
 TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
@@ -88,7 +125,9 @@ TEST(Report, ItsDocumentCompiles) {
   const ScratchFolder folder;
   const auto plain = results_in(folder, "plain", hand_made_summary());
   const auto nasty = results_in(folder, "nasty", nasty_summary());
-  write_report({plain, nasty}, folder / "report");
+  CalibrationSummary calibration = hand_made_calibration();
+  calibration.rigs.front().method = "50 % & $1 #2 a_b {c} ~d ^e \\f";
+  write_report({plain, nasty, results_in(folder, "calibration", calibration)}, folder / "report");
   EXPECT_TRUE(compiles(folder / "report/report.tex")) << read_file(folder / "report/pdflatex.txt");
 }
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "reports/calibration_figures.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+#include "reports/calibration_findings.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kMissing =
+    "The paper's own figure is missing from its source, so only what its text says of it can be shown.";
+
+// The wand figures show a method where the ball is alone, or in the room when it found none of those.
+const WandRow* shown_row(const CalibrationSummary& s, const std::string& method) {
+  const WandRow *free = wand_row(s, method, "free"), *room = wand_row(s, method, "room");
+  return room && (!free || free->all.answered == 0) ? room : free;
+}
+
+std::vector<FigureSeries> wand_series(const CalibrationSummary& s, bool by_angle) {
+  std::vector<FigureSeries> all;
+  for (const char* method : {"corrected", "ours"}) {
+    const WandRow* row = shown_row(s, method);
+    if (!row) continue;
+    FigureSeries series{
+        fmt::format("{}, {} ({} of {} answered)", method, row->scene == "free" ? "ball alone" : "in the room",
+                    row->all.answered, row->all.asked),
+        FigureSeries::Style::dots,
+        {},
+        {}};
+    const auto index = static_cast<std::size_t>(row - s.wand.data());
+    for (const WandSample& sample : s.wand_samples)
+      if (sample.row == index)
+        series.points.push_back({by_angle ? sample.angle_rad * kDegreesPerRad : sample.distance_m,
+                                 sample.error_m * kCentimetresPerMetre});
+    all.push_back(std::move(series));
+  }
+  return all;
+}
+
+std::string wand_caption(const CalibrationSummary& s, const PrintedCalibration& paper, const char* by) {
+  std::string caption = fmt::format(
+      "Simulated: error of one wand position {}, the mean of {} frames, {} units with {} samples each, every "
+      "unit's constant depth offset included. ",
+      by, s.frames, s.units, s.samples);
+  for (const char* method : {"corrected", "ours"})
+    if (const WandRow* free = wand_row(s, method, "free"); free && free->all.answered == 0)
+      caption += fmt::format("\"{}\" found none of {} balls alone, so its samples in the room are shown. ",
+                             method, free->all.asked);
+  return caption + fmt::format(
+                       "The paper claims {:g} +- {:g} cm from {:g} to {:g} m below {:g} degrees, and more "
+                       "error outside. {}",
+                       paper.recommended_mean_cm, paper.recommended_spread_cm, paper.recommended_m[0],
+                       paper.recommended_m[1], paper.recommended_below_deg, kMissing);
+}
+
+Figure wand_figure(const CalibrationSummary& s, bool by_angle) {
+  const PrintedCalibration paper = printed_calibration();
+  Figure figure;
+  figure.id = by_angle ? "figure_calibration_angle" : "figure_calibration_distance";
+  figure.title = fmt::format("Error of one wand position by {} (simulated)", by_angle ? "angle" : "distance");
+  figure.caption = wand_caption(s, paper, by_angle ? "against the angle" : "against the distance");
+  figure.x_label = by_angle ? "angle from the central line (degrees)" : "distance from the sensor (m)";
+  figure.y_label = "error (cm)";
+  figure.log_y = true;
+  figure.series = wand_series(s, by_angle);
+  if (by_angle)
+    figure.bands = {{0.0, paper.recommended_below_deg,
+                     fmt::format("recommended: below {:g}°", paper.recommended_below_deg)}};
+  else
+    figure.bands = {
+        {paper.recommended_m[0], paper.recommended_m[1],
+         fmt::format("recommended: {:g} to {:g} m", paper.recommended_m[0], paper.recommended_m[1])}};
+  figure.lines = {
+      {paper.recommended_mean_cm, fmt::format("paper's mean: {:g} cm", paper.recommended_mean_cm)}};
+  return figure;
+}
+
+FigureSeries column_series(const DistortionCurve& curve, const std::vector<double>& error_m,
+                           const std::string& group) {
+  FigureSeries series{fmt::format("unit {}: {}", curve.unit, group), FigureSeries::Style::line, {}, group};
+  for (std::size_t c = 0; c < error_m.size(); ++c)
+    series.points.push_back({static_cast<double>(c), error_m[c] / kMetresPerMillimetre});
+  return series;
+}
+
+Figure distortion_figure(const CalibrationSummary& s) {
+  const PrintedCalibration paper = printed_calibration();
+  const DistortionCurve& first = s.distortion.front();
+  Figure figure;
+  figure.id = "figure_calibration_distortion";
+  figure.title =
+      fmt::format("A flat wall at {:g} m, middle row of the depth image (simulated)", first.wall_m);
+  figure.caption = fmt::format(
+      "Simulated: mean absolute error of each column of the middle row over {} frames, one line a unit ({}). "
+      "The depth's level is mostly the unit's constant offset. The paper claims \"{}\" errors in the shaded "
+      "columns (its last column, {:g}, lies beyond the image). {}",
+      first.frames, s.distortion.size(), paper.worse,
+      paper.worse_columns.empty() ? 0.0 : paper.worse_columns.back()[1], kMissing);
+  figure.x_label = "column (pixels)";
+  figure.y_label = "mean absolute error (mm)";
+  for (const DistortionCurve& curve : s.distortion)
+    figure.series.push_back(column_series(curve, curve.depth_error_m, "depth"));
+  for (const DistortionCurve& curve : s.distortion)
+    figure.series.push_back(column_series(curve, curve.printed_error_m, "sideways by eq. 4 as printed (E2)"));
+  const auto last = static_cast<double>(first.depth_error_m.empty() ? 0 : first.depth_error_m.size() - 1);
+  for (const auto& range : paper.worse_columns)
+    figure.bands.push_back({range[0], std::min(range[1], last), "columns the paper calls worse"});
+  return figure;
+}
+
+Figure effect_figure(const CalibrationSummary& s, const std::vector<EffectRow>& rows) {
+  Figure figure;
+  figure.id = "figure_calibration_effect";
+  figure.title = "Joints found by nonlinear trilateration with uncertain sensors (simulated)";
+  figure.caption = fmt::format(
+      "Simulated: RMSE of nonlinear and the Cramer-Rao bound when every sensor is off by a normal error of "
+      "that sigma an axis, ranges by {:g} cm, {} joints a point. {} The paper has no such figure.",
+      rows.front().range_sigma_m * kCentimetresPerMetre, rows.front().joints, effect_sentence(s));
+  figure.x_label = "sensor sigma (mm an axis)";
+  figure.y_label = "error of a joint (cm)";
+  figure.series = {{"RMSE of nonlinear", FigureSeries::Style::dots, {}, {}},
+                   {"Cramer-Rao bound", FigureSeries::Style::line, {}, {}}};
+  for (const EffectRow& row : rows) {
+    const double sigma_mm = row.sensor_sigma_m / kMetresPerMillimetre;
+    figure.series[0].points.push_back({sigma_mm, row.rmse_m * kCentimetresPerMetre});
+    figure.series[1].points.push_back({sigma_mm, row.bound_m * kCentimetresPerMetre});
+  }
+  return figure;
+}
+
+}  // namespace
+
+std::vector<Figure> calibration_figures(const CalibrationSummary& s) {
+  std::vector<Figure> figures;
+  if (!s.wand_samples.empty()) {
+    figures.push_back(wand_figure(s, false));
+    figures.push_back(wand_figure(s, true));
+  }
+  if (!s.distortion.empty()) figures.push_back(distortion_figure(s));
+  if (const auto rows = assumed_effects(s, "nonlinear"); !rows.empty())
+    figures.push_back(effect_figure(s, rows));
+  return figures;
+}
+
+}  // namespace trilat

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+#include "reports/calibration_tables.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "reports/calibration_figures.h"
+#include "reports/calibration_findings.h"
+#include "reports/render.h"
+#include "tests/reports/calibration_summaries.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+std::vector<std::string> texts_of(const std::vector<TableValue>& row) {
+  std::vector<std::string> texts;
+  for (const TableValue& value : row) texts.push_back(printed(value));
+  return texts;
+}
+
+// Everything NaN or empty that a study can leave.
+CalibrationSummary unanswered_calibration() {
+  CalibrationSummary s;
+  s.wand = {{"ours", "free", {}, {}, {}, {}}, {"corrected", "free", {}, {}, {}, {}}};
+  s.wand_samples = {{0, 0, 1.0, 0.1, ErrorSpread::kNone}};
+  DistortionCurve blind;
+  blind.valid = {0};
+  for (auto* values :
+       {&blind.depth_error_m, &blind.depth_residual_m, &blind.printed_error_m, &blind.lens_error_m})
+    *values = {ErrorSpread::kNone};
+  s.distortion = {blind, {}};
+  s.rigs = {{}, {"wand", 1, 1, {}}};
+  s.effect = {effect_of("exact", 0.0, "nonlinear", ErrorSpread::kNone, ErrorSpread::kNone)};
+  return s;
+}
+
+TEST(CalibrationTables, ThePapersStatementIsTheFirstRowOfTheWand) {
+  const Table table = calibration_wand_table(hand_made_calibration());
+  ASSERT_THAT(table.rows, SizeIs(4));
+  EXPECT_THAT(texts_of(table.rows[0]),
+              ElementsAre("the paper, measured", "laser meter", "50", "–", "0.73", "0.85", "–", "–", "100",
+                          "–", "–", "–", "–", "20.0", "not stated"));
+}
+
+TEST(CalibrationTables, AWandRowIsInCentimetresWithItsCoverage) {
+  const Table table = calibration_wand_table(hand_made_calibration());
+  EXPECT_THAT(texts_of(table.rows[3]),
+              ElementsAre("ours", "free", "4", "3", "2.00", "1.00", "1.00", "3.00", "8", "6", "4.00", "4.00",
+                          "8.00", "20.0", "found 75.0 %, no_wand 25.0 %"));
+}
+
+TEST(CalibrationTables, AnErratumsNoteHasTheStudysOwnNumbers) {
+  EXPECT_THAT(
+      calibration_wand_table(hand_made_calibration()).notes,
+      Contains(AllOf(HasSubstr("E2: "), HasSubstr("up to 8.00 cm sideways"),
+                     HasSubstr("3 of 4 answered, mean error 6.00 cm (corrected: 3 of 4 answered, mean "
+                               "error 4.00 cm)"))));
+  EXPECT_THAT(calibration_wand_table(hand_made_calibration()).notes, Not(Contains(HasSubstr("E3: "))));
+}
+
+TEST(CalibrationTables, ASampleOnAnEdgeCountsInTheBinAboveIt) {
+  const Table table = calibration_bins_table(hand_made_calibration());
+  ASSERT_THAT(table.rows, SizeIs(20));
+  EXPECT_THAT(texts_of(table.rows[0]),
+              ElementsAre("ours", "free", "distance (m)", "0.4", "0.8", "1", "1", "10.00"));
+  EXPECT_THAT(texts_of(table.rows[1]),
+              ElementsAre("ours", "free", "distance (m)", "0.8", "1.5", "2", "2", "3.00"));
+  EXPECT_THAT(texts_of(table.rows[5]),
+              ElementsAre("ours", "free", "distance (m)", "3.75", "4.5", "1", "0", "–"));
+  EXPECT_THAT(texts_of(table.rows[8]),
+              ElementsAre("ours", "free", "angle (degrees)", "18", "26", "2", "2", "3.00"));
+}
+
+TEST(CalibrationTables, AWallsEdgesAreComparedWithItsMiddle) {
+  const Table table = calibration_distortion_table(hand_made_calibration());
+  ASSERT_THAT(table.rows, SizeIs(2));
+  EXPECT_THAT(texts_of(table.rows[0]),
+              Contains(HasSubstr("columns 0 to 150 and 350 to 520: \"much higher\"")));
+  // (511 * 30 mm + 80 mm) / 512 sideways on average
+  EXPECT_THAT(texts_of(table.rows[1]),
+              ElementsAre("unit 0", "-8.00", "20.00", "10.00", "20.00", "2.00", "4.00", "1.00", "4.00",
+                          "4.00", "30.10", "80.00", "6.00", "50.0", ""));
+}
+
+TEST(CalibrationTables, ColumnsWithoutADepthDoNotCount) {
+  std::vector<double> by_column(512, 1.0);
+  by_column[0] = ErrorSpread::kNone;
+  by_column[511] = 2.0;
+  const ColumnMeans means = column_means(by_column);
+  EXPECT_DOUBLE_EQ(means.left, 1.0);
+  EXPECT_DOUBLE_EQ(means.right, 162.0 / 161.0);
+  EXPECT_DOUBLE_EQ(means.edge, 311.0 / 310.0);
+  EXPECT_TRUE(std::isnan(column_means({}).middle));
+}
+
+TEST(CalibrationTables, ARigsRowCountsSensorsWithoutAPose) {
+  const Table table = calibration_rigs_table(hand_made_calibration());
+  ASSERT_THAT(table.rows, SizeIs(1));
+  EXPECT_THAT(texts_of(table.rows[0]), ElementsAre("wand", "3", "12", "2", "0.50", "0.25", "0.75", "1.00",
+                                                   "1.50", "0.50", "1.50", "75.0", "90.0", "85.0", "95.0"));
+}
+
+TEST(CalibrationTables, TheMeanHasNoBound) {
+  const Table table = calibration_effect_table(hand_made_calibration());
+  EXPECT_THAT(texts_of(table.rows[1]),
+              ElementsAre("exact", "0.00", "2.50", "mean", "2.00", "–", "–", "–", "–", "90.0"));
+  EXPECT_THAT(texts_of(table.rows[2]), ElementsAre("10 mm an axis", "10.00", "2.50", "nonlinear", "5.00",
+                                                   "4.00", "1.250", "0.900", "1.100", "90.0"));
+}
+
+// 1.1 * 4 cm: 19.36 cm2 lies (19.36 - 16) / (25 - 16) of the way, so 10 mm times its root.
+TEST(CalibrationTables, ATenthMoreErrorIsFoundBetweenTheListedSigmas) {
+  const CalibrationSummary s = hand_made_calibration();
+  ASSERT_TRUE(sensor_sigma_m_at(s, 1.1));
+  EXPECT_NEAR(*sensor_sigma_m_at(s, 1.1), 0.01 * std::sqrt(3.36 / 9.0), 1e-12);
+  EXPECT_THAT(effect_sentence(s), HasSubstr("10 % above that of exact sensors when these are off by 6.1 mm"));
+  EXPECT_NEAR(*sensor_sigma_m_at(s, 1.25), 0.01, 1e-12);
+}
+
+TEST(CalibrationTables, ATenthMoreErrorCanLieBeyondTheLargestSigma) {
+  CalibrationSummary s = hand_made_calibration();
+  s.effect[2].rmse_m = 0.0439;
+  EXPECT_FALSE(sensor_sigma_m_at(s, 1.1));
+  EXPECT_THAT(effect_sentence(s), HasSubstr("beyond the largest listed, 10.0 mm"));
+}
+
+TEST(CalibrationTables, ASigmaThatACalibrationWasFoundToHaveIsNoAssumedOne) {
+  std::vector<std::string> names;
+  for (const EffectRow& row : assumed_effects(hand_made_calibration(), "nonlinear"))
+    names.push_back(row.calibration);
+  EXPECT_THAT(names, ElementsAre("exact", "10 mm an axis"));
+}
+
+TEST(CalibrationTables, EveryTitleSaysSimulated) {
+  const auto tables = calibration_tables(hand_made_calibration());
+  EXPECT_THAT(tables, SizeIs(5));
+  for (const Table& table : tables) EXPECT_THAT(table.title, HasSubstr("simulated"));
+  const auto figures = calibration_figures(hand_made_calibration());
+  EXPECT_THAT(figures, SizeIs(4));
+  for (const Figure& figure : figures) EXPECT_THAT(figure.title, HasSubstr("simulated"));
+}
+
+TEST(CalibrationTables, AStudyWithoutPartsHasNoTablesAndNoFigures) {
+  EXPECT_THAT(calibration_tables({}), IsEmpty());
+  EXPECT_THAT(calibration_figures({}), IsEmpty());
+  EXPECT_THAT(calibration_sentences({}), ElementsAre(HasSubstr("The paper states")));
+}
+
+TEST(CalibrationTables, WhatIsNotKnownIsADashAndNotANan) {
+  const CalibrationSummary s = unanswered_calibration();
+  const auto tables = calibration_tables(s);
+  EXPECT_THAT(tables, SizeIs(5));
+  for (const Table& table : tables) {
+    EXPECT_THAT(markdown_of(table), Not(HasSubstr("nan")));
+    EXPECT_THAT(csv_of(table), Not(HasSubstr("nan")));
+    EXPECT_THAT(latex_of(table), Not(HasSubstr("nan")));
+  }
+  for (const std::string& sentence : calibration_sentences(s)) EXPECT_THAT(sentence, Not(HasSubstr("nan")));
+  for (const Figure& figure : calibration_figures(s)) {
+    EXPECT_THAT(svg_of(figure), Not(HasSubstr("nan")));
+    EXPECT_THAT(figure.caption, Not(HasSubstr("nan")));
+  }
+}
+
+TEST(CalibrationFigures, AMethodWithoutAnAnswerAloneIsShownInTheRoom) {
+  CalibrationSummary s = hand_made_calibration();
+  s.wand[1].all = spread_around(0.0, 0, 8);
+  s.wand.push_back(wand_row_of("corrected", 0.5));
+  s.wand.back().scene = "room";
+  s.wand_samples.push_back({3, 0, 2.0, 0.1, 1.5});
+  const Figure figure = calibration_figures(s).front();
+  EXPECT_EQ(figure.series.front().name, "corrected, in the room (6 of 8 answered)");
+  ASSERT_THAT(figure.series.front().points, SizeIs(1));
+  EXPECT_DOUBLE_EQ(figure.series.front().points.front().y, 150.0);
+  EXPECT_THAT(figure.caption, HasSubstr("\"corrected\" found none of 8 balls alone"));
+}
+
+}  // namespace
+}  // namespace trilat
