@@ -15,10 +15,10 @@ namespace {
 constexpr const char* kMissing =
     "The paper's own figure is missing from its source, so only what its text says of it can be shown.";
 
-// The wand figures show a method where the ball is alone, or in the room when it found none of those.
+// The wand figures show a method before a far wall, or in the room when it found nothing there.
 const WandRow* shown_row(const CalibrationSummary& s, const std::string& method) {
-  const WandRow *free = wand_row(s, method, "free"), *room = wand_row(s, method, "room");
-  return room && (!free || free->all.answered == 0) ? room : free;
+  const WandRow *alone = wand_row(s, method, "far wall"), *room = wand_row(s, method, "room");
+  return room && (!alone || alone->all.answered == 0) ? room : alone;
 }
 
 std::vector<FigureSeries> wand_series(const CalibrationSummary& s, bool by_angle) {
@@ -26,12 +26,12 @@ std::vector<FigureSeries> wand_series(const CalibrationSummary& s, bool by_angle
   for (const char* method : {"corrected", "ours"}) {
     const WandRow* row = shown_row(s, method);
     if (!row) continue;
-    FigureSeries series{
-        fmt::format("{}, {} ({} of {} answered)", method, row->scene == "free" ? "ball alone" : "in the room",
-                    row->all.answered, row->all.asked),
-        FigureSeries::Style::dots,
-        {},
-        {}};
+    FigureSeries series{fmt::format("{}, {} ({} of {} answered)", method,
+                                    row->scene == "room" ? "in the room" : "before a far wall",
+                                    row->all.answered, row->all.asked),
+                        FigureSeries::Style::dots,
+                        {},
+                        {}};
     const auto index = static_cast<std::size_t>(row - s.wand.data());
     for (const WandSample& sample : s.wand_samples)
       if (sample.row == index)
@@ -48,9 +48,10 @@ std::string wand_caption(const CalibrationSummary& s, const PrintedCalibration& 
       "unit's constant depth offset included. ",
       by, s.frames, s.units, s.samples);
   for (const char* method : {"corrected", "ours"})
-    if (const WandRow* free = wand_row(s, method, "free"); free && free->all.answered == 0)
-      caption += fmt::format("\"{}\" found none of {} balls alone, so its samples in the room are shown. ",
-                             method, free->all.asked);
+    if (const WandRow* alone = wand_row(s, method, "far wall"); alone && alone->all.answered == 0)
+      caption += fmt::format(
+          "\"{}\" found none of {} balls before a far wall, so its samples in the room are shown. ", method,
+          alone->all.asked);
   return caption + fmt::format(
                        "The paper claims {:g} +- {:g} cm from {:g} to {:g} m below {:g} degrees, and more "
                        "error outside. {}",

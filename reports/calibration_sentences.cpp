@@ -21,7 +21,7 @@ std::string answers_text(const ErrorSpread& spread) {
 }
 
 std::string scene_text(const std::string& scene) {
-  return scene == "free" ? "ball and stick alone" : "in the " + scene;
+  return (scene == "room" ? "in the " : "before a ") + scene;
 }
 
 std::vector<std::string> scenes_of(const CalibrationSummary& s) {
@@ -31,7 +31,7 @@ std::vector<std::string> scenes_of(const CalibrationSummary& s) {
   return scenes;
 }
 
-// "ball and stick alone 0 of 173 answered, corrected …; in the room …"; empty without such rows.
+// "before a far wall: 0 of 173 answered, corrected …; in the room …"; empty without such rows.
 std::string beside_corrected(const CalibrationSummary& s, const std::string& method) {
   std::string text;
   for (const std::string& scene : scenes_of(s)) {

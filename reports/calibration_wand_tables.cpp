@@ -56,13 +56,14 @@ std::vector<std::string> wand_notes(const CalibrationSummary& s, const PrintedCa
       fmt::format(
           "\"Inside\" is the paper's recommended range, {:g} to {:g} m and below {:g} degrees from the "
           "central line; \"span\" is all samples; the intervals are 95 % of the mean, by bootstrap over "
-          "units; free: ball and stick alone; room: with floor, walls and the person who holds it.",
+          "units; far wall: the ball alone, the wall at 7 m; room: with floor, walls and the person who "
+          "holds it.",
           paper.recommended_m[0], paper.recommended_m[1], paper.recommended_below_deg),
       fmt::format("The first row is what the paper states ({}); what its +- is, it does not say.",
                   paper.source),
-      "Eq. 2 keeps what is nearer than about half of the mean depth, which a ball seen alone never is, and "
-      "in a room the nearest things are kept, the wand or not: this holds for every row of the paper's "
-      "method."};
+      "Eq. 2 keeps what is nearer than about half of the mean depth: before a far wall that is the ball, in "
+      "a "
+      "room the nearest things, the wand or not. This holds for every row of the paper's method."};
   for (std::string& sentence : wand_errata_sentences(s)) notes.push_back(std::move(sentence));
   notes.push_back(
       "A unit's constant depth offset, which no method with a single sensor can know, is in the error of "

@@ -27,7 +27,7 @@ struct ErrorSpread {
 // One way to find the wand, over all simulated samples of one scene.
 struct WandRow {
   std::string method;       // "as printed", "ours", …
-  std::string scene;        // "free": ball and stick alone; "room": with floor, walls and the person
+  std::string scene;        // "far wall": ball alone, wall at 7 m; "room": with floor, walls and the person
   ErrorSpread all;          // over the whole span of distance and angle
   ErrorSpread recommended;  // 0.8 to 3 m and below 26 degrees
   ErrorSpread near;         // nearer than 0.5 m

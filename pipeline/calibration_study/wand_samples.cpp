@@ -24,6 +24,7 @@ constexpr double kRecommendedFrom_m = 0.8, kRecommendedTo_m = 3.0;  // the paper
 constexpr double kRecommendedAngle_rad = 26.0 * kRadPerDegree;
 constexpr double kSensorHeight_m = 1.2;
 constexpr double kPersonBehind_m = 1.2;
+constexpr double kFarWall_m = 7.0;
 constexpr double kDeviation = 3.5;
 
 struct Variant {
@@ -52,7 +53,9 @@ std::vector<Variant> variants(double ball_radius_m) {
           {"ours", false, {}}};
 }
 
-enum class Scene { free, room };
+// Before a far wall the ball hangs alone, which is where the paper's way can work at all: eq. 2 keeps what is
+// nearer than half of the mean depth.
+enum class Scene { far_wall, room };
 
 struct Sample {
   double distance_m, angle_rad;
@@ -82,16 +85,20 @@ Sample draw_sample(const CalibrationSpec& spec, std::uint64_t unit, std::uint64_
 RigidTransform world_from_sensor() { return {Eigen::Quaterniond::Identity(), {0.0, kSensorHeight_m, 0.0}}; }
 
 DepthScene scene_of(Scene kind, const Eigen::Vector3d& ball_in_world_m, double ball_radius_m) {
-  const WandShape wand{.ball_radius_m = ball_radius_m};
   DepthScene scene;
+  if (kind == Scene::far_wall) {
+    scene.spheres.push_back({ball_in_world_m, ball_radius_m});
+    scene.planes.push_back({-Eigen::Vector3d::UnitZ(), -kFarWall_m});
+    return scene;
+  }
   // The stick comes from behind, from the right hand of somebody who stands there.
   SkeletonPose person = generated_motion(Person{}, Activity::standing)(0.0);
   const Eigen::Vector3d away(ball_in_world_m.x(), 0.0, ball_in_world_m.z());
   const Eigen::Vector3d stand_m = away + kPersonBehind_m * away.normalized() - person.at(Joint::spine_base);
   for (Eigen::Vector3d& joint : person.joint_in_world_m)
     joint += Eigen::Vector3d(stand_m.x(), 0.0, stand_m.z());
-  append_wand(scene, ball_in_world_m, (person.at(Joint::hand_right) - ball_in_world_m).normalized(), wand);
-  if (kind == Scene::free) return scene;
+  append_wand(scene, ball_in_world_m, (person.at(Joint::hand_right) - ball_in_world_m).normalized(),
+              {.ball_radius_m = ball_radius_m});
   append_person(scene, person);
   append_room(scene, RoomSpec{}, {0.0, 0.0, 2.5});
   return scene;
@@ -158,9 +165,9 @@ WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& ho
   const std::uint64_t per_unit = spec.samples + spec.near_samples;
   if (per_unit == 0) return results;
   std::vector<std::vector<ClusteredError>> all(2 * methods.size()), recommended(all), near(all);
-  for (Scene kind : {Scene::free, Scene::room})
+  for (Scene kind : {Scene::far_wall, Scene::room})
     for (const Variant& variant : methods)
-      results.rows.push_back({variant.name, kind == Scene::free ? "free" : "room", {}, {}, {}, {}});
+      results.rows.push_back({variant.name, kind == Scene::far_wall ? "far wall" : "room", {}, {}, {}, {}});
   std::atomic<std::uint64_t> done{0};
   for (std::uint64_t u = 0; u < spec.units; ++u) {
     const StudyUnit unit = draw_study_unit(spec.seed, u);
@@ -171,7 +178,8 @@ WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& ho
     parallel_for_index(outcomes.size(), 1, [&](std::size_t k) {
       if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
       const std::uint64_t i = k / 2;
-      outcomes[k] = measure(spec, unit, u, samples[i], i, k % 2 == 0 ? Scene::free : Scene::room, methods);
+      outcomes[k] =
+          measure(spec, unit, u, samples[i], i, k % 2 == 0 ? Scene::far_wall : Scene::room, methods);
       if (hooks.progress)
         hooks.progress(static_cast<double>(++done) / static_cast<double>(2 * per_unit * spec.units));
     });

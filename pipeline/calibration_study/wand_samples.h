@@ -15,8 +15,8 @@ struct WandSampleResults {
 };
 
 // The paper's calibration figure: the error of one wand position, the mean of a few frames, against distance
-// and angle; as the paper prints it, with each erratum alone as printed, and ours; before nothing and in a
-// room with the person who holds it.
+// and angle; as the paper prints it, with each erratum alone as printed, and ours; the ball alone
+// before a far wall, and in a room with the person who holds it.
 WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& hooks);
 
 }  // namespace trilat

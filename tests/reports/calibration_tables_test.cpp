@@ -30,7 +30,7 @@ std::vector<std::string> texts_of(const std::vector<TableValue>& row) {
 // Everything NaN or empty that a study can leave.
 CalibrationSummary unanswered_calibration() {
   CalibrationSummary s;
-  s.wand = {{"ours", "free", {}, {}, {}, {}}, {"corrected", "free", {}, {}, {}, {}}};
+  s.wand = {{"ours", "far wall", {}, {}, {}, {}}, {"corrected", "far wall", {}, {}, {}, {}}};
   s.wand_samples = {{0, 0, 1.0, 0.1, ErrorSpread::kNone}};
   DistortionCurve blind;
   blind.valid = {0};
@@ -54,7 +54,7 @@ TEST(CalibrationTables, ThePapersStatementIsTheFirstRowOfTheWand) {
 TEST(CalibrationTables, AWandRowIsInCentimetresWithItsCoverage) {
   const Table table = calibration_wand_table(hand_made_calibration());
   EXPECT_THAT(texts_of(table.rows[3]),
-              ElementsAre("ours", "free", "4", "3", "2.00", "1.00", "1.00", "3.00", "8", "6", "4.00", "4.00",
+              ElementsAre("ours", "far wall", "4", "3", "2.00", "1.00", "1.00", "3.00", "8", "6", "4.00", "4.00",
                           "8.00", "20.0", "found 75.0 %, no_wand 25.0 %"));
 }
 
@@ -71,13 +71,13 @@ TEST(CalibrationTables, ASampleOnAnEdgeCountsInTheBinAboveIt) {
   const Table table = calibration_bins_table(hand_made_calibration());
   ASSERT_THAT(table.rows, SizeIs(20));
   EXPECT_THAT(texts_of(table.rows[0]),
-              ElementsAre("ours", "free", "distance (m)", "0.4", "0.8", "1", "1", "10.00"));
+              ElementsAre("ours", "far wall", "distance (m)", "0.4", "0.8", "1", "1", "10.00"));
   EXPECT_THAT(texts_of(table.rows[1]),
-              ElementsAre("ours", "free", "distance (m)", "0.8", "1.5", "2", "2", "3.00"));
+              ElementsAre("ours", "far wall", "distance (m)", "0.8", "1.5", "2", "2", "3.00"));
   EXPECT_THAT(texts_of(table.rows[5]),
-              ElementsAre("ours", "free", "distance (m)", "3.75", "4.5", "1", "0", "–"));
+              ElementsAre("ours", "far wall", "distance (m)", "3.75", "4.5", "1", "0", "–"));
   EXPECT_THAT(texts_of(table.rows[8]),
-              ElementsAre("ours", "free", "angle (degrees)", "18", "26", "2", "2", "3.00"));
+              ElementsAre("ours", "far wall", "angle (degrees)", "18", "26", "2", "2", "3.00"));
 }
 
 TEST(CalibrationTables, AWallsEdgesAreComparedWithItsMiddle) {
