@@ -24,7 +24,7 @@ inline ErrorSpread spread_around(double mean_m, std::uint64_t answered, std::uin
 
 inline WandRow wand_row_of(const std::string& method, double mean_m) {
   return {method,
-          "free",
+          "far wall",
           spread_around(2 * mean_m, 6, 8),
           spread_around(mean_m, 3, 4),
           spread_around(mean_m, 1, 5),
