@@ -14,9 +14,12 @@ int report(const ReportArguments& arguments) {
   if (arguments.json) {
     Json list = Json::array();
     for (const auto& path : files.written) list.push_back(path.string());
-    fmt::print("{}\n", json_text({{"tables", files.tables.size()}, {"files", list}}, 2));
+    fmt::print(
+        "{}\n",
+        json_text({{"tables", files.tables.size()}, {"figures", files.figures.size()}, {"files", list}}, 2));
   } else {
-    fmt::print("{} tables: {}\n", files.tables.size(), (arguments.output / "report.md").string());
+    fmt::print("{} tables, {} figures: {}\n", files.tables.size(), files.figures.size(),
+               (arguments.output / "report.md").string());
   }
   return kDone;
 }
