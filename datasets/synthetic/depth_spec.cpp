@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "datasets/synthetic/json_ranges.h"
+#include "datasets/base/json_ranges.h"
 
 namespace trilat {
 namespace {

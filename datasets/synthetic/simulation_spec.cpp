@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
-#include "datasets/synthetic/json_ranges.h"
+#include "datasets/base/json_ranges.h"
 
 namespace trilat {
 namespace {

@@ -17,6 +17,7 @@
 #include <ceres/solver.h>
 
 #include "evaluators/alignment/alignment.h"
+#include "evaluators/calibration/wand_frame.h"
 #include "evaluators/ceres/rig_residuals.h"
 
 namespace trilat {
@@ -116,16 +117,9 @@ bool Refiner::move_into_world() {
   RigidTransform world;
   if (gauge_.first_points) {
     const auto& p = gauge_.first_points->points;
-    const Eigen::Vector3d origin = state_.point_m[p[0]];
-    const Eigen::Vector3d x = state_.point_m[p[1]] - origin;
-    const Eigen::Vector3d z = x.cross(state_.point_m[p[2]] - origin);
-    if (!(x.norm() > 0.01) || !(z.norm() > 0.01 * x.norm())) return false;
-    Eigen::Matrix3d axes;
-    axes.row(0) = x.normalized();
-    axes.row(2) = z.normalized();
-    axes.row(1) = axes.row(2).cross(axes.row(0));
-    world.rotation = Eigen::Quaterniond(axes).normalized();
-    world.translation_m = -(world.rotation * origin);
+    const auto wand = wand_from_places(state_.point_m[p[0]], state_.point_m[p[1]], state_.point_m[p[2]]);
+    if (!wand) return false;
+    world = *wand;
   } else if (!gauge_.known_points.empty()) {
     AlignmentSums sums;
     for (const KnownPoint& known : gauge_.known_points)

@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/calibration_spec.h"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "datasets/base/json_ranges.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.study";
-
-std::uint64_t count_within(JsonObject& object, const char* key, std::uint64_t fallback, std::uint64_t least,
-                           std::uint64_t most) {
-  const std::uint64_t count = object.count(key, fallback);
-  if (count < least || count > most)
-    object.refuse(key, fmt::format("must be {} to {}, is {}", least, most, count));
-  return count;
-}
-
-double within(JsonObject& object, const char* key, double fallback, double low, double high) {
-  const double value = object.number(key, fallback);
-  if (!(value >= low && value <= high))
-    object.refuse(key, fmt::format("must lie between {} and {}", low, high));
-  return value;
-}
 
 void read_distances(JsonObject& object, std::vector<double>& distances_m) {
   if (!object.has("distances_m")) return;
@@ -42,7 +28,7 @@ void read_sigmas(JsonObject& object, std::vector<double>& sigmas_m) {
 void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
   if (object.has("rig")) {
     JsonObject rig = object.object("rig");
-    spec.rig.radius_m = within(rig, "radius_m", spec.rig.radius_m, 1.0, 4.0);
+    spec.rig.radius_m = number_within(rig, "radius_m", spec.rig.radius_m, 1.0, 4.0);
     if (rig.has("heights_m")) {
       const std::size_t sensors = rig.value("heights_m").size();
       if (sensors < 2 || sensors > 8) rig.refuse("heights_m", "must hold 2 to 8 heights, one a sensor");
@@ -53,7 +39,7 @@ void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
   spec.runs = count_within(object, "runs", spec.runs, 0, 10'000);
   spec.positions = count_within(object, "positions", spec.positions, 3, 1000);
   spec.position_frames = count_within(object, "position_frames", spec.position_frames, 1, 100);
-  spec.bodies_s = within(object, "bodies_s", spec.bodies_s, 0.0, 600.0);
+  spec.bodies_s = number_within(object, "bodies_s", spec.bodies_s, 0.0, 600.0);
 }
 
 }  // namespace
@@ -67,19 +53,19 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
   spec.seed = object.count("seed", spec.seed);
-  spec.ball_radius_m = within(object, "ball_radius_m", spec.ball_radius_m, 0.02, 0.3);
+  spec.ball_radius_m = number_within(object, "ball_radius_m", spec.ball_radius_m, 0.02, 0.3);
   spec.units = count_within(object, "units", spec.units, 1, 1000);
   spec.samples = count_within(object, "samples", spec.samples, 0, 100'000);
   spec.near_samples = count_within(object, "near_samples", spec.near_samples, 0, 100'000);
   spec.frames = count_within(object, "frames", spec.frames, 1, 100);
   read_distances(object, spec.distances_m);
-  spec.largest_angle_deg = within(object, "largest_angle_deg", spec.largest_angle_deg, 0.0, 40.0);
+  spec.largest_angle_deg = number_within(object, "largest_angle_deg", spec.largest_angle_deg, 0.0, 40.0);
   spec.distortion_units = count_within(object, "distortion_units", spec.distortion_units, 0, 1000);
   spec.distortion_frames = count_within(object, "distortion_frames", spec.distortion_frames, 1, 1'000'000);
-  spec.wall_m = within(object, "wall_m", spec.wall_m, 0.5, 8.0);
+  spec.wall_m = number_within(object, "wall_m", spec.wall_m, 0.5, 8.0);
   read_rig_part(object, spec);
   spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 100'000'000);
-  spec.range_sigma_m = within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
+  spec.range_sigma_m = number_within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
   read_sigmas(object, spec.sensor_sigmas_m);
   object.finish();
   return spec;

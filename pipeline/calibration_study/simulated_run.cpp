@@ -8,6 +8,7 @@
 #include "datasets/synthetic/room_scene.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/wand_motion.h"
+#include "evaluators/calibration/wand_frame.h"
 
 namespace trilat {
 namespace {
@@ -15,17 +16,6 @@ namespace {
 constexpr double kDeviation = 3.5;
 constexpr double kTapeSigma_m = 0.001;
 constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
-
-// The frame of frames.h: origin at the first place, x towards the second, the third on y's side.
-RigidTransform wand_frame(const std::vector<Eigen::Vector3d>& places_m) {
-  const Eigen::Vector3d x = places_m[1] - places_m[0];
-  Eigen::Matrix3d axes;
-  axes.row(0) = x.normalized();
-  axes.row(2) = x.cross(places_m[2] - places_m[0]).normalized();
-  axes.row(1) = axes.row(2).cross(axes.row(0));
-  const Eigen::Quaterniond rotation(axes);
-  return {rotation, -(rotation * places_m[0])};
-}
 
 DepthScene scene_at(const WandInstant& instant, double ball_radius_m) {
   DepthScene scene;
@@ -76,7 +66,8 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
   }
   result.views.positions_of_first = result.views.positions.size();
   if (result.position_in_world_m.size() < 3) return result;
-  result.wand_from_world = wand_frame(result.position_in_world_m);
+  const auto& places_m = result.position_in_world_m;
+  result.wand_from_world = wand_from_places(places_m[0], places_m[1], places_m[2]).value_or(RigidTransform{});
   result.movement_m = (result.position_in_world_m[1] - result.position_in_world_m[0]).norm();
   const RandomStream tape{run_seed, Purpose::calibration_trial, random_item(0, 3, 0, 0)};
   result.measured_movement_m = result.movement_m + kTapeSigma_m * tape.normal(0);

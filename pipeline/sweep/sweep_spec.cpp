@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/json_ranges.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/sweep/sweep_rig.h"
@@ -108,14 +109,6 @@ void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& rang
   }
 }
 
-std::uint64_t read_count(JsonObject& object, const char* key, std::uint64_t fallback, std::uint64_t least,
-                         std::uint64_t most) {
-  const std::uint64_t count = object.count(key, fallback);
-  if (count < least || count > most)
-    object.refuse(key, fmt::format("must be {} to {}, is {}", least, most, count));
-  return count;
-}
-
 void check_search(const JsonObject& object, const SweepSpec& spec) {
   if (!spec.search) return;
   const PrintedTable1 printed = printed_table1();
@@ -165,12 +158,12 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   read_choices(object, "starts", kStarts, spec.starts);
   read_thresholds(object, spec.thresholds);
   read_ranges(object, spec.ranges);
-  spec.trials = read_count(object, "trials", spec.trials, 1, kMostTrials);
+  spec.trials = count_within(object, "trials", spec.trials, 1, kMostTrials);
   spec.seed = object.count("seed", spec.seed);
-  spec.max_iterations = read_count(object, "max_iterations", spec.max_iterations, 1, kMostIterations);
-  spec.digits_trials = read_count(object, "digits_trials", spec.digits_trials, 0, kMostDigitsTrials);
-  spec.time_problems = read_count(object, "time_problems", spec.time_problems, 0, kMostTimed);
-  spec.time_repeats = read_count(object, "time_repeats", spec.time_repeats, 1, 1000);
+  spec.max_iterations = count_within(object, "max_iterations", spec.max_iterations, 1, kMostIterations);
+  spec.digits_trials = count_within(object, "digits_trials", spec.digits_trials, 0, kMostDigitsTrials);
+  spec.time_problems = count_within(object, "time_problems", spec.time_problems, 0, kMostTimed);
+  spec.time_repeats = count_within(object, "time_repeats", spec.time_repeats, 1, 1000);
   spec.search = object.boolean("search", spec.search);
   check_search(object, spec);
   object.finish();

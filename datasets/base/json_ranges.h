@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -16,6 +17,15 @@ inline double number_within(JsonObject& object, const std::string& key, double f
   if (!(value >= low && value <= high))
     object.refuse(key, "must lie between " + Json(low).dump() + " and " + Json(high).dump());
   return value;
+}
+
+inline std::uint64_t count_within(JsonObject& object, const std::string& key, std::uint64_t fallback,
+                                  std::uint64_t least, std::uint64_t most) {
+  const std::uint64_t count = object.count(key, fallback);
+  if (count < least || count > most)
+    object.refuse(key, "must be " + std::to_string(least) + " to " + std::to_string(most) + ", is " +
+                           std::to_string(count));
+  return count;
 }
 
 inline double share_within(JsonObject& object, const std::string& key, double fallback) {
