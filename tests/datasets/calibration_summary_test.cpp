@@ -116,6 +116,13 @@ TEST_F(SpoiltSummary, CurvesOfUnequalLengthAreRefused) {
         << curve;
 }
 
+TEST_F(SpoiltSummary, CountsThatAreNoneAreRefused) {
+  for (const char* count : {"null", "-1", "1001", "1e300"})
+    EXPECT_THAT(refusal([&](Json& json) { json["distortion"][0]["valid"][1] = parse_json(count, "count"); }),
+                HasSubstr("/distortion/0/valid: must hold counts from 0 to the number of frames"))
+        << count;
+}
+
 TEST_F(SpoiltSummary, KeysNobodyKnowsAndTextInPlaceOfNumbersAreNamed) {
   EXPECT_THAT(refusal([](Json& json) { json["rigs"][0]["luck"] = 1; }), HasSubstr("/rigs/0/luck"));
   EXPECT_THAT(refusal([](Json& json) { json["wand"][1]["near"]["mean_m"] = "small"; }),
