@@ -101,6 +101,7 @@ class Refiner {
   RigStatus solve(bool robust);
   bool reject_worst();
   std::size_t used_of_sensor(std::size_t sensor) const;
+  void count_used();
   void measure();
   void find_covariances(ceres::Problem& ceres_problem);
   void build(ceres::Problem& ceres_problem, bool robust);
@@ -318,10 +319,18 @@ std::size_t Refiner::used_of_sensor(std::size_t sensor) const {
   return count;
 }
 
+void Refiner::count_used() {
+  for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
+  for (std::size_t i = 0; i < result_.used.size(); ++i) {
+    RefinedSensor& sensor = result_.sensors[problem_.observations[i].sensor];
+    ++(result_.used[i] ? sensor.used : sensor.rejected);
+  }
+}
+
 // Squared normalised distances of all observations, used or not, and the sensors' residuals.
 void Refiner::measure() {
   std::vector<double> squares_m2(problem_.sensors, 0.0);
-  for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
+  count_used();
   double total = 0.0;
   std::vector<bool> point_used(problem_.points, false);
   for (std::size_t i = 0; i < problem_.observations.size(); ++i) {
@@ -339,8 +348,6 @@ void Refiner::measure() {
     residual.whitened(state_.rotation[o.sensor].coeffs().data(), state_.position_m[o.sensor].data(),
                       state_.point_m[o.point].data(), correction_m, whitened.data());
     result_.chi2[i] = whitened.squaredNorm();
-    RefinedSensor& sensor = result_.sensors[o.sensor];
-    ++(result_.used[i] ? sensor.used : sensor.rejected);
     if (!result_.used[i]) continue;
     total += result_.chi2[i];
     point_used[o.point] = true;
@@ -437,6 +444,7 @@ void Refiner::find_covariances(ceres::Problem& ceres_problem) {
 
 RigRefinement Refiner::result(RigStatus status) {
   result_.status = status;
+  count_used();  // of what the last rejection left, when nothing was measured since
   for (std::size_t s = 0; s < problem_.sensors; ++s) {
     result_.sensors[s].world_from_sensor = {state_.rotation[s].normalized(), state_.position_m[s]};
     if (options_.depth_correction) result_.sensors[s].depth_offset_m = state_.correction[s].offset_m;
@@ -447,7 +455,9 @@ RigRefinement Refiner::result(RigStatus status) {
 
 RigRefinement Refiner::run() {
   RigStatus status = solve(true);
-  if (status != RigStatus::converged) return result(status);
+  // Far outliers make the steps with a loss small; where they led is start enough for the rounds without.
+  const bool only_a_start = status == RigStatus::iteration_limit && options_.rejection_rounds > 0;
+  if (status != RigStatus::converged && !only_a_start) return result(status);
   measure();
   for (int round = 0; round < options_.rejection_rounds; ++round) {
     const bool rejected = reject_worst();

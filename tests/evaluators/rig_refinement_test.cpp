@@ -262,5 +262,18 @@ TEST(RigRefinement, ADepthOffsetOfOneSensorIsFoundAndDoesNotMoveThePoses) {
   }
 }
 
+// Three sightings of one sensor that agree to centimetres only: enough to start from, too few to be left.
+TEST(RigRefinement, ASensorWithFewerThanThreeGoodSightingsIsUndeterminedAndItsCountSaysSo) {
+  RigProblem problem = simulated_rig(9, {.noise_m = 0.0003}).problem;
+  std::erase_if(problem.observations, [](const PointObservation& o) { return o.sensor == 3 && o.point > 3; });
+  for (PointObservation& o : problem.observations)
+    if (o.sensor == 3) o.point_in_sensor_m.z() += o.point % 2 == 0 ? 0.03 : -0.03;
+  const RigRefinement refined = refine_with(problem, {});
+  ASSERT_EQ(refined.status, RigStatus::sensor_undetermined);
+  EXPECT_LT(refined.sensors[3].used, 3u);
+  EXPECT_EQ(refined.sensors[3].used + refined.sensors[3].rejected, 4u);
+  for (std::size_t s = 0; s < 3; ++s) EXPECT_GE(refined.sensors[s].used, 3u);
+}
+
 }  // namespace
 }  // namespace trilat
