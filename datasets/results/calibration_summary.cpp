@@ -114,7 +114,11 @@ DistortionCurve read_curve(JsonObject& object) {
   c.frames = object.count("frames");
   c.unit = object.count("unit");
   c.unit_offset_m = object.number("unit_offset_m");
-  for (double count : read_numbers(object, "valid")) c.valid.push_back(static_cast<std::uint64_t>(count));
+  for (double count : read_numbers(object, "valid")) {
+    if (!(count >= 0.0 && count <= static_cast<double>(c.frames)))
+      object.refuse("valid", "must hold counts from 0 to the number of frames");
+    c.valid.push_back(static_cast<std::uint64_t>(count));
+  }
   c.depth_error_m = read_numbers(object, "depth_error_m");
   c.depth_residual_m = read_numbers(object, "depth_residual_m");
   c.printed_error_m = read_numbers(object, "printed_error_m");

@@ -134,7 +134,7 @@ RigStart start_rig(const RigProblem& problem, const RigStartOptions& options) {
     std::size_t best_from = 0, best_to = 0;
     for (std::size_t from = 0; from < problem.sensors; ++from)
       for (std::size_t to = 0; to < problem.sensors; ++to) {
-        if (start.placement[from] == SensorPlacement::placed ||
+        if (start.placement[from] == SensorPlacement::placed || points[from].empty() ||
             start.placement[to] != SensorPlacement::placed)
           continue;
         const PairFit& fit = fits[from][to];

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <memory_resource>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -29,15 +30,24 @@ double square(double value) { return value * value; }
 
 struct DepthCorrection {
   double offset_m = 0.0;
-  std::map<int, double> knot_m;  // by number: depth = number * spacing
+  std::pmr::map<int, double> knot_m;  // by number: depth = number * spacing
 };
 
+// Ceres orders unknowns by address: they lie in one block of memory, in the order in which they are made, so
+// that equal problems give equal bits.
 struct State {
-  std::vector<Eigen::Quaterniond> rotation;
-  std::vector<Eigen::Vector3d> position_m;
-  std::vector<Eigen::Vector3d> point_m;
-  std::vector<DepthCorrection> correction;
+  explicit State(std::size_t bytes) : memory(bytes) {}
+  std::pmr::monotonic_buffer_resource memory;
+  std::pmr::vector<Eigen::Quaterniond> rotation{&memory};
+  std::pmr::vector<Eigen::Vector3d> position_m{&memory};
+  std::pmr::vector<Eigen::Vector3d> point_m{&memory};
+  std::pmr::vector<DepthCorrection> correction{&memory};
 };
+
+// Generous, so that the block never has to grow.
+std::size_t enough_bytes(const RigProblem& problem) {
+  return 512 * (problem.sensors + 1) + 32 * problem.points + 160 * problem.observations.size();
+}
 
 class Refiner {
  public:
@@ -60,6 +70,7 @@ class Refiner {
     return static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
   }
   double depth_correction_m(const PointObservation& o, double share_b) const;
+  void count_used();
   void measure();
   double reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const;
   void find_covariances(ceres::Problem& ceres_problem);
@@ -76,14 +87,20 @@ class Refiner {
 
 Refiner::Refiner(const RigProblem& problem, const std::vector<RigidTransform>& start, std::size_t reference,
                  const RigGauge& gauge, const RigRefinementOptions& options)
-    : problem_(problem), gauge_(gauge), options_(options), reference_(reference) {
+    : problem_(problem),
+      gauge_(gauge),
+      options_(options),
+      reference_(reference),
+      state_(enough_bytes(problem)) {
   result_.used.assign(problem.observations.size(), true);
   result_.chi2.assign(problem.observations.size(), kNone);
   result_.sensors.resize(problem.sensors);
   for (RefinedSensor& sensor : result_.sensors) sensor.covariance.setConstant(kNone);
   start_points(start);
   if (!options_.depth_correction) return;
-  state_.correction.resize(problem.sensors);
+  state_.correction.reserve(problem.sensors);
+  for (std::size_t s = 0; s < problem.sensors; ++s)
+    state_.correction.push_back({0.0, std::pmr::map<int, double>(&state_.memory)});
   for (const PointObservation& o : problem.observations) {
     const int knot = knot_of(o);
     state_.correction[o.sensor].knot_m[knot] = 0.0;
@@ -93,6 +110,8 @@ Refiner::Refiner(const RigProblem& problem, const std::vector<RigidTransform>& s
 
 // Each point at the median of what its observations say, an axis at a time.
 void Refiner::start_points(const std::vector<RigidTransform>& start) {
+  state_.rotation.reserve(start.size());
+  state_.position_m.reserve(start.size());
   for (const RigidTransform& pose : start) {
     state_.rotation.push_back(pose.rotation);
     state_.position_m.push_back(pose.translation_m);
@@ -282,11 +301,19 @@ double Refiner::depth_correction_m(const PointObservation& o, double share_b) co
   return c.offset_m + (1.0 - share_b) * c.knot_m.at(knot) + share_b * c.knot_m.at(knot + 1);
 }
 
+void Refiner::count_used() {
+  for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
+  for (std::size_t i = 0; i < result_.used.size(); ++i) {
+    RefinedSensor& sensor = result_.sensors[problem_.observations[i].sensor];
+    ++(result_.used[i] ? sensor.used : sensor.rejected);
+  }
+}
+
 // Squared normalised distances of all observations, used or not, and the sensors' residuals.
 void Refiner::measure() {
   std::vector<double> squares_m2(problem_.sensors, 0.0);
   std::vector<bool> point_used(problem_.points, false);
-  for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
+  count_used();
   double total = 0.0;
   std::size_t used = 0;
   for (std::size_t i = 0; i < problem_.observations.size(); ++i) {
@@ -297,8 +324,6 @@ void Refiner::measure() {
                       state_.point_m[o.point].data(), depth_correction_m(o, residual.share_b),
                       whitened.data());
     result_.chi2[i] = whitened.squaredNorm();
-    RefinedSensor& sensor = result_.sensors[o.sensor];
-    ++(result_.used[i] ? sensor.used : sensor.rejected);
     if (!result_.used[i]) continue;
     ++used;
     total += result_.chi2[i];
@@ -400,17 +425,20 @@ void Refiner::find_covariances(ceres::Problem& ceres_problem) {
 
 RigRefinement Refiner::result(RigStatus status) {
   result_.status = status;
+  count_used();  // of what the last rejection left, when nothing was measured since
   for (std::size_t s = 0; s < problem_.sensors; ++s) {
     result_.sensors[s].world_from_sensor = {state_.rotation[s].normalized(), state_.position_m[s]};
     if (options_.depth_correction) result_.sensors[s].depth_offset_m = state_.correction[s].offset_m;
   }
-  result_.point_in_world_m = state_.point_m;
+  result_.point_in_world_m.assign(state_.point_m.begin(), state_.point_m.end());
   return result_;
 }
 
 RigRefinement Refiner::run() {
   RigStatus status = solve(true);
-  if (status != RigStatus::converged) return result(status);
+  // Far outliers make the steps with a loss small; where they led is start enough for the rounds without.
+  const bool only_a_start = status == RigStatus::iteration_limit && options_.rejection_rounds > 0;
+  if (status != RigStatus::converged && !only_a_start) return result(status);
   measure();
   for (int round = 0; round < options_.rejection_rounds; ++round) {
     const bool rejected = reject_worst();

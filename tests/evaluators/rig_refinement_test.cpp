@@ -136,5 +136,163 @@ TEST(RigRefinement, StatedIntervalsCoverTheTruthWithDepthOffsetsAndWiggle) {
   EXPECT_LT(worst_rad, 0.2 * kRadPerDegree);
 }
 
+PoseError difference(const RigidTransform& a, const RigidTransform& b) {
+  const Eigen::AngleAxisd turn(a.rotation * b.rotation.conjugate());
+  return {a.translation_m - b.translation_m, turn.angle() * turn.axis()};
+}
+
+RigRefinement refine_with(const RigProblem& problem, const RigGauge& gauge,
+                          const RigRefinementOptions& options = {}) {
+  const RigStart start = start_rig(problem, {});
+  EXPECT_TRUE(start.complete());
+  return refine_rig(problem, start.reference_from_sensor, start.reference, gauge, options);
+}
+
+TEST(RigRefinement, AWrongSightingIsLeftOutAndThePosesAreAsWithoutIt) {
+  const RigProblem right = simulated_rig(4, {.noise_m = 0.0003}).problem;
+  const std::size_t wrong_one = 2 * 50 + 17;  // of the third sensor
+  RigProblem wrong = right, without = right;
+  wrong.observations[wrong_one].point_in_sensor_m.x() += 0.05;
+  without.observations.erase(without.observations.begin() + wrong_one);
+  const RigRefinement got = refine(wrong, {}), expected = refine(without, {});
+  ASSERT_EQ(got.status, RigStatus::converged);
+  for (std::size_t i = 0; i < wrong.observations.size(); ++i) EXPECT_EQ(got.used[i], i != wrong_one) << i;
+  EXPECT_GT(got.chi2[wrong_one], 1000.0);
+  EXPECT_EQ(got.sensors[2].rejected, 1u);
+  EXPECT_EQ(got.sensors[2].used, 49u);
+  EXPECT_EQ(got.sensors[0].rejected, 0u);
+  for (std::size_t s = 0; s < 4; ++s) {
+    const PoseError error =
+        difference(got.sensors[s].world_from_sensor, expected.sensors[s].world_from_sensor);
+    EXPECT_LT(error.position_m.norm(), 1e-7);
+    EXPECT_LT(error.rotation_rad.norm(), 1e-7);
+  }
+}
+
+// Two sensors that disagree about a point do not say which of them is wrong.
+TEST(RigRefinement, OfAPointThatOnlyTwoSensorsSeeBothSightingsAreLeftOut) {
+  RigProblem problem = simulated_rig(4, {.noise_m = 0.0003}).problem;
+  std::erase_if(problem.observations,
+                [](const PointObservation& o) { return o.point == 17 && o.sensor >= 2; });
+  for (PointObservation& o : problem.observations)
+    if (o.point == 17 && o.sensor == 1) o.point_in_sensor_m.y() += 0.05;
+  const RigRefinement got = refine(problem, {});
+  ASSERT_EQ(got.status, RigStatus::converged);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i)
+    EXPECT_EQ(got.used[i], problem.observations[i].point != 17);
+  EXPECT_TRUE(got.point_in_world_m[17].array().isNaN().all());
+}
+
+TEST(RigRefinement, KnownPointsGiveTheWorldsFrame) {
+  const SimulatedRig rig = simulated_rig(2, {});
+  RigGauge gauge;
+  for (std::size_t p : {4u, 9u, 20u, 31u}) gauge.known_points.push_back({p, rig.position_m[p]});
+  const RigRefinement refined = refine_with(rig.problem, gauge);
+  ASSERT_EQ(refined.status, RigStatus::converged);
+  for (std::size_t s = 0; s < 4; ++s) {
+    const PoseError error = difference(refined.sensors[s].world_from_sensor, rig.world_from_sensor[s]);
+    EXPECT_LT(error.position_m.norm(), 1e-8);
+    EXPECT_LT(error.rotation_rad.norm(), 1e-8);
+  }
+}
+
+TEST(RigRefinement, KnownPointsOnALineDoNotDetermineTheWorld) {
+  const SimulatedRig rig = simulated_rig(2, {});
+  RigGauge gauge;
+  for (std::size_t p : {4u, 9u, 20u})
+    gauge.known_points.push_back({p, {0.3 * static_cast<double>(p), 1.0, 0.0}});
+  EXPECT_EQ(refine_with(rig.problem, gauge).status, RigStatus::gauge_undetermined);
+}
+
+TEST(RigRefinement, WithoutAnyWorldTheReferenceStaysAtItsPose) {
+  const SimulatedRig rig = simulated_rig(3, {.noise_m = 0.0003});
+  const RigStart start = start_rig(rig.problem, {});
+  RigGauge gauge;
+  gauge.world_from_reference = rig.world_from_sensor[start.reference];
+  const RigRefinement refined =
+      refine_rig(rig.problem, start.reference_from_sensor, start.reference, gauge, {});
+  ASSERT_EQ(refined.status, RigStatus::converged);
+  for (std::size_t s = 0; s < 4; ++s) {
+    const PoseError error = difference(refined.sensors[s].world_from_sensor, rig.world_from_sensor[s]);
+    EXPECT_LT(error.position_m.norm(), s == start.reference ? 1e-12 : 0.002) << s;
+    EXPECT_LT(error.rotation_rad.norm(), s == start.reference ? 1e-12 : 0.001) << s;
+  }
+  EXPECT_EQ(refined.sensors[start.reference].covariance.norm(), 0.0);
+}
+
+TEST(RigRefinement, ThreeFirstPointsOnALineDoNotDetermineTheWorld) {
+  const SimulatedRig rig = simulated_rig(1, {});
+  RigProblem problem = rig.problem;
+  const Eigen::Vector3d between = 0.5 * (rig.position_m[0] + rig.position_m[1]);
+  for (PointObservation& o : problem.observations)
+    if (o.point == 2) o.point_in_sensor_m = rig.world_from_sensor[o.sensor].inverse() * between;
+  EXPECT_EQ(refine(problem, {}).status, RigStatus::gauge_undetermined);
+}
+
+// Relative to the reference sensor the uncertainty falls with the root of the number of positions.
+TEST(RigRefinement, FourTimesThePositionsHalveTheStatedUncertainty) {
+  const auto sigma_m = [](std::size_t positions) {
+    const RigRefinement refined = refine_with(simulated_rig(6, {.noise_m = 0.001}, positions).problem, {});
+    EXPECT_EQ(refined.status, RigStatus::converged);
+    double variance_m2 = 0.0;
+    for (const RefinedSensor& sensor : refined.sensors)
+      variance_m2 += sensor.covariance.bottomRightCorner<3, 3>().trace();
+    return std::sqrt(variance_m2);
+  };
+  EXPECT_NEAR(sigma_m(80) / sigma_m(20), 0.5, 0.15);
+}
+
+TEST(RigRefinement, ADepthOffsetOfOneSensorIsFoundAndDoesNotMoveThePoses) {
+  SimulatedRig rig = simulated_rig(8, {.noise_m = 0.0003});
+  for (PointObservation& o : rig.problem.observations)
+    if (o.sensor == 1) {
+      o.point_in_sensor_m += 0.02 * o.point_in_sensor_m / o.point_in_sensor_m.z();
+      o.surface_depth_m += 0.02;
+    }
+  RigRefinementOptions options;
+  options.depth_correction = DepthCorrectionOptions{};
+  const RigRefinement refined = refine(rig.problem, options);
+  ASSERT_EQ(refined.status, RigStatus::converged);
+  for (std::size_t s = 0; s < 4; ++s) {
+    const RefinedSensor& sensor = refined.sensors[s];
+    EXPECT_GT(sensor.depth_offset_sigma_m, 0.0);
+    EXPECT_LT(sensor.depth_offset_sigma_m, 0.005);
+    EXPECT_NEAR(sensor.depth_offset_m, s == 1 ? 0.02 : 0.0, 3.0 * sensor.depth_offset_sigma_m) << s;
+    EXPECT_LT(error_of(rig, refined, s).position_m.norm(), 0.005);
+  }
+}
+
+// Three sightings of one sensor that agree to centimetres only: enough to start from, too few to be left.
+TEST(RigRefinement, ASensorWithFewerThanThreeGoodSightingsIsUndeterminedAndItsCountSaysSo) {
+  RigProblem problem = simulated_rig(9, {.noise_m = 0.0003}).problem;
+  std::erase_if(problem.observations, [](const PointObservation& o) { return o.sensor == 3 && o.point > 3; });
+  for (PointObservation& o : problem.observations)
+    if (o.sensor == 3) o.point_in_sensor_m.z() += o.point % 2 == 0 ? 0.03 : -0.03;
+  const RigRefinement refined = refine_with(problem, {});
+  ASSERT_EQ(refined.status, RigStatus::sensor_undetermined);
+  EXPECT_LT(refined.sensors[3].used, 3u);
+  EXPECT_EQ(refined.sensors[3].used + refined.sensors[3].rejected, 4u);
+  for (std::size_t s = 0; s < 3; ++s) EXPECT_GE(refined.sensors[s].used, 3u);
+}
+
+// Whatever lies in memory meanwhile.
+TEST(RigRefinement, EqualProblemsGiveEqualBits) {
+  const RigProblem problem = simulated_rig(3, {0.0003, 0.024, 0.002, 0.005}, 20).problem;
+  RigRefinementOptions options;
+  options.depth_correction = DepthCorrectionOptions{};
+  const RigRefinement first = refine(problem, options);
+  std::vector<std::vector<char>> in_the_way;
+  for (std::size_t i = 0; i < 40; ++i) {
+    for (std::size_t k = 0; k < 20; ++k) in_the_way.emplace_back(16 + (i * 37 + k * 101) % 600);
+    for (std::size_t k = i % 3; k < in_the_way.size(); k += 3) in_the_way[k] = {};
+    const RigRefinement again = refine(problem, options);
+    for (std::size_t s = 0; s < 4; ++s) {
+      EXPECT_EQ(again.sensors[s].world_from_sensor.translation_m,
+                first.sensors[s].world_from_sensor.translation_m);
+      EXPECT_EQ(again.sensors[s].covariance, first.sensors[s].covariance);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace trilat

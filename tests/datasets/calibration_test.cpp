@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/calibration/calibration.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Calibration, WhatIsWrittenIsReadBack) {
+  const ScratchFolder folder;
+  SensorPose pose;
+  pose.name = "k1";
+  pose.world_from_sensor = world_from_sensor_looking_at({1.0, 2.0, 3.0}, {0.1, 0.2, 0.3});
+  pose.position_sigma_m = 0.004;
+  pose.rotation_sigma_rad = 0.002;
+  write_calibration(folder / "calibration.json", {"wand", {pose}});
+  const Calibration calibration = read_calibration(folder / "calibration.json");
+  EXPECT_EQ(calibration.method, "wand");
+  const SensorPose& read = pose_of(calibration, "k1", "here");
+  EXPECT_EQ(read.world_from_sensor.translation_m, pose.world_from_sensor.translation_m);
+  EXPECT_LT(angle_between_rad(read.world_from_sensor.rotation, pose.world_from_sensor.rotation), 1e-15);
+  EXPECT_EQ(read.position_sigma_m, 0.004);
+  EXPECT_EQ(read.rotation_sigma_rad, 0.002);
+  EXPECT_THAT(message_of([&] { pose_of(calibration, "k9", "cal.json"); }),
+              HasSubstr("cal.json: has no pose for sensor \"k9\"; it has k1"));
+}
+
+TEST(Calibration, ErrorsNameThePlaceAndWhatWouldBeRight) {
+  const ScratchFolder folder;
+  const std::string good = R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1]})";
+  const auto refusal = [&](const std::string& sensors) {
+    write_file(
+        folder / "cal.json",
+        R"({"format": "trilat.calibration", "version": 1, "method": "wand", "sensors": [)" + sensors + "]}");
+    return message_of([&] { read_calibration(folder / "cal.json"); });
+  };
+  EXPECT_EQ(refusal(good), "no error");
+  EXPECT_THAT(refusal(""), HasSubstr("cal.json /sensors: must name at least one sensor"));
+  EXPECT_THAT(refusal(good + "," + good), HasSubstr("cal.json /sensors/1/name: stands here twice"));
+  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1200, 2], "rotation_xyzw": [0, 0, 0, 1]})"),
+              HasSubstr("/sensors/0/position_m: lies beyond 100 m; is the unit metres?"));
+  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1], "rotation_xyzw": [0, 0, 0, 1]})"),
+              HasSubstr("/sensors/0/position_m: must be an array of 3 numbers"));
+  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, null], "rotation_xyzw": [0, 0, 0, 1]})"),
+              HasSubstr("/sensors/0/position_m: must be a number, is null"));
+  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 2]})"),
+              HasSubstr("/sensors/0/rotation_xyzw: must be a unit quaternion"));
+  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1],
+                          "position_sigma_m": -1})"),
+              HasSubstr("/sensors/0/position_sigma_m: must not be negative"));
+}
+
+// A calibration of two sensors with all that one can hold.
+Calibration full_calibration() {
+  SensorPose pose;
+  pose.name = "k1";
+  pose.world_from_sensor = world_from_sensor_looking_at({1.0, 2.0, 3.0}, {0.1, 0.2, 0.3});
+  pose.position_sigma_m = 0.004;
+  pose.rotation_sigma_rad = 0.002;
+  Eigen::Matrix<double, 6, 6> root;
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column) root(row, column) = 1e-3 / (1.0 + row + 2.0 * column);
+  pose.covariance = root * root.transpose();
+  pose.depth_offset_m = -0.0123;
+  pose.depth_offset_sigma_m = 0.0021;
+  pose.residual_rms_m = 0.0008;
+  pose.used = 48;
+  pose.left_out = 2;
+  SensorPose other = pose;
+  other.name = "k2";
+  other.world_from_sensor.translation_m.x() += 2.0;
+  other.covariance.reset();
+  Calibration calibration;
+  calibration.method = "wand";
+  calibration.world = "wand";
+  calibration.sensors = {pose, other};
+  calibration.positions = 50;
+  calibration.reduced_chi2 = 1.25;
+  calibration.rejected = {{"k1", 7, 12.5, 0.031}, {"k2", 9, 15.75, 0.0}};
+  calibration.sources = {{"session.h5", "abc"}, {"mocap.csv", "def"}};
+  calibration.program = "0.1.0";
+  return calibration;
+}
+
+TEST(Calibration, CovariancesEvidenceAndSourcesAreReadBackToTheBit) {
+  const ScratchFolder folder;
+  const Calibration written = full_calibration();
+  write_calibration(folder / "calibration.json", written);
+  const Calibration read = read_calibration(folder / "calibration.json");
+  ASSERT_EQ(read.sensors.size(), 2u);
+  ASSERT_TRUE(read.sensors[0].covariance);
+  EXPECT_EQ(*read.sensors[0].covariance, *written.sensors[0].covariance);
+  EXPECT_FALSE(read.sensors[1].covariance);
+  EXPECT_EQ(read.sensors[0].depth_offset_m, -0.0123);
+  EXPECT_EQ(read.sensors[0].depth_offset_sigma_m, 0.0021);
+  EXPECT_EQ(read.sensors[0].residual_rms_m, 0.0008);
+  EXPECT_EQ(read.sensors[0].used, 48u);
+  EXPECT_EQ(read.sensors[0].left_out, 2u);
+  EXPECT_EQ(read.world, "wand");
+  EXPECT_EQ(read.positions, 50u);
+  EXPECT_EQ(read.reduced_chi2, 1.25);
+  EXPECT_EQ(read.program, "0.1.0");
+  ASSERT_EQ(read.rejected.size(), 2u);
+  EXPECT_EQ(read.rejected[0].sensor, "k1");
+  EXPECT_EQ(read.rejected[0].position, 7u);
+  EXPECT_EQ(read.rejected[0].time_s, 12.5);
+  EXPECT_EQ(read.rejected[1].off_by_m, 0.0);
+  ASSERT_EQ(read.sources.size(), 2u);
+  EXPECT_EQ(read.sources[1].file, "mocap.csv");
+  EXPECT_EQ(read.sources[1].sha256, "def");
+}
+
+// The full calibration with one thing in it spoilt.
+class SpoiltCalibration : public testing::Test {
+ protected:
+  std::string refusal(const std::function<void(Json&)>& spoil) {
+    Json json = calibration_json(full_calibration());
+    spoil(json);
+    write_file(folder_ / "cal.json", json_text(json, 2));
+    return message_of([&] { read_calibration(folder_ / "cal.json"); });
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(SpoiltCalibration, UnspoiltItIsNotRefused) {
+  EXPECT_EQ(refusal([](Json&) {}), "no error");
+}
+
+TEST_F(SpoiltCalibration, TwoSensorsInOnePlaceAreNamed) {
+  const std::string message =
+      refusal([](Json& json) { json["sensors"][1]["position_m"] = json["sensors"][0]["position_m"]; });
+  EXPECT_THAT(message, HasSubstr("cal.json /sensors: has \"k1\" and \"k2\" in one place"));
+  EXPECT_EQ(refusal([](Json& json) {
+              json["sensors"][1]["position_m"] = json["sensors"][0]["position_m"];
+              json["sensors"][1]["position_m"][1] = 2.011;
+            }),
+            "no error");
+}
+
+TEST_F(SpoiltCalibration, ACovarianceMustBeOne) {
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][0] = -1e-6; }),
+              HasSubstr("/sensors/0/covariance: is no covariance"));
+  // The second row's off-diagonal beyond what its variances allow: a correlation above one.
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][1] = 1.0; }),
+              HasSubstr("/sensors/0/covariance: is no covariance"));
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"].erase(20); }),
+              HasSubstr("/sensors/0/covariance: must be an array of 21 numbers"));
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][3] = nullptr; }),
+              HasSubstr("/sensors/0/covariance"));
+}
+
+TEST_F(SpoiltCalibration, ADepthOffsetOfMetresIsMillimetresTakenForMetres) {
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][1]["depth_offset_m"] = 10.0; }),
+              HasSubstr("/sensors/1/depth_offset_m: is beyond half a metre; is the unit metres?"));
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][1]["depth_offset_m"] = -10.0; }),
+              HasSubstr("/sensors/1/depth_offset_m"));
+}
+
+TEST_F(SpoiltCalibration, NothingThatIsCountedOrASpreadIsNegative) {
+  for (const char* key : {"used", "left_out", "residual_rms_m", "depth_offset_sigma_m", "rotation_sigma_rad"})
+    EXPECT_THAT(refusal([&](Json& json) { json["sensors"][0][key] = -1; }),
+                HasSubstr(std::string("cal.json /sensors/0/") + key + ": must"))
+        << key;
+  for (const char* key : {"positions", "reduced_chi2"})
+    EXPECT_THAT(refusal([&](Json& json) { json[key] = -1; }), HasSubstr(std::string("cal.json /") + key));
+  EXPECT_THAT(refusal([](Json& json) { json["rejected"][1]["off_by_m"] = -0.1; }),
+              HasSubstr("/rejected/1/off_by_m: must not be negative"));
+}
+
+TEST_F(SpoiltCalibration, KeysNobodyKnowsAreNamed) {
+  EXPECT_THAT(refusal([](Json& json) { json["scale"] = 1; }), HasSubstr("scale"));
+  EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["colour"] = 1; }), HasSubstr("/sensors/0/colour"));
+  EXPECT_THAT(refusal([](Json& json) { json["rejected"][0]["why"] = 1; }), HasSubstr("/rejected/0/why"));
+  EXPECT_THAT(refusal([](Json& json) { json["sources"][0]["size"] = 1; }), HasSubstr("/sources/0/size"));
+}
+
+}  // namespace
+}  // namespace trilat

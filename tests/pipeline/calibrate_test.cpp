@@ -1,0 +1,579 @@
+// SPDX-License-Identifier: MIT
+// From depth frames, tracked bodies and hand-made sightings to sensor poses.
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/base/units.h"
+#include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/results/summary.h"
+#include "datasets/session/session_writer.h"
+#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/room_scene.h"
+#include "pipeline/calibration/calibrate_bodies.h"
+#include "pipeline/calibration/calibrate_two_positions.h"
+#include "pipeline/calibration/calibrate_wand.h"
+#include "pipeline/calibration_study/rig_trials.h"
+#include "pipeline/calibration_study/simulated_run.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr std::int64_t kStart_ns = 5'000'000'000'000;
+constexpr std::int64_t kPlaceEvery_ns = 1'200'000'000;
+constexpr std::int64_t kFrame_ns = 33'333'300;
+constexpr int kFramesOfPlace = 20;
+
+// Three places that define the wand's frame, and more to both sides and at different heights.
+const std::vector<Vector3d> kPlaces{{0.0, 1.0, 0.0},  {0.6, 1.0, 0.1},   {0.1, 1.5, 0.0}, {-0.5, 0.7, 0.3},
+                                    {0.4, 1.3, -0.5}, {-0.4, 1.6, -0.3}, {0.3, 0.6, 0.5}, {-0.6, 1.1, -0.5}};
+
+std::vector<RigidTransform> rig_of(std::size_t sensors) {
+  const double heights_m[] = {0.8, 1.7, 1.1, 2.0};
+  std::vector<RigidTransform> rig;
+  for (std::size_t s = 0; s < sensors; ++s) {
+    const double angle = 0.5 + static_cast<double>(s) * std::numbers::pi / 2.0;
+    rig.push_back(world_from_sensor_looking_at({2.0 * std::sin(angle), heights_m[s], 2.0 * std::cos(angle)},
+                                               {0.0, 1.0, 0.0}));
+  }
+  return rig;
+}
+
+std::string name_of_sensor(std::size_t sensor) { return "k" + std::to_string(sensor + 1); }
+
+RigidTransform wand_from_world(const std::vector<Vector3d>& places) {
+  Eigen::Matrix3d axes;
+  axes.row(0) = (places[1] - places[0]).normalized();
+  axes.row(2) = (places[1] - places[0]).cross(places[2] - places[0]).normalized();
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+  const Eigen::Quaterniond rotation(axes);
+  return {rotation, -(rotation * places[0])};
+}
+
+void expect_pose(const SensorPose& pose, const RigidTransform& truth, double limit_m, double limit_deg) {
+  EXPECT_LT((pose.world_from_sensor.translation_m - truth.translation_m).norm(), limit_m) << pose.name;
+  EXPECT_LT(angle_between_rad(pose.world_from_sensor.rotation, truth.rotation), limit_deg * kRadPerDegree)
+      << pose.name;
+}
+
+SessionHeader header_of(std::size_t sensors, bool has_depth = true) {
+  SessionHeader header;
+  header.simulated = true;
+  for (std::size_t s = 0; s < sensors; ++s) {
+    SensorDescription sensor;
+    sensor.name = name_of_sensor(s);
+    sensor.serial = "serial" + std::to_string(s + 1);
+    sensor.source = "simulated";
+    sensor.has_depth = has_depth;
+    header.sensors.push_back(sensor);
+  }
+  return header;
+}
+
+DepthScene ball_in_room(const Vector3d& place, double radius_m = 0.075) {
+  DepthScene scene;
+  append_room(scene, {}, {0.0, 1.0, 0.0});
+  append_wand(scene, place, Vector3d(0.3, -0.9, 0.1).normalized(), {.ball_radius_m = radius_m});
+  return scene;
+}
+
+// Each scene for 20 frames, as exact sensors see it that round to millimetres; a pause between them.
+void record(const std::filesystem::path& path, const std::vector<RigidTransform>& rig,
+            const std::vector<DepthScene>& scenes, const SessionHeader& header, int frames = kFramesOfPlace) {
+  SessionWriter writer(path, header);
+  const DepthRenderer renderer({}, noise_free_depth(), {});
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  for (std::size_t s = 0; s < rig.size(); ++s)
+    for (std::size_t p = 0; p < scenes.size(); ++p) {
+      renderer.render(scenes[p], rig[s], {1, Purpose::depth_pixel, random_item(0, s, 0, p)}, depth_mm);
+      EncodedDepthFrame frame = encode_depth_frame({}, depth_mm, ChunkCompression::blosc);
+      for (int f = 0; f < frames; ++f) {
+        const std::int64_t time_ns = static_cast<std::int64_t>(p) * kPlaceEvery_ns + f * kFrame_ns;
+        frame.stamp = {static_cast<std::int64_t>(p) * kFramesOfPlace + f, 1000 + time_ns / 100,
+                       kStart_ns + time_ns};
+        writer.add_depth_frame(s, frame);
+      }
+    }
+  writer.finish();
+}
+
+void record_wand(const std::filesystem::path& path, const std::vector<RigidTransform>& rig) {
+  std::vector<DepthScene> scenes;
+  for (const Vector3d& place : kPlaces) scenes.push_back(ball_in_room(place));
+  record(path, rig, scenes, header_of(rig.size()));
+}
+
+// What sensors without an error would have seen of the ball at rest.
+WandViews views_of(const std::vector<RigidTransform>& rig, const std::vector<Vector3d>& places,
+                   const std::function<bool(std::size_t sensor, std::size_t place)>& sees) {
+  WandViews views;
+  for (std::size_t s = 0; s < rig.size(); ++s)
+    views.evidence.push_back(
+        {.name = name_of_sensor(s), .frames = 90, .statuses = {{"found", 60}, {"no_wand", 30}}});
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    WandPosition position;
+    position.first = HostTime{kStart_ns + static_cast<std::int64_t>(p) * kPlaceEvery_ns};
+    position.last = position.first + Duration{800'000'000};
+    for (std::size_t s = 0; s < rig.size(); ++s)
+      if (sees(s, p)) {
+        RestingBall ball;
+        ball.sensor = s;
+        ball.first = position.first;
+        ball.last = position.last;
+        ball.centre_in_sensor_m = rig[s].inverse() * places[p];
+        ball.covariance_m2 = 1e-8 * Eigen::Matrix3d::Identity();
+        ball.frames_used = 24;
+        position.seen.push_back(ball);
+        ++views.evidence[s].rests;
+      }
+    views.positions.push_back(position);
+  }
+  views.positions_of_first = views.positions.size();
+  return views;
+}
+
+bool always(std::size_t, std::size_t) { return true; }
+
+std::string complaint_about(WandViews views, const CalibrateWandOptions& options = {}) {
+  return message_of([&] { calibrate_views(std::move(views), "session.h5", options); });
+}
+
+TEST(CalibrateWand, ARecordingOfTwoSensorsGivesTheirPoses) {
+  const ScratchFolder folder;
+  const auto rig = rig_of(2);
+  record_wand(folder / "session.h5", rig);
+  const WandCalibration result = calibrate_wand({folder / "session.h5"}, {});
+  ASSERT_EQ(result.views.positions.size(), kPlaces.size());
+  ASSERT_EQ(result.calibration.sensors.size(), 2u);
+  EXPECT_EQ(result.calibration.method, "wand");
+  EXPECT_EQ(result.calibration.world, "wand");
+  const RigidTransform wand = wand_from_world(kPlaces);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const SensorPose& pose = result.calibration.sensors[s];
+    expect_pose(pose, wand * rig[s], 0.005, 0.3);
+    EXPECT_EQ(pose.used, kPlaces.size());
+    EXPECT_TRUE(pose.covariance);
+    EXPECT_EQ(result.views.evidence[s].frames, kPlaces.size() * kFramesOfPlace);
+    EXPECT_EQ(result.views.evidence[s].statuses.at("found"), kPlaces.size() * kFramesOfPlace);
+  }
+  for (std::size_t p = 0; p < kPlaces.size(); ++p)
+    EXPECT_LT((result.position_in_world_m[p] - wand * kPlaces[p]).norm(), 0.005) << p;
+  ASSERT_EQ(result.calibration.sources.size(), 1u);
+  EXPECT_EQ(result.calibration.sources[0].file, "session.h5");
+}
+
+TEST(CalibrateVerb, WritesACalibrationThatReadsBack) {
+  const ScratchFolder folder;
+  const auto rig = rig_of(2);
+  record_wand(folder / "session.h5", rig);
+  std::filesystem::create_directories(folder / "serial1");
+  // The session's own intrinsics again, in the folder of the sensor's own serial.
+  write_file(folder / "serial1/calib_ir.yaml",
+             "%YAML:1.0\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ "
+             "365.456, 0., 254.878, 0., 365.456, 205.395, 0., 0., 1. ]\n"
+             "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ "
+             "0.0905, -0.2682, 0., 0., 0.0951 ]\n");
+  const std::string session = folder / "session.h5", output = folder / "calibration.json";
+  const Ended text = run_trilat(folder, {"calibrate", session, "-o", output});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("| k1 "), HasSubstr("| k2 "), HasSubstr("calibration: " + output)));
+  const Calibration first = read_calibration(output);
+  const Ended json =
+      run_trilat(folder, {"calibrate", session, "-o", output, "--json", "--threads", "1", "--intrinsics",
+                          "k1=" + (folder / "serial1/calib_ir.yaml").string()});
+  EXPECT_EQ(json.code, 0) << json.err;
+  const Calibration again = read_calibration(output);
+  EXPECT_EQ(again.sources.size(), 2u);
+  EXPECT_EQ(only_json(json)["sensors"].size(), 2u);
+  EXPECT_EQ(only_json(json)["calibration"], output);
+  EXPECT_FALSE(only_json(json)["look_at"].empty());  // eight positions are few
+  const RigidTransform wand = wand_from_world(kPlaces);
+  for (std::size_t s = 0; s < 2; ++s) {
+    expect_pose(pose_of(first, name_of_sensor(s), "here"), wand * rig[s], 0.005, 0.3);
+    expect_pose(again.sensors[s], first.sensors[s].world_from_sensor, 1e-9, 1e-5);
+    EXPECT_TRUE(again.sensors[s].covariance->isApprox(*first.sensors[s].covariance, 1e-6));
+  }
+}
+
+TEST(CalibrateWand, ASessionWithoutDepthSaysWhatNeedsNone) {
+  const ScratchFolder folder;
+  SessionWriter(folder / "session.h5", header_of(2, false)).finish();
+  EXPECT_THAT(message_of([&] { calibrate_wand({folder / "session.h5"}, {}); }),
+              HasSubstr("session.h5:/sensors/k1: has no depth frames, in which the wand could be found; "
+                        "`--method bodies` needs none"));
+  EXPECT_THAT(message_of([&] { calibrate_bodies(folder / "session.h5", {}); }),
+              HasSubstr("session.h5:/sensors/k1: has no body frames"));
+}
+
+std::string complaint_about_scene(const DepthScene& scene) {
+  const ScratchFolder folder;
+  record(folder / "session.h5", rig_of(2), {scene}, header_of(2));
+  return message_of([&] { calibrate_wand({folder / "session.h5"}, {}); });
+}
+
+TEST(CalibrateWand, ASensorThatNeverSeesTheWandIsNamedWithItsCounts) {
+  DepthScene scene;
+  append_room(scene, {}, {0.0, 1.0, 0.0});
+  EXPECT_THAT(complaint_about_scene(scene),
+              AllOf(HasSubstr("sensor \"k1\" never sees the ball"), HasSubstr("(20 frames: no_wand 20)")));
+}
+
+TEST(CalibrateWand, TwoBallsAreSaidToBeTwo) {
+  DepthScene scene = ball_in_room({-0.3, 1.0, -0.3});
+  append_wand(scene, {0.3, 1.2, 0.3}, -Vector3d::UnitY(), {});
+  EXPECT_THAT(complaint_about_scene(scene),
+              AllOf(HasSubstr("sensor \"k1\" sees more than one ball"), HasSubstr("several_candidates")));
+}
+
+TEST(CalibrateWand, ABallAsLargeAsAHeadIsNotTheWand) {
+  EXPECT_THAT(complaint_about_scene(ball_in_room({0.0, 1.0, 0.0}, 0.12)),
+              AllOf(HasSubstr("sensor \"k1\" never sees the ball"), HasSubstr("is the radius right")));
+}
+
+TEST(CalibrateWand, ABallThatIsNeverStillForHalfASecondIsSaidToBe) {
+  const ScratchFolder folder;
+  record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1])}, header_of(2),
+         10);
+  EXPECT_THAT(
+      message_of([&] { calibrate_wand({folder / "session.h5"}, {}); }),
+      AllOf(HasSubstr("sensor \"k1\" never sees the ball at rest for half a second"), HasSubstr("found 20")));
+}
+
+TEST(CalibrateWand, TwoRecordingsMustBeOfOneRig) {
+  const ScratchFolder folder;
+  const DepthScene scene = ball_in_room(kPlaces[0]);
+  record(folder / "a.h5", rig_of(1), {scene}, header_of(1), 2);
+  SessionHeader other = header_of(1);
+  other.sensors[0].name = "left";
+  record(folder / "b.h5", rig_of(1), {scene}, other, 2);
+  record(folder / "c.h5", rig_of(2), {scene}, header_of(2), 2);
+  for (const char* second : {"b.h5", "c.h5"})
+    EXPECT_THAT(message_of([&] {
+                  calibrate_wand({folder / "a.h5", folder / second}, {});
+                }),
+                AllOf(HasSubstr(second), HasSubstr("has other sensors than the first session")));
+}
+
+TEST(CalibrateWand, IntrinsicsOfAnotherSensorAreRefused) {
+  const ScratchFolder folder;
+  record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2), 2);
+  const auto complaint = [&](const std::string& sensor, const std::filesystem::path& file) {
+    CalibrateWandOptions options;
+    options.intrinsics = {{sensor, file}};
+    return message_of([&] { calibrate_wand({folder / "session.h5"}, options); });
+  };
+  EXPECT_THAT(
+      complaint("k1", folder / "serial2/calib_ir.yaml"),
+      HasSubstr("serial2/calib_ir.yaml: lies in the folder of serial serial2, which is sensor \"k2\", "
+                "not \"k1\""));
+  EXPECT_THAT(complaint("k9", folder / "calib_ir.yaml"), HasSubstr("has no sensor \"k9\"; it has k1, k2"));
+  EXPECT_THAT(complaint("k1", folder / "absent.yaml"), HasSubstr("absent.yaml"));
+}
+
+TEST(CalibrateVerb, WrongUsageIsOneLine) {
+  const ScratchFolder folder;
+  record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2), 2);
+  const std::string session = folder / "session.h5", output = folder / "calibration.json";
+  const auto calibrated = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"calibrate", session, "-o", output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  };
+  expect_refused(calibrated({"--mocap", "wand.csv"}), "--mocap: needs --asset and --mocap-start-host-ns");
+  expect_refused(calibrated({"--asset", "Wand"}), "--mocap: needs --asset");
+  expect_refused(calibrated({"--mocap", "wand.csv", "--asset", "Wand"}), "--mocap-start-host-ns");
+  for (const char* entry : {"k1", "k1=", "=calib.yaml"})
+    expect_refused(calibrated({"--intrinsics", entry}), "must be SENSOR=FILE");
+  expect_refused(calibrated({"--intrinsics", "k9=calib.yaml"}), "has no sensor \"k9\"; it has k1, k2");
+  expect_refused(calibrated({"--method", "guess"}), "guess");
+  expect_refused(calibrated({"--ball-radius-m", "7.5"}), "--ball-radius-m");
+  expect_refused(calibrated({"--method", "bodies"}), "has no body frames");
+  expect_refused(calibrated({session, "--method", "bodies"}), "one session too many for --method bodies");
+  EXPECT_FALSE(std::filesystem::exists(output));
+}
+
+TEST(CalibrateViews, ExactSightingsGiveExactPoses) {
+  const auto rig = rig_of(3);
+  const WandCalibration result = calibrate_views(views_of(rig, kPlaces, always), "session.h5", {});
+  for (std::size_t s = 0; s < 3; ++s)
+    expect_pose(result.calibration.sensors[s], wand_from_world(kPlaces) * rig[s], 1e-6, 1e-4);
+}
+
+TEST(CalibrateViews, PositionsOnALineNameTheSensorThatTheyLeaveUndetermined) {
+  std::vector<Vector3d> places = kPlaces;
+  for (int i = 0; i < 5; ++i) places.emplace_back(0.15 * i - 0.4, 1.0 + 0.1 * i, 0.2);
+  const WandViews views =
+      views_of(rig_of(3), places, [](std::size_t s, std::size_t p) { return s < 2 || p >= kPlaces.size(); });
+  EXPECT_THAT(complaint_about(views), AllOf(StartsWith("session.h5: sensor \"k3\" is undetermined"),
+                                            HasSubstr("k1, k2"), HasSubstr("lie on a line")));
+}
+
+TEST(CalibrateViews, ASensorWithoutACommonViewIsNamed) {
+  const WandViews views =
+      views_of(rig_of(3), kPlaces, [](std::size_t s, std::size_t p) { return s == 2 ? p >= 6 : p < 6; });
+  EXPECT_THAT(
+      complaint_about(views),
+      StartsWith("session.h5: sensor \"k3\" has fewer than three wand positions in common with any of "
+                 "k1, k2"));
+}
+
+TEST(CalibrateViews, FewerThanThreePositionsAreTooFew) {
+  const std::vector<Vector3d> two(kPlaces.begin(), kPlaces.begin() + 2);
+  EXPECT_THAT(complaint_about(views_of(rig_of(2), two, always)),
+              HasSubstr("fewer than three wand positions"));
+  EXPECT_THAT(complaint_about(views_of(rig_of(1), two, always)),
+              HasSubstr("shows the wand at rest at 2 places; three are the least"));
+}
+
+TEST(CalibrateViews, ASensorWhosePointsNoPoseBringsTogetherIsNamed) {
+  const std::vector<Vector3d> corners{{0.5, 0.5, 0.5},  {-0.5, 0.5, 0.5}, {0.5, 1.5, 0.5},  {-0.5, 1.5, 0.5},
+                                      {0.5, 0.5, -0.5}, {0.5, 1.5, -0.5}, {-0.5, 1.5, -0.5}};
+  WandViews views = views_of(rig_of(3), corners, always);
+  for (WandPosition& position : views.positions) position.seen[2].centre_in_sensor_m *= 1.5;
+  EXPECT_THAT(complaint_about(views),
+              AllOf(StartsWith("session.h5: sensor \"k3\" sees the ball where no pose brings it together"),
+                    HasSubstr("are the intrinsics this sensor's own")));
+}
+
+// Centimetres apart: enough to start from, but after the worst are left out too few remain.
+TEST(CalibrateViews, ASensorWhosePositionsNearlyAllDisagreeIsNamed) {
+  WandViews views = views_of(rig_of(4), kPlaces, [](std::size_t s, std::size_t p) { return s < 3 || p < 4; });
+  for (std::size_t p = 0; p < 4; ++p)
+    views.positions[p].seen[3].centre_in_sensor_m.z() += p % 2 == 0 ? 0.03 : -0.03;
+  EXPECT_THAT(complaint_about(views),
+              StartsWith("session.h5: sensor \"k4\" is undetermined: fewer than three of its wand positions "
+                         "agree"));
+}
+
+TEST(CalibrateViews, FirstPlacesOnALineDoNotFixTheWorld) {
+  std::vector<Vector3d> places = kPlaces;
+  places[2] = 0.5 * (places[0] + places[1]);
+  EXPECT_THAT(complaint_about(views_of(rig_of(2), places, always)),
+              AllOf(HasSubstr("does not fix the world"), HasSubstr("first three wand positions")));
+}
+
+TEST(CalibrateViews, AWrongSightingIsListedWithItsPlaceAndTime) {
+  WandViews views = views_of(rig_of(4), kPlaces, always);
+  views.positions[5].seen[1].centre_in_sensor_m.x() += 0.08;
+  const WandCalibration result = calibrate_views(views, "session.h5", {});
+  ASSERT_EQ(result.calibration.rejected.size(), 1u);
+  const RejectedSighting& rejected = result.calibration.rejected[0];
+  EXPECT_EQ(rejected.sensor, "k2");
+  EXPECT_EQ(rejected.position, 6u);
+  EXPECT_NEAR(rejected.time_s, 6.0, 1e-9);
+  EXPECT_NEAR(rejected.off_by_m, 0.08, 1e-3);
+  EXPECT_EQ(result.calibration.sensors[1].left_out, 1u);
+}
+
+// The ball at its places, or on its way for the whole time, at 100 Hz. The last digits are never still.
+void write_export(const std::filesystem::path& path, bool rests) {
+  MocapHeader header;
+  header.take_name = "wand";
+  header.capture_rate_hz = header.export_rate_hz = 100.0;
+  header.assets = {{AssetType::rigid_body, "Wand", "1", "", true, true}};
+  OptitrackCsvWriter writer(path, header);
+  for (int f = 0; f < 960; ++f) {
+    MocapFrame frame;
+    frame.index = f;
+    const double time_s = 0.01 * f;
+    const Vector3d place =
+        rests ? kPlaces[static_cast<std::size_t>(f / 120)] : Vector3d(0.2 * time_s, 1.0, 0.0);
+    MocapPose pose;
+    pose.position_m = place + Vector3d::Constant(f % 2 == 0 ? 2e-5 : -2e-5);
+    pose.rotation = Eigen::Quaterniond::Identity();
+    frame.poses = {pose};
+    writer.write(frame);
+  }
+  writer.finish();
+}
+
+TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
+  const ScratchFolder folder;
+  write_export(folder / "wand.csv", true);
+  const auto rig = rig_of(3);
+  CalibrateWandOptions options;
+  options.world = WandInWorld{folder / "wand.csv", "Wand", kStart_ns};
+  const WandCalibration result = calibrate_views(views_of(rig, kPlaces, always), "session.h5", options);
+  EXPECT_EQ(result.calibration.world, "optitrack");
+  for (std::size_t s = 0; s < 3; ++s) expect_pose(result.calibration.sensors[s], rig[s], 1e-4, 0.01);
+}
+
+TEST(CalibrateViews, AnExportThatDoesNotShowTheWandAtRestIsRefused) {
+  const ScratchFolder folder;
+  write_export(folder / "moving.csv", false);
+  write_export(folder / "wand.csv", true);
+  const WandViews views = views_of(rig_of(2), kPlaces, always);
+  const auto complaint = [&](const char* file, const char* asset, std::int64_t start_ns) {
+    CalibrateWandOptions options;
+    options.world = WandInWorld{folder / file, asset, start_ns};
+    return complaint_about(views, options);
+  };
+  const std::string at_none = "shows \"Wand\" at rest at 0 of the 8 wand positions; three are needed";
+  EXPECT_THAT(complaint("moving.csv", "Wand", kStart_ns), AllOf(HasSubstr("moving.csv"), HasSubstr(at_none)));
+  EXPECT_THAT(complaint("wand.csv", "Wand", kStart_ns + 3'600'000'000'000),
+              AllOf(HasSubstr("wand.csv"), HasSubstr(at_none), HasSubstr("on the host clock right?")));
+  EXPECT_THAT(complaint("wand.csv", "Ball", kStart_ns), AllOf(HasSubstr("Ball"), HasSubstr("Wand")));
+}
+
+// Of each sensor one body frame that has nobody in it, but the floor.
+void record_floors(const std::filesystem::path& path, const std::vector<RigidTransform>& rig) {
+  SessionWriter writer(path, header_of(rig.size(), false));
+  for (std::size_t s = 0; s < rig.size(); ++s) {
+    const Eigen::Vector3f up = (rig[s].rotation.conjugate() * Vector3d::UnitY()).cast<float>();
+    BodyFrame frame;
+    frame.stamp = {0, 0, kStart_ns};
+    frame.floor_plane = {up.x(), up.y(), up.z(), static_cast<float>(rig[s].translation_m.y())};
+    writer.add_body_frame(s, frame);
+  }
+  writer.finish();
+}
+
+const std::vector<Vector3d> kTwoPlaces{{0.0, 1.0, 0.0}, {0.6, 1.0, 0.2}};
+const TwoPositionOptions kCorrected{.horizontal_axes = true, .signed_angle = true, .translation = true};
+
+TEST(CalibrateTwoPositions, CorrectedTheyUseEachSensorsFloor) {
+  const ScratchFolder folder;
+  const auto rig = rig_of(4);
+  record_floors(folder / "session.h5", rig);
+  const WandViews views = views_of(rig, kTwoPlaces, always);
+  const RigidTransform wand =
+      wand_from_world({kTwoPlaces[0], kTwoPlaces[1], kTwoPlaces[0] + Vector3d::UnitY()});
+  const Calibration calibration =
+      calibrate_two_positions(views, folder / "session.h5", kCorrected, std::nullopt, false);
+  ASSERT_EQ(calibration.sensors.size(), 4u);
+  for (std::size_t s = 0; s < 4; ++s) expect_pose(calibration.sensors[s], wand * rig[s], 1e-6, 1e-4);
+  // Taken to stand upright, they keep the angle by which they look up or down.
+  const Calibration upright =
+      calibrate_two_positions(views, folder / "session.h5", kCorrected, std::nullopt, true);
+  EXPECT_GT(angle_between_rad(upright.sensors[3].world_from_sensor.rotation, (wand * rig[3]).rotation),
+            20.0 * kRadPerDegree);
+}
+
+TEST(CalibrateTwoPositions, AsPrintedEverySensorIsAtTheOrigin) {
+  const ScratchFolder folder;
+  SessionWriter(folder / "session.h5", header_of(2)).finish();
+  const Calibration calibration =
+      calibrate_two_positions(views_of(rig_of(2), kTwoPlaces, always), folder / "session.h5", {}, 0.7, true);
+  EXPECT_EQ(calibration.method, "two positions, as printed");
+  for (const SensorPose& pose : calibration.sensors)
+    EXPECT_EQ(pose.world_from_sensor.translation_m, Vector3d::Zero());
+}
+
+TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
+  const ScratchFolder folder;
+  const std::filesystem::path session = folder / "session.h5";
+  SessionWriter(session, header_of(3)).finish();
+  const auto complaint = [&](const WandViews& views, const TwoPositionOptions& options) {
+    return message_of(
+        [&] { static_cast<void>(calibrate_two_positions(views, session, options, 0.7, true)); });
+  };
+  for (const TwoPositionOptions& options : {TwoPositionOptions{}, kCorrected}) {
+    EXPECT_THAT(complaint(views_of(rig_of(3), kTwoPlaces,
+                                   [](std::size_t s, std::size_t p) { return s != 1 || p == 0; }),
+                          options),
+                HasSubstr("sensor \"k2\" does not see the wand's second position"));
+    EXPECT_THAT(complaint(views_of(rig_of(3), kTwoPlaces,
+                                   [](std::size_t s, std::size_t p) { return s != 2 || p == 1; }),
+                          options),
+                HasSubstr("sensor \"k3\" does not see the wand's first position"));
+    EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0]}, always), options),
+                HasSubstr("at rest at fewer than two places"));
+  }
+  EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0]}, always), kCorrected),
+              HasSubstr("sensor \"k1\" has no pose: no_movement"));
+}
+
+// How far the poses are from the truth, both beside the reference sensor's; (turn, rad; position, m) and the
+// stated deviations.
+struct BodiesError {
+  Eigen::Matrix<double, 6, 1> off, sigma;
+};
+
+std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run, bool with_bias) {
+  CalibrationSpec spec;
+  spec.bodies_s = 10.0;
+  const std::vector<RigidTransform> truth = true_rig(spec);
+  write_walk(spec, truth, run, with_bias, folder / "walk.h5");
+  const BodyCalibration result = calibrate_bodies(folder / "walk.h5", {.instants = 30});
+  EXPECT_EQ(result.calibration.sensors.size(), truth.size());
+  EXPECT_EQ(result.calibration.method, "bodies");
+  const RigidTransform frame_from_world =
+      result.calibration.sensors[result.reference].world_from_sensor * truth[result.reference].inverse();
+  std::vector<BodiesError> errors;
+  for (std::size_t s = 0; s < truth.size(); ++s) {
+    if (s == result.reference) continue;
+    const SensorPose& pose = result.calibration.sensors[s];
+    const RigidTransform expected = frame_from_world * truth[s];
+    const Eigen::AngleAxisd turn(pose.world_from_sensor.rotation * expected.rotation.conjugate());
+    BodiesError error;
+    error.off << turn.angle() * turn.axis(), pose.world_from_sensor.translation_m - expected.translation_m;
+    error.sigma = pose.covariance.value().diagonal().cwiseSqrt();
+    errors.push_back(error);
+  }
+  return errors;
+}
+
+TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
+  const ScratchFolder folder;
+  for (const BodiesError& error : errors_from_bodies(folder, 0, false)) {
+    EXPECT_LT(error.off.tail<3>().norm(), 0.02);
+    EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
+  }
+}
+
+TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
+  const ScratchFolder folder;
+  int held = 0, asked = 0;
+  for (std::uint64_t run = 0; run < 6; ++run)
+    for (const BodiesError& error : errors_from_bodies(folder, run, true))
+      for (int axis = 0; axis < 6; ++axis, ++asked)
+        held += std::abs(error.off[axis]) <= 1.96 * error.sigma[axis];
+  EXPECT_EQ(asked, 6 * 3 * 6);
+  EXPECT_GE(held, 0.85 * asked);
+}
+
+TEST(RunVerbCalibration, TheCalibrationNamedOnTheCommandLineIsUsed) {
+  const ScratchFolder folder;
+  const std::string campaign = folder / "campaign";
+  simulate_into(campaign, synchronised(without_noise(walking_spec(1))));
+  const std::string study = file_with(folder, "study.json",
+                                      R"({"format": "trilat.study", "version": 1, "kind": "accuracy",
+      "name": "test", "alignments": ["none"], "methods": [{"method": "mean"}, {"method": "nonlinear"}]})");
+  Calibration calibration = read_calibration(folder / "campaign/calibration.json");
+  for (SensorPose& pose : calibration.sensors) pose.world_from_sensor.translation_m.x() += 1.0;
+  write_calibration(folder / "shifted.json", calibration);
+  const auto rmse_m = [&](const std::vector<std::string>& more, const char* method) {
+    std::vector<std::string> arguments{"run",   study, "--campaign", campaign, "-o", folder / "results",
+                                       "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = run_trilat(folder, arguments);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    const ResultsSummary summary = read_summary(folder / "results");
+    const SummaryCell* cell = find_cell(summary, method, "walking", "shoulder", "none");
+    return cell ? cell->rmse_m : std::nan("");
+  };
+  for (const char* method : {"mean", "nonlinear"}) {
+    EXPECT_LT(rmse_m({}, method), 1e-4);
+    EXPECT_NEAR(rmse_m({"--calibration", folder / "shifted.json"}, method), 1.0, 1e-3);
+  }
+  write_file(folder / "bad.json", R"({"format": "trilat.calibration", "version": 1, "method": "wand",
+      "sensors": []})");
+  for (const char* bad : {"bad.json", "absent.json"})
+    expect_refused(run_trilat(folder, {"run", study, "--campaign", campaign, "-o", folder / "other",
+                                       "--calibration", folder / bad}),
+                   bad);
+  EXPECT_FALSE(std::filesystem::exists(folder / "other"));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <cmath>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+#include "datasets/results/results_file.h"
+#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/calibration_study/joint_effect.h"
+#include "pipeline/calibration_study/rig_trials.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::Each;
+using testing::Field;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+CalibrationSpec spec_of(const std::string& members) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "test")" + members + "}";
+  return parse_calibration_spec(parse_json(text, "study.json"), "study.json");
+}
+
+std::string refusal(const std::string& members) {
+  return message_of([&] { spec_of(members); });
+}
+
+TEST(CalibrationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
+  EXPECT_EQ(refusal(""), "no error");
+  EXPECT_THAT(refusal(R"(, "unit": 3)"), AllOf(HasSubstr("study.json /unit"), HasSubstr("units")));
+  EXPECT_THAT(refusal(R"(, "units": 0)"), HasSubstr("study.json /units: must be 1 to 1000, is 0"));
+  EXPECT_THAT(refusal(R"(, "frames": 101)"), HasSubstr("/frames: must be 1 to 100, is 101"));
+  EXPECT_THAT(refusal(R"(, "positions": 2)"), HasSubstr("/positions: must be 3 to 1000, is 2"));
+  EXPECT_THAT(refusal(R"(, "runs": -1)"), HasSubstr("/runs"));
+  EXPECT_THAT(refusal(R"(, "distances_m": [4.5, 0.4])"),
+              HasSubstr("/distances_m: must be [from, to] within 0.2 to 8 m, the nearer first"));
+  EXPECT_THAT(refusal(R"(, "distances_m": [0.4])"), HasSubstr("/distances_m: must be an array of 2 numbers"));
+  EXPECT_THAT(refusal(R"(, "sensor_sigmas_m": [0.0, -0.001])"),
+              HasSubstr("/sensor_sigmas_m: must lie between 0 and 1 m"));
+  EXPECT_THAT(refusal(R"(, "sensor_sigmas_m": 0.01)"), HasSubstr("/sensor_sigmas_m"));
+  EXPECT_THAT(refusal(R"(, "ball_radius_m": 75)"),
+              HasSubstr("/ball_radius_m: must lie between 0.02 and 0.3"));
+  EXPECT_THAT(refusal(R"(, "rig": {"heights_m": [1]})"),
+              HasSubstr("/rig/heights_m: must hold 2 to 8 heights"));
+  EXPECT_THAT(refusal(R"(, "rig": {"height_m": 1})"), HasSubstr("/rig/height_m"));
+}
+
+TEST(CalibrationSpec, WrittenOutInFullItReadsBackAsItself) {
+  const CalibrationSpec spec = spec_of(
+      R"(, "seed": 9, "units": 3, "frames": 2, "distances_m": [0.5, 3.5], "rig": {"radius_m": 2.5,
+         "heights_m": [0.5, 1.5, 2.0]}, "runs": 7, "bodies_s": 0, "sensor_sigmas_m": [0, 0.004],
+         "range_sigma_m": 0.01, "wall_m": 1.5, "largest_angle_deg": 20)");
+  EXPECT_EQ(spec.rig.heights_m, (std::vector<double>{0.5, 1.5, 2.0}));
+  EXPECT_EQ(spec.sensor_sigmas_m, (std::vector<double>{0.0, 0.004}));
+  for (const CalibrationSpec& written : {spec, spec_of("")}) {
+    const Json json = resolved_json(written);
+    EXPECT_EQ(resolved_json(parse_calibration_spec(json, "resolved.json")), json);
+  }
+  EXPECT_EQ(resolved_json(spec)["runs"], 7);
+  EXPECT_NE(resolved_json(spec), resolved_json(spec_of("")));
+}
+
+// 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
+TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
+  std::vector<ClusteredError> errors;
+  for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
+  errors.push_back({1, ErrorSpread::kNone});
+  const ErrorSpread spread = spread_of(errors, 1);
+  EXPECT_EQ(spread.asked, 6u);
+  EXPECT_EQ(spread.answered, 5u);
+  EXPECT_NEAR(spread.mean_m, 0.003, 1e-15);
+  EXPECT_NEAR(spread.sd_m, std::sqrt(10e-6 / 4.0), 1e-15);
+  EXPECT_NEAR(spread.median_m, 0.003, 1e-15);
+  EXPECT_NEAR(spread.p95_m, 0.0048, 1e-15);
+  EXPECT_NEAR(spread.max_m, 0.005, 1e-15);
+  EXPECT_TRUE(std::isnan(spread.mean_low_m));
+}
+
+TEST(ErrorSpread, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
+  const ErrorSpread nothing = spread_of({}, 1), none = spread_of({{0, ErrorSpread::kNone}}, 1);
+  EXPECT_EQ(nothing.asked, 0u);
+  EXPECT_EQ(none.asked, 1u);
+  for (const ErrorSpread& spread : {nothing, none}) {
+    EXPECT_EQ(spread.answered, 0u);
+    EXPECT_TRUE(std::isnan(spread.mean_m) && std::isnan(spread.sd_m) && std::isnan(spread.max_m));
+  }
+  const ErrorSpread one = spread_of({{0, 0.25}}, 1);
+  EXPECT_EQ(one.mean_m, 0.25);
+  EXPECT_EQ(one.p95_m, 0.25);
+  EXPECT_TRUE(std::isnan(one.sd_m));
+}
+
+TEST(ErrorSpread, AnIntervalNeedsFourClustersAndResamplesThemWhole) {
+  const auto clusters = [](std::size_t count) {
+    std::vector<ClusteredError> errors;
+    for (std::size_t c = 0; c < count; ++c)
+      for (int i = 0; i < 100; ++i) errors.push_back({c, 1e-3 * static_cast<double>(c + 1)});
+    return errors;
+  };
+  EXPECT_TRUE(std::isnan(spread_of(clusters(3), 1).mean_low_m));
+  const ErrorSpread spread = spread_of(clusters(4), 1);
+  // One of the 256 ways to draw four clusters gives all four the same one: the interval ends between the
+  // extremes, and is far wider than 400 independent errors would have it (0.11 mm to each side).
+  EXPECT_GE(spread.mean_low_m, 0.001);
+  EXPECT_LE(spread.mean_low_m, 0.0018);
+  EXPECT_GE(spread.mean_high_m, 0.0032);
+  EXPECT_LE(spread.mean_high_m, 0.004);
+  EXPECT_EQ(spread_of(clusters(4), 1).mean_low_m, spread.mean_low_m);
+  // Clusters that all agree leave nothing uncertain.
+  std::vector<ClusteredError> equal;
+  for (std::size_t c = 0; c < 4; ++c) equal.push_back({c, 0.5});
+  EXPECT_EQ(spread_of(equal, 1).mean_low_m, 0.5);
+  EXPECT_EQ(spread_of(equal, 1).mean_high_m, 0.5);
+}
+
+CalibrationSpec tiny_spec() {
+  return spec_of(R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
+      "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 3,
+      "effect_joints": 200)");
+}
+
+// Refined rigs agree to rounding; the rest does to the byte.
+void expect_alike(const Json& a, const Json& b) {
+  for (const char* part : {"wand", "wand_samples", "distortion"}) EXPECT_EQ(a[part], b[part]) << part;
+  const Json flat_a = a.flatten(), flat_b = b.flatten();
+  ASSERT_EQ(flat_a.size(), flat_b.size());
+  for (const auto& [pointer, value] : flat_a.items()) {
+    const Json& other = flat_b.at(pointer);
+    if (value.is_number_float())
+      EXPECT_NEAR(value.get<double>(), other.get<double>(), 1e-6) << pointer;
+    else
+      EXPECT_EQ(value, other) << pointer;
+  }
+}
+
+TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  std::set<std::string> parts;
+  for (const int threads : {1, 2}) {
+    ExecuteCalibrationOptions options;
+    options.threads = threads;
+    if (threads == 1) options.progress = [&](const std::string& part, double) { parts.insert(part); };
+    execute_calibration(tiny_spec(), folder / std::to_string(threads), options);
+  }
+  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "effect"}));
+  EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
+  expect_alike(read_json(folder / "1" / "summary.json"), read_json(folder / "2" / "summary.json"));
+  EXPECT_EQ(results_kind(folder / "1"), ResultsKind::calibration);
+  const CalibrationSummary summary = read_calibration_summary(folder / "1");
+  EXPECT_EQ(summary.study, "test");
+  EXPECT_FALSE(summary.interrupted);
+  ASSERT_THAT(summary.wand, SizeIs(14));  // seven methods in two scenes
+  for (const WandRow& row : summary.wand) {
+    EXPECT_EQ(row.all.asked, 2u) << row.method;
+    EXPECT_EQ(row.near.asked, 1u) << row.method;
+    std::uint64_t statuses = 0;
+    for (const auto& [name, count] : row.statuses) statuses += count;
+    EXPECT_EQ(statuses, 2u) << row.method;
+  }
+  EXPECT_THAT(summary.wand_samples, SizeIs(14 * 2));
+  ASSERT_THAT(summary.distortion, SizeIs(1));
+  EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
+  EXPECT_EQ(summary.distortion[0].frames, 4u);
+  ASSERT_THAT(summary.rigs, SizeIs(10));
+  EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
+  EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
+  EXPECT_THAT(summary.effect, testing::Not(IsEmpty()));
+  EXPECT_THAT(summary.effect, Each(Field(&EffectRow::joints, 200u)));
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "1"))
+    EXPECT_NE(entry.path().extension(), ".h5") << entry.path();  // recordings of walking are removed
+}
+
+TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
+  const ScratchFolder folder;
+  CalibrationSpec spec = tiny_spec();
+  spec.samples = spec.near_samples = spec.distortion_units = spec.runs = spec.effect_joints = 0;
+  execute_calibration(spec, folder / "nothing", {});
+  const CalibrationSummary nothing = read_calibration_summary(folder / "nothing");
+  EXPECT_THAT(nothing.wand, IsEmpty());
+  EXPECT_THAT(nothing.wand_samples, IsEmpty());
+  EXPECT_THAT(nothing.distortion, IsEmpty());
+  EXPECT_THAT(nothing.rigs, IsEmpty());
+  EXPECT_THAT(nothing.effect, IsEmpty());
+  spec.effect_joints = 100;
+  execute_calibration(spec, folder / "effect", {});
+  EXPECT_THAT(read_calibration_summary(folder / "effect").effect, SizeIs(3 * spec.sensor_sigmas_m.size()));
+}
+
+TEST(CalibrationStudy, AnInterruptedOneKeepsWhatIsDoneBesideItsName) {
+  const ScratchFolder folder;
+  ExecuteCalibrationOptions options;
+  options.threads = 1;
+  options.stop_requested = [] { return true; };
+  EXPECT_TRUE(execute_calibration(tiny_spec(), folder / "at once", options).interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "at once"));
+  EXPECT_TRUE(read_calibration_summary(folder / "at once.partial").interrupted);
+
+  std::atomic<bool> stop{false};
+  options.stop_requested = [&] { return stop.load(); };
+  options.progress = [&](const std::string& part, double) { stop = stop || part == "distortion"; };
+  execute_calibration(tiny_spec(), folder / "later", options);
+  EXPECT_FALSE(std::filesystem::exists(folder / "later"));
+  const CalibrationSummary later = read_calibration_summary(folder / "later.partial");
+  EXPECT_TRUE(later.interrupted);
+  EXPECT_THAT(later.wand, SizeIs(14));
+  EXPECT_THAT(later.rigs, IsEmpty());
+}
+
+const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string& calibration,
+                           const std::string& method) {
+  for (const EffectRow& row : rows)
+    if (row.calibration == calibration && row.method == method) return row;
+  throw std::logic_error("no row " + calibration + " " + method);
+}
+
+TEST(JointEffect, WithExactSensorsTheNonlinearMethodReachesTheBoundAndUncertainOnesRaiseIt) {
+  CalibrationSpec spec = spec_of(R"(, "effect_joints": 5000, "sensor_sigmas_m": [0, 0.05])");
+  const auto rows = measure_effect(spec, true_rig(spec), {}, {});
+  ASSERT_THAT(rows, SizeIs(6));
+  const EffectRow& exact = effect_of(rows, "exact", "nonlinear");
+  EXPECT_EQ(exact.joints, 5000u);
+  EXPECT_EQ(exact.answered, 5000u);
+  EXPECT_NEAR(exact.rmse_m / exact.bound_m, 1.0, 0.05);
+  EXPECT_LT(exact.ratio_low, exact.rmse_m / exact.bound_m);
+  EXPECT_GT(exact.ratio_high, exact.rmse_m / exact.bound_m);
+  EXPECT_GE(effect_of(rows, "exact", "linear").rmse_m, exact.rmse_m);
+  const EffectRow& uncertain = effect_of(rows, "50 mm an axis", "nonlinear");
+  EXPECT_EQ(uncertain.sensor_sigma_m, 0.05);
+  // To first order a sensor's error along the ray adds to the range's: 25 mm becomes sqrt(25^2 + 50^2) mm.
+  EXPECT_NEAR(uncertain.bound_m / exact.bound_m, std::sqrt(5.0), 0.01);
+  EXPECT_GT(uncertain.rmse_m, 1.5 * exact.rmse_m);
+}
+
+// A calibration that shifts every sensor the same way shifts every joint.
+TEST(JointEffect, ACalibrationThatIsShiftedAsAWholeShiftsTheJoints) {
+  CalibrationSpec spec = spec_of(R"(, "effect_joints": 200, "range_sigma_m": 0.0001, "sensor_sigmas_m": [])");
+  const std::vector<RigidTransform> truth = true_rig(spec);
+  CalibratedRig shifted{truth};
+  for (RigidTransform& pose : shifted.world_from_sensor)
+    pose.translation_m += Eigen::Vector3d(0.03, 0.0, 0.04);
+  const std::vector<RigCalibrations> found{{"wand", {shifted}}, {"bodies", {}}};
+  const auto rows = measure_effect(spec, truth, found, {});
+  ASSERT_THAT(rows, SizeIs(3));  // a method without a run has no rows
+  EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").rmse_m, 0.05, 1e-3);
+  EXPECT_NEAR(effect_of(rows, "wand", "mean").rmse_m, 0.05, 1e-3);
+  EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").sensor_sigma_m, 0.05 / std::sqrt(3.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace trilat
