@@ -129,20 +129,6 @@ CalibrationSpec tiny_spec() {
       "effect_joints": 200)");
 }
 
-// Refined rigs agree to rounding; the rest does to the byte.
-void expect_alike(const Json& a, const Json& b) {
-  for (const char* part : {"wand", "wand_samples", "distortion"}) EXPECT_EQ(a[part], b[part]) << part;
-  const Json flat_a = a.flatten(), flat_b = b.flatten();
-  ASSERT_EQ(flat_a.size(), flat_b.size());
-  for (const auto& [pointer, value] : flat_a.items()) {
-    const Json& other = flat_b.at(pointer);
-    if (value.is_number_float())
-      EXPECT_NEAR(value.get<double>(), other.get<double>(), 1e-6) << pointer;
-    else
-      EXPECT_EQ(value, other) << pointer;
-  }
-}
-
 TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   const ScratchFolder folder;
   std::set<std::string> parts;
@@ -154,7 +140,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   }
   EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "effect"}));
   EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
-  expect_alike(read_json(folder / "1" / "summary.json"), read_json(folder / "2" / "summary.json"));
+  EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
   EXPECT_EQ(results_kind(folder / "1"), ResultsKind::calibration);
   const CalibrationSummary summary = read_calibration_summary(folder / "1");
   EXPECT_EQ(summary.study, "test");
@@ -171,7 +157,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   ASSERT_THAT(summary.distortion, SizeIs(1));
   EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
   EXPECT_EQ(summary.distortion[0].frames, 4u);
-  ASSERT_THAT(summary.rigs, SizeIs(10));
+  ASSERT_THAT(summary.rigs, SizeIs(11));
   EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
   EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
   EXPECT_THAT(summary.effect, testing::Not(IsEmpty()));
