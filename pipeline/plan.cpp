@@ -64,11 +64,23 @@ void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, dou
                                  (end - start).seconds(), rate_hz));
 }
 
-void look_into(PlannedTake& planned, const std::vector<std::string>& rig, double rate_hz) {
+// The ground truth is in OptiTrack's world; only a rigid alignment forgives poses in another.
+void check_world(const Calibration& calibration, const StudySpec& study, const std::string& place) {
+  for (AlignmentKind kind : study.alignments)
+    if (calibration.world != "optitrack" && kind != AlignmentKind::rigid)
+      throw InputError(place + " /world",
+                       "is \"" + calibration.world +
+                           "\", but the ground truth is in OptiTrack's "
+                           "world; calibrate with --mocap, or evaluate with \"alignments\": "
+                           "[\"rigid\"] alone");
+}
+
+void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
   planned.mapping = read_mapping(planned.take.mapping);
   const Calibration calibration = read_calibration(planned.take.calibration);
+  check_world(calibration, study, planned.take.calibration.string());
   std::vector<HostSpan> spans;
   for (const std::string& name : rig) {
     const std::size_t sensor = session.sensor_index(name);
@@ -78,7 +90,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, double
     planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
     spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
   }
-  plan_instants(planned, spans, rate_hz);
+  plan_instants(planned, spans, study.rate_hz);
   std::vector<Joint> mapped;
   for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
   TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});  // assets exist
@@ -140,7 +152,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
     PlannedTake& planned = plan.takes[t];
     planned.take = campaign.takes[t];
     try {
-      look_into(planned, plan.rig, study.rate_hz);
+      look_into(planned, plan.rig, study);
     } catch (const InputError& error) {
       planned.place = error.place();
       planned.problem = error.problem();

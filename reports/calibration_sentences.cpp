@@ -101,7 +101,7 @@ std::string offset_sentence(const CalibrationSummary& s) {
 // The same recording with the units' offsets estimated and without.
 std::string rigs_sentence(const CalibrationSummary& s) {
   const RigRow *wand = rig_row(s, "wand"), *as_it_is = rig_row(s, "wand, depth taken as it is");
-  const RigRow* printed = rig_row(s, "two positions, as printed");
+  const RigRow* printed = rig_row(s, "two positions, eq. 6 and 7 as printed");
   std::string text;
   if (wand)
     text = fmt::format("Sensors of whole rigs, calibrated from {} wand positions, are off by {}", s.positions,
@@ -111,7 +111,8 @@ std::string rigs_sentence(const CalibrationSummary& s) {
         fmt::format("; with depth taken as it is, the offsets left in, by {}", mean_text(as_it_is->position));
   if (printed)
     text += fmt::format(
-        "{} the paper's two positions as printed leave {} of {} sensors without a pose and the others off by "
+        "{} two positions with eq. 6 and 7 as printed leave {} of {} sensors without a pose and the others "
+        "off by "
         "{}",
         text.empty() ? "Of whole rigs," : ";", printed->position.asked - printed->position.answered,
         printed->position.asked, mean_text(printed->position));

@@ -125,10 +125,17 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
                           percent_cell(r.within_limits_share), percent_cell(r.coverage_share),
                           percent_cell(r.coverage_low), percent_cell(r.coverage_high)});
   table.notes = {
-      "Errors are of the sensors that got a pose, with the mean's 95 % interval over runs; within limits: 5 "
-      "mm and 0.2 degrees, from bodies 2 cm and 0.5 degrees.",
+      "Errors are of the sensors that got a pose (a run that fails leaves all of its sensors without one), "
+      "with the mean's 95 % interval over runs; within limits: 5 "
+      "mm and 0.2 degrees, from bodies 2 cm and 0.5 degrees, of all sensors.",
       "Truth in interval: how often a stated 95 % interval of an axis holds the truth, with its own "
       "interval; a dash where a method states none.",
+      "The wand's depth correction expects offsets and wiggles of the size that the simulated units have; "
+      "with "
+      "others its intervals may hold the truth less often.",
+      "Two positions: the ball is found by our sphere fit, at places that all sensors can see, and its "
+      "movement is "
+      "level and known exactly; only eq. 6 and 7 are the paper's.",
       "Bodies place the sensors beside one of them, which is not counted.",
       "The paper gives no number for the poses of a rig."};
   return table;
@@ -165,7 +172,9 @@ Table calibration_effect_table(const CalibrationSummary& s) {
       "bound takes it as independent between sensors and axes, so a calibration whose errors go together can "
       "lie below it.");
   table.notes.push_back(
-      "The bound is one of estimates from ranges alone; the mean uses directions too, so it has none here.");
+      "The bound is one of estimates from ranges alone; the mean uses directions too, here without an error "
+      "of their "
+      "own, so it has none.");
   return table;
 }
 

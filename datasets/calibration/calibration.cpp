@@ -122,6 +122,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
   Calibration calibration;
   calibration.method = object.text("method");
   calibration.world = object.text("world", calibration.world);
+  calibration.simulated = object.boolean("simulated", false);
   calibration.positions = object.count("positions", 0);
   calibration.reduced_chi2 = not_negative(object, "reduced_chi2");
   calibration.program = object.text("program", "");
@@ -131,7 +132,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
     if (!names.insert(calibration.sensors.back().name).second) entry.refuse("name", "stands here twice");
   }
   if (calibration.sensors.empty()) object.refuse("sensors", "must name at least one sensor");
-  check_places(object, calibration.sensors);
+  if (calibration.method != kWithoutTranslation) check_places(object, calibration.sensors);
   if (object.has("rejected"))
     for (JsonObject& entry : object.objects("rejected")) calibration.rejected.push_back(read_rejected(entry));
   if (object.has("sources"))
@@ -145,6 +146,7 @@ Json calibration_json(const Calibration& calibration) {
             {"version", 1},
             {"method", calibration.method},
             {"world", calibration.world},
+            {"simulated", calibration.simulated},
             {"sensors", Json::array()}};
   for (const SensorPose& pose : calibration.sensors) json["sensors"].push_back(pose_json(pose));
   if (calibration.positions == 0) return json;

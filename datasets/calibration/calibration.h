@@ -51,6 +51,7 @@ struct Calibration {
   std::string method;
   std::vector<SensorPose> sensors;
   std::string world = "optitrack";
+  bool simulated = false;
   std::uint64_t positions = 0;  // of the wand, or joints at instants
   double reduced_chi2 = 0.0;    // 1: residuals are as large as their covariances say
   std::vector<RejectedSighting> rejected = {};
@@ -58,8 +59,11 @@ struct Calibration {
   std::string program = {};
 };
 
-// Refuses what cannot be: sensors named twice or in one place, quaternions that are not unit (beyond 1e-3),
-// positions beyond 100 m, covariances that are none.
+// The method of eq. 7 as printed, which leaves every sensor at the origin (erratum E5).
+inline constexpr const char* kWithoutTranslation = "two positions, as printed";
+
+// Refuses what cannot be: sensors named twice or in one place (unless kWithoutTranslation), quaternions that
+// are not unit (beyond 1e-3), positions beyond 100 m, covariances that are none.
 Calibration read_calibration(const std::filesystem::path& path);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Json calibration_json(const Calibration& calibration);

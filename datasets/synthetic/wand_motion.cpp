@@ -37,7 +37,7 @@ std::vector<Vector3d> positions_of(std::uint64_t count, std::uint64_t seed, cons
       const Vector3d from_centre = positions[0] - centre_m;
       positions.push_back(centre_m -
                           (0.6 + 0.1 * share) * Vector3d(from_centre.x(), 0.0, from_centre.z()).normalized());
-      positions.back().y() = 0.95 + 0.1 * height_share;
+      positions.back().y() = positions[0].y();  // level, as the paper's movement
     } else if (i == 2) {
       positions.push_back(positions[0] + Vector3d(0.0, 0.6, 0.0));
     } else {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
@@ -24,6 +26,8 @@ using Covariance = Eigen::Matrix<double, 6, 6>;
 // A tracker that sees a back may take the left side for the right; these it cannot exchange.
 constexpr std::array kMidline{Joint::spine_base, Joint::spine_mid, Joint::spine_shoulder, Joint::neck,
                               Joint::head};
+
+constexpr std::size_t kFewestJoints = 5;
 
 struct Span {
   HostTime first, last;
@@ -157,7 +161,7 @@ Eigen::Matrix<double, 6, 1> difference(const RigidTransform& a, const RigidTrans
 // Each joint left out in turn.
 std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement& all, std::size_t reference,
                                   const RigGauge& gauge, const RigRefinementOptions& refinement,
-                                  const CalibrateBodiesOptions& options) {
+                                  const CalibrateBodiesOptions& options, const std::string& place) {
   std::set<std::size_t> joints;
   for (const PointObservation& o : problem.observations) joints.insert(o.point % kJointCount);
   const std::vector<std::size_t> left_out(joints.begin(), joints.end());
@@ -170,6 +174,12 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
         refine_rig(part_of(problem, [&](std::size_t point) { return point % kJointCount != left_out[k]; }),
                    start, reference, gauge, refinement);
   });
+  for (const RigRefinement& refit : refits)
+    if (refit.status != RigStatus::converged || refits.size() < kFewestJoints)
+      throw InputError(place,
+                       fmt::format("shows too few joints to say how sure the poses are: {} that two sensors "
+                                   "track at the same time",
+                                   refits.size()));
   std::vector<Covariance> result(problem.sensors, Covariance::Zero());
   const double n = static_cast<double>(refits.size());
   for (std::size_t s = 0; s < problem.sensors; ++s) {
@@ -202,12 +212,15 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   if (refined.status != RigStatus::converged)
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
-  const auto covariances = jackknife(problem, refined, start.reference, gauge, refinement, options);
+  const auto covariances =
+      jackknife(problem, refined, start.reference, gauge, refinement, options, path.string());
   BodyCalibration result;
   result.reference = start.reference;
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";
-  calibration.world = "sensor " + session.header().sensors[start.reference].name + ", on the floor below it";
+  calibration.simulated = session.header().simulated;
+  calibration.world = "sensor " + session.header().sensors[start.reference].name +
+                      (floor_seen_by(session, start.reference) ? ", on the floor below it" : "");
   calibration.program = kProgramVersion;
   calibration.reduced_chi2 = refined.reduced_chi2;
   std::set<std::size_t> instants, points;

@@ -36,8 +36,9 @@ Calibration calibrate_two_positions(const WandViews& views, const std::filesyste
           static_cast<double>(sensors);
   }
   Calibration calibration;
-  calibration.method = options.translation ? "two positions, corrected" : "two positions, as printed";
+  calibration.method = options.translation ? "two positions, corrected" : kWithoutTranslation;
   calibration.world = "wand";
+  calibration.simulated = views.simulated;
   calibration.program = kProgramVersion;
   calibration.positions = 2;
   for (std::size_t s = 0; s < sensors; ++s) {

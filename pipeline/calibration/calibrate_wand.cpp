@@ -58,21 +58,27 @@ std::string why_nothing_seen(const SensorEvidence& search) {
   return "never sees the ball; is the radius right, and does it stand free in front of the sensor?" + counts;
 }
 
-void check_placement(const RigStart& start, const WandViews& views, const std::string& place) {
+// `saw_alone`: sensors that saw the ball, but only where no other did.
+void check_placement(const RigStart& start, const WandViews& views, const std::vector<bool>& saw_alone,
+                     const std::string& place) {
   std::string placed;
   for (std::size_t s = 0; s < start.placement.size(); ++s)
     if (start.placement[s] == SensorPlacement::placed)
       placed += (placed.empty() ? "" : ", ") + views.evidence[s].name;
+  const auto no_common_view = [&](const std::string& who) {
+    return InputError(place, who + "has fewer than three wand positions in common with any of " + placed +
+                                 "; hold the wand where both see it");
+  };
   for (std::size_t s = 0; s < start.placement.size(); ++s) {
     const std::string who = "sensor \"" + views.evidence[s].name + "\" ";
     switch (start.placement[s]) {
       case SensorPlacement::placed:
         break;
       case SensorPlacement::nothing_seen:
+        if (saw_alone[s]) throw no_common_view(who);
         throw InputError(place, who + why_nothing_seen(views.evidence[s]));
       case SensorPlacement::no_common_view:
-        throw InputError(place, who + "has fewer than three wand positions in common with any of " + placed +
-                                    "; hold the wand where both see it");
+        throw no_common_view(who);
       case SensorPlacement::points_on_line:
         throw InputError(place, who + "is undetermined: the wand positions it has in common with " + placed +
                                     " lie on a line; hold the wand at different heights and to both sides");
@@ -105,6 +111,10 @@ void check_refined(const RigRefinement& refined, const WandViews& views, const s
                          "sensor \"" + views.evidence[s].name +
                              "\" is undetermined: fewer than three of its wand positions agree with the "
                              "other sensors'");
+  bool stated = true;
+  for (const RefinedSensor& sensor : refined.sensors) stated = stated && sensor.covariance.allFinite();
+  if (refined.status == RigStatus::converged && !stated)
+    throw InputError(place, "does not determine all poses: their covariance cannot be found");
   if (refined.status != RigStatus::converged)
     throw InputError(place, "cannot be calibrated: the refinement ended with " + name_of(refined.status));
 }
@@ -178,10 +188,93 @@ void check_session(const SessionReader& session, const std::vector<SensorEvidenc
       throw InputError(session.path().string() + ":/sensors/" + name,
                        "has no depth frames, in which the wand could be found; `--method bodies` needs none");
   }
+  for (const SensorDescription& sensor : session.header().sensors)
+    if (sensor.intrinsics.width_px != kDepthWidth || sensor.intrinsics.height_px != kDepthHeight)
+      throw InputError(
+          session.path().string() + ":/sensors/" + sensor.name,
+          fmt::format("says that its image has {} x {} pixels; depth frames have {} x {}",
+                      sensor.intrinsics.width_px, sensor.intrinsics.height_px, kDepthWidth, kDepthHeight));
   if (!same)
     throw InputError(session.path().string(),
                      "has other sensors than the first session; all recordings must "
                      "be of one rig");
+}
+
+// Whether a sensor that saw both saw the ball in one place.
+bool are_one_place(const WandPosition& a, const WandPosition& b, double within_m) {
+  for (const RestingBall& one : a.seen)
+    for (const RestingBall& other : b.seen)
+      if (one.sensor == other.sensor)
+        return (one.centre_in_sensor_m - other.centre_in_sensor_m).norm() < within_m;
+  return false;
+}
+
+std::vector<bool> sensors_that_saw(const WandViews& views) {
+  std::vector<bool> saw(views.evidence.size(), false);
+  for (const WandPosition& position : views.positions)
+    for (const RestingBall& ball : position.seen) saw[ball.sensor] = true;
+  return saw;
+}
+
+// Places that only one sensor saw say nothing of where it stands beside the others, and a hand that drifts
+// may make two rests of one place.
+void keep_useful_positions(WandViews& views) {
+  constexpr double kSamePlace_m = 0.05;
+  std::vector<WandPosition> kept;
+  std::size_t kept_of_first = 0;
+  for (std::size_t p = 0; p < views.positions.size(); ++p) {
+    const WandPosition& position = views.positions[p];
+    const bool again = !kept.empty() && are_one_place(kept.back(), position, kSamePlace_m);
+    if (again || (position.seen.size() < 2 && views.evidence.size() > 1)) continue;
+    kept.push_back(position);
+    if (p < views.positions_of_first) kept_of_first = kept.size();
+  }
+  views.positions = std::move(kept);
+  views.positions_of_first = kept_of_first;
+}
+
+// How far the sensors saw the ball move from the first place to the second; nothing when none saw both.
+std::optional<double> seen_movement_m(const WandViews& views) {
+  double sum_m = 0.0, count = 0.0;
+  for (const RestingBall& first : views.positions[0].seen)
+    for (const RestingBall& second : views.positions[1].seen)
+      if (first.sensor == second.sensor) {
+        sum_m += (second.centre_in_sensor_m - first.centre_in_sensor_m).norm();
+        count += 1.0;
+      }
+  if (count == 0.0) return std::nullopt;
+  return sum_m / count;
+}
+
+void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
+  constexpr double kLeast_m = 0.3;
+  const std::optional<double> seen_m = seen_movement_m(views);
+  if (options.world || !seen_m) return;
+  if (*seen_m < kLeast_m)
+    throw InputError(
+        place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x axis and "
+                           "should be a metre apart, {} m at least",
+                           *seen_m, kLeast_m));
+  if (options.movement_m &&
+      std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
+    throw InputError("--movement-m",
+                     fmt::format("is {:.3f}, but the sensors saw the ball move by {:.3f} m from its "
+                                 "first place to its second",
+                                 *options.movement_m, *seen_m));
+}
+
+// One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
+// wrong without looking so.
+void check_agreement(const RigRefinement& refined, const WandViews& views, const std::string& place) {
+  constexpr double kMost = 1.0 / 3.0;
+  for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
+    const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
+    if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))
+      throw InputError(place,
+                       fmt::format("sensor \"{}\" disagrees with the others at {} of the {} places where it "
+                                   "sees the ball; are the intrinsics its own, and was the rig left alone?",
+                                   views.evidence[s].name, refined.sensors[s].rejected, all));
+  }
 }
 
 }  // namespace
@@ -204,6 +297,7 @@ WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const Ca
     // One recording at a time: the host clocks of two need not be the same.
     auto positions = find_wand_positions(std::move(rests), options.positions);
     views.positions.insert(views.positions.end(), positions.begin(), positions.end());
+    views.simulated = views.simulated || session.header().simulated;
     if (&path == &sessions.front()) views.positions_of_first = views.positions.size();
   }
   return views;
@@ -211,14 +305,17 @@ WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const Ca
 
 WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options) {
+  const std::vector<bool> saw_before = sensors_that_saw(views);
+  keep_useful_positions(views);
   const RigProblem problem =
       problem_of(views.positions, views.evidence.size(), options.search.find.ball_radius_m);
   const RigStart start = start_rig(problem, {});
-  check_placement(start, views, place);
+  check_placement(start, views, saw_before, place);
   if (views.positions.size() < kFewestPositions)
     throw InputError(place,
                      fmt::format("shows the wand at rest at {} places; three are the least, fifty are good",
                                  views.positions.size()));
+  check_movement(views, options, place);
   RigRefinementOptions refinement;
   if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
   refinement.covariance_floor_m =
@@ -226,10 +323,12 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
   const RigRefinement refined =
       refine_rig(problem, start.reference_from_sensor, start.reference, gauge_of(views, options), refinement);
   check_refined(refined, views, place);
+  check_agreement(refined, views, place);
   WandCalibration result;
   Calibration& calibration = result.calibration;
   calibration.method = "wand";
   calibration.world = options.world ? "optitrack" : "wand";
+  calibration.simulated = views.simulated;
   calibration.program = kProgramVersion;
   calibration.positions = views.positions.size();
   calibration.reduced_chi2 = std::isfinite(refined.reduced_chi2) ? refined.reduced_chi2 : 0.0;

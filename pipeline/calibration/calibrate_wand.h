@@ -48,6 +48,7 @@ struct WandViews {
   std::vector<SensorEvidence> evidence;  // one a sensor
   std::vector<WandPosition> positions;
   std::size_t positions_of_first = 0;  // of the first recording, which OptiTrack's export belongs to
+  bool simulated = false;              // of any recording
 };
 
 struct WandCalibration {

@@ -57,6 +57,8 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
   spec.units = count_within(object, "units", spec.units, 1, 1000);
   spec.samples = count_within(object, "samples", spec.samples, 0, 100'000);
   spec.near_samples = count_within(object, "near_samples", spec.near_samples, 0, 100'000);
+  if (spec.units * (spec.samples + spec.near_samples) > 200'000)
+    object.refuse("samples", "make more than 200000 samples with these units");
   spec.frames = count_within(object, "frames", spec.frames, 1, 100);
   read_distances(object, spec.distances_m);
   spec.largest_angle_deg = number_within(object, "largest_angle_deg", spec.largest_angle_deg, 0.0, 40.0);
@@ -64,7 +66,7 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
   spec.distortion_frames = count_within(object, "distortion_frames", spec.distortion_frames, 1, 1'000'000);
   spec.wall_m = number_within(object, "wall_m", spec.wall_m, 0.5, 8.0);
   read_rig_part(object, spec);
-  spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 100'000'000);
+  spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 10'000'000);
   spec.range_sigma_m = number_within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
   read_sigmas(object, spec.sensor_sigmas_m);
   object.finish();

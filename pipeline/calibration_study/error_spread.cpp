@@ -21,7 +21,7 @@ std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const 
   if (sums.size() < kFewestClusters) return {ErrorSpread::kNone, ErrorSpread::kNone};
   std::vector<double> means;
   for (std::uint64_t r = 0; r < kResamples; ++r) {
-    const RandomStream random{seed, Purpose::calibration_trial, (std::uint64_t{1} << 40) + r};
+    const RandomStream random{seed, Purpose::calibration_trial, random_item(0, 4, 0, r)};
     double sum = 0.0, count = 0.0;
     for (std::uint32_t k = 0; k < sums.size(); ++k) {
       const auto pick = static_cast<std::size_t>(random.uniform(k) * static_cast<double>(sums.size()));

@@ -17,7 +17,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kBlocks = 50;  // clusters of the interval: each with sensor errors of its own
+constexpr std::size_t kBlocks = 50;  // of assumed sensor errors: clusters of the interval, each with its own
 const std::array<const char*, 3> kMethods{"nonlinear", "linear", "mean"};
 
 struct Trial {
@@ -51,7 +51,7 @@ struct Sums {
 struct Case {
   std::string name;
   double sigma_m = 0.0;
-  std::vector<CalibratedRig> rigs;  // block b uses rigs[b % size]
+  std::vector<CalibratedRig> rigs;  // one a block of trials, the clusters of the interval
 };
 
 Case assumed_case(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth, double sigma_m) {
@@ -105,10 +105,10 @@ double bound_m2(const Trial& trial, const std::vector<RigidTransform>& truth, do
 Sums run_block(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth, const Case& c,
                std::size_t block) {
   Sums sums;
-  const CalibratedRig& rig = c.rigs[block % c.rigs.size()];
+  const CalibratedRig& rig = c.rigs[block];
   std::vector<Trial> trials;
   std::vector<RangeProblem> problems;
-  for (std::uint64_t i = block; i < spec.effect_joints; i += kBlocks) {
+  for (std::uint64_t i = block; i < spec.effect_joints; i += c.rigs.size()) {
     trials.push_back(draw_trial(spec, truth, i));
     problems.push_back(problem_of(trials.back(), rig));
   }
@@ -172,7 +172,7 @@ std::vector<EffectRow> measure_effect(const CalibrationSpec& spec, const std::ve
     if (!c.runs.empty()) cases.push_back(found_case(truth, c));
   for (std::size_t c = 0; c < cases.size(); ++c) {
     std::vector<Sums> blocks;
-    for (std::size_t b = 0; b < kBlocks; ++b) {
+    for (std::size_t b = 0; b < cases[c].rigs.size(); ++b) {
       if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
       blocks.push_back(run_block(spec, truth, cases[c], b));
     }

@@ -40,7 +40,7 @@ std::vector<Method> methods() {
   axes.horizontal_axes = false;
   e4.signed_angle = false;
   e5.translation = false;
-  return {{"two positions, as printed", Kind::two_positions, printed, true, true, false},
+  return {{"two positions, eq. 6 and 7 as printed", Kind::two_positions, printed, true, true, false},
           {"corrected, but axes of eq. 4", Kind::two_positions, axes, false, true, false},
           {"corrected, but E4 as printed", Kind::two_positions, e4, false, true, false},
           {"corrected, but E5 as printed", Kind::two_positions, e5, false, true, false},
@@ -64,6 +64,13 @@ struct RunOutcome {
   std::vector<PoseError> sensors;
   CalibratedRig in_world;
 };
+
+// None of the sensors that were asked for has a pose.
+RunOutcome failed_run(std::size_t sensors) {
+  RunOutcome outcome;
+  outcome.sensors.resize(sensors);
+  return outcome;
+}
 
 PoseError error_of(const RigidTransform& got, const RigidTransform& truth,
                    const std::optional<Eigen::Matrix<double, 6, 6>>& covariance) {
@@ -135,14 +142,23 @@ RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const 
     const WandCalibration result = calibrate_views(run.views, "simulated run", options);
     return compare(result.calibration.sensors, run.wand_from_world, truth);
   } catch (const InputError&) {
-    return {};  // counted as a failed run
+    return failed_run(truth.size());
   }
 }
+
+struct RemovedAtEnd {
+  std::filesystem::path path;
+  ~RemovedAtEnd() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+};
 
 // Bodies place the sensors beside each other; the truth is taken to where the best seen one was put.
 RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Method& method,
                       const std::vector<RigidTransform>& truth, const std::filesystem::path& scratch) {
   const auto session = scratch / fmt::format("walk-{}-{}.h5", run, method.option ? "biased" : "unbiased");
+  const RemovedAtEnd removed{session};
   write_walk(spec, truth, run, method.option, session);
   RunOutcome outcome;
   try {
@@ -152,9 +168,8 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
     outcome = compare(poses, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
     outcome.sensors.erase(outcome.sensors.begin() + static_cast<std::ptrdiff_t>(reference));
   } catch (const InputError&) {
-    outcome = {};
+    outcome = failed_run(truth.size() - 1);
   }
-  std::filesystem::remove(session);
   return outcome;
 }
 
@@ -164,21 +179,22 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
   row.runs = outcomes.size();
   std::vector<ClusteredError> errors;
   std::vector<double> covered, asked;
-  double rotation_sum = 0.0, good = 0.0, sensors = 0.0;
+  double rotation_sum = 0.0, good = 0.0, sensors = 0.0, placed = 0.0;
   const bool bodies = method.kind == Method::Kind::bodies;
   for (std::size_t r = 0; r < outcomes.size(); ++r) {
     row.failed_runs += outcomes[r].failed;
     double run_covered = 0.0, run_asked = 0.0;
     for (const PoseError& e : outcomes[r].sensors) {
       errors.push_back({r, e.position_m});
+      sensors += 1.0;
       if (!std::isfinite(e.position_m)) continue;
+      placed += 1.0;
       rotation_sum += e.rotation_rad;
       row.rotation_max_rad = std::isfinite(row.rotation_max_rad)
                                  ? std::max(row.rotation_max_rad, e.rotation_rad)
                                  : e.rotation_rad;
       good += e.position_m <= (bodies ? kGoodBodies_m : kGoodPosition_m) &&
               e.rotation_rad <= (bodies ? kGoodBodies_rad : kGoodRotation_rad);
-      sensors += 1.0;
       run_covered += e.covered;
       run_asked += e.asked;
     }
@@ -187,10 +203,8 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
     asked.push_back(run_asked);
   }
   row.position = spread_of(errors, seed);
-  if (sensors > 0.0) {
-    row.rotation_mean_rad = rotation_sum / sensors;
-    row.within_limits_share = good / sensors;
-  }
+  if (placed > 0.0) row.rotation_mean_rad = rotation_sum / placed;
+  if (sensors > 0.0) row.within_limits_share = good / sensors;
   double covered_sum = 0.0, asked_sum = 0.0;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     covered_sum += covered[i];

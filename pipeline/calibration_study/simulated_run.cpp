@@ -13,13 +13,20 @@
 namespace trilat {
 namespace {
 
-constexpr double kDeviation = 3.5;
 constexpr double kTapeSigma_m = 0.001;
 constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
 
-DepthScene scene_at(const WandInstant& instant, double ball_radius_m) {
+// At the first three places, which define the world, the wand hangs free: whoever sets up a rig would see to
+// it that every sensor sees them.
+constexpr std::size_t kFreePlaces = 3;
+
+DepthScene scene_at(const WandInstant& instant, std::size_t place, double ball_radius_m) {
   DepthScene scene;
   append_room(scene, RoomSpec{}, Eigen::Vector3d::Zero());
+  if (place < kFreePlaces) {
+    scene.spheres.push_back({instant.ball_in_world_m, ball_radius_m});
+    return scene;
+  }
   append_person(scene, instant.person);
   append_wand(scene, instant.ball_in_world_m, instant.stick_direction, {.ball_radius_m = ball_radius_m});
   return scene;
@@ -42,7 +49,7 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   for (std::size_t p = 0; p < motion.holds().size(); ++p) {
     const WandHold& hold = motion.holds()[p];
-    const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), spec.ball_radius_m);
+    const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), p, spec.ball_radius_m);
     WandPosition position{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}};
     for (std::size_t s = 0; s < units.size(); ++s) {
       if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
@@ -58,7 +65,7 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
           found.push_back({HostTime{static_cast<std::int64_t>(frame)}, sighting});
       }
       if (2 * found.size() < spec.position_frames) continue;
-      position.seen.push_back(mean_of_rest(found, s, kDeviation));
+      position.seen.push_back(mean_of_rest(found, s, WandPositionOptions{}.deviation));
     }
     if (position.seen.empty()) continue;
     result.views.positions.push_back(std::move(position));

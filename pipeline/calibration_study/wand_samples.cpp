@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
 #include "datasets/session/session_types.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/room_scene.h"
@@ -19,13 +20,15 @@
 namespace trilat {
 namespace {
 
-constexpr double kNear_m = 0.5, kNearest_m = 0.3;
-constexpr double kRecommendedFrom_m = 0.8, kRecommendedTo_m = 3.0;  // the paper's range
-constexpr double kRecommendedAngle_rad = 26.0 * kRadPerDegree;
+constexpr double kNearest_m = 0.3;
 constexpr double kSensorHeight_m = 1.2;
 constexpr double kPersonBehind_m = 1.2;
 constexpr double kFarWall_m = 7.0;
-constexpr double kDeviation = 3.5;
+
+const PrintedCalibration& paper() {
+  static const PrintedCalibration printed = printed_calibration();
+  return printed;
+}
 
 struct Variant {
   const char* name;
@@ -68,10 +71,10 @@ Sample draw_sample(const CalibrationSpec& spec, std::uint64_t unit, std::uint64_
   const RandomStream random{spec.seed, Purpose::wand_sample, random_item(near ? 1 : 0, unit, 0, index)};
   Sample sample;
   sample.near = near;
-  sample.distance_m = near ? random.uniform(0, kNearest_m, kNear_m)
+  sample.distance_m = near ? random.uniform(0, kNearest_m, paper().near_m)
                            : random.uniform(0, spec.distances_m[0], spec.distances_m[1]);
-  sample.angle_rad =
-      random.uniform(1, 0.0, near ? kRecommendedAngle_rad : spec.largest_angle_deg * kRadPerDegree);
+  sample.angle_rad = random.uniform(
+      1, 0.0, near ? paper().recommended_below_deg * kRadPerDegree : spec.largest_angle_deg * kRadPerDegree);
   const double tilt_rad =
       random.uniform(2, -15.0, 15.0) * kRadPerDegree + (random.uniform(3) < 0.5 ? std::numbers::pi : 0.0);
   const double sine = std::sin(sample.angle_rad);
@@ -123,7 +126,9 @@ void conclude(const std::vector<std::vector<WandSighting>>& sightings, const Sam
     const bool answered = 2 * found.size() >= frames.size();
     outcome.status.push_back(answered ? WandStatus::found : failure);
     outcome.error_m.push_back(
-        answered ? (mean_of_rest(found, 0, kDeviation).centre_in_sensor_m - sample.ball_in_sensor_m).norm()
+        answered ? (mean_of_rest(found, 0, WandPositionOptions{}.deviation).centre_in_sensor_m -
+                    sample.ball_in_sensor_m)
+                       .norm()
                  : ErrorSpread::kNone);
   }
 }
@@ -153,8 +158,9 @@ SampleOutcome measure(const CalibrationSpec& spec, const StudyUnit& unit, std::u
 }
 
 bool is_recommended(const Sample& sample) {
-  return !sample.near && sample.distance_m >= kRecommendedFrom_m && sample.distance_m <= kRecommendedTo_m &&
-         sample.angle_rad < kRecommendedAngle_rad;
+  return !sample.near && sample.distance_m >= paper().recommended_m[0] &&
+         sample.distance_m <= paper().recommended_m[1] &&
+         sample.angle_rad < paper().recommended_below_deg * kRadPerDegree;
 }
 
 }  // namespace

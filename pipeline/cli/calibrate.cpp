@@ -54,7 +54,8 @@ CalibrateWandOptions wand_options(const CalibrateArguments& arguments, Progress&
 Table sensors_table(const Calibration& calibration, const std::vector<SensorEvidence>& evidence) {
   Table table;
   table.id = "calibration";
-  table.title = fmt::format("{} sensors in the frame of: {}", calibration.sensors.size(), calibration.world);
+  table.title = fmt::format("{} sensors in the frame of: {}{}", calibration.sensors.size(), calibration.world,
+                            calibration.simulated ? " (simulated recording)" : "");
   table.columns = {{"sensor", "sensor", true},
                    {"x (m)", "x_m"},
                    {"y (m)", "y_m"},
@@ -123,13 +124,30 @@ void print_text(const CalibrateArguments& arguments, const Calibration& calibrat
                                 : std::string("seen by two that disagree"));
   if (calibration.method == "bodies")
     fmt::print(
-        "A body tracker sees joints a little off, differently from every side; ± contains that (each joint "
-        "left out in turn).\n");
+        "± comes from leaving each joint out in turn: it contains what the tracker does differently at every "
+        "joint, and nothing that it does to all joints of a sensor alike.\n");
   const std::vector<std::string> doubts = doubts_about(calibration);
   for (const std::string& doubt : doubts) fmt::print("look at: {}\n", doubt);
   if (doubts.empty() && calibration.sensors.front().covariance)
     fmt::print("{} positions; nothing looks wrong.\n", calibration.positions);
   fmt::print("calibration: {}\n", arguments.output.string());
+}
+
+// Options that the method would not look at.
+void refuse_ignored(const CalibrateArguments& a) {
+  const bool bodies = a.method == "bodies", two = a.method == "two_positions" || a.method == "printed";
+  const auto refuse = [&](const char* option) {
+    throw InputError(option, "is of no use with --method " + a.method);
+  };
+  if ((bodies || two) && !a.mocap.empty()) refuse("--mocap");
+  if (bodies && !a.intrinsics.empty()) refuse("--intrinsics");
+  if (bodies && a.movement_m) refuse("--movement-m");
+  if ((bodies || two) && a.no_depth_correction) refuse("--no-depth-correction");
+  if ((bodies || two) && a.sessions.size() > 1)
+    throw InputError(a.sessions[1].string(), "is one session too many for --method " + a.method);
+  if (!a.mocap.empty() && a.movement_m)
+    throw InputError("--movement-m",
+                     "is of no use beside --mocap, which already says how far the wand moved");
 }
 
 struct Outcome {
@@ -139,9 +157,8 @@ struct Outcome {
 
 Outcome calibrate_by(const CalibrateArguments& arguments) {
   Progress progress(arguments.method == "bodies" ? "calibrating" : "looking for the wand");
+  refuse_ignored(arguments);
   if (arguments.method == "bodies") {
-    if (arguments.sessions.size() > 1)
-      throw InputError(arguments.sessions[1].string(), "is one session too many for --method bodies");
     CalibrateBodiesOptions options;
     options.stop_requested = stop_requested;
     return {calibrate_bodies(arguments.sessions[0], options).calibration, {}};

@@ -198,7 +198,9 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
   make_folder(folder);
   std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
   const SimulatedRig rig{rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
-  write_calibration(folder / "calibration.json", {"simulated truth", rig.poses});
+  Calibration truth{"simulated truth", rig.poses};
+  truth.simulated = true;
+  write_calibration(folder / "calibration.json", truth);
   Campaign campaign{spec.name, true, {}, folder};
   campaign.takes.resize(takes.size());
   JointProgress joint_progress(costs_of(spec, takes), progress);

@@ -48,14 +48,14 @@ TEST(CalibrationTables, ThePapersStatementIsTheFirstRowOfTheWand) {
   ASSERT_THAT(table.rows, SizeIs(4));
   EXPECT_THAT(texts_of(table.rows[0]),
               ElementsAre("the paper, measured", "laser meter", "50", "–", "0.73", "0.85", "–", "–", "100",
-                          "–", "–", "–", "–", "20.0", "not stated"));
+                          "–", "–", "–", "–", "–", "20.0", "not stated"));
 }
 
 TEST(CalibrationTables, AWandRowIsInCentimetresWithItsCoverage) {
   const Table table = calibration_wand_table(hand_made_calibration());
   EXPECT_THAT(texts_of(table.rows[3]),
               ElementsAre("ours", "far wall", "4", "3", "2.00", "1.00", "1.00", "3.00", "8", "6", "4.00",
-                          "4.00", "8.00", "20.0", "found 75.0 %, no_wand 25.0 %"));
+                          "4.00", "8.00", "0", "20.0", "found 75.0 %, no_wand 25.0 %"));
 }
 
 TEST(CalibrationTables, AnErratumsNoteHasTheStudysOwnNumbers) {
