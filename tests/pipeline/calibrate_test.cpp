@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
@@ -298,6 +299,14 @@ TEST(CalibrateVerb, WrongUsageIsOneLine) {
   expect_refused(calibrated({"--method", "guess"}), "guess");
   expect_refused(calibrated({"--ball-radius-m", "7.5"}), "--ball-radius-m");
   expect_refused(calibrated({"--method", "bodies"}), "has no body frames");
+  expect_refused(calibrated({"--method", "bodies", "--movement-m", "1"}),
+                 "--movement-m: is of no use with --method bodies");
+  expect_refused(calibrated({"--method", "two_positions", "--mocap", "a.csv", "--asset", "w",
+                             "--mocap-start-host-ns", "1"}),
+                 "--mocap: is of no use with --method two_positions");
+  expect_refused(
+      calibrated({"--movement-m", "1", "--mocap", "a.csv", "--asset", "w", "--mocap-start-host-ns", "1"}),
+      "--movement-m: is of no use beside --mocap");
   expect_refused(calibrated({session, "--method", "bodies"}), "one session too many for --method bodies");
   EXPECT_FALSE(std::filesystem::exists(output));
 }
@@ -360,6 +369,59 @@ TEST(CalibrateViews, FirstPlacesOnALineDoNotFixTheWorld) {
   places[2] = 0.5 * (places[0] + places[1]);
   EXPECT_THAT(complaint_about(views_of(rig_of(2), places, always)),
               AllOf(HasSubstr("does not fix the world"), HasSubstr("first three wand positions")));
+}
+
+TEST(CalibrateViews, AMeasuredMovementThatTheSensorsDidNotSeeIsRefusedWithBothLengths) {
+  CalibrateWandOptions options;
+  const double truth_m = (kPlaces[1] - kPlaces[0]).norm();
+  options.movement_m = truth_m;
+  EXPECT_EQ(complaint_about(views_of(rig_of(3), kPlaces, always), options), "no error");
+  options.movement_m = 2.0 * truth_m;
+  EXPECT_THAT(complaint_about(views_of(rig_of(3), kPlaces, always), options),
+              AllOf(StartsWith("--movement-m: is "), HasSubstr(fmt::format("{:.3f}", 2.0 * truth_m)),
+                    HasSubstr(fmt::format("move by {:.3f} m", truth_m))));
+}
+
+TEST(CalibrateViews, FirstPlacesThatAreTooNearEachOtherAreRefused) {
+  std::vector<Vector3d> places = kPlaces;
+  places[1] = places[0] + Vector3d(0.2, 0.0, 0.0);
+  EXPECT_THAT(complaint_about(views_of(rig_of(3), places, always)),
+              AllOf(HasSubstr("0.20 m apart"), HasSubstr("0.3 m at least")));
+}
+
+TEST(CalibrateViews, ARestThatDriftedIntoTwoIsOnePlace) {
+  std::vector<Vector3d> places = kPlaces;
+  places.insert(places.begin() + 1, places[0] + Vector3d(0.012, 0.0, 0.0));
+  const auto rig = rig_of(3);
+  const WandCalibration result = calibrate_views(views_of(rig, places, always), "session.h5", {});
+  EXPECT_EQ(result.calibration.positions, kPlaces.size());
+  for (std::size_t s = 0; s < 3; ++s)
+    expect_pose(result.calibration.sensors[s], wand_from_world(kPlaces) * rig[s], 1e-6, 1e-4);
+}
+
+TEST(CalibrateViews, APlaceThatOneSensorSawAloneSaysNothing) {
+  std::vector<Vector3d> places = kPlaces;
+  places.insert(places.begin(), Vector3d(0.4, 1.3, -0.2));
+  const auto rig = rig_of(3);
+  const WandCalibration result = calibrate_views(
+      views_of(rig, places, [](std::size_t s, std::size_t p) { return p > 0 || s == 1; }), "session.h5", {});
+  EXPECT_EQ(result.calibration.positions, kPlaces.size());
+  for (std::size_t s = 0; s < 3; ++s) {
+    EXPECT_EQ(result.calibration.sensors[s].used, kPlaces.size());
+    expect_pose(result.calibration.sensors[s], wand_from_world(kPlaces) * rig[s], 1e-6, 1e-4);
+  }
+}
+
+TEST(CalibrateViews, ASensorThatDisagreesAtMoreThanAThirdOfItsPlacesIsAnError) {
+  std::vector<Vector3d> places = kPlaces;
+  for (int i = 0; i < 10; ++i)
+    places.emplace_back(0.6 * std::sin(2.0 * i), 0.5 + 0.12 * i, 0.6 * std::cos(2.0 * i));
+  WandViews views = views_of(rig_of(4), places, always);
+  for (std::size_t p = 6; p < 15; ++p)
+    views.positions[p].seen[3].centre_in_sensor_m.x() += p % 2 == 0 ? 0.04 : -0.03;
+  EXPECT_THAT(complaint_about(views),
+              AllOf(StartsWith("session.h5: sensor \"k4\" disagrees with the others at "),
+                    HasSubstr("are the intrinsics its own")));
 }
 
 TEST(CalibrateViews, AWrongSightingIsListedWithItsPlaceAndTime) {

@@ -13,6 +13,7 @@
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
+#include "pipeline/calibration_study/simulated_run.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -164,6 +165,21 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   EXPECT_THAT(summary.effect, Each(Field(&EffectRow::joints, 200u)));
   for (const auto& entry : std::filesystem::directory_iterator(folder / "1"))
     EXPECT_NE(entry.path().extension(), ".h5") << entry.path();  // recordings of walking are removed
+}
+
+// Level, seen by all and without depth errors of the units the corrected equations have nothing to be wrong
+// about but what noise leaves: the frame they are scored in is the one they give.
+TEST(CalibrationStudy, TheFirstThreePlacesAreLevelAndSeenByEverySensor) {
+  const CalibrationSpec spec = tiny_spec();
+  const auto rig = true_rig(spec);
+  for (std::uint64_t run = 0; run < 3; ++run) {
+    const SimulatedRun simulated = simulate_run(spec, rig, run, {});
+    ASSERT_GE(simulated.views.positions.size(), 3u);
+    for (std::size_t p = 0; p < 3; ++p) EXPECT_THAT(simulated.views.positions[p].seen, SizeIs(rig.size()));
+    EXPECT_DOUBLE_EQ(simulated.position_in_world_m[0].y(), simulated.position_in_world_m[1].y());
+    const Eigen::Vector3d up = simulated.wand_from_world.rotation * Eigen::Vector3d::UnitY();
+    EXPECT_NEAR(up.y(), 1.0, 1e-12);
+  }
 }
 
 TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
