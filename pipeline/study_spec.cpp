@@ -110,7 +110,8 @@ const std::vector<std::string>& method_kind_names() {
 }
 
 StudyKind study_kind(const Json& json, const std::string& place) {
-  return static_cast<StudyKind>(JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep", "calibration"}));
+  return static_cast<StudyKind>(
+      JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep", "calibration"}));
 }
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/units.h"
 #include "datasets/base/json_ranges.h"
+#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
