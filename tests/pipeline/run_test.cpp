@@ -299,6 +299,16 @@ TEST(RunWithABrokenTake, ACalibrationThatLacksASensorFailsAlone) {
   EXPECT_THAT(spoilt.failure(), HasSubstr("three.json: has no pose for sensor \"k4\"; it has k1, k2, k3"));
 }
 
+TEST(RunWithABrokenTake, ACalibrationInAnotherWorldThanTheTruthFailsAlone) {
+  Spoilt spoilt;
+  Calibration calibration = read_calibration(spoilt.take.calibration);
+  calibration.world = "wand";
+  write_calibration(spoilt.folder / "wand.json", calibration);
+  spoilt.take.calibration = spoilt.folder / "wand.json";
+  EXPECT_THAT(spoilt.failure(),
+              HasSubstr("wand.json /world: is \"wand\", but the ground truth is in OptiTrack's"));
+}
+
 TEST(RunWithABrokenTake, ItsSlotsInTheSamplesAreEmptyAndItsErrorsNaN) {
   Spoilt spoilt;
   spoilt.take.mocap = spoilt.folder / "absent.csv";
