@@ -10,7 +10,6 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
-#include "datasets/calibration/opencv_intrinsics.h"
 #include "evaluators/calibration/rig_start.h"
 #include "pipeline/calibration/wand_in_world.h"
 
@@ -150,102 +149,6 @@ std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRe
   return rejected;
 }
 
-std::vector<DepthIntrinsics> intrinsics_of(const SessionReader& session,
-                                           const CalibrateWandOptions& options) {
-  std::vector<DepthIntrinsics> result;
-  for (const SensorDescription& sensor : session.header().sensors) result.push_back(sensor.intrinsics);
-  for (const auto& [name, file] : options.intrinsics) {
-    const std::size_t sensor = session.sensor_index(name);
-    for (std::size_t other = 0; other < result.size(); ++other)
-      if (other != sensor && file.parent_path().filename() == session.header().sensors[other].serial)
-        throw InputError(file.string(), "lies in the folder of serial " +
-                                            session.header().sensors[other].serial + ", which is sensor \"" +
-                                            session.header().sensors[other].name + "\", not \"" + name + '"');
-    result[sensor] = read_opencv_intrinsics(file, session.header().sensors[sensor].intrinsics.width_px,
-                                            session.header().sensors[sensor].intrinsics.height_px);
-  }
-  return result;
-}
-
-void add_evidence(SensorEvidence& evidence, const SensorSearch& search,
-                  const std::vector<RestingBall>& rests) {
-  evidence.frames += search.frames;
-  for (const auto& [name, count] : search.statuses) evidence.statuses[name] += count;
-  for (const RestingBall& ball : rests) {
-    const double distance_m = ball.centre_in_sensor_m.norm();
-    evidence.nearest_m = evidence.rests == 0 ? distance_m : std::min(evidence.nearest_m, distance_m);
-    evidence.farthest_m = std::max(evidence.farthest_m, distance_m);
-    ++evidence.rests;
-  }
-}
-
-void check_session(const SessionReader& session, const std::vector<SensorEvidence>& known) {
-  bool same = known.empty() || known.size() == session.header().sensors.size();
-  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
-    const std::string& name = session.header().sensors[s].name;
-    same = same && (known.empty() || known[s].name == name);
-    if (session.counts(s).depth_frames == 0)
-      throw InputError(session.path().string() + ":/sensors/" + name,
-                       "has no depth frames, in which the wand could be found; `--method bodies` needs none");
-  }
-  for (const SensorDescription& sensor : session.header().sensors)
-    if (sensor.intrinsics.width_px != kDepthWidth || sensor.intrinsics.height_px != kDepthHeight)
-      throw InputError(
-          session.path().string() + ":/sensors/" + sensor.name,
-          fmt::format("says that its image has {} x {} pixels; depth frames have {} x {}",
-                      sensor.intrinsics.width_px, sensor.intrinsics.height_px, kDepthWidth, kDepthHeight));
-  if (!same)
-    throw InputError(session.path().string(),
-                     "has other sensors than the first session; all recordings must "
-                     "be of one rig");
-}
-
-// Whether a sensor that saw both saw the ball in one place.
-bool are_one_place(const WandPosition& a, const WandPosition& b, double within_m) {
-  for (const RestingBall& one : a.seen)
-    for (const RestingBall& other : b.seen)
-      if (one.sensor == other.sensor)
-        return (one.centre_in_sensor_m - other.centre_in_sensor_m).norm() < within_m;
-  return false;
-}
-
-std::vector<bool> sensors_that_saw(const WandViews& views) {
-  std::vector<bool> saw(views.evidence.size(), false);
-  for (const WandPosition& position : views.positions)
-    for (const RestingBall& ball : position.seen) saw[ball.sensor] = true;
-  return saw;
-}
-
-// Places that only one sensor saw say nothing of where it stands beside the others, and a hand that drifts
-// may make two rests of one place.
-void keep_useful_positions(WandViews& views) {
-  constexpr double kSamePlace_m = 0.05;
-  std::vector<WandPosition> kept;
-  std::size_t kept_of_first = 0;
-  for (std::size_t p = 0; p < views.positions.size(); ++p) {
-    const WandPosition& position = views.positions[p];
-    const bool again = !kept.empty() && are_one_place(kept.back(), position, kSamePlace_m);
-    if (again || (position.seen.size() < 2 && views.evidence.size() > 1)) continue;
-    kept.push_back(position);
-    if (p < views.positions_of_first) kept_of_first = kept.size();
-  }
-  views.positions = std::move(kept);
-  views.positions_of_first = kept_of_first;
-}
-
-// How far the sensors saw the ball move from the first place to the second; nothing when none saw both.
-std::optional<double> seen_movement_m(const WandViews& views) {
-  double sum_m = 0.0, count = 0.0;
-  for (const RestingBall& first : views.positions[0].seen)
-    for (const RestingBall& second : views.positions[1].seen)
-      if (first.sensor == second.sensor) {
-        sum_m += (second.centre_in_sensor_m - first.centre_in_sensor_m).norm();
-        count += 1.0;
-      }
-  if (count == 0.0) return std::nullopt;
-  return sum_m / count;
-}
-
 void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
   constexpr double kLeast_m = 0.3;
   const std::optional<double> seen_m = seen_movement_m(views);
@@ -278,30 +181,6 @@ void check_agreement(const RigRefinement& refined, const WandViews& views, const
 }
 
 }  // namespace
-
-WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const CalibrateWandOptions& options) {
-  WandViews views;
-  for (const auto& path : sessions) {
-    const SessionReader session(path);
-    check_session(session, views.evidence);
-    if (views.evidence.empty())
-      for (const SensorDescription& sensor : session.header().sensors)
-        views.evidence.push_back({.name = sensor.name, .statuses = {}});
-    const auto searches = search_wand(session, intrinsics_of(session, options), options.search);
-    std::vector<RestingBall> rests;
-    for (std::size_t s = 0; s < searches.size(); ++s) {
-      const std::vector<RestingBall> more = find_rests(searches[s].found, s, options.positions);
-      add_evidence(views.evidence[s], searches[s], more);
-      rests.insert(rests.end(), more.begin(), more.end());
-    }
-    // One recording at a time: the host clocks of two need not be the same.
-    auto positions = find_wand_positions(std::move(rests), options.positions);
-    views.positions.insert(views.positions.end(), positions.begin(), positions.end());
-    views.simulated = views.simulated || session.header().simulated;
-    if (&path == &sessions.front()) views.positions_of_first = views.positions.size();
-  }
-  return views;
-}
 
 WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options) {

@@ -8,7 +8,7 @@
 
 #include "datasets/calibration/calibration.h"
 #include "evaluators/ceres/rig_refinement.h"
-#include "pipeline/calibration/wand_search.h"
+#include "pipeline/calibration/wand_views.h"
 
 namespace trilat {
 
@@ -20,10 +20,7 @@ struct WandInWorld {
   double sigma_m = 0.001;
 };
 
-struct CalibrateWandOptions {
-  WandSearchOptions search;
-  WandPositionOptions positions;
-  std::vector<std::pair<std::string, std::filesystem::path>> intrinsics = {};  // sensor and OpenCV file
+struct CalibrateWandOptions : ViewWandOptions {
   std::optional<WandInWorld> world = std::nullopt;
   std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
   double movement_sigma_m = 0.001;
@@ -32,23 +29,6 @@ struct CalibrateWandOptions {
   double covariance_floor_m = 0.0003;
   // And what it leaves out, too, where depth offsets are not estimated.
   double uncorrected_depth_sigma_m = 0.014;
-};
-
-// What a calibration rests on, for the text a person judges it by.
-struct SensorEvidence {
-  std::string name;
-  std::uint64_t frames = 0;
-  std::map<std::string, std::uint64_t> statuses;  // how the search of each frame ended
-  std::size_t rests = 0;                          // of the ball, as this sensor saw it
-  double nearest_m = 0.0, farthest_m = 0.0;       // of the ball at rest
-};
-
-// Where the wand was held, of all recordings one after the other.
-struct WandViews {
-  std::vector<SensorEvidence> evidence;  // one a sensor
-  std::vector<WandPosition> positions;
-  std::size_t positions_of_first = 0;  // of the first recording, which OptiTrack's export belongs to
-  bool simulated = false;              // of any recording
 };
 
 struct WandCalibration {
@@ -63,8 +43,7 @@ struct WandCalibration {
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& sessions,
                                const CalibrateWandOptions& options);
 
-// The first half: finds the wand. The second: places the sensors; errors are at `place`.
-WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const CalibrateWandOptions& options);
+// The same of what has been found already; errors are at `place`.
 WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options);
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/calibration/wand_search.h"
+
+namespace trilat {
+
+// What a calibration rests on, for the text a person judges it by.
+struct SensorEvidence {
+  std::string name;
+  std::uint64_t frames = 0;
+  std::map<std::string, std::uint64_t> statuses;  // how the search of each frame ended
+  std::size_t rests = 0;                          // of the ball, as this sensor saw it
+  double nearest_m = 0.0, farthest_m = 0.0;       // of the ball at rest
+};
+
+// Where the wand was held, of all recordings one after the other.
+struct WandViews {
+  std::vector<SensorEvidence> evidence;  // one a sensor
+  std::vector<WandPosition> positions;
+  std::size_t positions_of_first = 0;  // of the first recording, which OptiTrack's export belongs to
+  bool simulated = false;              // of any recording
+};
+
+struct ViewWandOptions {
+  WandSearchOptions search;
+  WandPositionOptions positions;
+  std::vector<std::pair<std::string, std::filesystem::path>> intrinsics = {};  // sensor and OpenCV file
+};
+
+// Finds where the wand was held. InputError names the sensor that has no depth or other images, the recording
+// with other sensors than the first, or the intrinsics file that cannot be this sensor's.
+WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const ViewWandOptions& options);
+
+// One entry a sensor.
+std::vector<bool> sensors_that_saw(const WandViews& views);
+
+// Leaves out places that only one sensor saw, which say nothing of where it stands beside the others, and
+// places nearer than 5 cm to the one before: a hand that drifts may make two rests of one place.
+void keep_useful_positions(WandViews& views);
+
+// How far the sensors saw the ball move from the first place to the second; nothing when none saw both.
+std::optional<double> seen_movement_m(const WandViews& views);
+
+}  // namespace trilat
