@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "datasets/base/check.h"
+
 namespace trilat {
 namespace {
 
@@ -42,13 +44,14 @@ void solve_rigid(const AlignmentSums& sums, Alignment& result) {
 }  // namespace
 
 std::string_view name_of(AlignmentKind kind) {
-  constexpr std::array<std::string_view, 4> kNames{"none", "first", "mean", "rigid"};
+  constexpr std::array<std::string_view, 6> kNames{"none",  "first",    "mean",
+                                                   "rigid", "held_out", "joint_offset"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::optional<AlignmentKind> alignment_from_name(std::string_view name) {
-  for (const auto kind :
-       {AlignmentKind::none, AlignmentKind::first, AlignmentKind::mean, AlignmentKind::rigid})
+  for (const auto kind : {AlignmentKind::none, AlignmentKind::first, AlignmentKind::mean,
+                          AlignmentKind::rigid, AlignmentKind::held_out, AlignmentKind::joint_offset})
     if (name_of(kind) == name) return kind;
   return std::nullopt;
 }
@@ -90,7 +93,7 @@ void AlignmentSums::merge(const AlignmentSums& later) {
 Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind) {
   Alignment result;
   result.pairs = sums.count();
-  if (sums.count() == 0 && kind != AlignmentKind::none) {
+  if (sums.count() == 0 && kind != AlignmentKind::none && kind != AlignmentKind::held_out) {
     result.status = AlignmentStatus::no_pairs;
     return result;
   }
@@ -102,6 +105,7 @@ Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind) {
   };
   switch (kind) {
     case AlignmentKind::none:
+    case AlignmentKind::held_out:
       translate(Eigen::Vector3d::Zero());
       break;
     case AlignmentKind::first:
@@ -113,6 +117,8 @@ Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind) {
     case AlignmentKind::rigid:
       solve_rigid(sums, result);
       break;
+    case AlignmentKind::joint_offset:
+      TRILAT_CHECK(false, "a joint's offset is no transform of the world");
   }
   return result;
 }

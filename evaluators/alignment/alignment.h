@@ -19,7 +19,16 @@ enum class AlignmentKind : std::uint8_t {
   first,  // movement relative to the first pair
   mean,   // movement relative to the mean: the paper's "relative movement"
   rigid,  // rotation and translation of least squares, no scale (Horn 1987)
+  // Of the part of a take that joint_offset does not learn from: as none, to compare with.
+  held_out,
+  // Each joint less what its mean error in the body's own frame was in the training part: what is left when
+  // a tracker's joint and the markers' are different points of the body.
+  joint_offset,
 };
+// Whether the alignment leaves the training part of a take out.
+constexpr bool is_trained(AlignmentKind kind) {
+  return kind == AlignmentKind::held_out || kind == AlignmentKind::joint_offset;
+}
 
 enum class AlignmentStatus : std::uint8_t {
   not_solved = 0,
@@ -68,7 +77,8 @@ struct Alignment {
   std::int64_t pairs = 0;
 };
 
-// none is the identity, and aligned even without pairs.
+// none and held_out are the identity, and aligned even without pairs. InternalError for joint_offset, which
+// is no transform of the world; see JointOffset.
 [[nodiscard]] Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind);
 
 }  // namespace trilat

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "datasets/base/philox.h"
+#include "evaluators/fusion/baselines.h"
+#include "evaluators/fusion/robust_fusion.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+JointObservation at(const Vector3d& point, TrackingState state = TrackingState::tracked,
+                    double range_m = 2.0) {
+  return {true, state, point, range_m};
+}
+
+Vector3d normal_vector(const RandomStream& random) {
+  return {random.normal(0), random.normal(1), random.normal(2)};
+}
+
+double sum_of_distances(const std::vector<JointObservation>& observations, const Vector3d& x) {
+  double sum = 0.0;
+  for (const JointObservation& o : observations) sum += (o.point_in_world_m - x).norm();
+  return sum;
+}
+
+TEST(WeightedMean, CountsInferredJointsForLess) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}, TrackingState::inferred)};
+  EXPECT_NEAR(solve_weighted_mean(seen, {.inferred_weight = 1.0 / 9.0}).position_m.x(), 0.1, 1e-15);
+  EXPECT_EQ(solve_weighted_mean(seen, {.inferred_weight = 0.0}).position_m, Vector3d::Zero());
+}
+
+TEST(WeightedMean, CountsByTheDepthNoiseAtTheRange) {
+  // head on, 1.5 - 0.5 z + 0.3 z^2 mm: 1.3 mm at 1 m, 4.3 mm at 4 m
+  const std::vector<JointObservation> seen{at({0, 0, 0}, TrackingState::tracked, 1.0),
+                                           at({1, 0, 0}, TrackingState::tracked, 4.0)};
+  const double near = 1.0 / (1.3 * 1.3), far = 1.0 / (4.3 * 4.3);
+  EXPECT_NEAR(solve_weighted_mean(seen, {}).position_m.x(), far / (near + far), 1e-12);
+  EXPECT_NEAR(solve_weighted_mean(seen, {.by_depth_noise = false}).position_m.x(), 0.5, 1e-15);
+}
+
+TEST(WeightedMean, OfNobodyIsNoObservation) {
+  EXPECT_EQ(solve_weighted_mean({}, {}).status, SolveStatus::no_observation);
+  const std::vector<JointObservation> inferred{at({1, 0, 0}, TrackingState::inferred)};
+  EXPECT_EQ(solve_weighted_mean(inferred, {.inferred_weight = 0.0}).status, SolveStatus::no_observation);
+}
+
+TEST(Median, LeavesNoNeighbourWithAShorterSum) {
+  for (std::uint64_t trial = 0; trial < 300; ++trial) {
+    std::vector<JointObservation> seen;
+    const std::size_t count = 3 + trial % 6;
+    for (std::size_t i = 0; i < count; ++i)
+      seen.push_back(at(normal_vector({7, Purpose::test, trial * 16 + i})));
+    const PointEstimate estimate = solve_median(seen, {});
+    ASSERT_TRUE(is_usable(estimate.status)) << trial;
+    const double least = sum_of_distances(seen, estimate.position_m);
+    for (const double step_m : {1e-2, 1e-4})
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double sign : {-1.0, 1.0}) {
+          const Vector3d neighbour = estimate.position_m + sign * step_m * Vector3d::Unit(axis);
+          EXPECT_LE(least, sum_of_distances(seen, neighbour) + 1e-12) << trial;
+        }
+  }
+}
+
+TEST(Median, StandsOnAPointThatOutweighsTheOthers) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({0, 1, 0}), at({-1, 0, 0}),
+                                           at({0, -1, 0})};
+  EXPECT_NEAR(solve_median(seen, {}).position_m.norm(), 0.0, 1e-9);
+}
+
+TEST(Median, OfTwoIsTheirMiddleAndOfOneItself) {
+  EXPECT_EQ(solve_median(std::vector{at({0, 0, 0}), at({2, 0, 0})}, {}).position_m, Vector3d(1, 0, 0));
+  EXPECT_EQ(solve_median(std::vector{at({3, 4, 5})}, {}).position_m, Vector3d(3, 4, 5));
+}
+
+TEST(RobustFusion, OneWrongSensorMovesTheMeanFarAndTheOthersLittle) {
+  std::vector<JointObservation> seen{at({0, 0, 0}), at({0.02, 0, 0}), at({-0.02, 0.01, 0}), at({0, 0, 0.6})};
+  EXPECT_NEAR(solve_mean(seen, {}).position_m.z(), 0.15, 1e-12);
+  EXPECT_LT(solve_median(seen, {}).position_m.norm(), 0.02);
+  EXPECT_LT(solve_robust_mean(seen, {}).position_m.norm(), 0.01);
+}
+
+TEST(RobustFusion, WithAWideScaleIsTheMean) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({0.1, 0, 0}), at({0, 0.1, 0.05})};
+  const PointEstimate mean = solve_mean(seen, {});
+  EXPECT_NEAR((solve_robust_mean(seen, {.scale_m = 1e4}).position_m - mean.position_m).norm(), 0.0, 1e-9);
+}
+
+TEST(RobustFusion, AllowsOnlyTheSensorsOfTheMask) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({2, 0, 0})};
+  EXPECT_EQ(solve_robust_mean(seen, {.allowed = SensorMask(0b100)}).position_m, Vector3d(2, 0, 0));
+  EXPECT_EQ(solve_median(seen, {.allowed = SensorMask(0b110)}).position_m, Vector3d(1.5, 0, 0));
+  EXPECT_EQ(solve_weighted_mean(seen, {.allowed = SensorMask(0b000)}).status, SolveStatus::no_observation);
+}
+
+TEST(RobustFusion, APointThatIsNotFiniteIsSaid) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({kNaN, 0, 0}), at({1, 0, 0})};
+  EXPECT_EQ(solve_median(seen, {}).status, SolveStatus::non_finite_input);
+  EXPECT_EQ(solve_robust_mean(seen, {}).status, SolveStatus::non_finite_input);
+  EXPECT_EQ(solve_weighted_mean(seen, {}).status, SolveStatus::non_finite_input);
+}
+
+}  // namespace
+}  // namespace trilat
