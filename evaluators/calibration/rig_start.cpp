@@ -2,7 +2,6 @@
 #include "evaluators/calibration/rig_start.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include <Eigen/Eigenvalues>

@@ -19,7 +19,7 @@ struct TimedSighting {
 };
 
 struct WandPositionOptions {
-  double still_radius_m = 0.010;  // all sightings of a rest are within this of their median
+  double still_radius_m = 0.010;  // all sightings of a rest are within this of the mean of the first
   Duration shortest_rest{500'000'000};
   Duration longest_gap{200'000'000};    // between two sightings of one rest
   Duration settling{100'000'000};       // taken off both ends of a rest

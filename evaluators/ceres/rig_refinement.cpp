@@ -9,7 +9,6 @@
 #include <memory_resource>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/covariance.h>
 #include <ceres/loss_function.h>
@@ -442,10 +441,10 @@ RigRefinement Refiner::run() {
   measure();
   for (int round = 0; round < options_.rejection_rounds; ++round) {
     const bool rejected = reject_worst();
+    if (!rejected && round > 0) break;  // solved without these already
     status = solve(false);
     if (status != RigStatus::converged) return result(status);
     measure();
-    if (!rejected && round > 0) break;
   }
   if (options_.covariances) {
     ceres::Problem ceres_problem;

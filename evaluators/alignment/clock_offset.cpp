@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/alignment/clock_offset.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "datasets/base/check.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNormal95 = 1.959963984540054;
+
+// One joint's truth on a regular grid: speed and position less what is slow; NaN where not covered.
+struct TruthGrid {
+  double start_s = 0.0, step_s = 0.0;
+  std::vector<double> speed_m_s;
+  std::vector<Vector3d> quick_m;
+
+  // Linear between two points of the grid; NaN outside.
+  template <class Value>
+  Value at(const std::vector<Value>& values, double time_s, const Value& none) const {
+    const double place = (time_s - start_s) / step_s;
+    if (!(place >= 0.0) || place + 1.0 >= static_cast<double>(values.size())) return none;
+    const auto k = static_cast<std::size_t>(place);
+    const double share = place - static_cast<double>(k);
+    return values[k] + share * (values[k + 1] - values[k]);
+  }
+  double speed_at(double time_s) const { return at(speed_m_s, time_s, kNaN); }
+  Vector3d quick_at(double time_s) const { return at<Vector3d>(quick_m, time_s, Vector3d::Constant(kNaN)); }
+  Vector3d rate_at(double time_s) const {
+    return (quick_at(time_s + step_s) - quick_at(time_s - step_s)) / (2.0 * step_s);
+  }
+};
+
+struct QuickMotion {
+  double speed_m_s = kNaN;
+  Vector3d quick_m = Vector3d::Constant(kNaN);
+};
+
+QuickMotion quick_motion(const PointPath& path, double time_s, const ClockOffsetOptions& options) {
+  const auto motion = local_motion(path, time_s, options.smooth_s, options.longest_gap_s);
+  if (!motion) return {};
+  const auto slow = local_motion(path, time_s, options.slow_s, options.longest_gap_s);
+  return {motion->velocity_m_s.norm(),
+          slow ? Vector3d(motion->position_m - slow->position_m) : Vector3d::Constant(kNaN)};
+}
+
+TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
+  TruthGrid grid;
+  grid.step_s = 1.0 / options.grid_hz;
+  if (path.time_s.empty()) return grid;
+  grid.start_s = path.time_s.front();
+  const auto count = static_cast<std::size_t>((path.time_s.back() - grid.start_s) * options.grid_hz) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const QuickMotion motion =
+        quick_motion(path, grid.start_s + static_cast<double>(k) * grid.step_s, options);
+    grid.speed_m_s.push_back(motion.speed_m_s);
+    grid.quick_m.push_back(motion.quick_m);
+  }
+  return grid;
+}
+
+// One joint of both streams, ready to be compared.
+struct ComparedJoint {
+  std::vector<double> time_s;
+  std::vector<QuickMotion> estimate;
+  TruthGrid truth;
+};
+
+struct Correlation {
+  double value = kNaN;
+  double spread_m_s = 0.0;  // root mean square of the truth's speed about its mean
+};
+
+// Of the speeds at one offset.
+Correlation correlation(const ComparedJoint& joint, double offset_s) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
+    const double a = joint.estimate[i].speed_m_s, b = joint.truth.speed_at(joint.time_s[i] + offset_s);
+    if (!std::isfinite(a) || !std::isfinite(b)) continue;
+    n += 1.0;
+    x += a;
+    y += b;
+    xx += a * a;
+    yy += b * b;
+    xy += a * b;
+  }
+  if (n < 10.0) return {};
+  const double vx = xx - x * x / n, vy = yy - y * y / n;
+  return {vx > 0.0 && vy > 0.0 ? (xy - x * y / n) / std::sqrt(vx * vy) : kNaN,
+          std::sqrt(std::max(0.0, vy / n))};
+}
+
+struct Curve {
+  std::vector<double> value;  // mean over the joints that move, by step of the search
+  bool moves = false;
+};
+
+Curve search(const std::vector<ComparedJoint>& joints, int steps, const ClockOffsetOptions& options) {
+  Curve curve;
+  std::vector<bool> moving;
+  for (const ComparedJoint& joint : joints)
+    moving.push_back(correlation(joint, 0.0).spread_m_s >= options.least_speed_m_s);
+  curve.moves = std::count(moving.begin(), moving.end(), true) > 0;
+  for (int k = -steps; curve.moves && k <= steps; ++k) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      if (!moving[j]) continue;
+      const Correlation c = correlation(joints[j], static_cast<double>(k) / options.grid_hz);
+      if (!std::isfinite(c.value)) continue;
+      sum += c.value;
+      count += 1.0;
+    }
+    curve.value.push_back(count > 0.0 ? sum / count : -1.0);
+  }
+  return curve;
+}
+
+// What a block of time says about the offset: the normal equation of one unknown.
+struct Evidence {
+  double information = 0.0, gradient = 0.0;
+  void add(const Evidence& other) {
+    information += other.information;
+    gradient += other.gradient;
+  }
+};
+using Blocks = std::map<std::int64_t, Evidence>;
+
+double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_s) {
+  std::vector<double> sizes_m;
+  for (const ComparedJoint& joint : joints)
+    for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
+      const double size_m =
+          (joint.estimate[i].quick_m - joint.truth.quick_at(joint.time_s[i] + offset_s)).norm();
+      if (std::isfinite(size_m)) sizes_m.push_back(size_m);
+    }
+  if (sizes_m.empty()) return 0.0;
+  const auto middle = sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2);
+  std::nth_element(sizes_m.begin(), middle, sizes_m.end());
+  return *middle;
+}
+
+void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, double block_s,
+                  Blocks& blocks) {
+  for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
+    const double t = joint.time_s[i] + offset_s;
+    const Vector3d off = joint.estimate[i].quick_m - joint.truth.quick_at(t), rate = joint.truth.rate_at(t);
+    if (!off.allFinite() || !rate.allFinite()) continue;
+    const double weight = scale_m > 0.0 ? 1.0 / (1.0 + off.squaredNorm() / (4.0 * scale_m * scale_m)) : 1.0;
+    blocks[static_cast<std::int64_t>(std::floor(joint.time_s[i] / block_s))].add(
+        {weight * rate.squaredNorm(), weight * rate.dot(off)});
+  }
+}
+
+Evidence sum_of(const Blocks& blocks) {
+  Evidence sum;
+  for (const auto& [block, evidence] : blocks) sum.add(evidence);
+  return sum;
+}
+
+struct Refined {
+  double offset_s = kNaN, sigma_s = kNaN;
+};
+
+// Gauss-Newton on the positions, and the spread of what is found when each block is left out.
+Refined refine(std::span<const ComparedJoint> joints, double offset_s, const ClockOffsetOptions& options) {
+  const std::vector<ComparedJoint> all(joints.begin(), joints.end());
+  Blocks blocks;
+  for (int k = 0; k < 30; ++k) {
+    blocks.clear();
+    const double scale_m = residual_scale_m(all, offset_s);
+    for (const ComparedJoint& joint : all) add_evidence(joint, offset_s, scale_m, options.block_s, blocks);
+    const Evidence sum = sum_of(blocks);
+    if (!(sum.information > 0.0)) return {};
+    const double step_s = sum.gradient / sum.information;
+    offset_s += step_s;
+    if (std::abs(step_s) < 1e-9) break;
+  }
+  if (blocks.size() < 3) return {offset_s, kNaN};
+  const Evidence sum = sum_of(blocks);
+  const double n = static_cast<double>(blocks.size());
+  double squares = 0.0;
+  for (const auto& [block, evidence] : blocks) {
+    const double without = (sum.gradient - evidence.gradient) / (sum.information - evidence.information);
+    squares += without * without;
+  }
+  return {offset_s, std::sqrt((n - 1.0) / n * squares)};
+}
+
+// The highest point of the curve that is no neighbour of the best: behind a valley from it.
+double second_peak(const std::vector<double>& value, std::size_t best) {
+  double second = 0.0;
+  for (std::size_t k = 1; k + 1 < value.size(); ++k)
+    if (k != best && value[k] >= value[k - 1] && value[k] >= value[k + 1])
+      second = std::max(second, value[k]);
+  for (const std::size_t end : {std::size_t{0}, value.size() - 1}) {  // rising towards an end of the search
+    const std::size_t inner = end == 0 ? 1 : end - 1;
+    if (end != best && value[end] > value[inner]) second = std::max(second, value[end]);
+  }
+  return second;
+}
+
+std::vector<ComparedJoint> part_of(const std::vector<ComparedJoint>& joints, double from_s, double to_s) {
+  std::vector<ComparedJoint> part;
+  for (const ComparedJoint& joint : joints) {
+    ComparedJoint piece{{}, {}, joint.truth};
+    for (std::size_t i = 0; i < joint.time_s.size(); ++i)
+      if (joint.time_s[i] >= from_s && joint.time_s[i] < to_s) {
+        piece.time_s.push_back(joint.time_s[i]);
+        piece.estimate.push_back(joint.estimate[i]);
+      }
+    part.push_back(std::move(piece));
+  }
+  return part;
+}
+
+void find_drift(const std::vector<ComparedJoint>& joints, const ClockOffsetOptions& options,
+                ClockOffset& result) {
+  double from_s = std::numeric_limits<double>::infinity(), to_s = -from_s;
+  for (const ComparedJoint& joint : joints)
+    if (!joint.time_s.empty()) {
+      from_s = std::min(from_s, joint.time_s.front());
+      to_s = std::max(to_s, joint.time_s.back());
+    }
+  const double third_s = (to_s - from_s) / 3.0;
+  const Refined first = refine(part_of(joints, from_s, from_s + third_s), result.offset_s, options);
+  const Refined last = refine(part_of(joints, to_s - third_s, to_s + 1.0), result.offset_s, options);
+  result.drift_ppm = 1e6 * (last.offset_s - first.offset_s) / (2.0 * third_s);
+  result.drift_sigma_ppm = 1e6 * std::hypot(first.sigma_s, last.sigma_s) / (2.0 * third_s);
+}
+
+}  // namespace
+
+std::string_view name_of(ClockOffsetStatus status) {
+  constexpr std::array<std::string_view, 7> kNames{
+      "not_solved", "found", "too_little_motion", "no_agreement", "ambiguous", "at_limit", "too_uncertain"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
+
+ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<const PointPath> truth,
+                              const ClockOffsetOptions& options) {
+  TRILAT_CHECK(estimate.size() == truth.size(), "both streams hold the same joints");
+  std::vector<ComparedJoint> joints;
+  for (std::size_t j = 0; j < estimate.size(); ++j) {
+    ComparedJoint joint{estimate[j].time_s, {}, grid_of(truth[j], options)};
+    for (const double t : joint.time_s) joint.estimate.push_back(quick_motion(estimate[j], t, options));
+    joints.push_back(std::move(joint));
+  }
+  ClockOffset result;
+  const int steps = static_cast<int>(std::lround(options.search_s * options.grid_hz));
+  const Curve curve = search(joints, steps, options);
+  const auto end_with = [&](ClockOffsetStatus status) {
+    result.status = status;
+    return result;
+  };
+  if (!curve.moves) return end_with(ClockOffsetStatus::too_little_motion);
+  const auto best = static_cast<std::size_t>(std::max_element(curve.value.begin(), curve.value.end()) -
+                                             curve.value.begin());
+  result.peak = curve.value[best];
+  if (!(result.peak >= options.least_peak)) return end_with(ClockOffsetStatus::no_agreement);
+  result.second = second_peak(curve.value, best) / result.peak;
+  if (best == 0 || best + 1 == curve.value.size()) return end_with(ClockOffsetStatus::at_limit);
+  if (result.second > options.largest_second) return end_with(ClockOffsetStatus::ambiguous);
+  const double start_s = (static_cast<double>(best) - steps) / options.grid_hz;
+  const Refined refined = refine(joints, start_s, options);
+  result.sigma_s = refined.sigma_s;
+  if (!(refined.sigma_s <= options.largest_sigma_s) || std::abs(refined.offset_s - start_s) > 0.1)
+    return end_with(ClockOffsetStatus::too_uncertain);
+  result.offset_s = refined.offset_s;
+  result.low_s = refined.offset_s - kNormal95 * refined.sigma_s;
+  result.high_s = refined.offset_s + kNormal95 * refined.sigma_s;
+  for (const ComparedJoint& joint : joints)
+    result.joint_offset_s.push_back(refine(std::span(&joint, 1), refined.offset_s, options).offset_s);
+  find_drift(joints, options, result);
+  return end_with(ClockOffsetStatus::found);
+}
+
+}  // namespace trilat
