@@ -12,12 +12,12 @@ constexpr std::size_t kFramesAtOnce = 32;  // 14 MB
 
 SyntheticDepthSource::SyntheticDepthSource(SensorSpec spec, SimulatedItem item, Motion motion,
                                            std::vector<SimulatedSensor> sensors, double duration_s,
-                                           SyntheticDepth depth)
+                                           SyntheticDepth depth, std::optional<SyntheticTracker> tracker)
     : spec_(spec),
       item_(item),
       sensors_(std::move(sensors)),
       depth_(std::move(depth)),
-      bodies_(spec, item, std::move(motion), sensors_, duration_s),
+      bodies_(spec, item, std::move(motion), sensors_, duration_s, std::move(tracker)),
       header_(bodies_.header()) {
   for (SensorDescription& sensor : header_.sensors) sensor.has_depth = true;
   for (const SimulatedSensor& sensor : sensors_)

@@ -4,17 +4,22 @@
 namespace trilat {
 
 SyntheticSource::SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion,
-                                 std::vector<SimulatedSensor> sensors, double duration_s)
+                                 std::vector<SimulatedSensor> sensors, double duration_s,
+                                 std::optional<SyntheticTracker> tracker)
     : spec_(spec),
       item_(item),
       motion_(std::move(motion)),
       sensors_(std::move(sensors)),
       duration_s_(duration_s),
+      tracker_(std::move(tracker)),
       next_frame_(sensors_.size(), 0),
       next_exchange_(sensors_.size(), 0) {
   header_.simulated = true;
   header_.note = "simulated";
   for (const SimulatedSensor& sensor : sensors_) header_.sensors.push_back(description_of(sensor, spec_));
+  if (!tracker_) return;
+  for (const SimulatedSensor& sensor : sensors_)
+    trackers_.emplace_back(tracker_->spec, spec_, sensor, item_, 1 + tracker_->bystanders.size());
 }
 
 std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
@@ -26,12 +31,25 @@ std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
   return SourceEvent{sensor, simulate_exchange(sensors_[sensor], spec_, item_, number)};
 }
 
+std::optional<BodyFrame> SyntheticSource::simulate(std::size_t sensor, std::uint64_t frame) {
+  if (!tracker_) return simulate_body_frame(sensors_[sensor], spec_, item_, motion_, frame);
+  // the tracker also sees frames that are lost on their way
+  const double time_s = (exposure_of(sensors_[sensor], spec_, frame) - kMotionStart).seconds();
+  std::vector<SkeletonPose> poses{motion_(time_s)};
+  for (const Motion& bystander : tracker_->bystanders) poses.push_back(bystander(time_s));
+  TrackedFrame tracked = trackers_[sensor].observe(frame, poses);
+  std::optional<BodyFrame> result = simulate_empty_frame(sensors_[sensor], spec_, item_, frame);
+  if (!result) return std::nullopt;
+  result->bodies = std::move(tracked.bodies);
+  if (tracker_->on_truth) tracker_->on_truth(sensor, tracked.truth);
+  return result;
+}
+
 std::optional<SourceEvent> SyntheticSource::frame_of(std::size_t sensor) {
   while (exposure_of(sensors_[sensor], spec_, next_frame_[sensor]) - kMotionStart <=
          duration_from_s(duration_s_)) {
     const std::uint64_t frame = next_frame_[sensor]++;
-    if (auto result = simulate_body_frame(sensors_[sensor], spec_, item_, motion_, frame))
-      return SourceEvent{sensor, std::move(*result)};
+    if (auto result = simulate(sensor, frame)) return SourceEvent{sensor, std::move(*result)};
   }
   return std::nullopt;
 }

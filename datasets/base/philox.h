@@ -34,6 +34,14 @@ enum class Purpose : std::uint32_t {
   wand_motion = 16,
   wand_sample = 17,
   calibration_trial = 18,
+  tracker_bias = 19,
+  tracker_wander = 20,
+  tracker_jitter = 21,
+  tracker_jump = 22,
+  tracker_hidden = 23,
+  tracker_exchange = 24,
+  tracker_identity = 25,
+  bystander = 26,
 };
 
 // Random numbers as a pure function of (seed, purpose, item, index): no state, no order, no thread.

@@ -54,16 +54,31 @@ void append_room(DepthScene& scene, const RoomSpec& room, const Vector3d& centre
   }
 }
 
-void append_person(DepthScene& scene, const SkeletonPose& pose) {
+std::vector<BodySurface> surfaces_of(const SkeletonPose& pose) {
+  std::vector<BodySurface> surfaces;
+  surfaces.reserve(kJointCount);
   for (const Joint end : kJointsRootFirst) {
     const auto parent = parent_of(end);
-    if (!parent || !pose.present[static_cast<std::size_t>(end)] ||
-        !pose.present[static_cast<std::size_t>(*parent)])
-      continue;
-    scene.capsules.push_back({pose.at(*parent), pose.at(end), bone_radius_m(end)});
+    if (parent && pose.present[static_cast<std::size_t>(end)] &&
+        pose.present[static_cast<std::size_t>(*parent)])
+      surfaces.push_back({*parent, end, bone_radius_m(end)});
   }
   if (pose.present[static_cast<std::size_t>(Joint::head)])
-    scene.spheres.push_back({pose.at(Joint::head), kHeadRadius_m});
+    surfaces.push_back({Joint::head, Joint::head, kHeadRadius_m});
+  return surfaces;
+}
+
+void append_person(DepthScene& scene, const SkeletonPose& pose) {
+  for (const BodySurface& part : surfaces_of(pose))
+    if (part.parent == part.end)
+      scene.spheres.push_back({pose.at(part.end), part.radius_m});
+    else
+      scene.capsules.push_back({pose.at(part.parent), pose.at(part.end), part.radius_m});
+}
+
+double radius_at(Joint joint) {
+  return joint == Joint::head ? kHeadRadius_m
+                              : bone_radius_m(joint == Joint::spine_base ? Joint::spine_mid : joint);
 }
 
 void append_wand(DepthScene& scene, const Vector3d& ball_in_world_m, const Vector3d& stick_direction,

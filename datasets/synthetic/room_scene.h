@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "datasets/synthetic/depth_scene.h"
 #include "datasets/synthetic/motion.h"
 
@@ -14,8 +16,17 @@ struct RoomSpec {
 };
 void append_room(DepthScene& scene, const RoomSpec& room, const Eigen::Vector3d& centre_in_world_m);
 
+// A part of a person's surface: a capsule about a bone, or, with both ends the same, a sphere about a joint.
+struct BodySurface {
+  Joint parent, end;
+  double radius_m;
+};
 // A capsule for every bone whose ends are present and a sphere for the head.
+std::vector<BodySurface> surfaces_of(const SkeletonPose& pose);
 void append_person(DepthScene& scene, const SkeletonPose& pose);
+
+// About how thick the body is at a joint.
+double radius_at(Joint joint);
 
 // A ball on a stick, which starts in the ball's centre.
 struct WandShape {

@@ -26,14 +26,6 @@ double exponential(const RandomStream& random, std::uint32_t index, double mean)
   return -mean * std::log(random.uniform(index));
 }
 
-bool is_seen(const SimulatedSensor& sensor, const SensorSpec& spec,
-             const Eigen::Vector3d& point_in_sensor_m) {
-  if (point_in_sensor_m.z() < spec.nearest_m || point_in_sensor_m.z() > spec.farthest_m) return false;
-  const auto pixel = project(sensor.intrinsics, point_in_sensor_m);
-  return pixel && pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() <= sensor.intrinsics.width_px - 1.0 &&
-         pixel->y() <= sensor.intrinsics.height_px - 1.0;
-}
-
 struct ObservedJoint {
   Eigen::Vector3d point_in_sensor_m;
   TrackingState state;
@@ -42,7 +34,7 @@ struct ObservedJoint {
 ObservedJoint observe(const SimulatedSensor& sensor, const SensorSpec& spec, const SimulatedItem& item,
                       const Eigen::Vector3d& point_in_world_m, std::uint64_t joint, std::uint64_t frame) {
   const Eigen::Vector3d truth = sensor.pose.world_from_sensor.inverse() * point_in_world_m;
-  if (!is_seen(sensor, spec, truth)) return {Eigen::Vector3d::Zero(), TrackingState::not_tracked};
+  if (!is_in_view(sensor, spec, truth)) return {Eigen::Vector3d::Zero(), TrackingState::not_tracked};
   const auto stretch =
       static_cast<std::uint64_t>(static_cast<double>(frame) / (spec.rate_hz * kInferredStretch_s));
   const bool inferred =
@@ -56,6 +48,14 @@ ObservedJoint observe(const SimulatedSensor& sensor, const SensorSpec& spec, con
 }
 
 }  // namespace
+
+bool is_in_view(const SimulatedSensor& sensor, const SensorSpec& spec,
+                const Eigen::Vector3d& point_in_sensor_m) {
+  if (point_in_sensor_m.z() < spec.nearest_m || point_in_sensor_m.z() > spec.farthest_m) return false;
+  const auto pixel = project(sensor.intrinsics, point_in_sensor_m);
+  return pixel && pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() <= sensor.intrinsics.width_px - 1.0 &&
+         pixel->y() <= sensor.intrinsics.height_px - 1.0;
+}
 
 SimulatedSensor draw_sensor(const SensorSpec& spec, const SimulatedItem& item, std::uint64_t index,
                             const SensorPose& pose) {
@@ -107,9 +107,8 @@ HostTime exposure_of(const SimulatedSensor& sensor, const SensorSpec& spec, std:
   return sensor.host_from_sensor({device_ticks_of(sensor, spec, frame) * kTick_ns});
 }
 
-std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
-                                             const SimulatedItem& item, const Motion& motion,
-                                             std::uint64_t frame) {
+std::optional<BodyFrame> simulate_empty_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
+                                              const SimulatedItem& item, std::uint64_t frame) {
   if (stream_of(item, Purpose::sensor_drop, sensor.index, 0, frame).uniform(0) < spec.dropped_share)
     return std::nullopt;
   const HostTime exposure = exposure_of(sensor, spec, frame);
@@ -124,6 +123,15 @@ std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, cons
       sensor.pose.world_from_sensor.rotation.conjugate() * Eigen::Vector3d::UnitY();
   result.floor_plane = {static_cast<float>(up_in_sensor.x()), static_cast<float>(up_in_sensor.y()),
                         static_cast<float>(up_in_sensor.z()), height_m};
+  return result;
+}
+
+std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
+                                             const SimulatedItem& item, const Motion& motion,
+                                             std::uint64_t frame) {
+  std::optional<BodyFrame> result = simulate_empty_frame(sensor, spec, item, frame);
+  if (!result) return std::nullopt;
+  const HostTime exposure = exposure_of(sensor, spec, frame);
   const SkeletonPose pose = motion((exposure - kMotionStart).seconds());
   Body body;
   // as the SDK does, ids above 2^56; a person keeps the id for the take
@@ -138,7 +146,7 @@ std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, cons
     for (int axis = 0; axis < 3; ++axis)
       body.position_m[j][static_cast<std::size_t>(axis)] = static_cast<float>(joint.point_in_sensor_m[axis]);
   }
-  if (seen) result.bodies.push_back(body);
+  if (seen) result->bodies.push_back(body);
   return result;
 }
 

@@ -38,8 +38,17 @@ SensorDescription description_of(const SimulatedSensor& sensor, const SensorSpec
 // Exposure of frame number `frame` on the true host clock.
 HostTime exposure_of(const SimulatedSensor& sensor, const SensorSpec& spec, std::uint64_t frame);
 
-// The frame as the recorder would get it, or nothing when it was dropped. Joints outside the image or the
-// range are not tracked; a share of stretches is inferred. (Body-shape occlusion is not simulated here.)
+// Whether a point lies in the sensor's image and range.
+bool is_in_view(const SimulatedSensor& sensor, const SensorSpec& spec,
+                const Eigen::Vector3d& point_in_sensor_m);
+
+// A frame with stamps and floor but without bodies, or nothing when it was dropped.
+std::optional<BodyFrame> simulate_empty_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
+                                              const SimulatedItem& item, std::uint64_t frame);
+
+// The frame as the recorder would get it, or nothing when it was dropped, by the plain model: fixed bias and
+// white noise. Joints outside the image or the range are not tracked; a share of stretches is inferred. (See
+// BodyTracker for occlusion and all else.)
 std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
                                              const SimulatedItem& item, const Motion& motion,
                                              std::uint64_t frame);

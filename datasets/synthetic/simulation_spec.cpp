@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/json_ranges.h"
 #include "datasets/base/units.h"
+#include "datasets/synthetic/bystanders.h"
 
 namespace trilat {
 namespace {
@@ -136,6 +137,10 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     spec.activities.push_back({Activity::walking, 35.0, default_marker_joints(Activity::walking)});
   if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
+  if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object.object("body_tracker"));
+  spec.bystanders = count_within(object, "bystanders", spec.bystanders, 0, kMostBystanders);
+  if (spec.bystanders > 0 && !spec.body_tracker)
+    object.refuse("bystanders", "are seen by nobody without \"body_tracker\": {} beside it");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
   if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));

@@ -12,6 +12,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"
+#include "datasets/synthetic/body_tracker_spec.h"
 #include "datasets/synthetic/depth_spec.h"
 #include "datasets/synthetic/generated_person.h"
 
@@ -26,8 +27,8 @@ struct RigSpec {
   std::optional<Eigen::Vector3d> centre_m;  // default: (0, 1, 0), or the middle of a real take's assets
 };
 
-// The virtual sensor and its body tracker. Every value is a declared assumption; sources in README.md.
-// Nothing is tuned to the paper's tables.
+// The virtual sensor and, where there is no BodyTrackerSpec, its body tracker. Every value is a declared
+// assumption; sources in README.md. Nothing is tuned to the paper's tables.
 struct SensorSpec {
   double rate_hz = 30.0;
   double nearest_m = 0.5;
@@ -80,6 +81,8 @@ struct SimulationSpec {
   std::optional<RecordedSpec> recorded;
   RigSpec rig;
   SensorSpec sensor;
+  std::optional<BodyTrackerSpec> body_tracker;  // of takes; none: the plain model in `sensor`
+  std::uint64_t bystanders = 0;                 // with body_tracker only
   MocapSpec mocap;
   RoomSpec room;
   DepthSpec depth;

@@ -45,6 +45,11 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
+  if (entry.has("tracker_truth")) {
+    const std::string truth = entry.text("tracker_truth");
+    if (truth.empty()) entry.refuse("tracker_truth", "must name a file, or be left out");
+    take.tracker_truth = folder / truth;
+  }
   entry.finish();
   return take;
 }
@@ -107,7 +112,7 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
   const auto inside = [&](const std::filesystem::path& path) {
     return std::filesystem::relative(path, folder).generic_string();
   };
-  for (const Take& take : campaign.takes)
+  for (const Take& take : campaign.takes) {
     takes.push_back({{"id", take.id},
                      {"participant", take.participant},
                      {"activity", take.activity},
@@ -116,6 +121,8 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
                      {"mocap", inside(take.mocap)},
                      {"mapping", inside(take.mapping)},
                      {"mocap_start_host_ns", take.mocap_start_host_ns}});
+    if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
+  }
   write_file(folder / "campaign.json", Json{{"format", kCampaignFormat},
                                             {"version", 1},
                                             {"name", campaign.name},

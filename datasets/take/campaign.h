@@ -39,6 +39,8 @@ struct Take {
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first
   // frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
+  // What the simulator knows about the body tracker; empty when there is none.
+  std::filesystem::path tracker_truth{};
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the

@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/synthetic/bystanders.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "pipeline/cli/simulate_wand.h"
@@ -74,13 +75,14 @@ void copy_recorded(const std::filesystem::path& from, const std::filesystem::pat
   publish_file(partial, to);
 }
 
-// The person in the room as the sensors see them at one time of the take.
+// The persons in the room as the sensors see them at one time of the take.
 SceneMotion scene_of(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                     const Eigen::Vector3d& rig_centre_m) {
-  return [&spec, &plan, rig_centre_m](double time_s) {
+                     const std::vector<Motion>& bystanders, const Eigen::Vector3d& rig_centre_m) {
+  return [&spec, &plan, &bystanders, rig_centre_m](double time_s) {
     DepthScene scene;
     append_room(scene, spec.room, rig_centre_m);
     append_person(scene, plan.motion(time_s));
+    for (const Motion& bystander : bystanders) append_person(scene, bystander(time_s));
     return scene;
   };
 }
@@ -149,6 +151,35 @@ class JointProgress {
   std::mutex mutex_;
 };
 
+void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
+                 const std::vector<SimulatedSensor>& sensors, const std::filesystem::path& session,
+                 const std::filesystem::path& tracker_truth, const SimulationWatch& watch) {
+  const std::vector<Motion> bystanders =
+      bystander_motions(plan.item.seed, plan.item.take, spec.bystanders, rig.centre_m, spec.stature_mean_m,
+                        spec.stature_half_range_m);
+  std::optional<TrackerTruthWriter> truth;
+  std::optional<SyntheticTracker> tracker;
+  if (!tracker_truth.empty()) {
+    std::vector<std::string> names;
+    for (const SimulatedSensor& sensor : sensors) names.push_back(sensor.pose.name);
+    truth.emplace(tracker_truth, names);
+    tracker = SyntheticTracker{*spec.body_tracker, bystanders,
+                               [&](std::size_t sensor, const TrackerTruth& t) { truth->append(sensor, t); }};
+  }
+  RecordOptions options;
+  options.stop_requested = watch.stop_requested;
+  if (spec.depth.takes) {
+    SyntheticDepthSource source =
+        watched_depth_source(spec, plan.item, plan.motion, sensors, plan.duration_s,
+                             scene_of(spec, plan, bystanders, rig.centre_m), watch, std::move(tracker));
+    record(source, session, options);
+  } else {
+    SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker));
+    record(source, session, options);
+  }
+  if (truth) truth->finish();
+}
+
 }  // namespace
 
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
@@ -158,16 +189,8 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
   std::vector<SimulatedSensor> sensors;
   for (const SensorPose& pose : rig.poses)
     sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
-  RecordOptions options;
-  options.stop_requested = watch.stop_requested;
-  if (spec.depth.takes) {
-    SyntheticDepthSource source = watched_depth_source(spec, plan.item, plan.motion, sensors, plan.duration_s,
-                                                       scene_of(spec, plan, rig.centre_m), watch);
-    record(source, folder / "session.h5", options);
-  } else {
-    SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s);
-    record(source, folder / "session.h5", options);
-  }
+  const std::filesystem::path tracker_truth = spec.body_tracker ? folder / "tracker_truth.h5" : "";
+  record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
   if (plan.recorded_mocap.empty()) {
     write_mocap(spec, plan, folder, watch.stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
@@ -179,8 +202,9 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
   const Json truth =
       simulated_truth(plan.item, sensors, error, spec.depth.takes ? &spec.depth.noise : nullptr);
   write_file(folder / "truth.json", truth.dump(2) + "\n");
-  return {plan.id,     plan.participant,     plan.activity,           folder / "session.h5",
-          calibration, folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns};
+  return {plan.id,      plan.participant,     plan.activity,           folder / "session.h5",
+          calibration,  folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns,
+          tracker_truth};
 }
 
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,

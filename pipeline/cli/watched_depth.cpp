@@ -10,8 +10,8 @@ namespace trilat {
 
 SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
                                           const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene,
-                                          const SimulationWatch& watch) {
+                                          double duration_s, SceneMotion scene, const SimulationWatch& watch,
+                                          std::optional<SyntheticTracker> tracker) {
   const double expected =
       std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
   const ForEach for_each = [watch, expected, done = 0.0](
@@ -23,7 +23,9 @@ SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const Simu
     done += static_cast<double>(count);
     if (watch.progress) watch.progress(std::min(1.0, done / expected));
   };
-  return {spec.sensor, item, motion, sensors, duration_s, {std::move(scene), spec.depth.noise, for_each}};
+  return {spec.sensor,       item,       motion,
+          sensors,           duration_s, {std::move(scene), spec.depth.noise, for_each},
+          std::move(tracker)};
 }
 
 }  // namespace trilat

@@ -17,6 +17,7 @@ struct SimulationWatch {
 // A source with depth that renders on all processors, tells how far it is and ends by Interrupted.
 SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
                                           const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene, const SimulationWatch& watch);
+                                          double duration_s, SceneMotion scene, const SimulationWatch& watch,
+                                          std::optional<SyntheticTracker> tracker = {});
 
 }  // namespace trilat

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/skeleton/skeleton.h"
+
+namespace trilat {
+
+// Joints for which the body tracker's errors are of one size; left and right pooled. The spine's joints and
+// the neck are the trunk; thumbs go with the hand tips.
+enum class TrackerGroup { trunk, head, shoulder, elbow, wrist, hand, hand_tip, hip, knee, ankle, foot };
+inline constexpr std::size_t kTrackerGroups = 11;
+TrackerGroup tracker_group_of(Joint joint);
+std::string_view name_of(TrackerGroup group);
+
+// How a Kinect's body tracker differs from the truth; 0 switches any of it off. Sigmas are per axis. Defaults
+// and their sources are in body_tracker.json.
+struct BodyTrackerSpec {
+  using Groups = std::array<double, kTrackerGroups>;
+  Groups bias_sigma_m{};          // systematic, both parts together
+  Groups jitter_sigma_m{};        // white
+  Groups wander_sigma_m{};        // AR(1) …
+  Groups wander_time_s{};         // … whose correlation falls by e in this time
+  Groups jump_rate_per_minute{};  // of one joint
+  double viewpoint_share = 0.0;   // of the bias' variance; the rest is fixed in the body's own frame
+  double lag_s = 0.0;             // time constant of a first-order filter
+  double jump_size_m = 0.0;
+  double jump_duration_s = 0.0;
+  double least_visible_share = 0.0;          // a joint of which less is visible is hidden
+  double inferred_noise_increase = 0.0;      // wander and jitter of hidden joints: times 1 + this
+  double inferred_error_sigma_m = 0.0;       // constant while hidden
+  double hidden_as_tracked_share = 0.0;      // of hidden stretches that are said to be tracked
+  double back_view_angle_rad = 0.0;          // body's forward to the sensor; beyond, the back is seen …
+  double back_view_hysteresis_rad = 0.0;     // … until the angle is so much smaller again
+  double exchanged_share = 0.0;              // of stretches seen from behind: left and right exchanged
+  double identity_changes_per_minute = 0.0;  // without reason, of one person
+};
+
+// All values at 0: the tracker is exact.
+BodyTrackerSpec exact_body_tracker();
+// The declared defaults.
+const BodyTrackerSpec& default_body_tracker();
+// The object "body_tracker" of simulation.json: what it does not name stays as declared. A value of groups is
+// one number for all or an object of some groups' numbers.
+BodyTrackerSpec read_body_tracker(JsonObject object);
+
+// A declared value as text, with what it rests on; a value that is not the default says that it was set.
+struct TrackerParameter {
+  std::string name, value, unit, source;
+};
+std::vector<TrackerParameter> tracker_parameters(const BodyTrackerSpec& spec);
+
+}  // namespace trilat

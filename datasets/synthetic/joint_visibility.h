@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <bitset>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "datasets/geometry/depth_camera.h"
+#include "datasets/geometry/rigid_transform.h"
+#include "datasets/synthetic/motion.h"
+
+namespace trilat {
+
+// Which joints a depth sensor can see: it looks along a few pixels about each joint, at the same surfaces
+// that append_person() gives the depth renderer, and asks whose is the first. One object a sensor and thread:
+// it keeps the rays of pixels it was asked for.
+//
+// A joint's own surfaces are the bones that end or start at it; for the head and the neck also the head's
+// sphere; for the wrist, hand, hand tip and thumb of one side all bones between them; for shoulders and hips
+// also the piece of the spine that their bone comes from.
+class JointVisibility {
+ public:
+  explicit JointVisibility(const DepthIntrinsics& intrinsics);
+
+  // Whom the sensor sees from now on. Whether joints are inside the image is not asked here.
+  void set_persons(std::span<const SkeletonPose> poses, const RigidTransform& world_from_sensor);
+
+  // Depth of the nearest surface of any person along a pixel's ray; nothing where there is none.
+  std::optional<double> depth_m(int column, int row);
+
+  // Of the pixels about a joint that meet its own surfaces, the share that meets nothing else before: the
+  // middle and four, six tenths of the limb's radius away. 1 when none of them meets an own surface.
+  double visible_share(std::size_t person, Joint joint);
+
+  // Joints with a smaller visible share than that; 0 hides none.
+  std::bitset<kJointCount> hidden_joints(std::size_t person, double least_visible_share);
+
+ private:
+  struct Ray {
+    float x, y;
+  };
+  struct Surface {
+    Eigen::Vector3d from_m, axis_m;
+    double axis_m2, radius_m;
+    double x_low, x_high, y_low, y_high;  // no ray (x, y, 1) outside meets it
+    std::size_t person;
+    std::bitset<kJointCount> owners;
+  };
+  Ray ray_of(int column, int row);
+  void add_surface(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, double radius_m,
+                   std::size_t person, std::bitset<kJointCount> owners);
+  // The nearest depth of all surfaces and of one joint's own, infinite where none is met.
+  struct Nearest {
+    double any_m, own_m;
+  };
+  Nearest nearest(int column, int row, std::size_t person, Joint joint);
+
+  DepthIntrinsics intrinsics_;
+  std::vector<Ray> rays_;  // NaN until asked for
+  std::vector<SkeletonPose> in_sensor_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace trilat
