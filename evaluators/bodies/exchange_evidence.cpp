@@ -36,7 +36,7 @@ constexpr double kShapeMost = 8.0;
 constexpr double kNoWalk_m_s = 0.2, kWalk_m_s = 0.4, kWalkWeight = 8.0, kWalkHalfWindow_s = 0.25;
 // Cosine between the front by the labels and the direction to the sensor: from the first one down the labels
 // begin to say "seen from behind", below the second they surely do.
-constexpr double kMaybeBehind = -0.1, kSurelyBehind = -0.4, kBehindWeight = 24.0;
+constexpr double kMaybeBehind = -0.25, kSurelyBehind = -0.6, kBehindWeight = 24.0;
 
 double weight_of(const ObservedBody& body, Joint joint) {
   switch (body.state[static_cast<std::size_t>(joint)]) {
@@ -64,6 +64,24 @@ Vector3d bend_m(const ObservedBody& body, Joint upper, Joint middle, Joint lower
   return body.at(middle) - 0.5 * (body.at(upper) + body.at(lower));
 }
 
+struct Point {
+  Vector3d place_m = Vector3d::Zero();
+  double weight = 0.0;
+};
+
+// Of those joints that are there, in the sensor's frame; weight 1 when all are tracked.
+Point mean_of(const ObservedBody& body, const std::array<Joint, 4>& joints) {
+  Point mean;
+  for (const Joint joint : joints) {
+    const double weight = weight_of(body, joint);
+    mean.place_m += weight * body.at(joint);
+    mean.weight += weight;
+  }
+  if (mean.weight > 0.0) mean.place_m /= mean.weight;
+  mean.weight /= static_cast<double>(joints.size());
+  return mean;
+}
+
 // The direction in which the body's shape says that it looks, in the sensor's frame: a sum of vectors whose
 // product with the true forward is the logarithm of the odds of that forward against its opposite. Left and
 // right legs and arms are treated alike, so that an exchange changes nothing.
@@ -82,9 +100,10 @@ Vector3d forward_of_shape(const ObservedBody& body) {
         bend_m(body, side(hip_left), side(knee_left), side(ankle_left)));
     add(kElbow, -1.0, weight(shoulder_left) * weight(elbow_left) * weight(wrist_left),
         bend_m(body, side(shoulder_left), side(elbow_left), side(wrist_left)));
-    add(kHands, 1.0, weight(shoulder_left) * weight(elbow_left) * weight(wrist_left) * weight(hand_left),
-        0.5 * (body.at(side(wrist_left)) + body.at(side(hand_left)) - body.at(side(shoulder_left)) -
-               body.at(side(elbow_left))));
+    const Point hand =
+        mean_of(body, {side(wrist_left), side(hand_left), side(hand_tip_left), side(thumb_left)});
+    add(kHands, 1.0, weight(shoulder_left) * weight(elbow_left) * hand.weight,
+        hand.place_m - 0.5 * (body.at(side(shoulder_left)) + body.at(side(elbow_left))));
   }
   return sum;
 }
@@ -116,9 +135,9 @@ ExchangeEvidence ExchangeEvidenceSource::next() {
       double sum = 0.0;
       for (std::size_t p = 0; p < kPairs; ++p)
         if (const double weight = sides[a].weight[p] * sides[b].weight[p]; weight > 0.0)
-          sum += clamped(weight / kAlikeScale_m2 *
-                             sides[a].left_from_right_m[p].dot(sides[b].left_from_right_m[p]),
-                         kAlikeMost);
+          sum += clamped(
+              weight / kAlikeScale_m2 * sides[a].left_from_right_m[p].dot(sides[b].left_from_right_m[p]),
+              kAlikeMost);
       evidence.alike[a][b] = evidence.alike[b][a] = sum;
     }
   }
@@ -179,8 +198,8 @@ double ExchangeEvidenceSource::labels_right(std::size_t sensor, const Sides& now
   const Joint left = has_shoulders ? shoulder_left : hip_left;
   const Vector3d to_sensor = -level(rotation * (body.at(left) + body.at(mirror_of(left))));
   if (to_sensor.norm() > 0.0)
-    sum +=
-        kBehindWeight * ramp(-forward.dot(to_sensor.normalized()), -kMaybeBehind, -kSurelyBehind);
+    sum += std::min(weight, 1.0) * kBehindWeight *
+           ramp(-forward.dot(to_sensor.normalized()), -kMaybeBehind, -kSurelyBehind);
   return sum * options_.instant_s / options_.evidence_time_s;
 }
 
@@ -206,8 +225,9 @@ Vector3d ExchangeEvidenceSource::walking_direction() const {
   const Vector3d velocity_m_s =
       level(sum_m) / (count * static_cast<double>(last - first) * options_.instant_s);
   const double speed_m_s = velocity_m_s.norm();
-  return speed_m_s > kNoWalk_m_s ? Vector3d(velocity_m_s / speed_m_s * ramp(speed_m_s, kNoWalk_m_s, kWalk_m_s))
-                                 : Vector3d(Vector3d::Zero());
+  return speed_m_s > kNoWalk_m_s
+             ? Vector3d(velocity_m_s / speed_m_s * ramp(speed_m_s, kNoWalk_m_s, kWalk_m_s))
+             : Vector3d(Vector3d::Zero());
 }
 
 }  // namespace trilat

@@ -19,8 +19,8 @@ namespace trilat {
 // nothing.
 struct ExchangeEvidence {
   std::array<bool, kMaxSensors> seen{};
-  // For the labels as they are and against an exchange: toes, knees and elbows, the way of walking, and that a
-  // person whose labels say "seen from behind" is.
+  // For the labels as they are and against an exchange: toes, knees and elbows, the way of walking, and that
+  // a person whose labels say "seen from behind" is.
   std::array<double, kMaxSensors> labels_right{};
   // That the sensor is in the same state (exchanged or not) as when it last saw the same joints.
   std::array<double, kMaxSensors> as_before{};

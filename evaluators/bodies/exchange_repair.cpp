@@ -60,6 +60,15 @@ bool has_any(const ObservedBody& body) {
                      [](TrackingState state) { return state != TrackingState::not_tracked; });
 }
 
+// What speaks for this course of exchanges against its opposite, in which each sensor is exchanged where it
+// is not here: sensors that agree with each other and with themselves do so in both.
+double certainty_of(const ExchangeRepair& repair, std::span<const double> labels_right) {
+  double certainty = 0.0;
+  for (std::size_t i = 0; i < labels_right.size(); ++i)
+    certainty += repair.exchanged[i] ? -labels_right[i] : labels_right[i];
+  return certainty;
+}
+
 void count_stretches(const BodyTracks& tracks, ExchangeRepair& repair) {
   repair.stretches.assign(repair.sensors, 0);
   for (std::size_t a = 0; a < repair.sensors; ++a) {
@@ -84,12 +93,15 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
   const double reluctance = sensors == 1 ? options.reluctance_alone : options.reluctance;
   ExchangeEvidenceSource source(tracks, world_from_sensor, options);
   std::vector<std::uint8_t> origins(instants * states);
+  std::vector<double> labels_right;  // instants x sensors
   Costs total{}, costs;
   Origins origin;
   for (std::size_t i = 0; i < instants; ++i) {
     const ExchangeEvidence evidence = source.next();
     step(evidence, sensors, i == 0 ? 0.0 : options.switching_cost, total, origin);
     std::copy_n(origin.begin(), states, origins.begin() + static_cast<std::ptrdiff_t>(i * states));
+    labels_right.insert(labels_right.end(), evidence.labels_right.begin(),
+                        evidence.labels_right.begin() + static_cast<std::ptrdiff_t>(sensors));
     costs_of(evidence, sensors, reluctance, costs);
     for (std::size_t state = 0; state < states; ++state) total[state] += costs[state];
   }
@@ -98,6 +110,8 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
   for (std::size_t i = instants; i-- > 0; state = origins[i * states + state])
     for (std::size_t a = 0; a < sensors; ++a)
       repair.exchanged[i * sensors + a] = (state >> a & 1u) && has_any(tracks.at(i, a));
+  if (certainty_of(repair, labels_right) < options.least_certainty)
+    std::fill(repair.exchanged.begin(), repair.exchanged.end(), std::uint8_t{0});
   count_stretches(tracks, repair);
   return repair;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Generated persons as a ring of body trackers would see them, with errors like theirs and with left and right
-// exchanged where a sensor sees the back.
+// Generated persons as a ring of body trackers would see them, with errors like theirs and with left and
+// right exchanged where a sensor sees the back.
 #pragma once
 
 #include <algorithm>
@@ -62,7 +62,8 @@ inline Eigen::Vector3d bias_m(const TakeSpec& spec, std::size_t sensor, std::siz
   const RandomStream random = stream_of(spec, sensor, 1, joint);
   const double sigma_m = random.uniform(20, 0.03, 0.06);
   return sigma_m * std::sqrt(0.5) *
-         (normal3(random, 0) + std::cos(view_rad) * normal3(random, 3) + std::sin(view_rad) * normal3(random, 6));
+         (normal3(random, 0) + std::cos(view_rad) * normal3(random, 3) +
+          std::sin(view_rad) * normal3(random, 6));
 }
 
 inline bool is_upper(Joint joint) {
@@ -83,8 +84,9 @@ inline bool is_upper(Joint joint) {
 }
 
 // Joints on the side that the body hides are inferred half of the time, others one stretch in fifteen.
-inline TrackingState state_of(const TakeSpec& spec, const SkeletonPose& pose, const RigidTransform& pose_of_sensor,
-                              std::size_t sensor, std::size_t joint, std::size_t instant) {
+inline TrackingState state_of(const TakeSpec& spec, const SkeletonPose& pose,
+                              const RigidTransform& pose_of_sensor, std::size_t sensor, std::size_t joint,
+                              std::size_t instant) {
   if (spec.upper_body_only && !is_upper(static_cast<Joint>(joint))) return TrackingState::not_tracked;
   if (stream_of(spec, sensor, 90, instant / kStretch).uniform(0) < 0.02) return TrackingState::not_tracked;
   const RandomStream random = stream_of(spec, sensor, 100 + joint, instant / kStretch);
@@ -113,8 +115,9 @@ inline std::vector<bool> draw_exchanges(const TakeSpec& spec, std::size_t sensor
   for (std::size_t i = 0; i < spec.instants;) {  // shorter than half a second does not happen
     std::size_t end = i;
     while (end < spec.instants && exchanged[end]) ++end;
-    if (end > i && end - i < 15) std::fill(exchanged.begin() + static_cast<std::ptrdiff_t>(i),
-                                           exchanged.begin() + static_cast<std::ptrdiff_t>(end), false);
+    if (end > i && end - i < 15)
+      std::fill(exchanged.begin() + static_cast<std::ptrdiff_t>(i),
+                exchanged.begin() + static_cast<std::ptrdiff_t>(end), false);
     i = end + 1;
   }
   return exchanged;
@@ -143,9 +146,11 @@ inline ObservedTake observed_take(const TakeSpec& spec) {
   const Person person = draw_person(11, spec.take, 1.70, 0.17);
   const Motion motion = generated_motion(person, spec.activity);
   const double rig_turn = stream_of(spec, 9, 0, 0).uniform(0, 0.0, 2.0 * std::numbers::pi);
-  ObservedTake take{BodyTracks(spec.instants, spec.sensors), {}, std::vector<std::uint8_t>(spec.instants * spec.sensors)};
+  ObservedTake take{
+      BodyTracks(spec.instants, spec.sensors), {}, std::vector<std::uint8_t>(spec.instants * spec.sensors)};
   for (std::size_t s = 0; s < spec.sensors; ++s) {
-    const double angle = rig_turn + 2.0 * std::numbers::pi * static_cast<double>(s) / static_cast<double>(spec.sensors);
+    const double angle =
+        rig_turn + 2.0 * std::numbers::pi * static_cast<double>(s) / static_cast<double>(spec.sensors);
     const double height_m = s % 2 == 0 ? 0.9 : 1.7;
     take.world_from_sensor.push_back(world_from_sensor_looking_at(
         {2.0 * std::sin(angle), height_m, 2.0 * std::cos(angle)}, {0.0, 1.0, 0.0}));
@@ -164,8 +169,10 @@ inline ObservedTake observed_take(const TakeSpec& spec) {
         body.state[j] = state_of(spec, pose, take.world_from_sensor[s], s, j, i);
         if (body.state[j] == TrackingState::not_tracked) continue;
         const double factor = body.state[j] == TrackingState::inferred ? kInferredFactor : 1.0;
-        const Eigen::Vector3d error_m = bias_m(spec, s, j, pose.heading_rad - angle) + wander_m[j] + kJitter_m * normal3(random, 3);
-        body.joint_in_sensor_m[j] = (sensor_from_world * pose.joint_in_world_m[j] + factor * error_m).cast<float>();
+        const Eigen::Vector3d error_m =
+            bias_m(spec, s, j, pose.heading_rad - angle) + wander_m[j] + kJitter_m * normal3(random, 3);
+        body.joint_in_sensor_m[j] =
+            (sensor_from_world * pose.joint_in_world_m[j] + factor * error_m).cast<float>();
       }
     }
     const std::vector<bool> exchanged = draw_exchanges(spec, s, sees_back);
