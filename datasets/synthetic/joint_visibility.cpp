@@ -15,8 +15,9 @@ using Eigen::Vector3d;
 using Joints = std::bitset<kJointCount>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kOffset = 0.6;  // of the limb's radius, between the middle pixel and the others
+constexpr double kOffset = 0.5;  // of the limb's radius, across and down from the middle pixel
 constexpr double kNoLength_m = 1e-6;
+constexpr double kSame_m = 1e-3;  // a depth image shows no smaller difference
 
 Joints joints_of(std::initializer_list<Joint> list) {
   Joints joints;
@@ -34,7 +35,8 @@ Joints owners_of(Joint parent, Joint end) {
   for (const Joints& hand : hands)
     if (hand[static_cast<std::size_t>(parent)] && hand[static_cast<std::size_t>(end)]) owners |= hand;
   if (end == spine_mid) owners |= joints_of({hip_left, hip_right});
-  if (end == spine_shoulder) owners |= joints_of({shoulder_left, shoulder_right});
+  if (end == spine_shoulder) owners |= joints_of({shoulder_left, shoulder_right, neck});
+  if (parent == spine_shoulder) owners |= joints_of({neck});
   return owners;
 }
 
@@ -159,17 +161,17 @@ double JointVisibility::visible_share(std::size_t person, Joint joint) {
   const int away =
       std::max(1, static_cast<int>(std::lround(kOffset * radius_at(joint) * intrinsics_.fx_px / at.z())));
   const std::array<std::array<int, 2>, 5> pixels{{{column, row},
-                                                  {column - away, row},
-                                                  {column + away, row},
-                                                  {column, row - away},
-                                                  {column, row + away}}};
+                                                  {column - away, row - away},
+                                                  {column + away, row - away},
+                                                  {column - away, row + away},
+                                                  {column + away, row + away}}};
   int own = 0, first = 0;
   for (const auto& [c, r] : pixels) {
     if (c < 0 || r < 0 || c >= intrinsics_.width_px || r >= intrinsics_.height_px) continue;
     const Nearest found = nearest(c, r, person, joint);
     if (!std::isfinite(found.own_m)) continue;
     ++own;
-    if (found.own_m <= found.any_m) ++first;
+    if (found.own_m <= found.any_m + kSame_m) ++first;
   }
   return own > 0 ? static_cast<double>(first) / own : 1.0;
 }

@@ -17,8 +17,8 @@ namespace trilat {
 // it keeps the rays of pixels it was asked for.
 //
 // A joint's own surfaces are the bones that end or start at it; for the head and the neck also the head's
-// sphere; for the wrist, hand, hand tip and thumb of one side all bones between them; for shoulders and hips
-// also the piece of the spine that their bone comes from.
+// sphere; for the wrist, hand, hand tip and thumb of one side all bones between them; for shoulders, hips and
+// neck also the piece of the spine that their bone comes from, for the neck also the bones to the shoulders.
 class JointVisibility {
  public:
   explicit JointVisibility(const DepthIntrinsics& intrinsics);
@@ -29,8 +29,9 @@ class JointVisibility {
   // Depth of the nearest surface of any person along a pixel's ray; nothing where there is none.
   std::optional<double> depth_m(int column, int row);
 
-  // Of the pixels about a joint that meet its own surfaces, the share that meets nothing else before: the
-  // middle and four, six tenths of the limb's radius away. 1 when none of them meets an own surface.
+  // Of the pixels about a joint that meet its own surfaces, the share that meets nothing else 1 mm before:
+  // the middle and four about it, half of the limb's radius across and down: a thin limb in front covers few.
+  // 1 when none of them meets an own surface.
   double visible_share(std::size_t person, Joint joint);
 
   // Joints with a smaller visible share than that; 0 hides none.

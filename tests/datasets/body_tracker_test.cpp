@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/synthetic/body_tracker.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include "datasets/synthetic/bystanders.h"
+#include "datasets/synthetic/generated_person.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+const SensorSpec kSensorSpec;
+
+SimulatedSensor sensor_at(const Vector3d& position_m, std::uint64_t index = 0) {
+  return draw_sensor(kSensorSpec, {}, index,
+                     {"k", world_from_sensor_looking_at(position_m, {0.0, 1.0, 0.0})});
+}
+const Vector3d kFront(0.0, 1.0, 2.5), kBack(0.0, 1.0, -2.5), kLeft(2.5, 1.0, 0.0);
+
+// Faces +z.
+SkeletonPose standing() { return generated_motion(Person{}, Activity::standing)(0.0); }
+
+SkeletonPose turned(double turn_rad) {
+  SkeletonPose pose = standing();
+  for (Vector3d& joint : pose.joint_in_world_m)
+    joint = Eigen::AngleAxisd(turn_rad, Vector3d::UnitY()) * joint;
+  pose.heading_rad = turn_rad;
+  return pose;
+}
+
+BodyTracker tracker_of(const BodyTrackerSpec& spec, const SimulatedSensor& sensor, SimulatedItem item = {},
+                       std::size_t persons = 1) {
+  return {spec, kSensorSpec, sensor, item, persons};
+}
+
+TrackedFrame observe(BodyTracker& tracker, std::uint64_t frame, const SkeletonPose& pose) {
+  return tracker.observe(frame, std::span(&pose, 1));
+}
+
+// How far a delivered joint is off, along the world's axes.
+Vector3d error_of(const SimulatedSensor& sensor, const Body& body, std::size_t joint,
+                  const SkeletonPose& pose) {
+  const auto& p = body.position_m[joint];
+  const Vector3d seen = sensor.pose.world_from_sensor * Eigen::Vector3f(p[0], p[1], p[2]).cast<double>();
+  return seen - pose.joint_in_world_m[joint];
+}
+
+BodyTrackerSpec::Groups all_groups(double value) {
+  BodyTrackerSpec::Groups groups;
+  groups.fill(value);
+  return groups;
+}
+
+double of_group(const BodyTrackerSpec::Groups& groups, std::size_t joint) {
+  return groups[static_cast<std::size_t>(tracker_group_of(static_cast<Joint>(joint)))];
+}
+
+// Errors of every joint of a motionless person in `frames` frames.
+std::vector<std::array<Vector3d, kJointCount>> errors_of(const BodyTrackerSpec& spec, std::uint64_t frames,
+                                                         const SimulatedItem& item = {}) {
+  const SimulatedSensor sensor = sensor_at(kFront);
+  BodyTracker tracker = tracker_of(spec, sensor, item);
+  const SkeletonPose pose = standing();
+  std::vector<std::array<Vector3d, kJointCount>> errors(frames);
+  for (std::uint64_t f = 0; f < frames; ++f) {
+    const TrackedFrame frame = observe(tracker, f, pose);
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      errors[f][j] = error_of(sensor, frame.bodies.at(0), j, pose);
+  }
+  return errors;
+}
+
+TEST(BodyTracker, WithEverySourceAtZeroJointsAreExactToSinglePrecision) {
+  for (const Activity activity : {Activity::walking, Activity::arm_swing, Activity::leg_crossing}) {
+    const Motion motion = generated_motion(draw_person(1, 2, 1.7, 0.1), activity);
+    for (const Vector3d& place : {kFront, kBack, kLeft}) {
+      const SimulatedSensor sensor = sensor_at(place);
+      BodyTracker tracker = tracker_of(exact_body_tracker(), sensor);
+      std::uint64_t id = 0;
+      for (std::uint64_t f = 0; f < 100; ++f) {
+        const SkeletonPose pose = motion(static_cast<double>(f) / 30.0);
+        const TrackedFrame frame = observe(tracker, f, pose);
+        ASSERT_EQ(frame.bodies.size(), 1u);
+        const Body& body = frame.bodies[0];
+        if (f == 0) id = body.tracking_id;
+        EXPECT_EQ(body.tracking_id, id);
+        EXPECT_EQ(frame.truth, (TrackerTruth{static_cast<std::int64_t>(f), 0, false, id}));
+        for (std::size_t j = 0; j < kJointCount; ++j) {
+          EXPECT_EQ(body.tracking_state[j], 2);
+          const Vector3d truth = sensor.pose.world_from_sensor.inverse() * pose.joint_in_world_m[j];
+          for (int axis = 0; axis < 3; ++axis)
+            ASSERT_EQ(body.position_m[j][static_cast<std::size_t>(axis)], static_cast<float>(truth[axis]));
+        }
+      }
+    }
+  }
+}
+
+TEST(BodyTracker, JitterIsWhiteAndOfTheDeclaredSize) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.jitter_sigma_m = default_body_tracker().jitter_sigma_m;
+  const auto errors = errors_of(spec, 2000);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    double square = 0.0, product = 0.0;
+    for (std::size_t f = 1; f < errors.size(); ++f) {
+      square += errors[f][j].squaredNorm() / 3.0;
+      product += errors[f][j].dot(errors[f - 1][j]) / 3.0;
+    }
+    const double n = static_cast<double>(errors.size() - 1);
+    EXPECT_NEAR(std::sqrt(square / n) / of_group(spec.jitter_sigma_m, j), 1.0, 0.04) << j;
+    EXPECT_NEAR(product / square, 0.0, 0.05) << j;
+  }
+}
+
+TEST(BodyTracker, WanderHasTheDeclaredSizeAndLosesItsMemoryInTheDeclaredTime) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.wander_sigma_m = default_body_tracker().wander_sigma_m;
+  spec.wander_time_s = all_groups(0.8);
+  const auto errors = errors_of(spec, 9000);
+  constexpr std::size_t kLag = 24;  // 0.8 s
+  std::map<TrackerGroup, double> squares, counts;
+  double product = 0.0, square = 0.0;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    for (std::size_t f = kLag; f < errors.size(); ++f) {
+      const double sigma = of_group(spec.wander_sigma_m, j);
+      const TrackerGroup group = tracker_group_of(static_cast<Joint>(j));
+      squares[group] += errors[f][j].squaredNorm() / (3.0 * sigma * sigma);
+      counts[group] += 1.0;
+      square += errors[f][j].squaredNorm() / (sigma * sigma);
+      product += errors[f][j].dot(errors[f - kLag][j]) / (sigma * sigma);
+    }
+  for (const auto& [group, sum] : squares)
+    EXPECT_NEAR(std::sqrt(sum / counts[group]), 1.0, 0.1) << name_of(group);
+  EXPECT_NEAR(square / (3.0 * kJointCount * static_cast<double>(errors.size() - kLag)), 1.0, 0.05);
+  EXPECT_NEAR(product / square, std::exp(-1.0), 0.04);
+}
+
+TEST(BodyTracker, BiasIsConstantAndOfTheDeclaredSizeBetweenParticipants) {
+  for (const double share : {0.0, 0.3, 1.0}) {
+    BodyTrackerSpec spec = exact_body_tracker();
+    spec.bias_sigma_m = default_body_tracker().bias_sigma_m;
+    spec.viewpoint_share = share;
+    std::map<TrackerGroup, double> squares, counts;
+    double norm_m = 0.0;
+    for (std::uint64_t p = 0; p < 400; ++p) {
+      const auto errors = errors_of(spec, 2, {1, 0, p});
+      for (std::size_t j = 0; j < kJointCount; ++j) {
+        EXPECT_EQ(errors[0][j], errors[1][j]);
+        const TrackerGroup group = tracker_group_of(static_cast<Joint>(j));
+        squares[group] += errors[0][j].squaredNorm() / 3.0;
+        counts[group] += 1.0;
+        norm_m += errors[0][j].norm() / (400.0 * kJointCount);
+      }
+    }
+    for (const auto& [group, sum] : squares)
+      EXPECT_NEAR(std::sqrt(sum / counts[group]) / spec.bias_sigma_m[static_cast<std::size_t>(group)], 1.0,
+                  0.07)
+          << name_of(group) << " " << share;
+    EXPECT_GT(norm_m, 0.02);
+    EXPECT_LT(norm_m, 0.10);
+  }
+}
+
+// Of two opposite sensors the viewpoint parts cancel in the mean, the landmark's does in the difference.
+TEST(BodyTracker, OnlyTheDeclaredShareOfTheBiasDependsOnTheViewpoint) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.bias_sigma_m = all_groups(0.03);
+  spec.viewpoint_share = 0.3;
+  const SkeletonPose pose = standing();
+  double landmark = 0.0, viewpoint = 0.0, n = 0.0;
+  for (std::uint64_t p = 0; p < 300; ++p) {
+    const SimulatedSensor front = sensor_at(kFront, 0), back = sensor_at(kBack, 1);
+    BodyTracker a = tracker_of(spec, front, {1, 0, p}), b = tracker_of(spec, back, {1, 0, p});
+    const TrackedFrame from_front = observe(a, 0, pose), from_back = observe(b, 0, pose);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vector3d e1 = error_of(front, from_front.bodies.at(0), j, pose);
+      const Vector3d e2 = error_of(back, from_back.bodies.at(0), j, pose);
+      landmark += (0.5 * (e1 + e2)).squaredNorm();
+      viewpoint += (0.5 * (e1 - e2)).squaredNorm();
+      n += 3.0;
+    }
+  }
+  EXPECT_NEAR(landmark / n / (0.03 * 0.03), 0.7, 0.03);
+  EXPECT_NEAR(viewpoint / n / (0.03 * 0.03), 0.3, 0.02);
+}
+
+TEST(BodyTracker, BiasTurnsWithTheBody) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.bias_sigma_m = all_groups(0.05);
+  spec.viewpoint_share = 0.5;
+  constexpr double kTurn = 0.9;
+  const SimulatedSensor straight = sensor_at(kFront);
+  const Eigen::AngleAxisd turn(kTurn, Vector3d::UnitY());
+  const SimulatedSensor beside = sensor_at(turn * kFront);
+  for (const bool knows_heading : {true, false}) {
+    BodyTracker a = tracker_of(spec, straight), b = tracker_of(spec, beside);
+    SkeletonPose pose = turned(kTurn);
+    if (!knows_heading) pose.heading_rad = 0.0;  // as of recorded motions: the shoulders tell
+    const TrackedFrame first = observe(a, 0, standing()), second = observe(b, 0, pose);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vector3d expected = turn * error_of(straight, first.bodies.at(0), j, standing());
+      EXPECT_GT(expected.norm(), 1e-3);
+      EXPECT_LT((error_of(beside, second.bodies.at(0), j, pose) - expected).norm(), 1e-5);
+    }
+  }
+}
+
+TEST(BodyTracker, ASteadyMotionIsFollowedTheDeclaredTimeLater) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.lag_s = 0.045;
+  const Vector3d speed_m_s(0.4, 0.1, -0.2);
+  const SimulatedSensor sensor = sensor_at(kFront);
+  BodyTracker tracker = tracker_of(spec, sensor);
+  for (std::uint64_t f = 0; f < 60; ++f) {
+    SkeletonPose pose = standing();
+    for (Vector3d& joint : pose.joint_in_world_m) joint += static_cast<double>(f) / 30.0 * speed_m_s;
+    const TrackedFrame frame = observe(tracker, f, pose);
+    if (f == 0) {
+      EXPECT_LT(error_of(sensor, frame.bodies.at(0), 3, pose).norm(), 1e-6);
+    }
+    if (f < 30) continue;
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      if (frame.bodies.at(0).tracking_state[j] == 2) {
+        EXPECT_LT((error_of(sensor, frame.bodies[0], j, pose) + 0.045 * speed_m_s).norm(), 1e-6);
+      }
+  }
+}
+
+TEST(BodyTracker, JumpsComeAtTheDeclaredRateAndHaveTheDeclaredSizeAndDuration) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.jump_rate_per_minute = all_groups(6.0);
+  spec.jump_size_m = 0.1;
+  spec.jump_duration_s = 0.1;  // three frames
+  const auto errors = errors_of(spec, 9000);
+  double jumps = 0.0, free_frames = 0.0;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    for (std::size_t f = 1; f + 3 < errors.size(); ++f) {
+      const bool began = errors[f][j].norm() > 0.01 && (errors[f - 1][j] - errors[f][j]).norm() > 1e-4;
+      if (began) {
+        ++jumps;
+        EXPECT_NEAR(errors[f][j].norm(), 0.1, 1e-5);
+        EXPECT_LT((errors[f + 2][j] - errors[f][j]).norm(), 1e-5);
+        EXPECT_GT((errors[f + 3][j] - errors[f][j]).norm(), 1e-3);
+      }
+      if (began || errors[f][j].norm() < 1e-4) ++free_frames;  // in which a jump may begin
+    }
+  EXPECT_NEAR(jumps / (free_frames / 30.0 / 60.0), 6.0, 0.5);
+}
+
+// Seen from the left, the right arm is behind the trunk.
+TEST(BodyTracker, HiddenJointsAreInferredOrForTheDeclaredShareOfStretchesSaidToBeTracked) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.least_visible_share = 0.5;
+  spec.inferred_error_sigma_m = 0.05;
+  spec.hidden_as_tracked_share = 0.3;
+  const SimulatedSensor sensor = sensor_at(kLeft);
+  const SkeletonPose pose = standing();
+  double stretches = 0.0, tracked = 0.0, square = 0.0;
+  for (std::uint64_t take = 0; take < 300; ++take) {
+    BodyTracker tracker = tracker_of(spec, sensor, {1, take, 0});
+    const TrackedFrame first = observe(tracker, 0, pose), second = observe(tracker, 1, pose);
+    ASSERT_EQ(first.truth.hidden, second.truth.hidden);
+    EXPECT_TRUE(first.truth.hidden >> static_cast<unsigned>(Joint::elbow_right) & 1u);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Body& body = first.bodies.at(0);
+      EXPECT_EQ(body.position_m[j], second.bodies.at(0).position_m[j]);
+      EXPECT_EQ(body.tracking_state[j], second.bodies.at(0).tracking_state[j]);
+      const Vector3d error = error_of(sensor, body, j, pose);
+      if (!(first.truth.hidden >> j & 1u)) {
+        EXPECT_EQ(body.tracking_state[j], 2);
+        EXPECT_LT(error.norm(), 1e-6);
+        continue;
+      }
+      ++stretches;
+      tracked += body.tracking_state[j] == 2 ? 1.0 : 0.0;
+      EXPECT_GE(body.tracking_state[j], 1);
+      square += error.squaredNorm() / 3.0;
+    }
+  }
+  EXPECT_GT(stretches, 1500.0);
+  EXPECT_NEAR(tracked / stretches, 0.3, 0.04);
+  EXPECT_NEAR(std::sqrt(square / stretches), 0.05, 0.002);
+}
+
+TEST(BodyTracker, NoiseOfHiddenJointsIncreasesAsDeclared) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.least_visible_share = 0.5;
+  spec.jitter_sigma_m = all_groups(0.004);
+  spec.inferred_noise_increase = 1.5;
+  const SimulatedSensor sensor = sensor_at(kLeft);
+  const SkeletonPose pose = standing();
+  BodyTracker tracker = tracker_of(spec, sensor);
+  double squares[2] = {0.0, 0.0}, counts[2] = {0.0, 0.0};
+  for (std::uint64_t f = 0; f < 1000; ++f) {
+    const TrackedFrame frame = observe(tracker, f, pose);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const std::size_t hidden = frame.truth.hidden >> j & 1u;
+      squares[hidden] += error_of(sensor, frame.bodies.at(0), j, pose).squaredNorm() / 3.0;
+      counts[hidden] += 1.0;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(squares[0] / counts[0]), 0.004, 0.0001);
+  EXPECT_NEAR(std::sqrt(squares[1] / counts[1]), 0.010, 0.0003);
+}
+
+TEST(BodyTracker, SidesAreExchangedOnlyFromBehindAndForTheDeclaredShareOfStretches) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.back_view_angle_rad = 2.0 * kPi / 3.0;
+  spec.back_view_hysteresis_rad = 0.2;
+  spec.exchanged_share = 0.5;
+  const SkeletonPose pose = standing();
+  double exchanged = 0.0;
+  for (std::uint64_t take = 0; take < 600; ++take) {
+    const SimulatedSensor sensor = sensor_at(kBack);
+    BodyTracker tracker = tracker_of(spec, sensor, {1, take, 0});
+    const TrackedFrame first = observe(tracker, 0, pose), second = observe(tracker, 1, pose);
+    EXPECT_EQ(first.truth.exchanged, second.truth.exchanged);
+    exchanged += first.truth.exchanged ? 1.0 : 0.0;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const auto shown = static_cast<std::size_t>(mirror_of(static_cast<Joint>(j)));
+      const Vector3d error = error_of(sensor, first.bodies.at(0), first.truth.exchanged ? shown : j, pose);
+      const Vector3d moved =
+          pose.joint_in_world_m[first.truth.exchanged ? shown : j] - pose.joint_in_world_m[j];
+      EXPECT_LT((error + moved).norm(), 1e-6);
+    }
+  }
+  EXPECT_NEAR(exchanged / 600.0, 0.5, 0.06);
+  spec.exchanged_share = 1.0;
+  for (const Vector3d& place : {kFront, kLeft}) {
+    BodyTracker tracker = tracker_of(spec, sensor_at(place));
+    EXPECT_FALSE(observe(tracker, 0, pose).truth.exchanged);
+  }
+}
+
+TEST(BodyTracker, ABackViewEndsOnlyWhenTheAngleIsClearlySmaller) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.back_view_angle_rad = 2.0;
+  spec.back_view_hysteresis_rad = 0.2;
+  spec.exchanged_share = 1.0;
+  BodyTracker tracker = tracker_of(spec, sensor_at(kFront));
+  std::vector<bool> exchanged;
+  std::uint64_t frame = 0;
+  for (const double angle : {1.9, 2.1, 1.9, 1.7, 1.9, -2.1, -1.85, -1.75})
+    exchanged.push_back(observe(tracker, frame++, turned(angle)).truth.exchanged);
+  EXPECT_THAT(exchanged, testing::ElementsAre(false, true, true, false, false, true, true, false));
+}
+
+TEST(BodyTracker, IdentitiesChangeAtTheDeclaredRateAndAreNeverUsedTwice) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.identity_changes_per_minute = 10.0;
+  std::set<std::uint64_t> ids;
+  for (std::uint64_t index = 0; index < 4; ++index) {
+    BodyTracker tracker = tracker_of(spec, sensor_at(kFront, index));
+    for (std::uint64_t f = 0; f < 18000; ++f) {  // ten minutes
+      const TrackedFrame frame = observe(tracker, f, standing());
+      EXPECT_EQ(frame.bodies.at(0).tracking_id, frame.truth.tracking_id);
+      ids.insert(frame.truth.tracking_id);
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(ids.size()), 404.0, 50.0);
+  EXPECT_GT(*ids.begin(), std::uint64_t{1} << 56);
+}
+
+TEST(BodyTracker, WhoLeavesTheViewIsGoneAndReturnsAsSomebodyElse) {
+  BodyTracker tracker = tracker_of(exact_body_tracker(), sensor_at(kFront));
+  SkeletonPose away = standing();
+  for (Vector3d& joint : away.joint_in_world_m) joint.x() += 20.0;
+  const auto id = observe(tracker, 0, standing()).truth.tracking_id;
+  EXPECT_EQ(observe(tracker, 1, standing()).truth.tracking_id, id);
+  const TrackedFrame gone = observe(tracker, 2, away);
+  EXPECT_TRUE(gone.bodies.empty());
+  EXPECT_EQ(gone.truth.tracking_id, 0u);
+  const auto again = observe(tracker, 3, standing()).truth.tracking_id;
+  EXPECT_NE(again, 0u);
+  EXPECT_NE(again, id);
+}
+
+std::vector<SkeletonPose> poses_at(const std::vector<Motion>& motions, double time_s) {
+  std::vector<SkeletonPose> poses;
+  for (const Motion& motion : motions) poses.push_back(motion(time_s));
+  return poses;
+}
+
+TEST(Bystanders, AreTrackedHideTheParticipantAndComeInAnyOrder) {
+  int first = 0, bodies = 0, more_hidden = 0;
+  for (std::uint64_t take = 0; take < 20; ++take) {
+    const Motion subject = generated_motion(Person{}, Activity::standing);
+    std::vector<Motion> motions = bystander_motions(1, take, 2, {0.0, 1.0, 0.0}, 1.7, 0.17);
+    ASSERT_EQ(motions.size(), 2u);
+    motions.insert(motions.begin(), subject);
+    for (std::size_t k = 1; k < 3; ++k)
+      for (double t = 0.0; t < 20.0; t += 1.0) {
+        const Vector3d base = motions[k](t).at(Joint::spine_base);
+        const double away_m = std::hypot(base.x(), base.z());
+        EXPECT_GT(away_m, 0.85);
+        EXPECT_LT(away_m, 1.95);
+      }
+    BodyTrackerSpec spec = default_body_tracker();
+    for (std::uint64_t index = 0; index < 4; ++index) {
+      const double angle = kPi / 4.0 + 0.5 * kPi * static_cast<double>(index);
+      const SimulatedSensor sensor = sensor_at({2.5 * std::sin(angle), 1.0, 2.5 * std::cos(angle)}, index);
+      BodyTracker with = tracker_of(spec, sensor, {1, take, 0}, 3);
+      BodyTracker alone = tracker_of(spec, sensor, {1, take, 0}, 1);
+      const TrackedFrame all = with.observe(0, poses_at(motions, 0.0));
+      const TrackedFrame one = observe(alone, 0, subject(0.0));
+      EXPECT_EQ(one.truth.hidden & ~all.truth.hidden, 0u);  // others only hide more
+      if (one.truth.hidden != all.truth.hidden) ++more_hidden;
+      std::set<std::uint64_t> ids;
+      for (const Body& body : all.bodies) ids.insert(body.tracking_id);
+      EXPECT_EQ(ids.size(), all.bodies.size());
+      if (all.bodies.size() < 2 || all.truth.tracking_id == 0) continue;
+      ++bodies;
+      if (all.bodies[0].tracking_id == all.truth.tracking_id) ++first;
+    }
+  }
+  EXPECT_GT(more_hidden, 5);
+  EXPECT_GT(bodies, 40);
+  EXPECT_GT(first, bodies / 6);
+  EXPECT_LT(first, bodies * 5 / 6);
+}
+
+TEST(BodyTracker, WhatOneSensorSaysDoesNotDependOnTheOthersOrOnBystandersFarAway) {
+  const Motion motion = generated_motion(Person{}, Activity::walking);
+  const auto far = [&](double t) {
+    SkeletonPose pose = motion(t);
+    for (Vector3d& joint : pose.joint_in_world_m) joint.x() += 50.0;
+    return pose;
+  };
+  const SimulatedSensor a = sensor_at(kFront, 0), b = sensor_at(kLeft, 1);
+  BodyTracker a1 = tracker_of(default_body_tracker(), a), b1 = tracker_of(default_body_tracker(), b);
+  BodyTracker a2 = tracker_of(default_body_tracker(), a, {}, 2);
+  std::vector<TrackedFrame> together;
+  for (std::uint64_t f = 0; f < 60; ++f) {
+    const double t = static_cast<double>(f) / 30.0;
+    together.push_back(observe(a1, f, motion(t)));
+    observe(b1, f, motion(t));
+  }
+  for (std::uint64_t f = 0; f < 60; ++f) {
+    const double t = static_cast<double>(f) / 30.0;
+    const TrackedFrame alone = a2.observe(f, std::vector<SkeletonPose>{motion(t), far(t)});
+    ASSERT_EQ(alone.bodies.size(), 1u);
+    EXPECT_EQ(alone.truth, together[f].truth);
+    EXPECT_EQ(alone.bodies[0].position_m, together[f].bodies.at(0).position_m);
+    EXPECT_EQ(alone.bodies[0].tracking_state, together[f].bodies[0].tracking_state);
+  }
+}
+
+}  // namespace
+}  // namespace trilat

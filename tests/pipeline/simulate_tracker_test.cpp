@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <tbb/global_control.h>
+
+#include "datasets/base/files.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/synthetic/tracker_truth.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+SimulationSpec tracked_spec() {
+  SimulationSpec spec = walking_spec(2);
+  spec.body_tracker = default_body_tracker();
+  spec.bystanders = 1;
+  return spec;
+}
+
+TEST(SimulateTracker, EveryFrameOfEverySensorHasItsTruthBesideIt) {
+  const ScratchFolder folder;
+  simulate_into(folder.path(), tracked_spec());
+  const Campaign campaign = read_campaign(folder.path());
+  ASSERT_EQ(campaign.takes.size(), 2u);
+  bool hidden = false, others = false, found = false;
+  for (const Take& take : campaign.takes) {
+    const SessionReader session(take.session);
+    const TrackerTruthReader truth(take.tracker_truth);
+    for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
+      const std::string name = session.header().sensors[s].name;
+      const std::uint64_t frames = session.counts(s).body_frames;
+      EXPECT_GT(frames, 20u);
+      ASSERT_EQ(truth.frames(name), frames);
+      const auto rows = truth.read(name, 0, frames);
+      const auto bodies = session.body_frames(s, 0, frames);
+      for (std::size_t i = 0; i < frames; ++i) {
+        EXPECT_EQ(rows[i].sequence, bodies[i].stamp.sequence);
+        hidden = hidden || rows[i].hidden != 0;
+        others = others || bodies[i].bodies.size() == 2;
+        for (const Body& body : bodies[i].bodies) found = found || body.tracking_id == rows[i].tracking_id;
+      }
+    }
+  }
+  EXPECT_TRUE(hidden && others && found);
+}
+
+TEST(SimulateTracker, IsTheSameToTheByteOnOneThreadAndOnSeveral) {
+  const ScratchFolder folder;
+  simulate_into(folder / "several", tracked_spec());
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  simulate_into(folder / "one", tracked_spec());
+  for (const char* take : {"p01-walking", "p02-walking"})
+    for (const char* file : {"tracker_truth.h5", "session.h5", "truth.json"})
+      EXPECT_EQ(read_file(folder / "one" / take / file), read_file(folder / "several" / take / file)) << file;
+}
+
+TEST(SimulateTracker, WithoutATrackerThereIsNoTruthOfOne) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder.path(), walking_spec(1));
+  EXPECT_TRUE(campaign.takes.at(0).tracker_truth.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "p01-walking/tracker_truth.h5"));
+}
+
+}  // namespace
+}  // namespace trilat
