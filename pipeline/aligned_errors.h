@@ -7,6 +7,7 @@
 
 #include "datasets/results/samples.h"
 #include "evaluators/alignment/alignment.h"
+#include "evaluators/alignment/joint_offset.h"
 #include "evaluators/solvers/solve_status.h"
 
 namespace trilat {
@@ -22,8 +23,16 @@ struct Axes {
   std::size_t cells() const { return groups * methods * alignments; }
 };
 
+// How one joint and method of a take is laid over the truth.
+struct JointAlignment {
+  AlignmentKind kind = AlignmentKind::none;
+  Alignment alignment;              // of every kind but joint_offset
+  JointOffset offset;               // of joint_offset
+  std::uint64_t first_instant = 0;  // those before were trained on and do not count
+};
+
 // One take's alignments: by alignment, then joint and method.
-using TakeAlignments = std::vector<std::vector<Alignment>>;
+using TakeAlignments = std::vector<std::vector<JointAlignment>>;
 
 // One block of samples, addressed by instant, joint and method.
 struct SampleView {
@@ -38,6 +47,7 @@ struct SampleView {
   Eigen::Vector3d estimate(std::size_t slot) const {
     return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
   }
+  double heading_rad(std::uint64_t i) const { return static_cast<double>(block.heading_rad[i]); }
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
 };
 
@@ -59,15 +69,18 @@ void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
   }
 }
 
+// `training_share`: of the take's instants, at its start.
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds);
+                          const std::vector<AlignmentKind>& kinds, double training_share);
 
-// The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved.
+// The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved;
+// what was trained on is not asked.
 struct AlignedError {
-  SolveStatus status;
-  Eigen::Vector3d error_m;
+  SolveStatus status = SolveStatus::not_solved;
+  Eigen::Vector3d error_m = Eigen::Vector3d::Constant(kNaN);
+  bool asked = true;
 };
 AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                      const std::vector<Alignment>& alignment);
+                      const std::vector<JointAlignment>& alignment);
 
 }  // namespace trilat

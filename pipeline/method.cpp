@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "datasets/base/check.h"
 #include "datasets/base/error.h"
+#include "evaluators/bodies/occlusion.h"
 
 namespace trilat {
 namespace {
@@ -47,10 +49,28 @@ bool is_iterative(const Method& method) {
   return method.spec.kind == MethodKind::nonlinear || method.spec.kind == MethodKind::newton;
 }
 
-// The ranges of the sensors that the method may use.
-RangeProblem allowed_ranges(const Method& method, const JointInstant& instant) {
-  if (method.allowed == kAllSensors) return instant.ranges;
-  return ranges_of(instant.observations, instant.world_from_sensor, method.allowed);
+RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
+  if (sensors == kAllSensors) return instant.ranges;
+  return ranges_of(instant.observations, instant.world_from_sensor, sensors);
+}
+
+PointEstimate fuse(const Method& method, const JointInstant& instant, SensorMask sensors) {
+  switch (method.spec.kind) {
+    case MethodKind::weighted_mean: {
+      WeightedMeanOptions options = method.spec.weighted;
+      options.allowed = sensors;
+      return solve_weighted_mean(instant.observations, options);
+    }
+    case MethodKind::median:
+      return solve_median(instant.observations, {.allowed = sensors});
+    case MethodKind::robust_mean: {
+      RobustMeanOptions options = method.spec.robust;
+      options.allowed = sensors;
+      return solve_robust_mean(instant.observations, options);
+    }
+    default:
+      return solve_mean(instant.observations, {sensors, method.spec.kind == MethodKind::tracked_mean});
+  }
 }
 
 }  // namespace
@@ -76,21 +96,41 @@ std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std
   return methods;
 }
 
+SensorMask sensors_of(const Method& method, const JointInstant& instant) {
+  const MethodSpec& spec = method.spec;
+  if (spec.occlusion == OcclusionRule::off) return method.allowed;
+  std::array<int, kMaxSensors> counts{};
+  SensorMask seen;
+  for (std::size_t s = 0; s < instant.observations.size(); ++s) {
+    const JointObservation& o = instant.observations[s];
+    seen[s] = o.seen && method.allowed[s];
+    counts[s] = instant.occlusions[static_cast<std::size_t>(spec.occlusion)][s] +
+                (spec.inferred_is_occluded && o.state == TrackingState::inferred ? 1 : 0);
+  }
+  return select_unoccluded(std::span(counts).first(instant.observations.size()), seen, spec.fewest_sensors);
+}
+
+bool is_over_time(const Method& method) {
+  return method.spec.kind == MethodKind::kalman || method.spec.kind == MethodKind::rts;
+}
+
 PointEstimate evaluate(const Method& method, const JointInstant& instant) {
+  TRILAT_CHECK(!is_over_time(method), "methods over time need the whole path");
   const MethodKind kind = method.spec.kind;
   if (kind == MethodKind::single) return solve_single_sensor(instant.observations, method.single);
-  if (kind == MethodKind::mean || kind == MethodKind::tracked_mean)
-    return solve_mean(instant.observations, {method.allowed, kind == MethodKind::tracked_mean});
-  const RangeProblem ranges = allowed_ranges(method, instant);
+  const SensorMask sensors = sensors_of(method, instant);
   switch (kind) {
     case MethodKind::linear:
-      return solve_linear(ranges, method.spec.linear);
+      return solve_linear(ranges_from(instant, sensors), method.spec.linear);
     case MethodKind::geometric:
-      return solve_geometric(ranges, method.geometric);
+      return solve_geometric(ranges_from(instant, sensors), method.geometric);
     case MethodKind::ceres:
-      return solve_ceres(ranges, method.spec.ceres);
+      return solve_ceres(ranges_from(instant, sensors), method.spec.ceres);
+    case MethodKind::nonlinear:
+    case MethodKind::newton:
+      return solve_nonlinear(ranges_from(instant, sensors), method.spec.nonlinear);
     default:
-      return solve_nonlinear(ranges, method.spec.nonlinear);
+      return fuse(method, instant, sensors);
   }
 }
 
@@ -99,7 +139,8 @@ void evaluate(const Method& method, std::span<const JointInstant> instants,
   if (is_iterative(method)) {
     std::vector<RangeProblem> problems;
     problems.reserve(instants.size());
-    for (const JointInstant& instant : instants) problems.push_back(allowed_ranges(method, instant));
+    for (const JointInstant& instant : instants)
+      problems.push_back(ranges_from(instant, sensors_of(method, instant)));
     solve_nonlinear(problems, method.spec.nonlinear, estimates);
     return;
   }

@@ -121,6 +121,36 @@ std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign
   return rig;
 }
 
+// The takes of the conditions that the study asks for.
+Campaign takes_of(const StudySpec& study, Campaign campaign) {
+  if (study.conditions.empty()) return campaign;
+  std::string known;
+  for (const Take& take : campaign.takes)
+    if (known.find('"' + take.activity + '"') == std::string::npos)
+      known += (known.empty() ? "\"" : ", \"") + take.activity + '"';
+  for (const std::string& condition : study.conditions)
+    if (known.find('"' + condition + '"') == std::string::npos)
+      throw InputError(
+          "study \"" + study.name + "\" /conditions",
+          "has \"" + condition + "\", which no take of the campaign is; its activities are " + known);
+  std::erase_if(campaign.takes, [&](const Take& take) {
+    return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
+           study.conditions.end();
+  });
+  return campaign;
+}
+
+std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
+  if (study.reference.empty()) return 0;
+  std::string known;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (methods[m].spec.name == study.reference) return m;
+    known += (known.empty() ? "\"" : ", \"") + methods[m].spec.name + '"';
+  }
+  throw InputError("study \"" + study.name + "\" /reference",
+                   "is \"" + study.reference + "\", which is none of its methods: " + known);
+}
+
 // All joints that any take maps, in the order of the tables.
 std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
   std::set<Joint> mapped;
@@ -143,21 +173,22 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
                const std::function<void(double)>& progress) {
   Plan plan;
   plan.study = study;
-  plan.campaign = campaign;
-  plan.rig = rig_of(study, campaign);
+  plan.campaign = takes_of(study, campaign);
+  plan.rig = rig_of(study, plan.campaign);
   plan.methods = resolve_methods(study, plan.rig);
-  plan.takes.resize(campaign.takes.size());
+  plan.reference = reference_of(study, plan.methods);
+  plan.takes.resize(plan.campaign.takes.size());
   std::atomic<std::size_t> done{0};
-  parallel_for_index(campaign.takes.size(), 1, [&](std::size_t t) {
+  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
     PlannedTake& planned = plan.takes[t];
-    planned.take = campaign.takes[t];
+    planned.take = plan.campaign.takes[t];
     try {
       look_into(planned, plan.rig, study);
     } catch (const InputError& error) {
       planned.place = error.place();
       planned.problem = error.problem();
     }
-    if (progress) progress(static_cast<double>(++done) / static_cast<double>(campaign.takes.size()));
+    if (progress) progress(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
   });
   plan.joints = joints_of(study, plan.takes);
   const bool any =

@@ -39,6 +39,7 @@ struct Plan {
   Campaign campaign;
   std::vector<std::string> rig;  // names of the sensors
   std::vector<Method> methods;
+  std::size_t reference = 0;  // the method that the others are compared with
   std::vector<Joint> joints;  // skeleton groups first, in the tables' order
   std::vector<PlannedTake> takes;
   bool simulated = false;

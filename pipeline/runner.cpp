@@ -10,9 +10,9 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/samples.h"
+#include "pipeline/over_time.h"
 #include "pipeline/parallel.h"
-#include "pipeline/sensor_track.h"
-#include "pipeline/truth_track.h"
+#include "pipeline/take_data.h"
 
 namespace trilat {
 namespace {
@@ -45,22 +45,6 @@ struct Shared {
   }
 };
 
-// One take's inputs, opened for one pass.
-struct OpenTake {
-  SessionReader session;
-  std::vector<SensorTrack> sensors;
-  TruthTrack truth;
-
-  OpenTake(const Plan& plan, const PlannedTake& planned)
-      : session(planned.take.session),
-        truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
-              duration_from_s(plan.study.truth_gap_s)) {
-    for (std::size_t s = 0; s < plan.rig.size(); ++s)
-      sensors.emplace_back(session, planned.session_sensor[s], planned.host_from_sensor[s], plan.joints,
-                           duration_from_s(plan.study.sensor_gap_s));
-  }
-};
-
 // What the rig saw during a block: per instant and joint, one observation a sensor.
 struct Observations {
   std::size_t sensors = 0, joints = 0;
@@ -85,26 +69,19 @@ struct TakeCheck {
   }
 };
 
-void gather(const Plan& plan, const PlannedTake& planned, OpenTake& take, SampleBlock& block,
+void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, SampleBlock& block,
             Observations& seen) {
-  std::vector<SensorJoint> joints(plan.joints.size());
-  std::vector<Eigen::Vector3d> truth(plan.joints.size());
-  const Duration mocap_start{planned.take.mocap_start_host_ns};
   for (std::uint64_t i = 0; i < block.instants; ++i) {
-    const HostTime t = planned.start + plan.instant(block.first_instant + i);
-    block.time_ns[i] = t.ns;
-    for (std::size_t s = 0; s < plan.rig.size(); ++s) {
-      take.sensors[s].observe(t, joints);
-      for (std::size_t j = 0; j < joints.size(); ++j)
-        seen.values[(i * seen.joints + j) * seen.sensors + s] =
-            joints[j].seen
-                ? observe(joints[j].point_in_sensor_m, joints[j].state, planned.world_from_sensor[s])
-                : JointObservation{};
-    }
-    take.truth.at({(t - mocap_start).ns}, truth);
-    for (std::size_t j = 0; j < joints.size(); ++j)
+    const std::uint64_t instant = block.first_instant + i;
+    block.time_ns[i] = data.time[instant].ns;
+    block.heading_rad[i] = data.heading_rad[instant];
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      observe_joint(data, instant, plan.joints[j], planned.world_from_sensor,
+                    std::span(seen.values).subspan((i * seen.joints + j) * seen.sensors, seen.sensors));
+      const Eigen::Vector3d& truth = data.truth(instant, j, plan.joints.size());
       for (int axis = 0; axis < 3; ++axis)
-        block.truth_m[(i * joints.size() + j) * 3 + static_cast<std::size_t>(axis)] = truth[j][axis];
+        block.truth_m[(i * plan.joints.size() + j) * 3 + static_cast<std::size_t>(axis)] = truth[axis];
+    }
   }
 }
 
@@ -117,21 +94,47 @@ void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) 
   block.gdop[slot] = static_cast<float>(estimate.gdop);
 }
 
-// Every method on a few instants, which are few enough to stay in the cache.
-void solve_instants(const Plan& plan, const PlannedTake& planned, const Observations& seen,
-                    std::uint64_t first, std::uint64_t last, SampleBlock& block) {
+// What a method over time gave, ready to be stored.
+void store(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
+  for (std::uint64_t i = 0; i < block.instants; ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const PathPoint& point = paths.at(block.first_instant + i, j);
+      PointEstimate estimate = failed_estimate(point.status);
+      estimate.position_m = point.position_m;
+      store(block, (i * plan.joints.size() + j) * plan.methods.size() + paths.method, estimate);
+    }
+}
+
+// How many sensors see the joint occluded: inferred, or crossed by a limb in front.
+std::uint8_t occluded_views(const JointInstant& instant) {
+  const auto& crossings = instant.occlusions[static_cast<std::size_t>(OcclusionRule::corrected)];
+  std::uint8_t count = 0;
+  for (std::size_t s = 0; s < instant.observations.size(); ++s)
+    if (instant.observations[s].seen &&
+        (instant.observations[s].state == TrackingState::inferred || crossings[s] > 0))
+      ++count;
+  return count;
+}
+
+// Every method that takes instants by themselves on a few of them, which are few enough to stay in the cache.
+void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                    const Observations& seen, std::uint64_t first, std::uint64_t last, SampleBlock& block) {
   std::vector<JointInstant> instants;
   instants.reserve((last - first) * plan.joints.size());
   const std::uint64_t first_row = first * plan.joints.size();
   for (std::uint64_t i = first; i < last; ++i)
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {
       const auto observations = seen.of(i, j);
-      instants.push_back(
-          {observations, planned.world_from_sensor, ranges_of(observations, planned.world_from_sensor)});
-      block.ranges[first_row + instants.size() - 1] = static_cast<std::uint8_t>(instants.back().ranges.count);
+      instants.push_back({observations, planned.world_from_sensor,
+                          occlusions_of(data, block.first_instant + i, plan.joints[j]),
+                          ranges_of(observations, planned.world_from_sensor)});
+      const std::uint64_t row = first_row + instants.size() - 1;
+      block.ranges[row] = static_cast<std::uint8_t>(instants.back().ranges.count);
+      block.occluded[row] = occluded_views(instants.back());
     }
   std::vector<PointEstimate> estimates(instants.size());
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    if (is_over_time(plan.methods[m])) continue;
     evaluate(plan.methods[m], instants, estimates);
     for (std::size_t k = 0; k < estimates.size(); ++k)
       store(block, (first_row + k) * plan.methods.size() + m, estimates[k]);
@@ -169,50 +172,6 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
   return check;
 }
 
-[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth) {
-  const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
-  throw InputError(
-      planned.take.mocap.string(),
-      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session "
-                  "runs from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s "
-                  "(mocap_start_host_ns is {})",
-                  start_s, start_s + plan.instant(planned.instants - 1).seconds(),
-                  static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
-}
-
-void note_state(const OpenTake& take, const PlannedTake& planned, std::vector<TakeNote>& notes) {
-  const std::string& id = planned.take.id;
-  std::uint64_t several = 0;
-  for (const SensorTrack& sensor : take.sensors) several += sensor.frames_with_several_bodies();
-  if (several > 0)
-    notes.push_back(
-        {id, false, planned.take.session.string(),
-         fmt::format("{} frames hold several bodies; the one with the most tracked joints was taken",
-                     several)});
-  if (take.truth.samples_frozen() > 0)
-    notes.push_back({id, false, planned.take.mocap.string(),
-                     fmt::format("{} samples stand still to the last digit or lie exactly at the origin and "
-                                 "were not used as ground truth",
-                                 take.truth.samples_frozen())});
-  const MocapAnomalies& odd = take.truth.anomalies();
-  if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
-    notes.push_back(
-        {id, false, planned.take.mocap.string(),
-         fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
-                     odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
-                     odd.partial_poses)});
-  if (!planned.span_note.empty())
-    notes.push_back({id, false, planned.take.session.string(), planned.span_note});
-  if (odd.printed_time_differs > 0)
-    notes.push_back(
-        {id, false, planned.take.mocap.string(),
-         fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
-                     "export's frame rate right?",
-                     odd.printed_time_differs)});
-  if (!take.session.complete())
-    notes.push_back({id, false, planned.take.session.string(), "was not closed by its recorder"});
-}
-
 // Places are given from the campaign's folder, so that results do not depend on where they were computed.
 TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
   const std::string folder = campaign.folder.empty() ? "" : (campaign.folder / "").string();
@@ -231,33 +190,36 @@ struct TakeOutcome {
 void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   const Plan& plan = shared.plan;
   const PlannedTake& planned = plan.takes[index];
-  OpenTake take(plan, planned);
+  const auto must_stop = [&] { return shared.must_stop(); };
+  TakeData data;
+  {
+    const Stopwatch watch(shared.read_ns);
+    data = load_take(plan, planned, must_stop);
+  }
+  std::vector<MethodPaths> paths;
+  {
+    const Stopwatch watch(shared.solve_ns);
+    paths = solve_over_time(plan, planned, data);
+  }
   const Method* checked = shared.options.cross_check ? checked_method(plan) : nullptr;
   SampleBlock block;
   Observations seen{plan.rig.size(), plan.joints.size(), {}};
-  bool any_truth = false, any_seen = false;
   for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
     if (shared.must_stop()) throw Interrupted();
     const std::uint64_t count = std::min(kBlock, planned.instants - first);
     block.reset(first, count, plan.joints.size(), plan.methods.size());
     seen.values.resize(count * seen.joints * seen.sensors);
-    {
-      const Stopwatch watch(shared.read_ns);
-      gather(plan, planned, take, block, seen);
-    }
-    any_truth |=
-        std::any_of(block.truth_m.begin(), block.truth_m.end(), [](double v) { return std::isfinite(v); });
-    any_seen |= std::any_of(seen.values.begin(), seen.values.end(),
-                            [](const JointObservation& observation) { return observation.seen; });
     std::vector<TakeCheck> checks(checked ? count : 0);
     {
       const Stopwatch watch(shared.solve_ns);
+      gather(plan, planned, data, block, seen);
       parallel_for_index((count + kTogether - 1) / kTogether, 1, [&](std::size_t part) {
         const std::uint64_t from = part * kTogether, to = std::min(count, from + kTogether);
-        solve_instants(plan, planned, seen, from, to, block);
+        solve_instants(plan, planned, data, seen, from, to, block);
         for (std::uint64_t i = from; checked && i < to; ++i)
           checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
       });
+      for (const MethodPaths& path : paths) store(plan, path, block);
     }
     for (const TakeCheck& check : checks) outcome.check.merge(check);
     {
@@ -268,13 +230,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
       shared.options.progress(static_cast<double>(shared.done_instants += count) /
                               static_cast<double>(shared.total_instants));
   }
-  if (!any_truth) refuse_without_truth(plan, planned, take.truth);
-  if (!any_seen)
-    throw InputError(
-        planned.take.session.string(),
-        "no sensor ever sees a joint that is asked for: there are no bodies, or all positions are "
-        "untracked or not finite");
-  note_state(take, planned, outcome.notes);
+  outcome.notes = std::move(data.notes);
   outcome.evaluated = true;
 }
 

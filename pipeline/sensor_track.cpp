@@ -2,17 +2,48 @@
 #include "pipeline/sensor_track.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace trilat {
 namespace {
 
 constexpr std::uint64_t kBlock = 512;
 
-const Body* chosen_body(const BodyFrame& frame) {
+ObservedBody observed(const Body& body) {
+  ObservedBody result;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const auto& p = body.position_m[j];
+    const Eigen::Vector3f point(p[0], p[1], p[2]);
+    const std::uint8_t state = body.tracking_state[j];
+    if ((state != 1 && state != 2) || !point.allFinite()) continue;
+    result.joint_in_sensor_m[j] = point;
+    result.state[j] = static_cast<TrackingState>(state);
+  }
+  return result;
+}
+
+ObservedBody between(const ObservedBody& a, const ObservedBody& b, double share) {
+  ObservedBody result;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (!a.has(j) || !b.has(j)) continue;
+    const Eigen::Vector3d from = a.joint_in_sensor_m[j].cast<double>();
+    result.joint_in_sensor_m[j] =
+        (from + share * (b.joint_in_sensor_m[j].cast<double>() - from)).cast<float>();
+    result.state[j] = std::min(a.state[j], b.state[j]);
+  }
+  return result;
+}
+
+}  // namespace
+
+SensorTrack::SensorTrack(const SessionReader& session, std::size_t sensor,
+                         ClockMap<HostClock, SensorClock> host_from_sensor, Duration longest_gap)
+    : session_(&session), sensor_(sensor), host_from_sensor_(host_from_sensor), longest_gap_(longest_gap) {}
+
+const Body* SensorTrack::chosen_body(const BodyFrame& frame) const {
   const Body* best = nullptr;
   std::ptrdiff_t most = -1;
   for (const Body& body : frame.bodies) {
+    if (wanted_ids_ && !wanted_ids_->contains(body.tracking_id)) continue;
     const auto tracked = std::count(body.tracking_state.begin(), body.tracking_state.end(),
                                     static_cast<std::uint8_t>(TrackingState::tracked));
     if (tracked > most) {
@@ -23,35 +54,11 @@ const Body* chosen_body(const BodyFrame& frame) {
   return best;
 }
 
-SensorJoint joint_from(const Body& body, Joint joint) {
-  const auto j = static_cast<std::size_t>(joint);
-  const auto& p = body.position_m[j];
-  SensorJoint result;
-  result.point_in_sensor_m = Eigen::Vector3f(p[0], p[1], p[2]).cast<double>();
-  const std::uint8_t state = body.tracking_state[j];
-  result.seen = (state == 1 || state == 2) && result.point_in_sensor_m.allFinite();
-  result.state = result.seen ? static_cast<TrackingState>(state) : TrackingState::not_tracked;
-  return result;
-}
-
-}  // namespace
-
-SensorTrack::SensorTrack(const SessionReader& session, std::size_t sensor,
-                         ClockMap<HostClock, SensorClock> host_from_sensor, std::vector<Joint> joints,
-                         Duration longest_gap)
-    : session_(&session),
-      sensor_(sensor),
-      host_from_sensor_(host_from_sensor),
-      joints_(std::move(joints)),
-      longest_gap_(longest_gap) {}
-
 SensorTrack::Frame SensorTrack::frame_from(const BodyFrame& frame) {
   const SensorDescription& description = session_->header().sensors[sensor_];
   Frame result{host_from_sensor_(device_time(description, frame.stamp)), {}};
-  result.joints.resize(joints_.size());
   if (frame.bodies.size() > 1) ++several_bodies_;
-  if (const Body* body = chosen_body(frame))
-    for (std::size_t j = 0; j < joints_.size(); ++j) result.joints[j] = joint_from(*body, joints_[j]);
+  if (const Body* body = chosen_body(frame)) result.body = observed(*body);
   return result;
 }
 
@@ -79,16 +86,16 @@ bool SensorTrack::load_next() {
   return false;
 }
 
-void SensorTrack::observe(HostTime t, std::span<SensorJoint> joints) {
+void SensorTrack::observe(HostTime t, ObservedBody& body) {
   while ((!has_after_ || after_.time <= t) && load_next()) {
   }
-  std::fill(joints.begin(), joints.end(), SensorJoint{});
+  body = {};
   if (has_after_ && after_.time == t) {  // only at the very last frame
-    std::copy(after_.joints.begin(), after_.joints.end(), joints.begin());
+    body = after_.body;
     return;
   }
   if (has_before_ && before_.time == t) {
-    std::copy(before_.joints.begin(), before_.joints.end(), joints.begin());
+    body = before_.body;
     return;
   }
   if (!has_before_ || !has_after_ || t < before_.time || after_.time < t ||
@@ -96,13 +103,7 @@ void SensorTrack::observe(HostTime t, std::span<SensorJoint> joints) {
     return;
   const double share =
       static_cast<double>((t - before_.time).ns) / static_cast<double>((after_.time - before_.time).ns);
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const SensorJoint& a = before_.joints[j];
-    const SensorJoint& b = after_.joints[j];
-    if (a.seen && b.seen)
-      joints[j] = {true, a.point_in_sensor_m + share * (b.point_in_sensor_m - a.point_in_sensor_m),
-                   std::min(a.state, b.state)};
-  }
+  body = between(before_.body, after_.body, share);
 }
 
 }  // namespace trilat

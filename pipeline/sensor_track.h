@@ -2,50 +2,44 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <optional>
+#include <set>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
+#include "evaluators/bodies/observed_body.h"
 
 namespace trilat {
 
-// What one sensor says of one joint at one instant.
-struct SensorJoint {
-  bool seen = false;
-  Eigen::Vector3d point_in_sensor_m = Eigen::Vector3d::Zero();
-  TrackingState state = TrackingState::not_tracked;
-};
-
-// One sensor's body joints as a function of host time, read from the session block by block. A joint is
+// One sensor's body as a function of host time, read from the session block by block. A joint is
 // interpolated linearly between two frames that both see it and are no farther apart than `longest_gap`; its
 // state is the worse of the two. Of several bodies in a frame the one with the most tracked joints is taken
-// (the first of equals).
+// (the first of equals), or only those whose tracking id is the person's once choose() said which.
 class SensorTrack {
  public:
   SensorTrack(const SessionReader& session, std::size_t sensor,
-              ClockMap<HostClock, SensorClock> host_from_sensor, std::vector<Joint> joints,
-              Duration longest_gap);
+              ClockMap<HostClock, SensorClock> host_from_sensor, Duration longest_gap);
 
-  // One entry a joint; `t` must not go back from call to call.
-  void observe(HostTime t, std::span<SensorJoint> joints);
+  void choose(std::set<std::uint64_t> tracking_ids) { wanted_ids_ = std::move(tracking_ids); }
+  // `t` must not go back from call to call.
+  void observe(HostTime t, ObservedBody& body);
   std::uint64_t frames_with_several_bodies() const { return several_bodies_; }
 
  private:
   struct Frame {
     HostTime time;
-    std::vector<SensorJoint> joints;
+    ObservedBody body;
   };
   bool load_next();
   Frame frame_from(const BodyFrame& frame);
+  const Body* chosen_body(const BodyFrame& frame) const;
 
   const SessionReader* session_;
   std::size_t sensor_;
   ClockMap<HostClock, SensorClock> host_from_sensor_;
-  std::vector<Joint> joints_;
   Duration longest_gap_;
+  std::optional<std::set<std::uint64_t>> wanted_ids_;  // nothing: any
   std::uint64_t next_row_ = 0;
   std::vector<BodyFrame> block_;
   std::size_t block_position_ = 0;

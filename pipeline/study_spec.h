@@ -10,10 +10,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/base/time.h"
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/ceres/ceres_trilateration.h"
-#include "evaluators/solvers/geometric.h"
-#include "evaluators/solvers/linear.h"
-#include "evaluators/solvers/nonlinear.h"
+#include "pipeline/method_spec.h"
 
 namespace trilat {
 
@@ -21,32 +18,22 @@ namespace trilat {
 enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration };
 StudyKind study_kind(const Json& json, const std::string& place);
 
-enum class MethodKind { linear, geometric, nonlinear, newton, ceres, mean, tracked_mean, single };
-const std::vector<std::string>& method_kind_names();
-
-// One method with its settings, before it is known which sensors the rig has. Only the options of its own
-// kind count.
-struct MethodSpec {
-  MethodKind kind = MethodKind::nonlinear;
-  std::string name;                  // of its rows; unique in the study
-  std::vector<std::string> sensors;  // those it may use; empty: all. geometric uses the first three
-  std::string reference;             // linear: the reference sensor; empty: the first
-  LinearOptions linear;
-  NonlinearOptions nonlinear;  // of nonlinear and newton
-  CeresOptions ceres;
-};
-
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
   std::filesystem::path campaign;    // relative to the study's file; may be given on the command line instead
   std::vector<std::string> sensors;  // empty: those of the take that has most, the first of equals
   std::vector<std::string> joints;   // empty: all that the mappings map
+  std::vector<std::string> conditions;  // activities whose takes are evaluated; empty: all
+  bool occluded_apart = false;          // samples that a sensor sees occluded make conditions of their own
+  std::string reference;                // the method that others are compared with; empty: the first
   std::vector<AlignmentKind> alignments{AlignmentKind::mean};
   double rate_hz = 30.0;              // of the instants that are evaluated
   double sensor_gap_s = 0.1;          // a sensor is not interpolated across a longer gap
   double truth_gap_s = 0.05;          // nor the ground truth
   double cross_check_limit_m = 1e-7;  // `run --cross-check` fails beyond
+  bool repair_exchanges = true;       // left and right that a sensor has exchanged are put right
+  double training_share = 0.5;        // of a take, at its start: what joint_offset learns from
   std::vector<MethodSpec> methods;
 };
 

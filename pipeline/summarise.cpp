@@ -59,6 +59,7 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
     for (std::size_t a = 0; a < axes.alignments; ++a) {
       const std::size_t cell = axes.cell(axes.group_of_joint[j], m, a);
       const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
+      if (!e.asked) continue;
       sums.add(cell, e, view.block, slot);
       if (distances_m && is_usable(e.status)) (*distances_m)[cell].push_back(e.error_m.norm());
       for (int axis = 0; a == 0 && axis < 3; ++axis)
@@ -94,7 +95,8 @@ class DistanceSource {
       std::vector<QuantileSelection> batch(std::min(step, axes_.cells() - first),
                                            QuantileSelection(kErrorQuantiles));
       if (kept_.empty())
-        while (!batch.front().done()) stream_pass(takes, first, batch);
+        while (std::any_of(batch.begin(), batch.end(), [](const auto& s) { return !s.done(); }))
+          stream_pass(takes, first, batch);
       else
         select_from_memory(takes, batch);
       std::move(batch.begin(), batch.end(), std::back_inserter(all));
@@ -139,7 +141,8 @@ class DistanceSource {
     });
     for (const auto& mine : local)
       for (std::size_t c = 0; c < selections.size(); ++c) selections[c].merge_pass(mine[c]);
-    for (QuantileSelection& selection : selections) selection.end_pass();
+    for (QuantileSelection& selection : selections)
+      if (!selection.done()) selection.end_pass();  // one without any answer is done after the first
   }
 
   const SamplesFile& samples_;
@@ -236,7 +239,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   DistanceSource distances(samples, axes, alignments, budget_bytes);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    alignments[t] = align_take(samples, t, axes, plan.study.alignments);
+    alignments[t] = align_take(samples, t, axes, plan.study.alignments, plan.study.training_share);
     sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
   });
   for (const std::string& condition : summary.conditions) {

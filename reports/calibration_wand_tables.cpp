@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -112,6 +113,12 @@ std::vector<Bin> bins_of(const std::array<double, N>& edges) {
   return bins;
 }
 
+// A study may ask for samples beyond the usual edges.
+void widen(std::vector<Bin>& bins, double where) {
+  bins.front().from = std::min(bins.front().from, where);
+  bins.back().to = std::max(bins.back().to, where);
+}
+
 void add_bins(Table& table, const WandRow& row, const std::string& of, const std::vector<Bin>& bins) {
   for (const Bin& bin : bins)
     table.rows.push_back(
@@ -174,6 +181,10 @@ Table calibration_bins_table(const CalibrationSummary& s) {
     for (std::size_t r = 0; r < s.wand.size(); ++r) {
       if (s.wand[r].method != method) continue;
       std::vector<Bin> distances = bins_of(kDistances_m), angles = bins_of(kAngles_deg);
+      for (const WandSample& sample : s.wand_samples) {
+        widen(distances, sample.distance_m);
+        widen(angles, sample.angle_rad * kDegreesPerRad);
+      }
       for (const WandSample& sample : s.wand_samples) {
         if (sample.row != r) continue;
         for (Bin& bin : distances) bin.add(sample.distance_m, sample.error_m);

@@ -85,4 +85,13 @@ void make_folder(const std::filesystem::path& folder) {
     throw InputError(folder.string(), "cannot be made a folder: " + error.message());
 }
 
+void check_output_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(path.string(), "is a folder; give the name of a file");
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, error))
+    throw InputError(path.string(), "cannot be written: the folder " + folder.string() + " does not exist");
+}
+
 }  // namespace trilat

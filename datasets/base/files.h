@@ -19,6 +19,9 @@ std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes
 // `path` with ".partial" behind: the name of an output that is not finished.
 std::filesystem::path partial_name(const std::filesystem::path& path);
 
+// InputError when a file of this name could not be written: its folder does not exist, or it is a folder.
+void check_output_file(const std::filesystem::path& path);
+
 // Waits until the file is on the disk; OutputError when it cannot be.
 void sync_file(const std::filesystem::path& path);
 

@@ -15,19 +15,22 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.samples";
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 constexpr std::size_t kMaxTakes = 20'000;
 
 struct TakeTables {
-  H5Table time_ns, truth_m, ranges, estimate_m, error_m, status, iterations, cost_m2, gdop;
+  H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, error_m, status, iterations, cost_m2,
+      gdop;
 };
 
 // Makes or opens one table of a take.
 template <class Table>
 TakeTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table& table) {
   return {table("time_ns", H5Type::i64, {}),
+          table("heading_rad", H5Type::f32, {}),
           table("truth_m", H5Type::f64, {joints, 3}),
           table("ranges", H5Type::u8, {joints}),
+          table("occluded", H5Type::u8, {joints}),
           table("estimate_m", H5Type::f64, {joints, methods, 3}),
           table("error_m", H5Type::f32, {joints, methods, 3}),
           table("status", H5Type::u8, {joints, methods}),
@@ -48,8 +51,10 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   first_instant = first;
   instants = count;
   time_ns.assign(count, 0);
+  heading_rad.assign(count, std::numeric_limits<float>::quiet_NaN());
   truth_m.assign(count * joints * 3, kNaN);
   ranges.assign(count * joints, 0);
+  occluded.assign(count * joints, 0);
   estimate_m.assign(count * joints * methods * 3, kNaN);
   status.assign(count * joints * methods, 0);
   iterations.assign(count * joints * methods, 0);
@@ -131,8 +136,10 @@ void SamplesFile::write(std::size_t take, const SampleBlock& b) {
     table.write(b.first_instant, std::span(values.data(), values.size()));
   };
   put(t.time_ns, b.time_ns);
+  put(t.heading_rad, b.heading_rad);
   put(t.truth_m, b.truth_m);
   put(t.ranges, b.ranges);
+  put(t.occluded, b.occluded);
   put(t.estimate_m, b.estimate_m);
   put(t.status, b.status);
   put(t.iterations, b.iterations);
@@ -154,9 +161,11 @@ SampleBlock SamplesFile::read(std::size_t take, std::uint64_t first_instant, std
     table.read(first_instant, std::span(values.data(), values.size()));
   };
   get(t.time_ns, b.time_ns);
+  get(t.heading_rad, b.heading_rad);
   get(t.truth_m, b.truth_m);
   get(t.estimate_m, b.estimate_m);
   get(t.status, b.status);
+  get(t.occluded, b.occluded);
   if (columns == SampleColumns::positions) return b;
   get(t.ranges, b.ranges);
   get(t.iterations, b.iterations);

@@ -26,12 +26,13 @@ struct SamplesHeader {
   std::vector<TakeShape> takes;
 };
 
-// Rows [first_instant, first_instant + instants) of one take. Per instant: time_ns; per instant and joint:
-// truth (x, y, z); per instant, joint and method: everything else, joints before methods.
+// Rows [first_instant, first_instant + instants) of one take. Per instant: time_ns and heading_rad; per
+// instant and joint: truth (x, y, z); per instant, joint and method: everything else, joints before methods.
 struct SampleBlock {
   std::uint64_t first_instant = 0;
   std::uint64_t instants = 0;
   std::vector<std::int64_t> time_ns;  // host clock
+  std::vector<float> heading_rad;     // of the person, from world +z towards +x; NaN when not known
   std::vector<double> truth_m;        // NaN where there is none
   std::vector<double> estimate_m;     // x, y, z; NaN where there is none
   std::vector<std::uint8_t> status;
@@ -39,15 +40,18 @@ struct SampleBlock {
   std::vector<double> cost_m2;
   std::vector<float> gdop;
   std::vector<std::uint8_t> ranges;  // how many sensors saw the joint (per instant and joint)
+  // How many of them saw it occluded: inferred, or crossed by a limb in front (per instant and joint).
+  std::vector<std::uint8_t> occluded;
 
   // Sizes every column and fills it with what says "nothing happened": NaN, zero, status 0.
   void reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods);
 };
 
-// Which columns of a block to read: positions are time, truth, estimate and status.
+// Which columns of a block to read: positions are time, heading, truth, occluded,
+// estimate and status.
 enum class SampleColumns { positions, all };
 
-// samples.h5 (results format 1). Written slot by slot: blocks may come in any order and from any thread, the
+// samples.h5 (version 2). Written slot by slot: blocks may come in any order and from any thread, the
 // bytes are the same. All space is laid out when the file is made; what is never written must be written
 // empty.
 class SamplesFile {

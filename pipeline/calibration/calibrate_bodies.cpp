@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <set>
 
@@ -33,12 +34,6 @@ struct Span {
   HostTime first, last;
 };
 
-std::vector<Joint> all_joints() {
-  std::vector<Joint> joints;
-  for (std::size_t j = 0; j < kJointCount; ++j) joints.push_back(static_cast<Joint>(j));
-  return joints;
-}
-
 // The time that all sensors cover.
 Span common_span(const SessionReader& session,
                  const std::vector<ClockMap<HostClock, SensorClock>>& host_from_sensor) {
@@ -67,27 +62,27 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
       throw InputError(session.path().string() + ":/sensors/" + session.header().sensors[s].name,
                        "has no body frames, from which the sensors could be placed");
     clocks.push_back(fit_sensor_clock(session, s));
-    tracks.emplace_back(session, s, clocks.back(), all_joints(), duration_from_s(options.longest_gap_s));
+    tracks.emplace_back(session, s, clocks.back(), duration_from_s(options.longest_gap_s));
   }
   const Span span = common_span(session, clocks);
   RigProblem problem{sensors, options.instants * kJointCount, {}};
-  std::vector<std::array<SensorJoint, kJointCount>> seen(sensors);
+  std::vector<ObservedBody> seen(sensors);
   for (std::size_t i = 0; i < options.instants; ++i) {
     if (options.stop_requested && options.stop_requested()) throw Interrupted();
     const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(options.instants);
     const HostTime t = span.first + duration_from_s(share * (span.last - span.first).seconds());
     for (std::size_t s = 0; s < sensors; ++s) tracks[s].observe(t, seen[s]);
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      const auto tracked = [&](std::size_t s) { return seen[s][j].state == TrackingState::tracked; };
+      const auto tracked = [&](std::size_t s) { return seen[s].state[j] == TrackingState::tracked; };
       std::size_t trackers = 0;
       for (std::size_t s = 0; s < sensors; ++s) trackers += tracked(s);
       if (trackers < 2) continue;
       for (std::size_t s = 0; s < sensors; ++s)
         if (tracked(s))
           problem.observations.push_back(
-              {s, i * kJointCount + j, seen[s][j].point_in_sensor_m,
+              {s, i * kJointCount + j, seen[s].at(static_cast<Joint>(j)),
                options.joint_sigma_m * options.joint_sigma_m * Eigen::Matrix3d::Identity(),
-               seen[s][j].point_in_sensor_m.z()});
+               seen[s].at(static_cast<Joint>(j)).z()});
     }
   }
   return problem;
@@ -137,18 +132,19 @@ void check_placement(const RigStart& start, const SessionReader& session) {
   }
 }
 
-// The reference sensor above the world's origin, its y axis along the floor's normal.
-RigidTransform levelled(const SessionReader& session, std::size_t sensor) {
+// The reference sensor above the world's origin, its y axis along the floor's normal; nothing when it sees no
+// floor or looks straight down, so that no direction is forward.
+std::optional<RigidTransform> levelled(const SessionReader& session, std::size_t sensor) {
   const std::optional<FloorPlane> floor = floor_seen_by(session, sensor);
-  if (!floor) return {};
+  if (!floor) return std::nullopt;
   const Eigen::Vector3d up = floor->up_in_sensor;
   const Eigen::Vector3d forward = Eigen::Vector3d::UnitZ() - up.z() * up;
-  if (!(forward.norm() > 0.1)) return {};
+  if (!(forward.norm() > 0.1)) return std::nullopt;
   Eigen::Matrix3d axes;
   axes.row(1) = up.transpose();
   axes.row(2) = forward.normalized().transpose();
   axes.row(0) = axes.row(1).cross(axes.row(2));
-  return {Eigen::Quaterniond(axes).normalized(), {0.0, floor->height_m, 0.0}};
+  return RigidTransform{Eigen::Quaterniond(axes).normalized(), {0.0, floor->height_m, 0.0}};
 }
 
 Eigen::Matrix<double, 6, 1> difference(const RigidTransform& a, const RigidTransform& b) {
@@ -168,11 +164,14 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
   std::vector<RigidTransform> start;
   for (const RefinedSensor& sensor : all.sensors) start.push_back(sensor.world_from_sensor);
   std::vector<RigRefinement> refits(left_out.size());
+  std::atomic<std::size_t> done{0};
   parallel_for_index(left_out.size(), 1, [&](std::size_t k) {
     if (options.stop_requested && options.stop_requested()) throw Interrupted();
     refits[k] =
         refine_rig(part_of(problem, [&](std::size_t point) { return point % kJointCount != left_out[k]; }),
                    start, reference, gauge, refinement);
+    if (options.progress)
+      options.progress(static_cast<double>(++done) / static_cast<double>(left_out.size()));
   });
   for (const RigRefinement& refit : refits)
     if (refit.status != RigStatus::converged || refits.size() < kFewestJoints)
@@ -202,7 +201,8 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   const RigStart start = start_of(problem);
   check_placement(start, session);
   RigGauge gauge;
-  gauge.world_from_reference = levelled(session, start.reference);
+  const std::optional<RigidTransform> level = levelled(session, start.reference);
+  gauge.world_from_reference = level.value_or(RigidTransform{});
   RigRefinementOptions refinement;
   refinement.robust_scale = options.robust_scale;
   refinement.rejection_rounds = 0;
@@ -219,16 +219,12 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";
   calibration.simulated = session.header().simulated;
-  calibration.world = "sensor " + session.header().sensors[start.reference].name +
-                      (floor_seen_by(session, start.reference) ? ", on the floor below it" : "");
+  calibration.world =
+      "sensor " + session.header().sensors[start.reference].name + (level ? ", on the floor below it" : "");
   calibration.program = kProgramVersion;
   calibration.reduced_chi2 = refined.reduced_chi2;
-  std::set<std::size_t> instants, points;
-  for (const PointObservation& o : problem.observations) {
-    instants.insert(o.point / kJointCount);
-    points.insert(o.point);
-  }
-  result.instants = instants.size();
+  std::set<std::size_t> points;
+  for (const PointObservation& o : problem.observations) points.insert(o.point);
   calibration.positions = points.size();
   for (std::size_t s = 0; s < problem.sensors; ++s) {
     SensorPose pose;

@@ -16,13 +16,12 @@ struct CalibrateBodiesOptions {
   double joint_sigma_m = 0.02;  // of a tracked joint, an axis; only relative to the robust loss
   double robust_scale = 2.0;    // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};
+  std::function<void(double)> progress = {};  // any thread may tell
 };
 
 struct BodyCalibration {
   Calibration calibration;
   std::size_t reference = 0;  // the sensor whose pose is the world; it has no uncertainty
-  std::size_t instants = 0;   // with at least one joint that two sensors tracked
 };
 
 // Sensor poses from one person whom several sensors tracked at the same time, for people without a wand. The

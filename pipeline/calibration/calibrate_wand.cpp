@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -105,7 +104,7 @@ void check_refined(const RigRefinement& refined, const WandViews& views, const s
                      "seen well; begin with an origin, a second place along x and a third one above");
   if (refined.status == RigStatus::sensor_undetermined)
     for (std::size_t s = 0; s < refined.sensors.size(); ++s)
-      if (std::count(refined.used.begin(), refined.used.end(), true) == 0 || refined.sensors[s].used < 3)
+      if (refined.sensors[s].used < 3)
         throw InputError(place,
                          "sensor \"" + views.evidence[s].name +
                              "\" is undetermined: fewer than three of its wand positions agree with the "
@@ -122,7 +121,7 @@ SensorPose pose_from(const RefinedSensor& refined, const std::string& name) {
   SensorPose pose;
   pose.name = name;
   pose.world_from_sensor = refined.world_from_sensor;
-  if (refined.covariance.allFinite()) pose.covariance = refined.covariance;
+  pose.covariance = refined.covariance;
   pose.rotation_sigma_rad = std::sqrt(refined.covariance.topLeftCorner<3, 3>().trace() / 3.0);
   pose.position_sigma_m = std::sqrt(refined.covariance.bottomRightCorner<3, 3>().trace() / 3.0);
   pose.depth_offset_m = refined.depth_offset_m;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/units.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_two_positions.h"
@@ -129,7 +130,8 @@ void print_text(const CalibrateArguments& arguments, const Calibration& calibrat
   const std::vector<std::string> doubts = doubts_about(calibration);
   for (const std::string& doubt : doubts) fmt::print("look at: {}\n", doubt);
   if (doubts.empty() && calibration.sensors.front().covariance)
-    fmt::print("{} positions; nothing looks wrong.\n", calibration.positions);
+    fmt::print("{} {}; nothing looks wrong.\n", calibration.positions,
+               calibration.method == "bodies" ? "joint positions" : "wand positions");
   fmt::print("calibration: {}\n", arguments.output.string());
 }
 
@@ -161,6 +163,7 @@ Outcome calibrate_by(const CalibrateArguments& arguments) {
   if (arguments.method == "bodies") {
     CalibrateBodiesOptions options;
     options.stop_requested = stop_requested;
+    options.progress = [&](double share) { progress.set(share); };
     return {calibrate_bodies(arguments.sessions[0], options).calibration, {}};
   }
   const CalibrateWandOptions options = wand_options(arguments, progress);
@@ -178,6 +181,7 @@ Outcome calibrate_by(const CalibrateArguments& arguments) {
 }  // namespace
 
 int calibrate(const CalibrateArguments& arguments) {
+  check_output_file(arguments.output);  // before minutes of work
   Outcome outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);

@@ -234,6 +234,8 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
                                       {stop_requested, [&](double share) { joint_progress.set(t, share); }});
     joint_progress.set(t, 1.0);
   });
+  for (const char* file : {"session.h5", "mocap.csv", "truth.json"})  // of an earlier campaign
+    std::filesystem::remove(folder / "wand" / file);
   if (spec.wand)
     simulate_wand(spec, rig.poses, rig.centre_m, folder / "wand",
                   {stop_requested, [&](double share) { joint_progress.set(takes.size(), share); }});

@@ -120,7 +120,12 @@ TEST(Run, EqualSeedsGiveEqualCampaignsAndOtherSeedsOthers) {
 TEST(Run, QuantilesAreTheSameFromMemoryAndFromTheFile) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
-  const Plan plan = make_plan(study_with(R"(["mean", "none"])"), campaign);
+  // the last cannot answer anywhere
+  const Plan plan = make_plan(study_with(R"(["mean", "none", "held_out"])",
+                                         R"("methods": [{"method": "mean"}, {"method": "single"},
+                                                        {"method": "geometric"},
+                                                        {"method": "nonlinear", "sensors": ["k1", "k2"]}])"),
+                              campaign);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan));
   const RunOutcome outcome = run_plan(plan, samples, {});
   const auto summary_with = [&](const char* name, std::uint64_t budget_bytes) {
