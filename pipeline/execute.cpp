@@ -31,6 +31,7 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   samples.finish();
   write_manifest(folder, plan, options.stop_requested);
   write_summary(folder, summary);
+  write_tracking_summary(folder, outcome.tracking);
   write_run_record(folder, outcome.times, seconds_since(start), threads);
   return summary;
 }

@@ -13,6 +13,7 @@
 #include "pipeline/over_time.h"
 #include "pipeline/parallel.h"
 #include "pipeline/take_data.h"
+#include "pipeline/tracking_check.h"
 
 namespace trilat {
 namespace {
@@ -184,6 +185,7 @@ TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
 struct TakeOutcome {
   std::vector<TakeNote> notes;
   TakeCheck check;
+  TakeTracking tracking;
   bool evaluated = false;
 };
 
@@ -230,6 +232,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
       shared.options.progress(static_cast<double>(shared.done_instants += count) /
                               static_cast<double>(shared.total_instants));
   }
+  outcome.tracking = check_tracking(plan, planned, data);
   outcome.notes = std::move(data.notes);
   outcome.evaluated = true;
 }
@@ -254,6 +257,7 @@ void run_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   } catch (const InputError& error) {
     outcome.notes.push_back({planned.take.id, true, error.place(), error.problem()});
     outcome.check = {};
+    outcome.tracking = {};
     write_empty(shared.plan, index, shared.writer);
   } catch (const Interrupted&) {
     shared.stopped = true;
@@ -286,11 +290,14 @@ RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& op
   if (shared.stopped) throw Interrupted();
   RunOutcome result;
   TakeCheck check;
-  for (const TakeOutcome& outcome : outcomes) {
+  std::vector<TakeTracking> tracking;
+  for (TakeOutcome& outcome : outcomes) {
+    tracking.push_back(std::move(outcome.tracking));
     for (const TakeNote& note : outcome.notes) result.notes.push_back(within_campaign(note, plan.campaign));
     result.evaluated.push_back(outcome.evaluated);
     check.merge(outcome.check);
   }
+  result.tracking = sum_tracking(plan, tracking);
   if (checked)
     result.cross_check = CrossCheck{checked->spec.name,
                                     check.samples,

@@ -6,6 +6,7 @@
 
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/tracking_summary.h"
 #include "pipeline/plan.h"
 
 namespace trilat {
@@ -28,6 +29,7 @@ struct RunOutcome {
   std::vector<TakeNote> notes;  // in the order of the takes
   std::vector<bool> evaluated;  // by take
   std::optional<CrossCheck> cross_check;
+  TrackingSummary tracking;
   StageTimes times;
 };
 

@@ -13,6 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.study";
+const std::vector<std::string> kClocks{"stated", "check", "motion"};
 
 std::vector<AlignmentKind> read_alignments(JsonObject& object) {
   std::vector<AlignmentKind> result;
@@ -66,6 +67,9 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   for (const char* gap : {"sensor_gap_s", "truth_gap_s"})
     if (object.number(gap, 0.0) > 3600.0) object.refuse(gap, "must not be longer than an hour");
   spec.cross_check_limit_m = object.positive("cross_check_limit_m", spec.cross_check_limit_m);
+  spec.clock =
+      static_cast<ClockSource>(object.choice("clock", kClocks, static_cast<std::size_t>(spec.clock)));
+  spec.clock_search_s = number_within(object, "clock_search_s", spec.clock_search_s, 0.02, 10.0);
   spec.repair_exchanges = object.boolean("repair_exchanges", spec.repair_exchanges);
   spec.training_share = number_within(object, "training_share", spec.training_share, 0.05, 0.95);
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
@@ -98,6 +102,8 @@ Json resolved_json(const StudySpec& spec) {
           {"sensor_gap_s", spec.sensor_gap_s},
           {"truth_gap_s", spec.truth_gap_s},
           {"cross_check_limit_m", spec.cross_check_limit_m},
+          {"clock", kClocks[static_cast<std::size_t>(spec.clock)]},
+          {"clock_search_s", spec.clock_search_s},
           {"repair_exchanges", spec.repair_exchanges},
           {"training_share", spec.training_share},
           {"methods", methods}};

@@ -18,6 +18,8 @@ namespace trilat {
 enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration };
 StudyKind study_kind(const Json& json, const std::string& place);
 
+enum class ClockSource : std::uint8_t { stated, check, motion };
+
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
@@ -32,8 +34,11 @@ struct StudySpec {
   double sensor_gap_s = 0.1;          // a sensor is not interpolated across a longer gap
   double truth_gap_s = 0.05;          // nor the ground truth
   double cross_check_limit_m = 1e-7;  // `run --cross-check` fails beyond
-  bool repair_exchanges = true;       // left and right that a sensor has exchanged are put right
-  double training_share = 0.5;        // of a take, at its start: what joint_offset learns from
+  // Whether the start of the mocap is taken as stated, also checked by motion, or corrected by it.
+  ClockSource clock = ClockSource::check;
+  double clock_search_s = 0.3;   // to both sides of the stated start
+  bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
+  double training_share = 0.5;   // of a take, at its start: what joint_offset learns from
   std::vector<MethodSpec> methods;
 };
 

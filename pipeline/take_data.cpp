@@ -11,6 +11,7 @@
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/depth_occlusion.h"
+#include "pipeline/motion_clock.h"
 #include "pipeline/parallel.h"
 #include "pipeline/person_choice.h"
 #include "pipeline/sensor_track.h"
@@ -37,11 +38,13 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
                   static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
 
-void read_truth(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
-                TakeData& data) {
+// Fills in the truth and returns what there is to know of it.
+std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
+                                 const std::function<bool()>& stop_requested, TakeData& data) {
   TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
                    duration_from_s(plan.study.truth_gap_s));
-  const Duration mocap_start{planned.take.mocap_start_host_ns};
+  const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
+  const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
   data.truth_m.resize(data.time.size() * plan.joints.size());
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     check_stop(i, stop_requested);
@@ -50,8 +53,9 @@ void read_truth(const Plan& plan, const PlannedTake& planned, const std::functio
   }
   if (std::none_of(data.truth_m.begin(), data.truth_m.end(), [](const auto& p) { return p.allFinite(); }))
     refuse_without_truth(plan, planned, truth);
+  std::vector<TakeNote> notes;
   const auto note = [&](std::string text) {
-    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+    notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
   };
   if (truth.samples_frozen() > 0)
     note(
@@ -68,6 +72,7 @@ void read_truth(const Plan& plan, const PlannedTake& planned, const std::functio
         fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
                     "export's frame rate right?",
                     odd.printed_time_differs));
+  return notes;
 }
 
 void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
@@ -102,6 +107,21 @@ void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
   data.exchanges =
       find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
   if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+}
+
+// A take whose motion does not say anything about the clock keeps the stated one, with a note.
+void check_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
+                 TakeData& data) {
+  if (plan.study.clock == ClockSource::stated) return;
+  data.clock = clock_by_motion(plan, planned, data, stop_requested);
+  if (plan.study.clock != ClockSource::motion) return;
+  data.clock.applied = std::isfinite(data.clock.offset_s);
+  if (data.clock.applied)
+    read_truth(plan, planned, stop_requested, data);
+  else
+    data.notes.push_back(
+        {planned.take.id, false, planned.take.mocap.string(),
+         "keeps its stated start: by motion the clocks' offset is not known (" + data.clock.status + ")"});
 }
 
 // Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
@@ -163,9 +183,11 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
   if (!session.complete())
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
-  read_truth(plan, planned, stop_requested, data);
+  for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
+    data.notes.push_back(std::move(note));
   read_bodies(plan, planned, session, stop_requested, data);
   repair(plan, planned, data);
+  check_clock(plan, planned, stop_requested, data);
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   find_occlusions(plan, planned, session, stop_requested, data);
   return data;

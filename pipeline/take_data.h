@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "datasets/results/tracking_summary.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
@@ -41,6 +42,7 @@ struct TakeData {
   std::vector<float> heading_rad;        // by instant, NaN when not known
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
   std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
+  ClockRow clock;                                           // by motion, when the study asks
   std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {

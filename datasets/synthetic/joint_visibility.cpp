@@ -141,7 +141,9 @@ JointVisibility::Nearest JointVisibility::nearest(int column, int row, std::size
     const double depth = enter_capsule(ray, ray2, s.from_m, s.axis_m, s.axis_m2, s.radius_m);
     if (!(depth > 0.0)) continue;
     found.any_m = std::min(found.any_m, depth);
-    if (s.person == person && s.owners[static_cast<std::size_t>(joint)])
+    const double joint_m = in_sensor_[person].at(joint).z();
+    if (s.person == person && s.owners[static_cast<std::size_t>(joint)] &&
+        (joint == Joint::neck || depth >= joint_m - 2.0 * s.radius_m))
       found.own_m = std::min(found.own_m, depth);
   }
   return found;

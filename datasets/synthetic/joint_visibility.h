@@ -19,6 +19,9 @@ namespace trilat {
 // A joint's own surfaces are the bones that end or start at it; for the head and the neck also the head's
 // sphere; for the wrist, hand, hand tip and thumb of one side all bones between them; for shoulders, hips and
 // neck also the piece of the spine that their bone comes from, for the neck also the bones to the shoulders.
+// An own surface that is met more than its diameter before the joint hides it like any other: the far
+// shoulder is behind the chest, and an elbow behind the hand that points at the lens. (Not the neck, which
+// stands above the shoulders whatever the side.)
 class JointVisibility {
  public:
   explicit JointVisibility(const DepthIntrinsics& intrinsics);

@@ -81,8 +81,10 @@ double depth_at(const Segment& segment, double part) {
 }
 
 bool is_trunk(Joint joint) {
-  return joint == Joint::spine_base || joint == Joint::spine_mid || joint == Joint::spine_shoulder ||
-         joint == Joint::hip_left || joint == Joint::hip_right;
+  constexpr std::array kTrunk{Joint::spine_base,     Joint::spine_mid, Joint::spine_shoulder,
+                              Joint::hip_left,       Joint::hip_right, Joint::shoulder_left,
+                              Joint::shoulder_right, Joint::neck,      Joint::head};
+  return std::find(kTrunk.begin(), kTrunk.end(), joint) != kTrunk.end();
 }
 
 // The median depth about a pixel, metres; nothing where the image shows too little.

@@ -17,8 +17,7 @@ namespace trilat {
 //   along a bone; every two bones are compared. Its VectorProduct(x1, x2, y1, y2) = x1 y2 - x2 y1 is called
 //   with (x, y, x, y): the names disagree, but by position it is a_x b_y - a_y b_x, the cross product that is
 //   meant, so that the number is right.
-// corrected: bones cross in the image (x / z, y / z); the order is that of the two points on the viewing ray
-// of
+// corrected: bones cross in the image (x / z, y / z); the order is that of the two points on the viewing ray of
 //   the crossing; bones that share a joint are not compared; a joint at z <= 0 is not there.
 // Both take bones for lines: a joint beside a thick limb is not found. Bones that only touch do not cross.
 enum class OcclusionVariant : std::uint8_t { printed, corrected };
@@ -31,9 +30,9 @@ enum class OcclusionVariant : std::uint8_t { printed, corrected };
 
 struct DepthOcclusionOptions {
   // How much nearer than the joint a surface has to be. The body's own surface lies in front of a joint by
-  // the radius of the part (trunk about 12 cm, limbs and head 4 to 9 cm), and trackers are off by
+  // the radius of the part (trunk and head 10 to 14 cm, limbs 4 to 9 cm), and trackers are off by
   // centimetres.
-  double trunk_margin_m = 0.15;  // spine and hips
+  double trunk_margin_m = 0.15;  // spine, hips, shoulders, neck and head
   double limb_margin_m = 0.10;   // all others
   int patch_half_px = 2;         // the patch is 5 by 5 pixels; its median counts
   int fewest_valid_px = 5;       // of the patch; with fewer nothing is known

@@ -2,6 +2,7 @@
 #include "datasets/synthetic/joint_visibility.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 
@@ -110,15 +111,30 @@ TEST(JointVisibility, TheVisibleShareIsThatOfTheImageOfTheOwnSurfaces) {
       const std::vector<float> all = image_of(renderer, sensor, scene);
       visibility.set_persons(poses, sensor.pose.world_from_sensor);
       for (const OwnSurfaces& own : cases) {
-        DepthScene alone;
+        const Vector3d at = sensor.pose.world_from_sensor.inverse() * poses[0].at(own.joint);
+        std::vector<float> mine(kDepthPixels, std::numeric_limits<float>::quiet_NaN());
+        // each surface by itself, because one met more than its diameter before the joint is not the joint's
+        const auto add = [&](const DepthScene& alone, double radius_m) {
+          const std::vector<float> surface = image_of(renderer, sensor, alone);
+          for (std::size_t i = 0; i < mine.size(); ++i)
+            if (static_cast<double>(surface[i]) >= at.z() - 2.0 * radius_m && !(mine[i] <= surface[i]))
+              mine[i] = surface[i];
+        };
+        std::size_t bones = 0;
         for (const BodySurface& part : surfaces_of(poses[0]))
           for (const auto& [parent, end] : own.bones)
-            if (part.parent == parent && part.end == end)
+            if (part.parent == parent && part.end == end) {
+              DepthScene alone;
               alone.capsules.push_back({poses[0].at(parent), poses[0].at(end), part.radius_m});
-        ASSERT_EQ(alone.capsules.size(), own.bones.size());
-        if (own.head_sphere) alone.spheres.push_back({poses[0].at(head), radius_at(head)});
-        const std::vector<float> mine = image_of(renderer, sensor, alone);
-        const Vector3d at = sensor.pose.world_from_sensor.inverse() * poses[0].at(own.joint);
+              add(alone, part.radius_m);
+              ++bones;
+            }
+        ASSERT_EQ(bones, own.bones.size());
+        if (own.head_sphere) {
+          DepthScene alone;
+          alone.spheres.push_back({poses[0].at(head), radius_at(head)});
+          add(alone, radius_at(head));
+        }
         const Eigen::Vector2d pixel = *project(sensor.intrinsics, at);
         const auto away = std::lround(0.5 * radius_at(own.joint) * sensor.intrinsics.fx_px / at.z());
         double met = 0.0, first = 0.0;

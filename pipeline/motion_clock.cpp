@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/motion_clock.h"
+
+#include <algorithm>
+
+#include "datasets/base/error.h"
+#include "evaluators/alignment/clock_offset.h"
+#include "evaluators/fusion/baselines.h"
+#include "pipeline/parallel.h"
+#include "pipeline/truth_track.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
+constexpr double kGrid_hz = 120.0;
+
+// Seconds since the first instant, on the host clock.
+std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  std::vector<PointPath> paths(plan.joints.size());
+  std::vector<JointObservation> seen(plan.rig.size());
+  for (std::size_t i = 0; i < data.time.size(); ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      observe_joint(data, i, plan.joints[j], planned.world_from_sensor, seen);
+      paths[j].time_s.push_back((data.time[i] - data.time.front()).seconds());
+      paths[j].position_m.push_back(solve_mean(seen, {}).position_m);
+    }
+  return paths;
+}
+
+std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                  double margin_s, const std::function<bool()>& stop_requested) {
+  TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
+                   duration_from_s(plan.study.truth_gap_s));
+  std::vector<PointPath> paths(plan.joints.size());
+  std::vector<Eigen::Vector3d> joints(plan.joints.size());
+  const double length_s = (data.time.back() - data.time.front()).seconds() + 2.0 * margin_s;
+  const auto count = static_cast<std::size_t>(length_s * kTruthRate_hz) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
+    const double since_s = static_cast<double>(k) / kTruthRate_hz - margin_s;
+    const HostTime t = data.time.front() + duration_from_s(since_s);
+    truth.at({(t - HostTime{planned.take.mocap_start_host_ns}).ns}, joints);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      paths[j].time_s.push_back(since_s);
+      paths[j].position_m.push_back(joints[j]);
+    }
+  }
+  return paths;
+}
+
+}  // namespace
+
+ClockRow clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                         const std::function<bool()>& stop_requested) {
+  ClockOffsetOptions options;
+  options.grid_hz = kGrid_hz;
+  options.search_s = plan.study.clock_search_s;
+  const ClockOffset found = find_clock_offset(
+      estimated_paths(plan, planned, data),
+      true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);
+  ClockRow row;
+  row.status = name_of(found.status);
+  row.offset_s = found.offset_s;
+  row.low_s = found.low_s;
+  row.high_s = found.high_s;
+  row.drift_ppm = found.drift_ppm;
+  row.drift_sigma_ppm = found.drift_sigma_ppm;
+  row.peak = found.peak;
+  row.second = found.second;
+  return row;
+}
+
+}  // namespace trilat

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+
+#include "pipeline/take_data.h"
+
+namespace trilat {
+
+// By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
+// against the ground truth. `data` has its times and bodies.
+ClockRow clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                         const std::function<bool()>& stop_requested);
+
+}  // namespace trilat
