@@ -273,7 +273,8 @@ SamplesHeader samples_header(const Plan& plan) {
   for (int s = 0; s < kSolveStatusCount; ++s)
     header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   header.alignment = name_of(plan.study.alignments.front());
-  for (const PlannedTake& take : plan.takes) header.takes.push_back({take.take.id, take.instants});
+  for (const PlannedTake& take : plan.takes)
+    header.takes.push_back({take.take.id, take.instants, take.take.activity});
   return header;
 }
 

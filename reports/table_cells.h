@@ -2,17 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 
 #include "datasets/base/units.h"
+#include "datasets/results/summary.h"
 #include "reports/table.h"
 
 namespace trilat {
 
 // Cells of the calibration tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
-inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-
 inline TableValue cm_cell(double metres) { return TableValue::of(metres * kCentimetresPerMetre, 2); }
 inline TableValue mm_cell(double metres) { return TableValue::of(metres / kMetresPerMillimetre, 2); }
 inline TableValue degree_cell(double radians) { return TableValue::of(radians * kDegreesPerRad, 2); }

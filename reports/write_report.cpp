@@ -14,6 +14,8 @@
 #include "reports/calibration_tables.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
+#include "reports/tracking_tables.h"
+#include "reports/trajectories.h"
 
 namespace trilat {
 namespace {
@@ -70,8 +72,9 @@ void append(std::vector<Table>& tables, std::vector<Table> more) {
 
 Chapter accuracy_chapter(const std::filesystem::path& path) {
   const ResultsSummary summary = read_summary(path);
-  Chapter chapter{summary.study, heading_of(summary), table3(summary)};
+  Chapter chapter{summary.study, heading_of(summary), table3(summary), trajectory_figures(path, summary)};
   append(chapter.tables, accuracy_tables(summary));
+  if (const auto tracking = read_tracking_summary(path)) append(chapter.tables, tracking_tables(*tracking));
   return chapter;
 }
 

@@ -90,6 +90,7 @@ SamplesFile SamplesFile::create(const std::filesystem::path& path, const Samples
   for (std::size_t t = 0; t < header.takes.size(); ++t) {
     H5Node node = takes.create_group(group_name(t));
     node.set_text("id", header.takes[t].id);
+    node.set_text("condition", header.takes[t].condition);
     const std::uint64_t instants = header.takes[t].instants;
     s.takes.push_back(tables_of(header.joints.size(), header.methods.size(),
                                 [&](const char* name, H5Type type, const Shape& shape) {
@@ -117,7 +118,7 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
     s.takes.push_back(tables_of(
         s.header.joints.size(), s.header.methods.size(),
         [&](const char* table, H5Type type, const Shape& shape) { return node.table(table, type, shape); }));
-    s.header.takes.push_back({node.text("id"), s.takes.back().time_ns.rows()});
+    s.header.takes.push_back({node.text("id"), s.takes.back().time_ns.rows(), node.text("condition")});
   }
   return samples;
 }

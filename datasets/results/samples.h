@@ -15,6 +15,7 @@ namespace trilat {
 struct TakeShape {
   std::string id;
   std::uint64_t instants = 0;
+  std::string condition{};  // its activity
 };
 
 // What every take of a results folder shares.

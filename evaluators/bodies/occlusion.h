@@ -17,8 +17,8 @@ namespace trilat {
 //   along a bone; every two bones are compared. Its VectorProduct(x1, x2, y1, y2) = x1 y2 - x2 y1 is called
 //   with (x, y, x, y): the names disagree, but by position it is a_x b_y - a_y b_x, the cross product that is
 //   meant, so that the number is right.
-// corrected: bones cross in the image (x / z, y / z); the order is that of the two points on the viewing ray of
-//   the crossing; bones that share a joint are not compared; a joint at z <= 0 is not there.
+// corrected: bones cross in the image (x / z, y / z); what is in front is decided on the viewing ray of the
+//   crossing; bones that share a joint are not compared; a joint at z <= 0 is not there.
 // Both take bones for lines: a joint beside a thick limb is not found. Bones that only touch do not cross.
 enum class OcclusionVariant : std::uint8_t { printed, corrected };
 
