@@ -42,7 +42,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 
 StudyKind study_kind(const Json& json, const std::string& place) {
   return static_cast<StudyKind>(
-      JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep", "calibration"}));
+      JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget"}));
 }
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {

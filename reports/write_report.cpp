@@ -9,6 +9,7 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 #include "reports/accuracy_tables.h"
+#include "reports/budget_tables.h"
 #include "reports/calibration_figures.h"
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
@@ -92,12 +93,22 @@ Chapter calibration_chapter(const std::filesystem::path& path) {
   return {summary.study, heading_of(summary), calibration_tables(summary), calibration_figures(summary)};
 }
 
+Chapter budget_chapter(const std::filesystem::path& path) {
+  const BudgetSummary summary = read_budget_summary(path);
+  return {summary.study,
+          fmt::format("## {}\n\nError budget of {}, **simulated**: {} participants, seed {}.\n", summary.study,
+                      summary.campaign, summary.participants, summary.seed),
+          budget_tables(summary)};
+}
+
 Chapter chapter_of(const std::filesystem::path& path) {
   switch (results_kind(path)) {
     case ResultsKind::threshold_sweep:
       return sweep_chapter(path);
     case ResultsKind::calibration:
       return calibration_chapter(path);
+    case ResultsKind::error_budget:
+      return budget_chapter(path);
     case ResultsKind::accuracy:
       break;
   }

@@ -12,7 +12,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration"};
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget"};
 
 ResultsKind read_head(JsonObject& object) {
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');

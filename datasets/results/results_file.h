@@ -11,8 +11,8 @@
 namespace trilat {
 
 // What a results folder holds: the study's kind.
-enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep, calibration };
-std::string name_of(ResultsKind kind);  // "accuracy", "threshold_sweep", "calibration"
+enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget };
+std::string name_of(ResultsKind kind);  // "accuracy", …
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.
 ResultsKind results_kind(const std::filesystem::path& folder);

@@ -76,6 +76,8 @@ int run(const RunArguments& arguments);
 int run_sweep_study(const RunArguments& arguments, const Json& study);
 // And for one of kind calibration.
 int run_calibration_study(const RunArguments& arguments, const Json& study);
+// And for one of kind error_budget.
+int run_budget_study(const RunArguments& arguments, const Json& study);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> results;

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/synthetic/error_sources.h"
+
+#include <array>
+
+#include "datasets/base/error.h"
+#include "datasets/base/philox.h"
+
+namespace trilat {
+namespace {
+
+struct Named {
+  ErrorSource source;
+  const char* name;
+  const char* description;
+};
+
+constexpr std::array<Named, 13> kSources{{
+    {ErrorSource::none, "none", "everything exact; what interpolation between frames leaves"},
+    {ErrorSource::jitter, "jitter", "the tracker's white noise"},
+    {ErrorSource::wander, "wander", "the tracker's slow wander"},
+    {ErrorSource::jumps, "jumps", "the tracker's jumps"},
+    {ErrorSource::bias, "bias", "what the tracker systematically puts elsewhere, by joint and viewpoint"},
+    {ErrorSource::lag, "lag", "the tracker's delay"},
+    {ErrorSource::hidden, "hidden", "what the tracker makes of joints that the body hides"},
+    {ErrorSource::exchange, "exchange", "left and right exchanged from behind, as far as not put right"},
+    {ErrorSource::dropped, "dropped", "frames that are lost"},
+    {ErrorSource::clocks, "clocks", "clocks of sensors, their computers and the mocap"},
+    {ErrorSource::mocap, "mocap", "noise and gaps of the markers"},
+    {ErrorSource::calibration, "calibration", "sensors that are not where the calibration says"},
+    {ErrorSource::all, "all", "all of them together"},
+}};
+
+const Named& named(ErrorSource source) { return kSources.at(static_cast<std::size_t>(source)); }
+
+void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSpec& to) {
+  switch (source) {
+    case ErrorSource::jitter:
+      to.jitter_sigma_m = from.jitter_sigma_m;
+      break;
+    case ErrorSource::wander:
+      to.wander_sigma_m = from.wander_sigma_m;
+      to.wander_time_s = from.wander_time_s;
+      break;
+    case ErrorSource::jumps:
+      to.jump_rate_per_minute = from.jump_rate_per_minute;
+      to.jump_size_m = from.jump_size_m;
+      to.jump_duration_s = from.jump_duration_s;
+      break;
+    case ErrorSource::bias:
+      to.bias_sigma_m = from.bias_sigma_m;
+      to.viewpoint_share = from.viewpoint_share;
+      break;
+    case ErrorSource::lag:
+      to.lag_s = from.lag_s;
+      break;
+    case ErrorSource::hidden:
+      to.least_visible_share = from.least_visible_share;
+      to.inferred_error_sigma_m = from.inferred_error_sigma_m;
+      to.hidden_as_tracked_share = from.hidden_as_tracked_share;
+      break;
+    case ErrorSource::exchange:
+      to.back_view_angle_rad = from.back_view_angle_rad;
+      to.back_view_hysteresis_rad = from.back_view_hysteresis_rad;
+      to.exchanged_share = from.exchanged_share;
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace
+
+const std::vector<ErrorSource>& error_sources() {
+  static const std::vector<ErrorSource> sources = [] {
+    std::vector<ErrorSource> all;
+    for (const Named& entry : kSources) all.push_back(entry.source);
+    return all;
+  }();
+  return sources;
+}
+
+std::string name_of(ErrorSource source) { return named(source).name; }
+std::string description_of(ErrorSource source) { return named(source).description; }
+
+SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source, const std::string& place) {
+  if (!spec.body_tracker)
+    throw InputError(place + " /body_tracker", "is missing; an error budget takes a body tracker apart");
+  if (source == ErrorSource::all) return spec;
+  SimulationSpec only = spec;
+  only.body_tracker = exact_body_tracker();
+  copy_tracker(*spec.body_tracker, source, *only.body_tracker);
+  if (source != ErrorSource::dropped) only.sensor.dropped_share = 0.0;
+  if (source != ErrorSource::clocks) {
+    only.sensor.free_running = false;
+    only.sensor.arrival_jitter_s = 0.0;
+    only.mocap.clock_error_s = 0.0;
+  }
+  if (source != ErrorSource::mocap) {
+    only.mocap.marker_noise_sigma_m = 0.0;
+    only.mocap.gap_share = 0.0;
+  }
+  return only;
+}
+
+Calibration perturbed(Calibration calibration, double sigma_m, double sigma_rad, std::uint64_t seed) {
+  for (std::size_t s = 0; s < calibration.sensors.size(); ++s) {
+    const RandomStream random{seed, Purpose::calibration_error, s};
+    const Eigen::Vector3d turn =
+        sigma_rad * Eigen::Vector3d(random.normal(0), random.normal(1), random.normal(2));
+    SensorPose& pose = calibration.sensors[s];
+    const double angle = turn.norm();
+    if (angle > 0.0)
+      pose.world_from_sensor.rotation =
+          (Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * pose.world_from_sensor.rotation)
+              .normalized();
+    pose.world_from_sensor.translation_m +=
+        sigma_m * Eigen::Vector3d(random.normal(3), random.normal(4), random.normal(5));
+    pose.position_sigma_m = sigma_m;
+    pose.rotation_sigma_rad = sigma_rad;
+  }
+  calibration.method = "simulated truth, perturbed";
+  return calibration;
+}
+
+}  // namespace trilat

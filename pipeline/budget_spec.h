@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "datasets/synthetic/simulation_spec.h"
+#include "pipeline/study_spec.h"
+
+namespace trilat {
+
+// study.json, format 1, kind "error_budget": a simulated campaign taken apart into its sources of error.
+struct BudgetSpec {
+  SimulationSpec simulation;
+  double calibration_sigma_m = 0.005;  // an axis; what a wand calibration is held to
+  double calibration_sigma_deg = 0.2;
+  StudySpec study;  // what every part is evaluated with
+};
+
+// `simulation` is a path relative to `folder`; without one it is `fallback`, the paper's campaign. `seed` and
+// `participants` replace those of the simulation.
+BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
+                        const SimulationSpec& fallback);
+
+}  // namespace trilat
