@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "datasets/results/declared_parameters.h"
 #include "pipeline/manifest.h"
 #include "pipeline/plan.h"
 #include "pipeline/results_folder.h"
@@ -32,6 +33,8 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   write_manifest(folder, plan, options.stop_requested);
   write_summary(folder, summary);
   write_tracking_summary(folder, outcome.tracking);
+  if (const auto parameters = read_declared_parameters(campaign.folder); !parameters.empty())
+    write_declared_parameters(folder, parameters);
   write_run_record(folder, outcome.times, seconds_since(start), threads);
   return summary;
 }

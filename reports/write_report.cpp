@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reports/write_report.h"
 
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "reports/calibration_figures.h"
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
+#include "reports/parameters_table.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
 #include "reports/tracking_tables.h"
@@ -96,8 +98,8 @@ Chapter calibration_chapter(const std::filesystem::path& path) {
 Chapter budget_chapter(const std::filesystem::path& path) {
   const BudgetSummary summary = read_budget_summary(path);
   return {summary.study,
-          fmt::format("## {}\n\nError budget of {}, **simulated**: {} participants, seed {}.\n", summary.study,
-                      summary.campaign, summary.participants, summary.seed),
+          fmt::format("## {}\n\nError budget of {}, **simulated**: {} participants, seed {}.\n",
+                      summary.study, summary.campaign, summary.participants, summary.seed),
           budget_tables(summary)};
 }
 
@@ -120,6 +122,25 @@ std::string markdown_of(const Figure& figure) {
   std::string name;
   for (char c : figure.title) name += c == '[' || c == ']' ? std::string("\\") + c : std::string(1, c);
   return fmt::format("![{}]({}.svg)\n\n*{}*\n", name, figure.id, figure.caption);
+}
+
+// One table for all studies that assume the same.
+std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
+  std::vector<std::pair<std::vector<DeclaredParameter>, std::string>> seen;
+  for (const auto& path : results) {
+    const std::vector<DeclaredParameter> parameters = read_declared_parameters(path);
+    if (parameters.empty()) continue;
+    const std::string name = path.filename().empty() ? path.parent_path().filename() : path.filename();
+    const auto same =
+        std::find_if(seen.begin(), seen.end(), [&](const auto& other) { return other.first == parameters; });
+    if (same == seen.end())
+      seen.emplace_back(parameters, name);
+    else
+      same->second += ", " + name;
+  }
+  std::vector<Table> tables;
+  for (const auto& [parameters, studies] : seen) tables.push_back(parameters_table(parameters, studies));
+  return tables;
 }
 
 std::vector<std::string> remarks_on(const std::vector<Figure>& figures) {
@@ -150,6 +171,11 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
       markdown += "\n" + markdown_of(figure);
       report.figures.push_back(std::move(figure));
     }
+  }
+  for (Table& table : parameter_tables(results)) {
+    make_unique(table.id, ids, "report");
+    markdown += "\n" + markdown_of(table);
+    report.tables.push_back(std::move(table));
   }
   make_folder(folder);
   const auto write = [&](const std::string& name, const std::string& text) {

@@ -10,6 +10,7 @@
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/cli/embedded_studies.h"
+#include "pipeline/cli/execute_budget.h"
 #include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/simulate_take.h"
@@ -23,22 +24,72 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kQuickParticipants = 4;
+constexpr std::uint64_t kQuickParticipants = 4, kQuickBudgetParticipants = 2;
+constexpr int kStages = 9;
 constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
 constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
 
-SimulationSpec campaign_spec(const ReproduceArguments& arguments) {
-  const Json json = parse_json(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json");
-  SimulationSpec spec = parse_simulation(json, "pipeline/studies/paper_campaign.json", {});
+SimulationSpec campaign_spec(const char* text, const std::string& place,
+                             const ReproduceArguments& arguments) {
+  SimulationSpec spec = parse_simulation(parse_json(text, place), place, {});
   spec.seed = arguments.seed;
-  if (arguments.scale == "quick") spec.participants = kQuickParticipants;
+  if (arguments.scale == "quick") spec.participants = std::min(spec.participants, kQuickParticipants);
   return spec;
 }
 
-StudySpec table3_study() {
-  return parse_study(parse_json(embedded::table3_json, "pipeline/studies/table3.json"),
-                     "pipeline/studies/table3.json", {});
+SimulationSpec paper_campaign(const ReproduceArguments& arguments) {
+  return campaign_spec(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json", arguments);
+}
+
+StudySpec study_from(const char* text, const std::string& place) {
+  return parse_study(parse_json(text, place), place, {});
+}
+
+void begin_stage(int number, const std::string& text) {
+  fmt::print(stderr, "{}/{} {}\n", number, kStages, text);
+}
+
+Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec& spec) {
+  Progress progress("simulating");
+  return simulate_campaign(spec, folder, stop_requested, [&](double s) { progress.set(s); });
+}
+
+ResultsSummary evaluate_into(const std::filesystem::path& folder, const StudySpec& study,
+                             const Campaign& campaign, bool cross_check,
+                             const ReproduceArguments& arguments) {
+  Progress progress("evaluating");
+  return execute_study(study, campaign, folder,
+                       {arguments.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }});
+}
+
+// Two rigs of eight sensors, of which the study takes two to eight.
+void sensors_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
+  const std::pair<const char*, const char*> rigs[] = {
+      {"different_heights", embedded::sensors_different_heights_json},
+      {"equal_heights", embedded::sensors_equal_heights_json}};
+  for (const auto& [name, text] : rigs) {
+    const std::string rig = name;
+    const std::string place = "pipeline/studies/sensors_" + rig + ".json";
+    StudySpec study = study_from(embedded::sensors_json, "pipeline/studies/sensors.json");
+    study.name += "_" + rig;
+    const Campaign campaign =
+        simulate_into(folder / ("campaign_" + rig), campaign_spec(text, place, arguments));
+    evaluate_into(folder / ("sensors_" + rig), study, campaign, false, arguments);
+  }
+}
+
+void budget_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
+  const std::string place = "pipeline/studies/error_budget.json";
+  BudgetSpec spec =
+      parse_budget(parse_json(embedded::error_budget_json, place), place, {}, paper_campaign(arguments));
+  spec.simulation.seed = arguments.seed;
+  if (arguments.scale == "quick")
+    spec.simulation.participants = std::min(spec.simulation.participants, kQuickBudgetParticipants);
+  PartProgress progress;
+  execute_budget(spec, folder,
+                 {arguments.threads, stop_requested,
+                  [&](const std::string& part, double share) { progress.set(part, share); }});
 }
 
 SweepPlan sweep_plan(const char* text, const std::string& place, const ReproduceArguments& arguments,
@@ -88,11 +139,24 @@ void check_output(const std::filesystem::path& folder) {
                    "exists and is not an earlier reproduction; choose another name or remove it");
 }
 
+// Every results folder, in the order of the report.
+std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> results;
+  for (const char* name : {"table3", "table2", "sensors_different_heights", "sensors_equal_heights",
+                           "error_budget", "table1", "table1_search", "calibration"})
+    results.push_back(folder / name);
+  return results;
+}
+
+std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> texts;
+  for (const auto& path : paths) texts.push_back(path.string());
+  return texts;
+}
+
 void print_json(const std::filesystem::path& folder, const ResultsSummary& summary) {
   const Json json{{"campaign", (folder / "campaign").string()},
-                  {"results",
-                   {(folder / "table1").string(), (folder / "table1_search").string(),
-                    (folder / "calibration").string(), (folder / "table3").string()}},
+                  {"results", texts_of(results_in(folder))},
                   {"report", (folder / "report" / "report.md").string()},
                   {"takes_failed", summary.takes_failed},
                   {"cross_check_passed", summary.cross_check && summary.cross_check->passed()}};
@@ -117,42 +181,41 @@ void print_tables(const std::filesystem::path& folder, const ReportFiles& report
 int reproduce(const ReproduceArguments& arguments) {
   const std::filesystem::path folder = arguments.output;
   check_output(folder);
-  const SimulationSpec spec = campaign_spec(arguments);
-  fmt::print(stderr, "1/6 simulating {} participants ({} scale, seed {})\n", spec.participants,
-             arguments.scale, spec.seed);
-  Campaign campaign;
-  {
-    Progress progress("simulating");
-    campaign =
-        simulate_campaign(spec, folder / "campaign", stop_requested, [&](double s) { progress.set(s); });
-  }
-  fmt::print(stderr, "2/6 Table III: every method on every take, cross-checked with Ceres\n");
-  ResultsSummary summary;
-  {
-    Progress progress("evaluating");
-    summary = execute_study(table3_study(), campaign, folder / "table3",
-                            {arguments.threads, true, stop_requested, [&](double s) { progress.set(s); }});
-  }
-  fmt::print(stderr, "3/6 Table I: threshold against error and time, printed and corrected\n");
+  const SimulationSpec spec = paper_campaign(arguments);
+  begin_stage(1, fmt::format("simulating {} participants ({} scale, seed {})", spec.participants,
+                             arguments.scale, spec.seed));
+  const Campaign campaign = simulate_into(folder / "campaign", spec);
+  begin_stage(2, "Table III: every method on every take, cross-checked with Ceres");
+  const ResultsSummary table3 =
+      evaluate_into(folder / "table3", study_from(embedded::table3_json, "pipeline/studies/table3.json"),
+                    campaign, true, arguments);
+  begin_stage(3, "Table II: with and without occlusion compensation, printed and corrected");
+  const ResultsSummary table2 =
+      evaluate_into(folder / "table2", study_from(embedded::table2_json, "pipeline/studies/table2.json"),
+                    campaign, false, arguments);
+  begin_stage(4, "two to eight sensors, at different heights and at one");
+  sensors_into(folder, arguments);
+  begin_stage(5, "the error budget: every source of error alone");
+  budget_into(folder / "error_budget", arguments);
+  begin_stage(6, "Table I: threshold against error and time, printed and corrected");
   const SweepPlan table1_plan =
       sweep_plan(embedded::table1_json, "pipeline/studies/table1.json", arguments, kAllTrials);
   sweep_into(folder / "table1", table1_plan, arguments);
   const SweepPlan search_plan = sweep_plan(
       embedded::table1_search_json, "pipeline/studies/table1_search.json", arguments, kQuickSearchTrials);
-  fmt::print(stderr, "4/6 which of {} readings of the paper gives the printed Table I\n",
-             search_plan.readings.size());
+  begin_stage(7, fmt::format("which of {} readings of the paper gives the printed Table I",
+                             search_plan.readings.size()));
   const SweepSummary search = sweep_into(folder / "table1_search", search_plan, arguments);
-  fmt::print(stderr, "5/6 calibration: one wand position, a flat wall, whole rigs, what it does to joints\n");
+  begin_stage(8, "calibration: one wand position, a flat wall, whole rigs, what it does to joints");
   calibration_into(folder / "calibration", arguments);
-  fmt::print(stderr, "6/6 writing the report\n");
-  const ReportFiles report =
-      write_report({folder / "table1", folder / "table1_search", folder / "calibration", folder / "table3"},
-                   folder / "report");
-  const bool passed = summary.takes_failed == 0 && (!summary.cross_check || summary.cross_check->passed());
+  begin_stage(9, "writing the report");
+  const ReportFiles report = write_report(results_in(folder), folder / "report");
+  const bool passed =
+      table3.takes_failed + table2.takes_failed == 0 && (!table3.cross_check || table3.cross_check->passed());
   if (arguments.json)
-    print_json(folder, summary);
+    print_json(folder, table3);
   else
-    print_tables(folder, report, search, summary);
+    print_tables(folder, report, search, table3);
   return passed ? kDone : kItemsFailed;
 }
 

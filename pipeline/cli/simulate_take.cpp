@@ -10,9 +10,11 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/bystanders.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
+#include "datasets/synthetic/simulation_parameters.h"
 #include "pipeline/cli/simulate_wand.h"
 #include "pipeline/cli/simulated_truth.h"
 #include "pipeline/parallel.h"
@@ -225,6 +227,10 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
   Calibration truth{"simulated truth", rig.poses};
   truth.simulated = true;
   write_calibration(folder / "calibration.json", truth);
+  std::vector<DeclaredParameter> parameters;
+  for (const TrackerParameter& p : simulation_parameters(spec))
+    parameters.push_back({p.name, p.value, p.unit, p.source});
+  write_declared_parameters(folder, parameters);
   Campaign campaign{spec.name, true, {}, folder};
   campaign.takes.resize(takes.size());
   JointProgress joint_progress(costs_of(spec, takes), progress);
