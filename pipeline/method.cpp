@@ -111,7 +111,8 @@ SensorMask sensors_of(const Method& method, const JointInstant& instant) {
 }
 
 bool is_over_time(const Method& method) {
-  return method.spec.kind == MethodKind::kalman || method.spec.kind == MethodKind::rts;
+  const MethodKind kind = method.spec.kind;
+  return kind == MethodKind::kalman || kind == MethodKind::rts || kind == MethodKind::window;
 }
 
 PointEstimate evaluate(const Method& method, const JointInstant& instant) {

@@ -39,7 +39,7 @@ struct JointInstant {
 // The sensors that the method uses for this joint at this instant.
 SensorMask sensors_of(const Method& method, const JointInstant& instant);
 
-// Methods that need a joint's whole path; the others take every instant by itself.
+// Methods that need whole paths; the others take every instant by itself.
 bool is_over_time(const Method& method);
 
 [[nodiscard]] PointEstimate evaluate(const Method& method, const JointInstant& instant);

@@ -62,6 +62,24 @@ void read_occlusion(JsonObject& object, MethodSpec& method) {
   method.fewest_sensors = static_cast<int>(fewest);
 }
 
+// What the methods over time have in common.
+template <class Options>
+void read_motion(JsonObject& object, Options& o) {
+  o.sigma_m = number_within(object, "sigma_m", o.sigma_m, 1e-6, 10.0);
+  o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
+  o.acceleration_density_m2_s3 =
+      number_within(object, "acceleration_density_m2_s3", o.acceleration_density_m2_s3, 1e-9, 1e9);
+  o.longest_gap_s = number_within(object, "longest_gap_s", o.longest_gap_s, 1e-3, 3600.0);
+}
+
+template <class Options>
+void add_motion(const Options& o, Json& entry) {
+  entry["sigma_m"] = o.sigma_m;
+  entry["inferred_factor"] = o.inferred_factor;
+  entry["acceleration_density_m2_s3"] = o.acceleration_density_m2_s3;
+  entry["longest_gap_s"] = o.longest_gap_s;
+}
+
 void read_fusion(JsonObject& object, MethodSpec& method) {
   if (method.kind == MethodKind::weighted_mean) {
     WeightedMeanOptions& o = method.weighted;
@@ -73,12 +91,15 @@ void read_fusion(JsonObject& object, MethodSpec& method) {
   if (method.kind == MethodKind::kalman || method.kind == MethodKind::rts) {
     KalmanOptions& o = method.kalman;
     o.smooth = method.kind == MethodKind::rts;
-    o.sigma_m = number_within(object, "sigma_m", o.sigma_m, 1e-6, 10.0);
-    o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
-    o.acceleration_density_m2_s3 =
-        number_within(object, "acceleration_density_m2_s3", o.acceleration_density_m2_s3, 1e-9, 1e9);
+    read_motion(object, o);
     o.gate_sigma = number_within(object, "gate_sigma", o.gate_sigma, 1.0, 1e6);
-    o.longest_gap_s = number_within(object, "longest_gap_s", o.longest_gap_s, 1e-3, 3600.0);
+  }
+  if (method.kind == MethodKind::window) {
+    BoneWindowOptions& o = method.window;
+    read_motion(object, o);
+    o.window_s = number_within(object, "window_s", o.window_s, 0.1, 60.0);
+    o.bone_sigma_m = number_within(object, "bone_sigma_m", o.bone_sigma_m, 1e-4, 10.0);
+    o.loss_scale_m = number_within(object, "loss_scale_m", o.loss_scale_m, 1e-3, 10.0);
   }
 }
 
@@ -89,11 +110,14 @@ void add_fusion(const MethodSpec& m, Json& entry) {
   }
   if (m.kind == MethodKind::robust_mean) entry["scale_m"] = m.robust.scale_m;
   if (m.kind == MethodKind::kalman || m.kind == MethodKind::rts) {
-    entry["sigma_m"] = m.kalman.sigma_m;
-    entry["inferred_factor"] = m.kalman.inferred_factor;
-    entry["acceleration_density_m2_s3"] = m.kalman.acceleration_density_m2_s3;
+    add_motion(m.kalman, entry);
     entry["gate_sigma"] = m.kalman.gate_sigma;
-    entry["longest_gap_s"] = m.kalman.longest_gap_s;
+  }
+  if (m.kind == MethodKind::window) {
+    add_motion(m.window, entry);
+    entry["window_s"] = m.window.window_s;
+    entry["bone_sigma_m"] = m.window.bone_sigma_m;
+    entry["loss_scale_m"] = m.window.loss_scale_m;
   }
 }
 
@@ -102,7 +126,7 @@ void add_fusion(const MethodSpec& m, Json& entry) {
 const std::vector<std::string>& method_kind_names() {
   static const std::vector<std::string> names{
       "linear", "geometric",     "nonlinear", "newton",      "ceres",  "mean", "tracked_mean",
-      "single", "weighted_mean", "median",    "robust_mean", "kalman", "rts"};
+      "single", "weighted_mean", "median",    "robust_mean", "kalman", "rts",  "window"};
   return names;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
+#include "evaluators/ceres/bone_window.h"
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/fusion/kalman.h"
 #include "evaluators/fusion/robust_fusion.h"
@@ -28,7 +29,8 @@ enum class MethodKind {
   median,
   robust_mean,
   kalman,
-  rts
+  rts,
+  window
 };
 const std::vector<std::string>& method_kind_names();
 
@@ -54,6 +56,7 @@ struct MethodSpec {
   WeightedMeanOptions weighted;
   RobustMeanOptions robust;
   KalmanOptions kalman;  // of kalman and rts
+  BoneWindowOptions window;
 };
 
 // One entry of a study's "methods".

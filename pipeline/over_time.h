@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "pipeline/take_data.h"
@@ -22,7 +23,17 @@ struct MethodPaths {
   }
 };
 
-// All methods of the plan that need a joint's whole path.
-std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+// How many methods of the plan solve windows of all joints together, which takes long.
+std::size_t windowed_methods(const Plan& plan);
+
+// Both are called from any thread. `advanced` tells how many instants more of one windowed method are done.
+struct OverTimeCalls {
+  std::function<void(std::size_t)> advanced;
+  std::function<bool()> must_stop;
+};
+
+// All methods of the plan that need whole paths. Throws Interrupted when asked to stop.
+std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                         const OverTimeCalls& calls);
 
 }  // namespace trilat

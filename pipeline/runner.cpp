@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::uint64_t kBlock = 256;    // instants gathered before they are solved together
 constexpr std::uint64_t kTogether = 16;  // instants that one thread solves side by side
+// What an instant of a windowed method counts in the progress, where one of all others together counts 1.
+constexpr std::uint64_t kWindowedWork = 30;
 
 class Stopwatch {
  public:
@@ -35,14 +37,18 @@ struct Shared {
   const Plan& plan;
   const RunOptions& options;
   SamplesFile& writer;
-  std::uint64_t total_instants = 0;
-  std::atomic<std::uint64_t> done_instants{0};
+  std::uint64_t total_work = 0;
+  std::atomic<std::uint64_t> done_work{0};
   std::atomic<bool> stopped{false};
   std::atomic<std::int64_t> read_ns{0}, solve_ns{0}, write_ns{0};
 
   bool must_stop() {
     if (options.stop_requested && options.stop_requested()) stopped = true;
     return stopped;
+  }
+  void advance(std::uint64_t work) {
+    const std::uint64_t done = done_work += work;
+    if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(total_work));
   }
 };
 
@@ -201,7 +207,8 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   std::vector<MethodPaths> paths;
   {
     const Stopwatch watch(shared.solve_ns);
-    paths = solve_over_time(plan, planned, data);
+    const auto advanced = [&](std::size_t instants) { shared.advance(kWindowedWork * instants); };
+    paths = solve_over_time(plan, planned, data, {advanced, must_stop});
   }
   const Method* checked = shared.options.cross_check ? checked_method(plan) : nullptr;
   SampleBlock block;
@@ -228,9 +235,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
       const Stopwatch watch(shared.write_ns);
       shared.writer.write(index, block);
     }
-    if (shared.options.progress)
-      shared.options.progress(static_cast<double>(shared.done_instants += count) /
-                              static_cast<double>(shared.total_instants));
+    shared.advance(count);
   }
   outcome.tracking = check_tracking(plan, planned, data);
   outcome.notes = std::move(data.notes);
@@ -285,7 +290,8 @@ RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& op
         "study \"" + plan.study.name + '"',
         "has no nonlinear method with damping lm and stop step that could be checked against Ceres");
   Shared shared{plan, options, samples};
-  for (const PlannedTake& take : plan.takes) shared.total_instants += take.instants;
+  for (const PlannedTake& take : plan.takes)
+    shared.total_work += take.instants * (1 + kWindowedWork * windowed_methods(plan));
   std::vector<TakeOutcome> outcomes(plan.takes.size());
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) { run_take(shared, t, outcomes[t]); });
   if (shared.stopped) throw Interrupted();

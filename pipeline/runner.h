@@ -14,7 +14,7 @@ namespace trilat {
 struct RunOptions {
   bool cross_check = false;
   std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};  // share of the instants done
+  std::function<void(double)> progress = {};  // share of the work done
 };
 
 // Where the time of a run went, in seconds summed over threads.

@@ -63,6 +63,12 @@ TEST(Study, ErrorsOfAMethodNameItsPlaceInTheList) {
        "study.json /methods/1/sensors: must name the three sensors"},
       {R"("method": "geometric", "sensors": ["k1", "k2", "k1"])",
        "study.json /methods/1/sensors: has \"k1\" twice"},
+      {R"("method": "window", "window_s": 0.01)", "study.json /methods/1/window_s: must lie between "},
+      {R"("method": "window", "bone_sigma_m": 0)", "study.json /methods/1/bone_sigma_m: must lie between "},
+      {R"("method": "window", "loss_scale_m": 100)", "study.json /methods/1/loss_scale_m: must lie between "},
+      {R"("method": "window", "sigma_m": -1)", "study.json /methods/1/sigma_m: must lie between "},
+      {R"("method": "window", "gate_sigma": 5)", "study.json /methods/1/gate_sigma: is an unknown key"},
+      {R"("method": "rts", "window_s": 2)", "study.json /methods/1/window_s: is an unknown key"},
       {R"("method": "linear", "name": "")", "study.json /methods/1/name: must have 1 to 60 characters"}};
   for (const auto& [members, message] : cases)
     EXPECT_THAT(refusal_of_method(members), HasSubstr(message)) << members;
@@ -72,7 +78,8 @@ TEST(Study, TheResolvedSettingsReadBackAsTheSameStudy) {
   const StudySpec study = study_of(R"("alignments": ["none", "rigid"], "rate_hz": 60, "methods": [
       {"method": "linear", "reference": "all_pairs"}, {"method": "geometric", "sensors": ["k1", "k2", "k4"]},
       {"method": "nonlinear", "gradient": "printed", "damping": "none", "stop": "objective",
-       "threshold_cm2": 1e-4}, {"method": "single"}, {"method": "ceres"}])");
+       "threshold_cm2": 1e-4}, {"method": "single"}, {"method": "ceres"}, {"method": "kalman"},
+      {"method": "window", "window_s": 3, "bone_sigma_m": 0.02, "loss_scale_m": 0.2, "occlusion": "printed"}])");
   const Json resolved = parse_json(resolved_json(study).dump(), "resolved.json");
   EXPECT_EQ(resolved_json(parse_study(resolved, "resolved.json", {})).dump(), resolved.dump());
   EXPECT_NEAR(study.methods[2].nonlinear.threshold_m2, 1e-8, 1e-22);  // 1e-4 cm^2

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/over_time.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "pipeline/execute.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+const std::string kMethods = R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "rts"},
+    {"method": "window", "occlusion": "corrected"}, {"method": "window", "name": "short", "window_s": 0.5}])";
+
+double mean_error_m(const ResultsSummary& summary, const std::string& method) {
+  double sum_m = 0.0, count = 0.0;
+  for (const SummaryCell& cell : summary.cells) {
+    if (cell.method != method) continue;
+    EXPECT_GT(cell.coverage(), 0.95) << method << " " << cell.group;
+    sum_m += cell.mae_m;
+    ++count;
+  }
+  EXPECT_GT(count, 0.0) << method;
+  return sum_m / count;
+}
+
+TEST(OverTime, WindowsOfAllJointsGiveTheSameBytesForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  const StudySpec study = study_of(kMethods);
+  ResultsSummary summary;
+  for (const int threads : {1, 2})
+    summary = execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads});
+  for (const char* file : {"samples.h5", "summary.json", "manifest.json"})
+    EXPECT_EQ(read_file(folder / "1" / file), read_file(folder / "2" / file)) << file;
+  for (const char* method : {"window", "short"})
+    EXPECT_LT(mean_error_m(summary, method), 1.1 * mean_error_m(summary, "mean")) << method;
+}
+
+// Without errors of the sensors; what is left is what smoothing takes away.
+TEST(OverTime, WithoutNoiseTheWindowsFindTheTruth) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(1))));
+  const StudySpec study = study_of(
+      R"("alignments": ["none"], "methods": [{"method": "window", "sigma_m": 1e-4, "loss_scale_m": 1}])");
+  EXPECT_LT(mean_error_m(execute_study(study, campaign, folder / "results", {}), "window"), 0.001);
+}
+
+TEST(OverTime, TheProgressMovesWindowByWindowAndEndsAtTheEnd) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
+  std::mutex mutex;
+  std::vector<double> shares;
+  ExecuteOptions options{.threads = 1};
+  options.progress = [&](double share) {
+    const std::lock_guard lock(mutex);
+    shares.push_back(share);
+  };
+  execute_study(study_of(R"("methods": [{"method": "window", "window_s": 1}])"), campaign, folder / "results",
+                options);
+  ASSERT_GT(shares.size(), 4u);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_LT(shares.front(), 0.4);
+  EXPECT_EQ(shares.back(), 1.0);
+}
+
+TEST(OverTime, IsInterruptedBetweenWindows) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
+  std::atomic<bool> moved{false};
+  std::atomic<int> after{0};
+  ExecuteOptions options{.threads = 1};
+  options.progress = [&](double) {
+    if (moved.exchange(true)) ++after;
+  };
+  options.stop_requested = [&] { return moved.load(); };
+  EXPECT_THROW(execute_study(study_of(R"("methods": [{"method": "window", "window_s": 0.5}])"), campaign,
+                             folder / "results", options),
+               Interrupted);
+  EXPECT_EQ(after, 0);
+}
+
+}  // namespace
+}  // namespace trilat
