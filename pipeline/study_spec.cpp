@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -13,6 +14,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.study";
+constexpr std::uint64_t kFewestResamples = 200;  // 2.5 % of fewer are not told from the ends
 
 std::vector<AlignmentKind> read_alignments(JsonObject& object) {
   std::vector<AlignmentKind> result;
@@ -68,6 +70,11 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   spec.cross_check_limit_m = object.positive("cross_check_limit_m", spec.cross_check_limit_m);
   spec.repair_exchanges = object.boolean("repair_exchanges", spec.repair_exchanges);
   spec.training_share = number_within(object, "training_share", spec.training_share, 0.05, 0.95);
+  spec.block_s = number_within(object, "block_s", spec.block_s, 0.01, 3600.0);
+  spec.resamples = count_within(object, "resamples", spec.resamples, 0, 10'000);
+  if (spec.resamples > 0 && spec.resamples < kFewestResamples)
+    object.refuse("resamples", fmt::format("must be 0, for no intervals, or at least {}", kFewestResamples));
+  spec.clock_error_s = number_within(object, "clock_error_s", spec.clock_error_s, 0.0, 1.0);
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
   check_names(object, spec);
@@ -100,6 +107,9 @@ Json resolved_json(const StudySpec& spec) {
           {"cross_check_limit_m", spec.cross_check_limit_m},
           {"repair_exchanges", spec.repair_exchanges},
           {"training_share", spec.training_share},
+          {"block_s", spec.block_s},
+          {"resamples", spec.resamples},
+          {"clock_error_s", spec.clock_error_s},
           {"methods", methods}};
 }
 

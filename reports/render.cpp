@@ -74,7 +74,9 @@ std::string printed(const TableValue& value) {
   if (!value.number) return value.text;
   if (!std::isfinite(*value.number)) return "–";
   if (value.decimals < 0) return fmt::format("{:g}", *value.number);
-  return fmt::format("{:.{}f}", *value.number, value.decimals);
+  const std::string text = fmt::format("{:.{}f}", *value.number, value.decimals);
+  // what rounds to nothing has no sign
+  return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }
 
 std::string markdown_of(const Table& table) {
