@@ -139,7 +139,10 @@ std::string latex_of(const Table& table) {
     head += (c ? " & " : "") + latex_text(table.columns[c].name);
   }
   head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
-  std::string text = wide ? "{\\scriptsize\\setlength{\\tabcolsep}{2pt}\n" : "{\\footnotesize\n";
+  const bool widest = table.columns.size() > 16;
+  std::string text = widest ? "{\\tiny\\setlength{\\tabcolsep}{1.5pt}\n"
+                     : wide ? "{\\scriptsize\\setlength{\\tabcolsep}{2pt}\n"
+                            : "{\\footnotesize\n";
   text += "\\begin{longtable}{" + alignment + "}\n\\caption{" + latex_text(table.title) +
           "}\\label{tab:" + table.id + "}\\\\\n" + head + "\\endfirsthead\n" + head +
           "\\endhead\n\\bottomrule\n\\endlastfoot\n";
