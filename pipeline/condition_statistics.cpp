@@ -156,7 +156,7 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
   return result;
 }
 
-BodyCell body_cell(const ConditionTakes& condition, std::size_t method, std::size_t bones) {
+BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
   Eigen::MatrixXd sums(rows_of(condition), as_index(BodyColumns::count));
   Index first = 0;
   TakeBodies bodies;
@@ -168,6 +168,7 @@ BodyCell body_cell(const ConditionTakes& condition, std::size_t method, std::siz
     const TakeBodies& here = take->of_method[method];
     for (std::size_t r = 0; r < bodies.within.size(); ++r) bodies.within[r] += here.within[r];
     bodies.joints += here.joints;
+    bodies.bones = std::max(bodies.bones, here.bones);
     bodies.bone_sd_m.merge(here.bone_sd_m);
     bodies.jerk_m_s3.merge(here.jerk_m_s3);
     truth_jerk_m_s3.merge(take->truth_jerk_m_s3);
@@ -187,7 +188,7 @@ BodyCell body_cell(const ConditionTakes& condition, std::size_t method, std::siz
   cell.pa_mpjpe_high_m = found[1].high;
   for (std::size_t r = 0; bodies.joints > 0 && r < cell.pck.size(); ++r)
     cell.pck[r] = static_cast<double>(bodies.within[r]) / static_cast<double>(bodies.joints);
-  cell.bones = bodies.bone_sd_m.n > 0 ? bones : 0;
+  cell.bones = bodies.bones;
   cell.bone_length_sd_m = bodies.bone_sd_m.value();
   cell.jitter_m_s3 = bodies.jerk_m_s3.value();
   cell.truth_jitter_m_s3 = truth_jerk_m_s3.value();

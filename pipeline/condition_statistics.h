@@ -38,7 +38,7 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
                                  std::size_t set, std::size_t method, const std::vector<std::size_t>& groups);
 
 // Without names.
-BodyCell body_cell(const ConditionTakes& condition, std::size_t method, std::size_t bones);
+BodyCell body_cell(const ConditionTakes& condition, std::size_t method);
 TruthFloor truth_floor(const ConditionTakes& condition, std::size_t group, double clock_error_s);
 
 }  // namespace trilat

@@ -105,8 +105,7 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
                           const std::string& activity, const std::vector<std::size_t>& groups,
                           double clock_error_s, ResultsSummary& summary) {
   std::vector<BodyCell> bodies(layout.axes.methods);
-  parallel_for_index(bodies.size(), 1,
-                     [&](std::size_t m) { bodies[m] = body_cell(condition, m, layout.bones.size()); });
+  parallel_for_index(bodies.size(), 1, [&](std::size_t m) { bodies[m] = body_cell(condition, m); });
   for (std::size_t m = 0; m < bodies.size(); ++m) {
     bodies[m].method = summary.methods[m];
     bodies[m].condition = activity;

@@ -44,9 +44,12 @@ class TakeGatherer {
   }
 
   TakeStatistics finish() {
-    for (std::size_t k = 0; k < lengths_.size(); ++k)
-      if (lengths_[k].count() >= 2)
-        result_.of_method[k / layout_.bones.size()].bone_sd_m.add(lengths_[k].standard_deviation_m());
+    for (std::size_t k = 0; k < lengths_.size(); ++k) {
+      if (lengths_[k].count() < 2) continue;
+      TakeBodies& bodies = result_.of_method[k / layout_.bones.size()];
+      ++bodies.bones;
+      bodies.bone_sd_m.add(lengths_[k].standard_deviation_m());
+    }
     for (std::size_t g = 0; g < axes_.groups; ++g)
       for (const Mean& squares_m2 : noise_m2_[g])
         if (squares_m2.n > 0)

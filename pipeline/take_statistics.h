@@ -56,6 +56,7 @@ struct OneFrame {
 struct TakeBodies {
   std::array<std::uint64_t, 3> within{};  // of kPckRadii_m
   std::uint64_t joints = 0;               // asked
+  std::uint64_t bones = 0;                // with both ends in this take
   Mean bone_sd_m, jerk_m_s3;
 };
 
