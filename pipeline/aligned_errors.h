@@ -13,14 +13,14 @@
 namespace trilat {
 
 // The axes of a results folder: what its samples are numbered by, and which cell of the summary a sample
-// belongs to.
+// belongs to. Sets: all samples and, when the study wants them apart, those that a sensor sees occluded.
 struct Axes {
-  std::size_t joints = 0, methods = 0, groups = 0, alignments = 0;
+  std::size_t joints = 0, methods = 0, groups = 0, alignments = 0, sets = 1;
   std::vector<std::size_t> group_of_joint;
-  std::size_t cell(std::size_t group, std::size_t method, std::size_t alignment) const {
-    return (group * methods + method) * alignments + alignment;
+  std::size_t cell(std::size_t set, std::size_t group, std::size_t method, std::size_t alignment) const {
+    return ((set * groups + group) * methods + method) * alignments + alignment;
   }
-  std::size_t cells() const { return groups * methods * alignments; }
+  std::size_t cells() const { return sets * groups * methods * alignments; }
 };
 
 // How one joint and method of a take is laid over the truth.
@@ -46,6 +46,10 @@ struct SampleView {
   }
   Eigen::Vector3d estimate(std::size_t slot) const {
     return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
+  }
+  // How many sets the joint's samples of this instant belong to, from the first on.
+  std::size_t sets(std::uint64_t i, std::size_t j) const {
+    return axes.sets == 1 || block.occluded[i * axes.joints + j] == 0 ? 1 : 2;
   }
   double heading_rad(std::uint64_t i) const { return static_cast<double>(block.heading_rad[i]); }
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }

@@ -24,10 +24,16 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   const Clock::time_point start = Clock::now();
   const Plan plan = make_plan(study, campaign);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan));
+  constexpr double kRunShare = 0.8;  // of the whole; the rest is the summary
+  const auto from = [&](double before, double share) -> std::function<void(double)> {
+    if (!options.progress) return {};
+    return [&options, before, share](double done) { options.progress(before + share * done); };
+  };
   RunOutcome outcome =
-      run_plan(plan, samples, {options.cross_check, options.stop_requested, options.progress});
+      run_plan(plan, samples, {options.cross_check, options.stop_requested, from(0.0, kRunShare)});
   const Clock::time_point summary_start = Clock::now();
-  const ResultsSummary summary = summarise(plan, outcome, samples);
+  const ResultsSummary summary =
+      summarise(plan, outcome, samples, kDistancesInMemoryBytes, from(kRunShare, 1.0 - kRunShare));
   outcome.times.summarise_s = seconds_since(summary_start);
   samples.finish();
   write_manifest(folder, plan, options.stop_requested);

@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
+constexpr std::uint64_t kFewestResamples = 200;  // 2.5 % of fewer are not told from the ends
 
 std::vector<AlignmentKind> read_alignments(JsonObject& object) {
   std::vector<AlignmentKind> result;
@@ -42,7 +44,8 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 
 StudyKind study_kind(const Json& json, const std::string& place) {
   return static_cast<StudyKind>(
-      JsonObject(json, place, "").choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget"}));
+      JsonObject(json, place, "")
+          .choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget"}));
 }
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
@@ -72,6 +75,11 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   spec.clock_search_s = number_within(object, "clock_search_s", spec.clock_search_s, 0.02, 10.0);
   spec.repair_exchanges = object.boolean("repair_exchanges", spec.repair_exchanges);
   spec.training_share = number_within(object, "training_share", spec.training_share, 0.05, 0.95);
+  spec.block_s = number_within(object, "block_s", spec.block_s, 0.01, 3600.0);
+  spec.resamples = count_within(object, "resamples", spec.resamples, 0, 10'000);
+  if (spec.resamples > 0 && spec.resamples < kFewestResamples)
+    object.refuse("resamples", fmt::format("must be 0, for no intervals, or at least {}", kFewestResamples));
+  spec.clock_error_s = number_within(object, "clock_error_s", spec.clock_error_s, 0.0, 1.0);
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
   check_names(object, spec);
@@ -106,6 +114,9 @@ Json resolved_json(const StudySpec& spec) {
           {"clock_search_s", spec.clock_search_s},
           {"repair_exchanges", spec.repair_exchanges},
           {"training_share", spec.training_share},
+          {"block_s", spec.block_s},
+          {"resamples", spec.resamples},
+          {"clock_error_s", spec.clock_error_s},
           {"methods", methods}};
 }
 

@@ -13,6 +13,7 @@
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/aligned_errors.h"
 #include "pipeline/parallel.h"
+#include "pipeline/statistics.h"
 
 namespace trilat {
 namespace {
@@ -57,11 +58,13 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
                          const SampleView& view) {
     errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t a = 0; a < axes.alignments; ++a) {
-      const std::size_t cell = axes.cell(axes.group_of_joint[j], m, a);
       const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
       if (!e.asked) continue;
-      sums.add(cell, e, view.block, slot);
-      if (distances_m && is_usable(e.status)) (*distances_m)[cell].push_back(e.error_m.norm());
+      for (std::size_t set = 0; set < view.sets(i, j); ++set) {
+        const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
+        sums.add(cell, e, view.block, slot);
+        if (distances_m && is_usable(e.status)) (*distances_m)[cell].push_back(e.error_m.norm());
+      }
       for (int axis = 0; a == 0 && axis < 3; ++axis)
         errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
     }
@@ -83,7 +86,8 @@ class DistanceSource {
       : samples_(samples), axes_(axes), alignments_(alignments), budget_bytes_(budget_bytes) {
     std::uint64_t instants = 0;
     for (const TakeShape& take : samples.header().takes) instants += take.instants;
-    const std::uint64_t bytes = instants * axes.joints * axes.methods * axes.alignments * sizeof(double);
+    const std::uint64_t bytes =
+        instants * axes.joints * axes.methods * axes.alignments * axes.sets * sizeof(double);
     if (bytes <= budget_bytes) kept_.resize(samples.header().takes.size());
   }
   TakeDistances* keep(std::size_t take) { return kept_.empty() ? nullptr : &kept_[take]; }
@@ -130,8 +134,9 @@ class DistanceSource {
       std::vector<QuantileSelection>& mine = local.local();
       const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                              const SampleView& view) {
-        for (std::size_t a = 0; a < axes_.alignments; ++a) {
-          const std::size_t cell = axes_.cell(axes_.group_of_joint[j], m, a);
+        for (std::size_t k = 0; k < view.sets(i, j) * axes_.alignments; ++k) {
+          const std::size_t set = k / axes_.alignments, a = k % axes_.alignments;
+          const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
           if (cell < first || cell >= first + mine.size()) continue;
           const AlignedError e = error_of(view, i, j, m, slot, alignments_[takes[t]][a]);
           if (is_usable(e.status)) mine[cell - first].add(e.error_m.norm());
@@ -176,26 +181,29 @@ SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelect
 }
 
 void add_condition(const DistanceSource& distances, const std::vector<std::size_t>& takes, const Axes& axes,
-                   const std::vector<TakeSums>& by_take, const std::string& condition,
+                   const std::vector<TakeSums>& by_take, const std::string& activity,
                    ResultsSummary& summary) {
   TakeSums sums(axes.cells());
   for (std::size_t t : takes) sums.merge(by_take[t]);
   const auto quantiles = distances.quantiles(takes);
-  for (std::size_t g = 0; g < axes.groups; ++g)
-    for (std::size_t m = 0; m < axes.methods; ++m)
-      for (std::size_t a = 0; a < axes.alignments; ++a) {
-        SummaryCell cell = cell_of(sums, axes.cell(g, m, a), quantiles[axes.cell(g, m, a)]);
-        if (cell.asked == 0) continue;
-        cell.condition = condition;
-        cell.group = summary.groups[g];
-        cell.method = summary.methods[m];
-        cell.alignment = summary.alignments[a];
-        summary.cells.push_back(std::move(cell));
-      }
+  for (std::size_t c = 0; c < axes.cells(); ++c) {
+    SummaryCell cell = cell_of(sums, c, quantiles[c]);
+    if (cell.asked == 0) continue;
+    cell.alignment = summary.alignments[c % axes.alignments];
+    cell.method = summary.methods[c / axes.alignments % axes.methods];
+    cell.group = summary.groups[c / (axes.alignments * axes.methods) % axes.groups];
+    const bool all = c < axes.cells() / axes.sets;
+    cell.condition = all ? activity : occluded_condition(activity);
+    summary.cells.push_back(std::move(cell));
+  }
 }
 
 Axes axes_of(const Plan& plan, std::vector<std::string>& groups) {
-  Axes axes{plan.joints.size(), plan.methods.size(), 0, plan.study.alignments.size(), {}};
+  Axes axes;
+  axes.joints = plan.joints.size();
+  axes.methods = plan.methods.size();
+  axes.alignments = plan.study.alignments.size();
+  axes.sets = plan.study.occluded_apart ? 2 : 1;
   for (Joint joint : plan.joints) {
     const std::string group = table_group(joint);
     auto found = std::find(groups.begin(), groups.end(), group);
@@ -217,12 +225,15 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   std::set<std::string> participants;
   for (const PlannedTake& take : plan.takes) {
     participants.insert(take.take.participant);
-    if (std::find(summary.conditions.begin(), summary.conditions.end(), take.take.activity) ==
+    if (std::find(summary.conditions.begin(), summary.conditions.end(), take.take.activity) !=
         summary.conditions.end())
-      summary.conditions.push_back(take.take.activity);
+      continue;
+    summary.conditions.push_back(take.take.activity);
+    if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(take.take.activity));
   }
   summary.participants = participants.size();
   for (const Method& method : plan.methods) summary.methods.push_back(method.spec.name);
+  summary.reference = plan.methods[plan.reference].spec.name;
   for (AlignmentKind kind : plan.study.alignments) summary.alignments.emplace_back(name_of(kind));
   summary.notes = outcome.notes;
   summary.cross_check = outcome.cross_check;
@@ -232,7 +243,7 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
 }  // namespace
 
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         std::uint64_t budget_bytes) {
+                         std::uint64_t budget_bytes, const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
   const Axes axes = axes_of(plan, summary.groups);
   std::vector<TakeAlignments> alignments(plan.takes.size());
@@ -242,12 +253,16 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
     alignments[t] = align_take(samples, t, axes, plan.study.alignments, plan.study.training_share);
     sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
   });
+  if (progress) progress(0.3);
   for (const std::string& condition : summary.conditions) {
     std::vector<std::size_t> takes;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
       if (plan.takes[t].take.activity == condition) takes.push_back(t);
-    add_condition(distances, takes, axes, sums, condition, summary);
+    if (!takes.empty()) add_condition(distances, takes, axes, sums, condition, summary);
   }
+  if (progress) progress(0.5);
+  add_statistics(plan, outcome, samples, axes, alignments, summary);
+  if (progress) progress(1.0);
   return summary;
 }
 

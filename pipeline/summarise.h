@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
@@ -10,13 +11,15 @@
 
 namespace trilat {
 
-inline constexpr std::uint64_t kDistancesInMemoryBytes = 64'000'000;
+inline constexpr std::uint64_t kDistancesInMemoryBytes = 256'000'000;
 
 // Aligns every take's estimates, writes the error column of samples.h5 for the study's first alignment, and
 // computes all cells: condition x group x method x alignment. Streams the samples, so memory does not grow
 // with the takes: quantiles keep distances in memory while they fit in `budget_bytes`, and read the samples
 // again, once per pass, when they do not. Sums are taken in the order of the takes, whatever the threads.
+// `progress` is told the share that is done.
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         std::uint64_t budget_bytes = kDistancesInMemoryBytes);
+                         std::uint64_t budget_bytes = kDistancesInMemoryBytes,
+                         const std::function<void(double)>& progress = {});
 
 }  // namespace trilat

@@ -2,32 +2,35 @@
 #include "reports/accuracy_tables.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "reports/accuracy_comparisons.h"
+#include "reports/accuracy_words.h"
 #include "reports/statuses_text.h"
 
 namespace trilat {
 namespace {
 
-constexpr int kCmDecimals = 2;
-
-TableValue cm(double metres) { return TableValue::of(metres * kCentimetresPerMetre, kCmDecimals); }
-TableValue count(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
-
-std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  return fmt::format("{}, {}{}; alignment: {}; {} of {} takes, {} participant{}", s.campaign,
-                     condition.empty() ? "" : condition + ", ",
-                     s.simulated ? "simulated sensors" : "recorded sensors", alignment,
-                     s.takes - s.takes_failed, s.takes, s.participants, s.participants == 1 ? "" : "s");
-}
-
-void add_take_notes(const ResultsSummary& summary, Table& table) {
-  for (const TakeNote& note : summary.notes)
-    table.notes.push_back(
-        fmt::format("Take {}{}: {}: {}.", note.take, note.failed ? " failed" : "", note.place, note.text));
+// How exactly the truth is known: one sentence a joint group.
+void add_floor_notes(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
+                     Table& table) {
+  for (const TruthFloor& floor : s.truth_floor) {
+    if (floor.condition != condition) continue;
+    double most_m = kNoNumber;
+    for (const SummaryCell& c : s.cells)
+      if (c.condition == condition && c.alignment == alignment && c.group == floor.group)
+        most_m = std::fmax(most_m, c.one_frame_m);
+    table.notes.push_back(fmt::format(
+        "Truth of {}: noise of at most {:.2f} cm; at its mean speed of {:.2f} m/s a clock error of {:g} ms "
+        "makes "
+        "{:.2f} cm; one instant early or late would change MAE by up to {:.2f} cm.",
+        floor.group, floor.mocap_noise_m * kCentimetresPerMetre, floor.mean_speed_m_s,
+        floor.clock_error_s * 1e3, floor.clock_m() * kCentimetresPerMetre, most_m * kCentimetresPerMetre));
+  }
 }
 
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
@@ -39,6 +42,8 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
                    {"n", "n", false},
                    {"coverage (%)", "coverage_percent", false},
                    {"MAE (cm)", "mae_cm", false},
+                   {"from", "mae_from_cm", false},
+                   {"to", "mae_to_cm", false},
                    {"RMSE (cm)", "rmse_cm", false},
                    {"median (cm)", "median_cm", false},
                    {"p90 (cm)", "p90_cm", false},
@@ -52,17 +57,19 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
                    {"statuses", "statuses", true}};
   for (const SummaryCell& c : s.cells) {
     if (c.condition != condition || c.alignment != alignment) continue;
-    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count(c.answered),
-                          TableValue::of(100.0 * c.coverage(), 1), cm(c.mae_m), cm(c.rmse_m), cm(c.median_m),
-                          cm(c.p90_m), cm(c.p95_m), cm(c.max_m), cm(c.axis_mae_m[0]), cm(c.axis_mae_m[1]),
-                          cm(c.axis_mae_m[2]), TableValue::of(c.mean_gdop, 2),
-                          TableValue::of(c.mean_iterations, 1),
+    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_value(c.answered),
+                          TableValue::of(100.0 * c.coverage(), 1), cm_value(c.mae_m), cm_value(c.mae_low_m),
+                          cm_value(c.mae_high_m), cm_value(c.rmse_m), cm_value(c.median_m), cm_value(c.p90_m),
+                          cm_value(c.p95_m), cm_value(c.max_m), cm_value(c.axis_mae_m[0]),
+                          cm_value(c.axis_mae_m[1]), cm_value(c.axis_mae_m[2]),
+                          TableValue::of(c.mean_gdop, 2), TableValue::of(c.mean_iterations, 1),
                           TableValue::of(statuses_text(c.statuses, c.asked))});
   }
   table.notes = {
       "MAE is the mean Euclidean distance; n counts instants and joints with ground truth that the method "
       "answered; coverage is n over all that have ground truth.",
-      "x, y, z are the world's axes, y up."};
+      "x, y, z are the world's axes, y up.", interval_note(s)};
+  add_floor_notes(s, condition, alignment, table);
   add_take_notes(s, table);
   return table;
 }
@@ -92,6 +99,11 @@ SummaryCell average_cell(const ResultsSummary& s, const PrintedTable3& printed, 
     for (const auto& [status, n] : cell->statuses) average.statuses[status] += n;
   }
   average.mae_m = sum_m / static_cast<double>(groups);
+  // the results' own average is of all their groups, which need not be the printed ones
+  const SummaryCell* whole = find_cell(s, method, condition, kAverageGroup, "mean");
+  if (!whole || whole->asked != average.asked) return average;
+  average.mae_low_m = whole->mae_low_m;
+  average.mae_high_m = whole->mae_high_m;
   return average;
 }
 
@@ -100,8 +112,9 @@ void add_table3_row(Table& table, const PrintedTable3& printed, const PrintedTab
   const auto column = printed_column(printed, method);
   const double paper_cm = column ? row.mae_cm[*column] : kNoNumber;
   table.rows.push_back({TableValue::of(row.group), TableValue::of(method), TableValue::of(paper_cm, 1),
-                        cm(cell.mae_m), TableValue::of(cell.mae_m * kCentimetresPerMetre / paper_cm, 2),
-                        count(cell.answered), TableValue::of(100.0 * cell.coverage(), 1),
+                        cm_value(cell.mae_m), cm_value(cell.mae_low_m), cm_value(cell.mae_high_m),
+                        TableValue::of(cell.mae_m * kCentimetresPerMetre / paper_cm, 2),
+                        count_value(cell.answered), TableValue::of(100.0 * cell.coverage(), 1),
                         TableValue::of(statuses_text(cell.statuses, cell.asked))});
 }
 
@@ -109,11 +122,16 @@ void add_table3_row(Table& table, const PrintedTable3& printed, const PrintedTab
 
 std::vector<Table> accuracy_tables(const ResultsSummary& summary) {
   std::vector<Table> tables;
-  for (const std::string& condition : summary.conditions)
+  const auto add = [&](Table table) {
+    if (!table.rows.empty()) tables.push_back(std::move(table));
+  };
+  for (const std::string& condition : summary.conditions) {
     for (const std::string& alignment : summary.alignments) {
-      Table table = detail_table(summary, condition, alignment);
-      if (!table.rows.empty()) tables.push_back(std::move(table));
+      add(detail_table(summary, condition, alignment));
+      add(differences_table(summary, condition, alignment));
     }
+    add(bodies_table(summary, condition));
+  }
   return tables;
 }
 
@@ -130,6 +148,8 @@ std::vector<Table> table3(const ResultsSummary& summary) {
                      {"method", "method", true},
                      {"paper (cm)", "paper_mae_cm", false},
                      {summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm", false},
+                     {"from", "mae_from_cm", false},
+                     {"to", "mae_to_cm", false},
                      {"ours / paper", "ratio", false},
                      {"n", "n", false},
                      {"coverage (%)", "coverage_percent", false},
@@ -148,7 +168,8 @@ std::vector<Table> table3(const ResultsSummary& summary) {
             "; 16 participants, relative movement; geometric uses 3 sensors, the "
             "others 4.",
         "The average is the plain mean of the four groups. The printed averages 10.8 and 8.7 do not follow "
-        "from the printed rows, which give 10.7 and 8.6."};
+        "from the printed rows, which give 10.7 and 8.6.",
+        interval_note(summary)};
     if (summary.simulated)
       table.notes.push_back(
           "Our numbers come from simulated sensors with declared errors, not from the paper's "

@@ -8,7 +8,8 @@
 
 namespace trilat {
 
-// One table a condition and alignment: every group and method with n, coverage, statuses and all statistics.
+// One table a condition and alignment: every group and method with n, coverage, statuses and all statistics;
+// behind it the differences from the reference, and behind those of a condition its whole bodies.
 std::vector<Table> accuracy_tables(const ResultsSummary& summary);
 
 // The paper's Table III beside ours: walking, errors relative to the mean, every method, with an average row

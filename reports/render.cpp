@@ -74,7 +74,9 @@ std::string printed(const TableValue& value) {
   if (!value.number) return value.text;
   if (!std::isfinite(*value.number)) return "–";
   if (value.decimals < 0) return fmt::format("{:g}", *value.number);
-  return fmt::format("{:.{}f}", *value.number, value.decimals);
+  const std::string text = fmt::format("{:.{}f}", *value.number, value.decimals);
+  // what rounds to nothing has no sign
+  return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }
 
 std::string markdown_of(const Table& table) {
@@ -137,7 +139,10 @@ std::string latex_of(const Table& table) {
     head += (c ? " & " : "") + latex_text(table.columns[c].name);
   }
   head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
-  std::string text = wide ? "{\\scriptsize\\setlength{\\tabcolsep}{2pt}\n" : "{\\footnotesize\n";
+  const bool widest = table.columns.size() > 16;
+  std::string text = widest ? "{\\tiny\\setlength{\\tabcolsep}{1.5pt}\n"
+                     : wide ? "{\\scriptsize\\setlength{\\tabcolsep}{2pt}\n"
+                            : "{\\footnotesize\n";
   text += "\\begin{longtable}{" + alignment + "}\n\\caption{" + latex_text(table.title) +
           "}\\label{tab:" + table.id + "}\\\\\n" + head + "\\endfirsthead\n" + head +
           "\\endhead\n\\bottomrule\n\\endlastfoot\n";

@@ -42,6 +42,7 @@ enum class Purpose : std::uint32_t {
   tracker_exchange = 24,
   tracker_identity = 25,
   bystander = 26,
+  bootstrap = 27,
   calibration_error = 28,
 };
 

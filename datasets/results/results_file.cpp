@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -14,11 +15,16 @@ namespace {
 constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget"};
 
+std::int64_t version_of(ResultsKind kind) { return kind == ResultsKind::accuracy ? 2 : 1; }
+
 ResultsKind read_head(JsonObject& object) {
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
-  return static_cast<ResultsKind>(object.choice("kind", kKinds, 0));
+  const auto kind = static_cast<ResultsKind>(object.choice("kind", kKinds, 0));
+  if (object.integer("version") != version_of(kind))
+    object.refuse("version",
+                  fmt::format("is another version; this program reads version {} of results of kind \"{}\"",
+                              version_of(kind), name_of(kind)));
+  return kind;
 }
 
 }  // namespace
@@ -39,7 +45,9 @@ ResultsKind results_kind(const std::filesystem::path& folder) {
   return read_head(object);
 }
 
-Json results_head(ResultsKind kind) { return {{"format", kFormat}, {"version", 1}, {"kind", name_of(kind)}}; }
+Json results_head(ResultsKind kind) {
+  return {{"format", kFormat}, {"version", version_of(kind)}, {"kind", name_of(kind)}};
+}
 
 void check_results_head(JsonObject& object, ResultsKind wanted) {
   const ResultsKind kind = read_head(object);

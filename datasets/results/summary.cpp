@@ -6,55 +6,10 @@
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/summary_cells.h"
 
 namespace trilat {
 namespace {
-
-Json json_of(const SummaryCell& cell) {
-  return {{"method", cell.method},
-          {"condition", cell.condition},
-          {"group", cell.group},
-          {"alignment", cell.alignment},
-          {"asked", cell.asked},
-          {"answered", cell.answered},
-          {"coverage", cell.coverage()},
-          {"statuses", counts_json(cell.statuses)},
-          {"mae_m", cell.mae_m},
-          {"axis_mae_m", cell.axis_mae_m},
-          {"rmse_m", cell.rmse_m},
-          {"median_m", cell.median_m},
-          {"p90_m", cell.p90_m},
-          {"p95_m", cell.p95_m},
-          {"max_m", cell.max_m},
-          {"mean_gdop", cell.mean_gdop},
-          {"mean_iterations", cell.mean_iterations}};
-}
-
-SummaryCell read_cell(JsonObject& object) {
-  SummaryCell cell;
-  cell.method = object.text("method");
-  cell.condition = object.text("condition");
-  cell.group = object.text("group");
-  cell.alignment = object.text("alignment");
-  cell.asked = object.count("asked");
-  cell.answered = object.count("answered");
-  number_or_nan(object, "coverage");
-  cell.statuses = read_counts(object.object("statuses"));
-  cell.mae_m = number_or_nan(object, "mae_m");
-  const Json& axes = object.value("axis_mae_m");
-  if (!axes.is_array() || axes.size() != 3) object.refuse("axis_mae_m", "must be an array of 3");
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (axes[axis].is_number()) cell.axis_mae_m[axis] = axes[axis].get<double>();
-  cell.rmse_m = number_or_nan(object, "rmse_m");
-  cell.median_m = number_or_nan(object, "median_m");
-  cell.p90_m = number_or_nan(object, "p90_m");
-  cell.p95_m = number_or_nan(object, "p95_m");
-  cell.max_m = number_or_nan(object, "max_m");
-  cell.mean_gdop = number_or_nan(object, "mean_gdop");
-  cell.mean_iterations = number_or_nan(object, "mean_iterations");
-  object.finish();
-  return cell;
-}
 
 Json json_of(const TakeNote& note) {
   return {{"take", note.take}, {"failed", note.failed}, {"place", note.place}, {"text", note.text}};
@@ -97,12 +52,21 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
                {"takes_failed", s.takes_failed},
                {"participants", s.participants},
                {"methods", s.methods},
+               {"reference", s.reference},
                {"conditions", s.conditions},
                {"groups", s.groups},
                {"alignments", s.alignments},
+               {"resamples", s.resamples},
+               {"block_s", s.block_s},
                {"cells", Json::array()},
+               {"differences", Json::array()},
+               {"bodies", Json::array()},
+               {"truth_floor", Json::array()},
                {"notes", Json::array()}});
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
+  for (const DifferenceCell& cell : s.differences) json["differences"].push_back(json_of(cell));
+  for (const BodyCell& cell : s.bodies) json["bodies"].push_back(json_of(cell));
+  for (const TruthFloor& floor : s.truth_floor) json["truth_floor"].push_back(json_of(floor));
   for (const TakeNote& note : s.notes) json["notes"].push_back(json_of(note));
   if (s.cross_check) json["cross_check"] = json_of(*s.cross_check);
   write_file(folder / "summary.json", json_text(json, 1) + "\n");
@@ -120,10 +84,16 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   s.takes_failed = object.count("takes_failed");
   s.participants = object.count("participants");
   s.methods = object.texts("methods");
+  s.reference = object.text("reference");
   s.conditions = object.texts("conditions");
   s.groups = object.texts("groups");
   s.alignments = object.texts("alignments");
+  s.resamples = object.count("resamples");
+  s.block_s = number_or_nan(object, "block_s");
   for (JsonObject& cell : object.objects("cells")) s.cells.push_back(read_cell(cell));
+  for (JsonObject& cell : object.objects("differences")) s.differences.push_back(read_difference(cell));
+  for (JsonObject& cell : object.objects("bodies")) s.bodies.push_back(read_body(cell));
+  for (JsonObject& floor : object.objects("truth_floor")) s.truth_floor.push_back(read_floor(floor));
   for (JsonObject& note : object.objects("notes")) s.notes.push_back(read_note(note));
   if (object.has("cross_check")) s.cross_check = read_cross_check(object.object("cross_check"));
   object.finish();

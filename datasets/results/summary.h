@@ -14,12 +14,19 @@ namespace trilat {
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
+// The plain mean of the groups of a condition, as the paper's last row: mae_m and its interval; counts are
+// sums, all other numbers NaN.
+inline constexpr const char* kAverageGroup = "average";
+
+// Of the samples of an activity's takes that at least one sensor sees occluded.
+inline std::string occluded_condition(const std::string& activity) { return activity + ", occluded"; }
+
 // Errors of one method in one condition, joint group and alignment. Distances in metres; NaN when nothing
 // answered.
 struct SummaryCell {
   std::string method;
-  std::string condition;  // the takes' activity
-  std::string group;      // a joint group, or a joint's own name when it belongs to none
+  std::string condition;  // the takes' activity, or occluded_condition() of it
+  std::string group;      // a joint group, a joint's own name when it belongs to none, or kAverageGroup
   std::string alignment;
   std::uint64_t asked = 0;                        // instants and joints with ground truth
   std::uint64_t answered = 0;                     // of those, with a usable estimate; n of every number below
@@ -33,6 +40,11 @@ struct SummaryCell {
   double max_m = kNoNumber;
   double mean_gdop = kNoNumber;
   double mean_iterations = kNoNumber;
+  // 95 % interval of mae_m, participants as clusters; NaN when fewer than two answered.
+  double mae_low_m = kNoNumber;
+  double mae_high_m = kNoNumber;
+  std::uint64_t clusters = 0;      // participants with an answered sample
+  double one_frame_m = kNoNumber;  // how much mae_m changes when the truth is one instant early or late
 
   double coverage() const {
     return asked == 0 ? kNoNumber : static_cast<double>(answered) / static_cast<double>(asked);
@@ -58,6 +70,61 @@ struct CrossCheck {
   bool passed() const { return disagreements == 0 && worst_m <= limit_m; }
 };
 
+inline constexpr double kSameDistance_m = 1e-6;
+
+// One method against the study's reference, over the samples that both answered: differences are taken sample
+// by sample, method - reference, before they are averaged. Intervals are 95 %, participants as clusters; NaN
+// when fewer than two answered.
+struct DifferenceCell {
+  std::string method;
+  std::string condition;
+  std::string group;
+  std::string alignment;
+  std::uint64_t n = 0;  // samples that both answered
+  std::uint64_t clusters = 0;
+  double difference_m = kNoNumber;
+  double low_m = kNoNumber;
+  double high_m = kNoNumber;
+  double percent_of_reference = kNoNumber;  // 100 (method - reference) / reference
+  double percent_low = kNoNumber;           // interval of percent_of_reference
+  double percent_high = kNoNumber;
+  double percent_of_method = kNoNumber;  // 100 (method - reference) / method
+  // The interval leaves 0 out, by more than solvers that end at the same place differ.
+  bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
+};
+
+// A method's whole bodies. An instant counts when every joint that has a truth is answered, in mpjpe_m also
+// after the alignment; in PCK what is not answered counts as wrong. All but mpjpe_m and PCK are of estimates
+// before alignment.
+struct BodyCell {
+  std::string method;
+  std::string condition;
+  std::string alignment;       // of mpjpe_m and PCK: the study's first
+  std::uint64_t instants = 0;  // that mpjpe_m is the mean of
+  std::uint64_t clusters = 0;
+  double mpjpe_m = kNoNumber;
+  double mpjpe_low_m = kNoNumber;
+  double mpjpe_high_m = kNoNumber;
+  double pa_mpjpe_m = kNoNumber;
+  double pa_mpjpe_low_m = kNoNumber;
+  double pa_mpjpe_high_m = kNoNumber;
+  std::array<double, 3> pck{kNoNumber, kNoNumber, kNoNumber};  // share of joints within 5, 10 and 15 cm
+  std::uint64_t bones = 0;                                     // whose both ends are evaluated
+  double bone_length_sd_m = kNoNumber;                         // over a take, mean over bones and takes
+  double jitter_m_s3 = kNoNumber;                              // mean length of the jerk
+  double truth_jitter_m_s3 = kNoNumber;
+};
+
+// What no method can be seen to beat: how exactly the truth of a group is known.
+struct TruthFloor {
+  std::string condition;
+  std::string group;
+  double mocap_noise_m = kNoNumber;   // mean distance that white noise of the truth makes, at most
+  double mean_speed_m_s = kNoNumber;  // of the truth
+  double clock_error_s = kNoNumber;   // as the study states it
+  double clock_m() const { return mean_speed_m_s * clock_error_s; }
+};
+
 struct ResultsSummary {
   std::string study;
   std::string campaign;
@@ -66,15 +133,21 @@ struct ResultsSummary {
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
   std::vector<std::string> methods;     // in the order of the study
+  std::string reference;                // the method that differences are against
   std::vector<std::string> conditions;  // in the order of the takes
   std::vector<std::string> groups;
   std::vector<std::string> alignments;
   std::vector<SummaryCell> cells;
+  std::vector<DifferenceCell> differences;
+  std::vector<BodyCell> bodies;
+  std::vector<TruthFloor> truth_floor;
+  std::uint64_t resamples = 0;  // of the intervals; 0: there are none
+  double block_s = kNoNumber;   // length of their blocks
   std::vector<TakeNote> notes;
   std::optional<CrossCheck> cross_check;
 };
 
-// summary.json (results format 1, kind accuracy). NaN is written as null.
+// summary.json (results format 2, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
 // not one.

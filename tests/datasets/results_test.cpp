@@ -32,6 +32,10 @@ SummaryCell full_cell() {
   cell.max_m = 1e3;
   cell.mean_gdop = 2.5;
   cell.mean_iterations = 4.25;
+  cell.mae_low_m = 0.27;
+  cell.mae_high_m = 0.34;
+  cell.clusters = 16;
+  cell.one_frame_m = 0.003;
   return cell;
 }
 
@@ -58,6 +62,9 @@ ResultsSummary summary_of(std::vector<SummaryCell> cells) {
   summary.conditions = {"walking"};
   summary.groups = {"head"};
   summary.alignments = {"mean"};
+  summary.reference = "nonlinear";
+  summary.resamples = 2000;
+  summary.block_s = 1.0;
   summary.cells = std::move(cells);
   summary.notes = {{"b", true, "b/mocap.csv:17", "is cut"}};
   summary.cross_check = CrossCheck{"nonlinear", 93, 1, 3e-8, 1e-7, "a instant 3 head"};
@@ -72,6 +79,7 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
   EXPECT_EQ(a.asked, b.asked);
   EXPECT_EQ(a.answered, b.answered);
   EXPECT_EQ(a.statuses, b.statuses);
+  EXPECT_EQ(a.clusters, b.clusters);
   const std::pair<double, double> numbers[] = {{a.mae_m, b.mae_m},
                                                {a.axis_mae_m[0], b.axis_mae_m[0]},
                                                {a.axis_mae_m[1], b.axis_mae_m[1]},
@@ -82,7 +90,10 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
                                                {a.p95_m, b.p95_m},
                                                {a.max_m, b.max_m},
                                                {a.mean_gdop, b.mean_gdop},
-                                               {a.mean_iterations, b.mean_iterations}};
+                                               {a.mean_iterations, b.mean_iterations},
+                                               {a.mae_low_m, b.mae_low_m},
+                                               {a.mae_high_m, b.mae_high_m},
+                                               {a.one_frame_m, b.one_frame_m}};
   for (const auto& [x, y] : numbers)
     if (!std::isnan(x) || !std::isnan(y)) {
       EXPECT_EQ(x, y);
@@ -117,6 +128,62 @@ TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   EXPECT_FALSE(read.cross_check->passed());
 }
 
+TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
+  const ScratchFolder folder;
+  ResultsSummary written = summary_of({});
+  written.differences = {
+      {"mean", "walking", "head", "none", 93, 4, -0.1 / 3.0, -0.05, -0.01, -100.0 / 3.0, -50.0, -10.0, -50.0},
+      {"linear", "walking", "average", "none"}};
+  written.bodies = {{"mean",
+                     "walking",
+                     "none",
+                     90,
+                     4,
+                     0.1,
+                     0.09,
+                     0.11,
+                     0.05,
+                     0.04,
+                     0.06,
+                     {0.5, 0.75, 1.0},
+                     6,
+                     0.01,
+                     12.5,
+                     3.25},
+                    {"linear", "walking", "none"}};
+  written.truth_floor = {{"walking", "head", 2e-4, 1.25, 0.005}};
+  write_summary(folder.path(), written);
+  const std::string text = read_file(folder / "summary.json");
+  EXPECT_THAT(text, HasSubstr("\"significant\": true"));
+  const ResultsSummary read = read_summary(folder.path());
+  EXPECT_EQ(read.reference, "nonlinear");
+  EXPECT_EQ(read.resamples, 2000u);
+  EXPECT_EQ(read.block_s, 1.0);
+  ASSERT_EQ(read.differences.size(), 2u);
+  EXPECT_EQ(read.differences[0].difference_m, -0.1 / 3.0);
+  EXPECT_TRUE(read.differences[0].significant());
+  EXPECT_FALSE(read.differences[1].significant());
+  ASSERT_EQ(read.bodies.size(), 2u);
+  EXPECT_EQ(read.bodies[0].pck, written.bodies[0].pck);
+  EXPECT_TRUE(std::isnan(read.bodies[1].pck[2]));
+  ASSERT_EQ(read.truth_floor.size(), 1u);
+  EXPECT_DOUBLE_EQ(read.truth_floor[0].clock_m(), 0.00625);
+  write_summary(folder.path(), read);
+  EXPECT_EQ(read_file(folder / "summary.json"), text);
+}
+
+TEST(Summary, ADifferenceThatContradictsItsIntervalIsRefused) {
+  const ScratchFolder folder;
+  ResultsSummary summary = summary_of({});
+  summary.differences = {{"mean", "walking", "head", "none", 93, 4, 0.1, -0.1, 0.3, 10.0, -10.0, 30.0, 9.0}};
+  write_summary(folder.path(), summary);
+  std::string text = read_file(folder / "summary.json");
+  text.replace(text.find("\"significant\": false"), 20, "\"significant\": true");
+  write_file(folder / "summary.json", text);
+  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
+              HasSubstr("/differences/0/significant: does not follow from low_m and high_m"));
+}
+
 // File names and asset names come from outside and need not be UTF-8.
 TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
   const ScratchFolder folder;
@@ -129,9 +196,11 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
 TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }), HasSubstr("it holds no summary.json"));
-  write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 2})");
-  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
-              HasSubstr("summary.json /version: is another version; this program reads version 1"));
+  write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 1})");
+  EXPECT_THAT(
+      message_of([&] { read_summary(folder.path()); }),
+      HasSubstr("summary.json /version: is another version; this program reads version 2 of results of "
+                "kind \"accuracy\""));
   write_file(folder / "summary.json", R"({"format": "coverage.py", "version": 1})");
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
               HasSubstr("summary.json /format: must be \"trilat.results\""));

@@ -112,5 +112,19 @@ TEST(Methods, ASensorTheRigDoesNotHaveIsNamedWithThoseItHas) {
               HasSubstr("method \"single k2\": stands twice"));
 }
 
+TEST(StudySpec, SettingsOfTheIntervalsAreChecked) {
+  const auto with = [](const std::string& member) {
+    return study_of(member + R"(, "methods": [{"method": "mean"}])");
+  };
+  EXPECT_EQ(with(R"("resamples": 0)").resamples, 0u);
+  EXPECT_EQ(with(R"("block_s": 0.5)").block_s, 0.5);
+  EXPECT_EQ(with(R"("clock_error_s": 0)").clock_error_s, 0.0);
+  EXPECT_EQ(resolved_json(with(R"("resamples": 500)"))["resamples"], 500u);
+  EXPECT_THAT(message_of([&] { with(R"("resamples": 50)"); }),
+              testing::HasSubstr("/resamples: must be 0, for no intervals, or at least 200"));
+  EXPECT_THAT(message_of([&] { with(R"("resamples": 1000000)"); }), testing::HasSubstr("/resamples: "));
+  EXPECT_THAT(message_of([&] { with(R"("block_s": 0)"); }), testing::HasSubstr("/block_s: "));
+}
+
 }  // namespace
 }  // namespace trilat

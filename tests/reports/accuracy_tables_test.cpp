@@ -130,6 +130,92 @@ TEST(AccuracyTables, OneTableForEachConditionAndAlignmentThatHasCells) {
   EXPECT_EQ(printed(row(tables[1], "knee", "mean")[column(tables[1], "rmse_cm")]), "–");
 }
 
+DifferenceCell difference(const std::string& method, double difference_m, double low_m, double high_m) {
+  DifferenceCell d;
+  d.method = method;
+  d.condition = "walking";
+  d.group = "head";
+  d.alignment = "mean";
+  d.n = 70;
+  d.clusters = 2;
+  d.difference_m = difference_m;
+  d.low_m = low_m;
+  d.high_m = high_m;
+  d.percent_of_reference = -25.0;
+  d.percent_of_method = -100.0 / 3.0;
+  return d;
+}
+
+TEST(AccuracyTables, DifferencesSayWhichMethodIsBetterAndInBothConventions) {
+  ResultsSummary summary = hand_made_summary();
+  summary.reference = "nonlinear";
+  summary.resamples = 2000;
+  summary.block_s = 1.0;
+  summary.differences = {difference("b", -0.01, -0.02, -0.005), difference("w", 0.01, 0.005, 0.02),
+                         difference("n", 0.01, -0.005, 0.02), difference("-", 0.01, kNoNumber, kNoNumber)};
+  const auto tables = accuracy_tables(summary);
+  ASSERT_EQ(tables.size(), 2u);
+  const Table& table = tables[1];
+  EXPECT_EQ(table.id, "differences-walking-mean");
+  EXPECT_THAT(table.title, HasSubstr("method less \"nonlinear\""));
+  EXPECT_DOUBLE_EQ(number(table, "head", "b", "difference_cm"), -1.0);
+  EXPECT_DOUBLE_EQ(number(table, "head", "b", "difference_to_cm"), -0.5);
+  EXPECT_EQ(number(table, "head", "b", "percent_of_reference"), -25.0);
+  EXPECT_EQ(number(table, "head", "b", "percent_of_method"), -100.0 / 3.0);
+  EXPECT_EQ(row(table, "head", "b").back().text, "better");
+  EXPECT_EQ(row(table, "head", "w").back().text, "worse");
+  EXPECT_EQ(row(table, "head", "n").back().text, "no");
+  EXPECT_EQ(row(table, "head", "-").back().text, "–");
+  EXPECT_THAT(table.notes,
+              testing::Contains(HasSubstr("% of nonlinear: 100 (method - nonlinear) / nonlinear")));
+  EXPECT_THAT(table.notes, testing::Contains(HasSubstr("blocks of 1 s")));
+}
+
+TEST(AccuracyTables, BodiesHaveATableACondition) {
+  ResultsSummary summary = hand_made_summary();
+  BodyCell body;
+  body.method = "mean";
+  body.condition = "walking";
+  body.alignment = "mean";
+  body.mpjpe_m = 0.05;
+  body.pck = {0.5, 0.75, 1.0};
+  body.bones = 4;
+  body.truth_jitter_m_s3 = 35.0;
+  summary.bodies = {body};
+  const Table table = accuracy_tables(summary).back();
+  EXPECT_EQ(table.id, "bodies-walking");
+  ASSERT_EQ(table.rows.size(), 1u);
+  EXPECT_DOUBLE_EQ(table.rows[0][column(table, "mpjpe_cm")].number.value(), 5.0);
+  EXPECT_DOUBLE_EQ(table.rows[0][column(table, "pck_10cm_percent")].number.value(), 75.0);
+  EXPECT_EQ(printed(table.rows[0][column(table, "pa_mpjpe_cm")]), "–");
+  EXPECT_THAT(table.notes, testing::Contains(HasSubstr("of 4 bones")));
+}
+
+TEST(AccuracyTables, NotesSayHowExactlyTheTruthIsKnownAndWhyThereIsNoInterval) {
+  ResultsSummary summary = hand_made_summary();
+  summary.cells[0].one_frame_m = 0.004;
+  summary.truth_floor = {{"walking", "head", 2e-4, 1.25, 0.005}};
+  const Table table = accuracy_tables(summary).at(0);
+  EXPECT_THAT(table.notes,
+              testing::Contains(HasSubstr("Truth of head: noise of at most 0.02 cm; at its mean speed "
+                                          "of 1.25 m/s a clock error of 5 ms makes 0.62 cm; one "
+                                          "instant early or late would change MAE by up to 0.40 cm")));
+  EXPECT_THAT(table.notes, testing::Contains(HasSubstr("There are no intervals")));
+}
+
+TEST(Table3, TheAveragesIntervalIsThatOfTheResultsOwnAverageWhenItIsOfTheSameGroups) {
+  ResultsSummary summary = hand_made_summary();
+  SummaryCell average = cell_of("nonlinear", kAverageGroup, 0.03, 300);
+  average.asked = 400;
+  average.mae_low_m = 0.02;
+  average.mae_high_m = 0.05;
+  summary.cells.push_back(average);
+  EXPECT_DOUBLE_EQ(number(table3(summary).at(0), "average", "nonlinear", "mae_to_cm"), 5.0);
+  EXPECT_TRUE(std::isnan(number(table3(summary).at(0), "average", "mean", "mae_to_cm")));
+  summary.cells.back().asked = 500;  // the hip is in it too
+  EXPECT_TRUE(std::isnan(number(table3(summary).at(0), "average", "nonlinear", "mae_to_cm")));
+}
+
 // The activity is free text in campaign.json; the table's id becomes a file name and a LaTeX label.
 TEST(AccuracyTables, AnyActivityGivesAnIdThatCanBeAFileName) {
   ResultsSummary summary = hand_made_summary();

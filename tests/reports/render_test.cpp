@@ -91,5 +91,11 @@ TEST(Latex, ATableEnvironmentHoldsCaptionLabelAndEveryRow) {
   EXPECT_THAT(text, HasSubstr("Another.\\par\n"));
 }
 
+TEST(Render, WhatRoundsToNothingHasNoSign) {
+  EXPECT_EQ(printed(TableValue::of(-0.004, 2)), "0.00");
+  EXPECT_EQ(printed(TableValue::of(-0.0, 0)), "0");
+  EXPECT_EQ(printed(TableValue::of(-0.006, 2)), "-0.01");
+}
+
 }  // namespace
 }  // namespace trilat

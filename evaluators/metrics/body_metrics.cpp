@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/metrics/body_metrics.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "datasets/base/check.h"
+
+namespace trilat {
+namespace {
+
+Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points_m) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points_m) sum += p;
+  return sum / static_cast<double>(points_m.size());
+}
+
+// Points that span a plane at least have two eigenvalues of their scatter that are not 0.
+bool spans_plane(const Eigen::Matrix3d& scatter_m2) {
+  // the second elementary symmetric function is s1 s2 + s1 s3 + s2 s3 of the eigenvalues, squares of the
+  // singular values
+  const double sum = scatter_m2.trace();
+  const double pairs = 0.5 * (sum * sum - scatter_m2.squaredNorm());
+  constexpr double kLeast = 1e-12;
+  return sum > 0.0 && pairs > kLeast * sum * sum;
+}
+
+}  // namespace
+
+double mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const Eigen::Vector3d> truth_m) {
+  TRILAT_CHECK(estimate_m.size() == truth_m.size(), "every joint has an estimate and a truth");
+  if (estimate_m.empty()) return kNaN;
+  double sum_m = 0.0;
+  for (std::size_t j = 0; j < estimate_m.size(); ++j) sum_m += (estimate_m[j] - truth_m[j]).norm();
+  return sum_m / static_cast<double>(estimate_m.size());
+}
+
+double pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const Eigen::Vector3d> truth_m) {
+  TRILAT_CHECK(estimate_m.size() == truth_m.size(), "every joint has an estimate and a truth");
+  if (estimate_m.size() < 3) return kNaN;
+  const Eigen::Vector3d estimate_mean_m = mean_of(estimate_m), truth_mean_m = mean_of(truth_m);
+  Eigen::Matrix3d cross_m2 = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d estimate_scatter_m2 = cross_m2, truth_scatter_m2 = cross_m2;
+  for (std::size_t j = 0; j < estimate_m.size(); ++j) {
+    const Eigen::Vector3d e = estimate_m[j] - estimate_mean_m, t = truth_m[j] - truth_mean_m;
+    cross_m2 += t * e.transpose();
+    estimate_scatter_m2 += e * e.transpose();
+    truth_scatter_m2 += t * t.transpose();
+  }
+  if (!cross_m2.allFinite() || !spans_plane(estimate_scatter_m2) || !spans_plane(truth_scatter_m2))
+    return kNaN;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross_m2, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
+  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const double scale = svd.singularValues().dot(signs) / estimate_scatter_m2.trace();
+  double sum_m = 0.0;
+  for (std::size_t j = 0; j < estimate_m.size(); ++j)
+    sum_m += (scale * (rotation * (estimate_m[j] - estimate_mean_m)) - (truth_m[j] - truth_mean_m)).norm();
+  return sum_m / static_cast<double>(estimate_m.size());
+}
+
+void LengthSpread::add(double length_m) {
+  ++count_;
+  const double off_m = length_m - mean_m_;
+  mean_m_ += off_m / static_cast<double>(count_);
+  squares_m2_ += off_m * (length_m - mean_m_);
+}
+
+double LengthSpread::standard_deviation_m() const {
+  return count_ < 2 ? kNaN : std::sqrt(squares_m2_ / static_cast<double>(count_ - 1));
+}
+
+double jerk_m_s3(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m,
+                 const Eigen::Vector3d& d_m, double rate_hz) {
+  return (d_m - 3.0 * c_m + 3.0 * b_m - a_m).norm() * rate_hz * rate_hz * rate_hz;
+}
+
+Eigen::Vector3d fourth_difference_m(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
+                                    const Eigen::Vector3d& c_m, const Eigen::Vector3d& d_m,
+                                    const Eigen::Vector3d& e_m) {
+  return a_m - 4.0 * b_m + 6.0 * c_m - 4.0 * d_m + e_m;
+}
+
+}  // namespace trilat

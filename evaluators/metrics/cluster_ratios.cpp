@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/metrics/cluster_ratios.h"
+
+#include <cmath>
+
+namespace trilat {
+
+void ClusterRatios::set(const Eigen::Ref<const RowMatrix>& clusters) {
+  const Eigen::RowVectorXd total = clusters.colwise().sum();
+  for (std::size_t r = 0; r < ratios_.size(); ++r) {
+    const double denominator = total[static_cast<Eigen::Index>(ratios_[r].denominator)];
+    inverse_[r] = denominator > 0.0 ? 1.0 / denominator : kNaN;
+    value_[r] =
+        denominator > 0.0 ? total[static_cast<Eigen::Index>(ratios_[r].numerator)] / denominator : kNaN;
+  }
+  pull_.resize(clusters.rows(), static_cast<Eigen::Index>(ratios_.size()));
+  for (Eigen::Index c = 0; c < clusters.rows(); ++c) {
+    const double* row = clusters.data() + c * clusters.outerStride();
+    double* pull = &pull_(c, 0);
+    for (std::size_t r = 0; r < ratios_.size(); ++r)
+      pull[r] = (row[ratios_[r].numerator] - value_[r] * row[ratios_[r].denominator]) * inverse_[r];
+  }
+}
+
+bool ClusterRatios::has_data(const RatioRange& range) const {
+  for (std::size_t r = 0; r < range.count; ++r)
+    if (std::isnan(inverse_[range.first + r])) return false;
+  return true;
+}
+
+double ClusterRatios::mean_of(const RatioRange& range) const {
+  double sum = 0.0;
+  for (std::size_t r = 0; r < range.count; ++r) sum += value_[range.first + r];
+  return sum / static_cast<double>(range.count);
+}
+
+double ClusterRatios::pull_of(const RatioRange& range, Eigen::Index cluster) const {
+  const double* pull = &pull_(cluster, 0) + range.first;
+  if (range.count == 1) return *pull;
+  double sum = 0.0;
+  for (std::size_t r = 0; r < range.count; ++r) sum += pull[r];
+  return sum / static_cast<double>(range.count);
+}
+
+Studentised ClusterRatios::of(std::size_t quantity, std::size_t clusters) const {
+  const BootstrapQuantity& q = quantities_[quantity];
+  const double by = q.divided_by ? mean_of(*q.divided_by) : 1.0;
+  Studentised result;
+  result.value = mean_of(q.mean);
+  result.has_data = has_data(q.mean) && (!q.divided_by || has_data(*q.divided_by));
+  result.value /= by;
+  double squares = 0.0;
+  for (Eigen::Index c = 0; c < pull_.rows(); ++c) {
+    double pull = pull_of(q.mean, c);
+    if (q.divided_by) pull = (pull - result.value * pull_of(*q.divided_by, c)) / by;
+    squares += pull * pull;
+  }
+  const auto n = static_cast<double>(clusters);
+  if (clusters >= 2) result.standard_error = std::sqrt(n / (n - 1.0) * squares);
+  return result;
+}
+
+ClustersWithData::ClustersWithData(const Eigen::Ref<const RowMatrix>& clusters,
+                                   std::span<const RatioColumns> ratios,
+                                   std::span<const BootstrapQuantity> quantities)
+    : clusters_(static_cast<std::size_t>(clusters.rows())), has_(quantities.size() * clusters_) {
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    const RatioRange& range = quantities[q].mean;
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < clusters_; ++c) {
+      std::uint8_t& has = has_[q * clusters_ + c];
+      for (std::size_t r = range.first; r < range.first + range.count; ++r)
+        if (clusters(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(ratios[r].denominator)) > 0.0)
+          has = 1;
+      count += has;
+    }
+    counts_.push_back(count);
+  }
+}
+
+std::size_t ClustersWithData::count_of(std::size_t quantity, std::span<const std::uint16_t> drawn) const {
+  if (counts_[quantity] == clusters_) return clusters_;
+  std::size_t count = 0;
+  for (const std::uint16_t cluster : drawn) count += has_[quantity * clusters_ + cluster];
+  return count;
+}
+
+}  // namespace trilat

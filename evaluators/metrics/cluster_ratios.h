@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "evaluators/solvers/point_estimate.h"
+
+namespace trilat {
+
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Two columns of sums: sum of the one / sum of the other, which is >= 0.
+struct RatioColumns {
+  std::size_t numerator = 0, denominator = 0;
+};
+
+// What an interval is wanted for: the plain mean of some ratios, or one such mean divided by another. Ratios
+// are meant by their places in a list.
+struct RatioRange {
+  std::size_t first = 0, count = 1;
+};
+struct BootstrapQuantity {
+  RatioRange mean;
+  std::optional<RatioRange> divided_by = {};
+};
+
+struct Studentised {
+  double value = kNaN;
+  double standard_error = kNaN;  // between clusters, by linearisation
+  bool has_data = false;         // no denominator is 0
+};
+
+// Quantities of one set of clusters.
+class ClusterRatios {
+ public:
+  ClusterRatios(std::span<const RatioColumns> ratios, std::span<const BootstrapQuantity> quantities)
+      : ratios_(ratios), quantities_(quantities), value_(ratios.size()), inverse_(ratios.size()) {}
+
+  // One row of sums a cluster.
+  void set(const Eigen::Ref<const RowMatrix>& clusters);
+  // `clusters`: how many of the rows have data for it.
+  Studentised of(std::size_t quantity, std::size_t clusters) const;
+
+ private:
+  bool has_data(const RatioRange& range) const;
+  double mean_of(const RatioRange& range) const;
+  double pull_of(const RatioRange& range, Eigen::Index cluster) const;
+
+  std::span<const RatioColumns> ratios_;
+  std::span<const BootstrapQuantity> quantities_;
+  std::vector<double> value_, inverse_;  // by ratio; inverse_ of the total denominator
+  RowMatrix pull_;                       // clusters x ratios: what each cluster moves the ratio by
+};
+
+// Which clusters have data for a quantity: a denominator of its ratios that is not 0.
+class ClustersWithData {
+ public:
+  ClustersWithData(const Eigen::Ref<const RowMatrix>& clusters, std::span<const RatioColumns> ratios,
+                   std::span<const BootstrapQuantity> quantities);
+  std::size_t count(std::size_t quantity) const { return counts_[quantity]; }
+  std::size_t count_of(std::size_t quantity, std::span<const std::uint16_t> drawn) const;
+
+ private:
+  std::size_t clusters_ = 0;
+  std::vector<std::uint8_t> has_;  // by quantity and cluster
+  std::vector<std::size_t> counts_;
+};
+
+}  // namespace trilat

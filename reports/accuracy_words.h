@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "datasets/results/summary.h"
+#include "reports/table.h"
+
+namespace trilat {
+
+// What the tables of an accuracy study share.
+TableValue cm_value(double metres);  // two decimals
+TableValue percent_value(double percent);
+TableValue count_value(std::uint64_t n);
+
+// What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
+std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
+// How the intervals were made, or why there are none.
+std::string interval_note(const ResultsSummary& summary);
+void add_take_notes(const ResultsSummary& summary, Table& table);
+
+}  // namespace trilat

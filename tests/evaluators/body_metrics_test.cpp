@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/metrics/body_metrics.h"
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+
+#include "datasets/base/philox.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<Vector3d> body() {
+  return {{0.0, 1.7, 0.1}, {-0.2, 1.4, 0.0}, {0.2, 1.4, 0.0}, {-0.3, 1.1, 0.1}, {0.3, 1.1, -0.1}};
+}
+
+TEST(BodyMetrics, MpjpeByPencil) {
+  const std::vector<Vector3d> truth{{0, 0, 0}, {1, 0, 0}}, estimate{{0.03, 0.04, 0}, {1, 0, 0.01}};
+  EXPECT_NEAR(mpjpe_m(estimate, truth), 0.03, 1e-15);
+  EXPECT_TRUE(std::isnan(mpjpe_m({}, {})));
+}
+
+TEST(BodyMetrics, PaMpjpeForgivesRotationTranslationAndScaleAndNothingElse) {
+  const std::vector<Vector3d> truth = body();
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.5, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  std::vector<Vector3d> estimate, mirrored;
+  for (const Vector3d& t : truth) {
+    estimate.push_back(1.3 * (turn * t) + Vector3d(4, 5, 6));
+    mirrored.push_back({-t.x(), t.y(), t.z()});
+  }
+  EXPECT_NEAR(pa_mpjpe_m(estimate, truth), 0.0, 1e-12);
+  EXPECT_GT(pa_mpjpe_m(mirrored, truth), 0.01);
+  estimate[3] += Vector3d(0, 0.1, 0);
+  EXPECT_GT(pa_mpjpe_m(estimate, truth), 0.01);
+}
+
+TEST(BodyMetrics, PaMpjpeOfASmallerTriangleIsNothing) {
+  const double h = std::sqrt(3.0) / 2.0;
+  const std::vector<Vector3d> truth{{0, 0, 0}, {1, 0, 0}, {0.5, h, 0}};
+  const std::vector<Vector3d> estimate{{0, 0, 0}, {0.5, 0, 0}, {0.25, h / 2.0, 0}};
+  EXPECT_NEAR(pa_mpjpe_m(estimate, truth), 0.0, 1e-12);
+}
+
+TEST(BodyMetrics, PaMpjpeNeedsThreeJointsThatAreNotOnALine) {
+  const std::vector<Vector3d> line{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}};
+  const std::vector<Vector3d> plane{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  EXPECT_TRUE(std::isnan(pa_mpjpe_m(line, plane)));
+  EXPECT_TRUE(std::isnan(pa_mpjpe_m(plane, line)));
+  EXPECT_NEAR(pa_mpjpe_m(plane, plane), 0.0, 1e-12);
+  EXPECT_TRUE(std::isnan(pa_mpjpe_m(std::span(plane).first(2), std::span(plane).first(2))));
+  const std::vector<Vector3d> point(4, Vector3d(1, 2, 3));
+  EXPECT_TRUE(std::isnan(pa_mpjpe_m(point, plane)));
+}
+
+TEST(BodyMetrics, LengthSpreadByPencil) {
+  LengthSpread spread;
+  EXPECT_TRUE(std::isnan(spread.standard_deviation_m()));
+  spread.add(0.30);
+  EXPECT_TRUE(std::isnan(spread.standard_deviation_m()));
+  spread.add(0.32);
+  spread.add(0.34);
+  EXPECT_NEAR(spread.standard_deviation_m(), 0.02, 1e-15);
+}
+
+TEST(BodyMetrics, JerkOfACubicIsSixTimesItsCoefficient) {
+  const double rate_hz = 30.0;
+  const auto at = [&](int i) {
+    const double t = i / rate_hz;
+    return Vector3d(2.0 * t * t * t + t * t, 1.0 - t, 4.0);
+  };
+  EXPECT_NEAR(jerk_m_s3(at(0), at(1), at(2), at(3), rate_hz), 12.0, 1e-9);
+  EXPECT_NEAR(fourth_difference_m(at(0), at(1), at(2), at(3), at(4)).norm(), 0.0, 1e-15);
+}
+
+TEST(BodyMetrics, TheFourthDifferenceOfWhiteNoiseHasItsVarianceSeventyTimes) {
+  const RandomStream random{3, Purpose::test, 0};
+  const auto noise = [&](std::uint32_t i) {
+    return Vector3d(random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2));
+  };
+  double squares = 0.0;
+  const std::uint32_t n = 20'000;
+  for (std::uint32_t i = 0; i < n; ++i)
+    squares +=
+        fourth_difference_m(noise(i), noise(i + 1), noise(i + 2), noise(i + 3), noise(i + 4)).squaredNorm();
+  EXPECT_NEAR(squares / (3.0 * n), kFourthDifferenceVariance, 2.0);
+}
+
+}  // namespace
+}  // namespace trilat

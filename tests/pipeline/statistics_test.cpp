@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "pipeline/execute.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kMethods = R"("methods": [{"method": "mean"}, {"method": "single"},
+    {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])";
+
+StudySpec study_with(const std::string& members) { return study_of(members + ", " + kMethods); }
+
+const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
+                                      const std::string& condition, const std::string& group,
+                                      const std::string& alignment) {
+  for (const DifferenceCell& d : summary.differences)
+    if (d.method == method && d.condition == condition && d.group == group && d.alignment == alignment)
+      return &d;
+  return nullptr;
+}
+
+const BodyCell& body_of(const ResultsSummary& summary, const std::string& method) {
+  const auto found = std::find_if(summary.bodies.begin(), summary.bodies.end(),
+                                  [&](const BodyCell& b) { return b.method == method; });
+  EXPECT_NE(found, summary.bodies.end());
+  return *found;
+}
+
+struct Evaluated {
+  ScratchFolder folder;
+  ResultsSummary of(const SimulationSpec& spec, const StudySpec& study) {
+    return execute_study(study, simulate_into(folder / "campaign", spec), folder / "results", {});
+  }
+};
+
+TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsValue) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(5, 3.0), study_with(R"("alignments": ["none", "held_out"])"));
+  EXPECT_EQ(summary.block_s, 1.0);
+  EXPECT_EQ(summary.resamples, 2000u);
+  for (const SummaryCell& cell : summary.cells) {
+    const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
+    if (cell.method == "never") {
+      EXPECT_EQ(cell.clusters, 0u) << what;
+      EXPECT_TRUE(std::isnan(cell.mae_low_m) && std::isnan(cell.one_frame_m)) << what;
+      continue;
+    }
+    EXPECT_EQ(cell.clusters, 5u) << what;
+    EXPECT_LT(cell.mae_low_m, cell.mae_m) << what;
+    EXPECT_GT(cell.mae_high_m, cell.mae_m) << what;
+    EXPECT_GT(cell.one_frame_m, 0.0) << what;
+    EXPECT_LT(cell.one_frame_m, 0.05) << what;
+  }
+  const SummaryCell* average = find_cell(summary, "mean", "walking", kAverageGroup, "none");
+  ASSERT_NE(average, nullptr);
+  double sum_m = 0.0;
+  for (const std::string& group : summary.groups)
+    sum_m += find_cell(summary, "mean", "walking", group, "none")->mae_m;
+  EXPECT_NEAR(average->mae_m, sum_m / 4.0, 1e-15);
+}
+
+TEST(Statistics, DifferencesAreOfTheSamplesThatBothAnswered) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(4, 2.0), study_with(R"("alignments": ["none"], "reference": "mean")"));
+  EXPECT_EQ(find_difference(summary, "mean", "walking", "wrist", "none"), nullptr);
+  const DifferenceCell* d = find_difference(summary, "single k1", "walking", "wrist", "none");
+  const SummaryCell* reference = find_cell(summary, "mean", "walking", "wrist", "none");
+  const SummaryCell* method = find_cell(summary, "single k1", "walking", "wrist", "none");
+  ASSERT_TRUE(d && reference && method);
+  EXPECT_EQ(d->clusters, 4u);
+  ASSERT_EQ(d->n, method->answered);  // the reference answers wherever one of its sensors does
+  ASSERT_EQ(method->answered, reference->answered);
+  EXPECT_NEAR(d->difference_m, method->mae_m - reference->mae_m, 1e-12);
+  EXPECT_NEAR(d->percent_of_reference, 100.0 * d->difference_m / reference->mae_m, 1e-9);
+  EXPECT_NEAR(d->percent_of_method, 100.0 * d->difference_m / method->mae_m, 1e-9);
+  EXPECT_LT(d->low_m, d->difference_m);
+  EXPECT_GT(d->high_m, d->difference_m);
+  const DifferenceCell* never = find_difference(summary, "never", "walking", "wrist", "none");
+  ASSERT_NE(never, nullptr);
+  EXPECT_EQ(never->n, 0u);
+  EXPECT_TRUE(std::isnan(never->difference_m) && std::isnan(never->percent_of_method));
+  EXPECT_FALSE(never->significant());
+  EXPECT_NE(find_difference(summary, "single k1", "walking", kAverageGroup, "none"), nullptr);
+}
+
+TEST(Statistics, AMethodIsNoBetterThanItself) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(4), study_of(R"("alignments": ["mean"], "methods": [{"method": "mean"},
+                                   {"method": "mean", "name": "again"}])"));
+  for (const DifferenceCell& d : summary.differences) {
+    EXPECT_EQ(d.difference_m, 0.0);
+    EXPECT_EQ(d.low_m, 0.0);
+    EXPECT_EQ(d.high_m, 0.0);
+    EXPECT_EQ(d.percent_of_reference, 0.0);
+    EXPECT_FALSE(d.significant());
+  }
+}
+
+TEST(Statistics, OneParticipantHasValuesAndNoInterval) {
+  Evaluated evaluated;
+  SimulationSpec spec = walking_spec(1, 2.0);
+  spec.activities.push_back(spec.activities[0]);
+  spec.activities[1].activity = Activity::standing;
+  const ResultsSummary summary = evaluated.of(spec, study_with(R"("alignments": ["mean"])"));
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  ASSERT_NE(cell, nullptr);
+  EXPECT_EQ(cell->clusters, 1u);
+  EXPECT_TRUE(std::isnan(cell->mae_low_m) && std::isnan(cell->mae_high_m));
+  const DifferenceCell* d = find_difference(summary, "single k1", "walking", "head", "mean");
+  EXPECT_TRUE(std::isfinite(d->difference_m) && std::isnan(d->low_m));
+}
+
+TEST(Statistics, WithoutResamplesThereAreNoIntervals) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(3), study_with(R"("alignments": ["mean"], "resamples": 0)"));
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  EXPECT_EQ(cell->clusters, 3u);
+  EXPECT_TRUE(std::isnan(cell->mae_low_m));
+}
+
+// All takes of one participant in a condition are one cluster.
+TEST(Statistics, TakesOfOneParticipantShareTheCluster) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(6));
+  for (std::size_t t = 0; t < campaign.takes.size(); ++t)
+    campaign.takes[t].participant = t % 2 == 0 ? "even" : "odd";
+  const ResultsSummary summary =
+      execute_study(study_with(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+  EXPECT_EQ(summary.participants, 2u);
+  EXPECT_EQ(find_cell(summary, "mean", "walking", "head", "mean")->clusters, 2u);
+}
+
+TEST(Statistics, ATakeThatFailedIsNoParticipant) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(5));
+  campaign.takes[2].mocap = folder / "absent.csv";
+  const ResultsSummary summary =
+      execute_study(study_with(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 1u);
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  EXPECT_EQ(cell->clusters, 4u);
+  EXPECT_TRUE(std::isfinite(cell->mae_low_m));
+}
+
+// Takes of one second and of five, blocks of two.
+TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "short", walking_spec(3, 1.0));
+  const Campaign longer = simulate_into(folder / "long", walking_spec(3, 5.0));
+  for (Take take : longer.takes) {
+    take.id += "-long";
+    take.participant += "-long";
+    campaign.takes.push_back(take);
+  }
+  const StudySpec study = study_with(R"("alignments": ["none"], "block_s": 2)");
+  const Plan plan = make_plan(study, campaign);
+  Axes axes;
+  axes.joints = axes.groups = axes.alignments = 1;
+  axes.methods = plan.methods.size();
+  const StatisticsLayout layout = statistics_layout(plan, samples_header(plan), axes);
+  EXPECT_EQ(layout.blocks(plan.takes[0].instants), 1u);
+  EXPECT_EQ(layout.blocks(plan.takes[5].instants), 3u);
+  const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "none");
+  EXPECT_EQ(cell->clusters, 6u);
+  EXPECT_LT(cell->mae_low_m, cell->mae_high_m);
+}
+
+TEST(Statistics, BlocksGrowUntilTheirSumsFit) {
+  Plan plan;
+  plan.methods.resize(25);
+  plan.study.rate_hz = 30.0;
+  Axes axes;
+  axes.joints = axes.groups = 9;
+  axes.methods = 25;
+  axes.alignments = 5;
+  axes.sets = 2;
+  SamplesHeader header;
+  for (int t = 0; t < 20; ++t) header.takes.push_back({"t", 30 * 3600});
+  const StatisticsLayout layout = statistics_layout(plan, header, axes);
+  std::uint64_t rows = 0;
+  for (const TakeShape& take : header.takes) rows += layout.blocks(take.instants);
+  EXPECT_LE(rows * sizeof(double) * (axes.cells() * CellColumns::count + 25 * BodyColumns::count),
+            kBlockSumBytes);
+  EXPECT_EQ(layout.block_instants % 30, 0u);
+  header.takes.assign(2, {"t", 300});
+  EXPECT_EQ(statistics_layout(plan, header, axes).block_instants, 30u);
+}
+
+TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(4), study_of(R"("alignments": ["mean"], "reference": "never",
+          "methods": [{"method": "mean"}, {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])"));
+  EXPECT_TRUE(std::isfinite(find_cell(summary, "mean", "walking", "head", "mean")->mae_low_m));
+  const DifferenceCell* d = find_difference(summary, "mean", "walking", "head", "mean");
+  EXPECT_EQ(d->n, 0u);
+  EXPECT_TRUE(std::isnan(d->difference_m));
+  const BodyCell& never = body_of(summary, "never");
+  EXPECT_EQ(never.instants, 0u);
+  EXPECT_TRUE(std::isnan(never.mpjpe_m) && std::isnan(never.jitter_m_s3));
+  EXPECT_EQ(never.pck[2], 0.0);  // asked and not answered is not near
+}
+
+TEST(Statistics, BodiesWithoutNoiseAreWhatTheTruthIs) {
+  Evaluated evaluated;
+  const ResultsSummary summary = evaluated.of(synchronised(without_noise(walking_spec(4, 2.0))),
+                                              study_with(R"("alignments": ["none"])"));
+  const BodyCell& body = body_of(summary, "mean");
+  EXPECT_GT(body.instants, 4u * 50u);
+  EXPECT_EQ(body.clusters, 4u);
+  EXPECT_LT(body.mpjpe_m, 1e-5);
+  EXPECT_LT(body.pa_mpjpe_m, 1e-5);
+  EXPECT_THAT(body.pck, testing::Each(1.0));
+  EXPECT_EQ(body.bones, 4u);  // upper arms and forearms
+  EXPECT_LT(body.bone_length_sd_m, 1e-4);
+  EXPECT_NEAR(body.jitter_m_s3, body.truth_jitter_m_s3, 0.1 * body.truth_jitter_m_s3 + 0.5);
+}
+
+TEST(Statistics, TheTruthsFloorFindsTheNoiseThatWasPutIn) {
+  Evaluated evaluated;
+  SimulationSpec spec = synchronised(without_noise(walking_spec(2, 10.0)));
+  spec.activities[0].activity = Activity::standing;
+  spec.activities[0].marker_joints = {Joint::wrist_left};
+  spec.mocap.marker_noise_sigma_m = 0.001;
+  const ResultsSummary summary =
+      evaluated.of(spec, study_with(R"("alignments": ["none"], "clock_error_s": 0.01)"));
+  ASSERT_EQ(summary.truth_floor.size(), 1u);
+  const TruthFloor& floor = summary.truth_floor[0];
+  // the mean of four markers has half the noise, 0.5 mm an axis, and a mean length of sqrt(8 / pi) of that;
+  // the calm quarter of the blocks a little less
+  EXPECT_GT(floor.mocap_noise_m, 0.7e-3);
+  EXPECT_LT(floor.mocap_noise_m, 0.85e-3);
+  EXPECT_NEAR(floor.clock_m(), 0.01 * floor.mean_speed_m_s, 1e-15);
+}
+
+TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
+  Evaluated evaluated;
+  SimulationSpec spec = walking_spec(4, 2.0);
+  spec.sensor.inferred_share = 0.2;
+  const ResultsSummary summary =
+      evaluated.of(spec, study_with(R"("alignments": ["mean", "none"], "occluded_apart": true)"));
+  EXPECT_THAT(summary.conditions, testing::ElementsAre("walking", "walking, occluded"));
+  const SummaryCell* all = find_cell(summary, "mean", "walking", "wrist", "none");
+  const SummaryCell* occluded = find_cell(summary, "mean", "walking, occluded", "wrist", "none");
+  ASSERT_TRUE(all && occluded);
+  EXPECT_GT(occluded->asked, 0u);
+  EXPECT_LT(occluded->asked, all->asked);
+  EXPECT_LT(occluded->mae_low_m, occluded->mae_m);
+  EXPECT_TRUE(std::isfinite(occluded->p95_m));
+  const DifferenceCell* d = find_difference(summary, "single k1", "walking, occluded", kAverageGroup, "none");
+  ASSERT_NE(d, nullptr);
+  EXPECT_GT(d->n, 0u);
+  // apart, the numbers of all samples stay what they are
+  const ResultsSummary plain = evaluated.of(spec, study_with(R"("alignments": ["mean", "none"])"));
+  EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_m, all->mae_m);
+  EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_low_m, all->mae_low_m);
+}
+
+}  // namespace
+}  // namespace trilat
