@@ -17,4 +17,7 @@ std::vector<Table> accuracy_tables(const ResultsSummary& summary);
 // name starts with. Empty when the results hold nothing of the kind.
 std::vector<Table> table3(const ResultsSummary& summary);
 
+// The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
+std::vector<Table> table2(const ResultsSummary& summary);
+
 }  // namespace trilat

@@ -14,8 +14,10 @@
 #include "reports/calibration_figures.h"
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
+#include "reports/claims.h"
 #include "reports/parameters_table.h"
 #include "reports/render.h"
+#include "reports/sensor_counts.h"
 #include "reports/sweep_tables.h"
 #include "reports/tracking_tables.h"
 #include "reports/trajectories.h"
@@ -73,16 +75,21 @@ void append(std::vector<Table>& tables, std::vector<Table> more) {
   for (Table& table : more) tables.push_back(std::move(table));
 }
 
-Chapter accuracy_chapter(const std::filesystem::path& path) {
+Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
   const ResultsSummary summary = read_summary(path);
-  Chapter chapter{summary.study, heading_of(summary), table3(summary), trajectory_figures(path, summary)};
+  evidence.add(summary);
+  Chapter chapter{summary.study, heading_of(summary), table3(summary), sensor_counts_figure(summary)};
+  for (Figure& figure : trajectory_figures(path, summary)) chapter.figures.push_back(std::move(figure));
+  append(chapter.tables, table2(summary));
+  append(chapter.tables, sensor_counts_table(summary));
   append(chapter.tables, accuracy_tables(summary));
   if (const auto tracking = read_tracking_summary(path)) append(chapter.tables, tracking_tables(*tracking));
   return chapter;
 }
 
-Chapter sweep_chapter(const std::filesystem::path& path) {
+Chapter sweep_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
   const SweepSummary summary = read_sweep_summary(path);
+  if (summary.search && !evidence.sweep) evidence.sweep = summary;
   const std::optional<SweepTimings> timings = read_sweep_timings(path);
   Chapter chapter{summary.study, heading_of(summary), table1(summary, timings)};
   append(chapter.tables, search_tables(summary));
@@ -90,8 +97,9 @@ Chapter sweep_chapter(const std::filesystem::path& path) {
   return chapter;
 }
 
-Chapter calibration_chapter(const std::filesystem::path& path) {
+Chapter calibration_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
   const CalibrationSummary summary = read_calibration_summary(path);
+  if (!evidence.calibration) evidence.calibration = summary;
   return {summary.study, heading_of(summary), calibration_tables(summary), calibration_figures(summary)};
 }
 
@@ -103,18 +111,18 @@ Chapter budget_chapter(const std::filesystem::path& path) {
           budget_tables(summary)};
 }
 
-Chapter chapter_of(const std::filesystem::path& path) {
+Chapter chapter_of(const std::filesystem::path& path, ClaimEvidence& evidence) {
   switch (results_kind(path)) {
     case ResultsKind::threshold_sweep:
-      return sweep_chapter(path);
+      return sweep_chapter(path, evidence);
     case ResultsKind::calibration:
-      return calibration_chapter(path);
+      return calibration_chapter(path, evidence);
     case ResultsKind::error_budget:
       return budget_chapter(path);
     case ResultsKind::accuracy:
       break;
   }
-  return accuracy_chapter(path);
+  return accuracy_chapter(path, evidence);
 }
 
 // Brackets in the text would end the picture's name.
@@ -158,25 +166,25 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   ReportFiles report;
   std::set<std::string> ids;
   std::string markdown = "# Trilateration accuracy\n";
-  for (const auto& path : results) {
-    Chapter chapter = chapter_of(path);
+  const auto add_table = [&](Table table, const std::string& study) {
+    make_unique(table.id, ids, study);
+    markdown += "\n" + markdown_of(table);
+    report.tables.push_back(std::move(table));
+  };
+  std::vector<Chapter> chapters;
+  ClaimEvidence evidence;
+  for (const auto& path : results) chapters.push_back(chapter_of(path, evidence));
+  if (evidence.is_of_the_paper()) add_table(claims_table(evidence), "report");
+  for (Chapter& chapter : chapters) {
     markdown += "\n" + chapter.heading;
-    for (Table& table : chapter.tables) {
-      make_unique(table.id, ids, chapter.study);
-      markdown += "\n" + markdown_of(table);
-      report.tables.push_back(std::move(table));
-    }
+    for (Table& table : chapter.tables) add_table(std::move(table), chapter.study);
     for (Figure& figure : chapter.figures) {
       make_unique(figure.id, ids, chapter.study);
       markdown += "\n" + markdown_of(figure);
       report.figures.push_back(std::move(figure));
     }
   }
-  for (Table& table : parameter_tables(results)) {
-    make_unique(table.id, ids, "report");
-    markdown += "\n" + markdown_of(table);
-    report.tables.push_back(std::move(table));
-  }
+  for (Table& table : parameter_tables(results)) add_table(std::move(table), "report");
   make_folder(folder);
   const auto write = [&](const std::string& name, const std::string& text) {
     write_file(folder / name, text);

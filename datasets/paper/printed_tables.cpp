@@ -58,4 +58,26 @@ PrintedCalibration printed_calibration() {
   return paper;
 }
 
+PrintedTable2 printed_table2() {
+  const Json json = parse_json(embedded::table2_json, "datasets/paper/table2.json");
+  JsonObject object(json, "datasets/paper/table2.json", "");
+  PrintedTable2 table;
+  table.source = object.text("source");
+  for (JsonObject& row : object.objects("rows"))
+    table.rows.push_back({row.text("part"), row.text("condition"), row.texts("groups"), row.number("with_cm"),
+                          row.number("without_cm")});
+  return table;
+}
+
+PrintedClaims printed_claims() {
+  const Json json = parse_json(embedded::claims_json, "datasets/paper/claims.json");
+  JsonObject object(json, "datasets/paper/claims.json", "");
+  PrintedClaims paper;
+  paper.source = object.text("source");
+  for (JsonObject& claim : object.objects("claims"))
+    paper.claims.push_back(
+        {claim.text("id"), claim.text("where"), claim.text("claim"), claim.text("printed")});
+  return paper;
+}
+
 }  // namespace trilat

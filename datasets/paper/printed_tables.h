@@ -56,4 +56,29 @@ struct PrintedCalibration {
 
 PrintedCalibration printed_calibration();
 
+// Table II as the paper prints it, centimetres: joints that are occluded, with and without compensation.
+struct PrintedTable2 {
+  struct Row {
+    std::string part;       // arms, legs
+    std::string condition;  // our activity
+    std::vector<std::string> groups;
+    double with_cm = 0.0, without_cm = 0.0;
+  };
+  std::string source;
+  std::vector<Row> rows;
+};
+
+PrintedTable2 printed_table2();
+
+// What the paper claims, in our words, with its number.
+struct PrintedClaims {
+  struct Claim {
+    std::string id, where, claim, printed;
+  };
+  std::string source;
+  std::vector<Claim> claims;
+};
+
+PrintedClaims printed_claims();
+
 }  // namespace trilat
