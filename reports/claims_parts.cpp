@@ -71,21 +71,28 @@ ClaimVerdict wand_accuracy(const CalibrationSummary& s) {
   if (!row) return not_run("the calibration study");
   const ErrorSpread& spread = row->recommended;
   const double paper_m = paper.recommended_mean_cm / kCentimetresPerMetre;
-  return {mean_text(spread),
-          !std::isfinite(spread.mean_low_m)                               ? kUndecided
-          : spread.mean_low_m <= paper_m && paper_m <= spread.mean_high_m ? kHolds
-                                                                          : kDoesNotHold,
-          "with the equations corrected, one ball before a far wall; about as much as the units' unknown "
-          "depth offset. As "
-          "printed, equation 3 never ends and nothing is found"};
+  const double half_m = 1.96 * paper.recommended_spread_cm / kCentimetresPerMetre /
+                        std::sqrt(static_cast<double>(paper.recommended_samples));
+  const bool apart = spread.mean_low_m > paper_m + half_m || spread.mean_high_m < paper_m - half_m;
+  return {
+      mean_text(spread),
+      !std::isfinite(spread.mean_low_m) ? kUndecided
+      : apart                           ? kDoesNotHold
+                                        : kHolds,
+      "holds when the intervals of both means meet, the paper's +- taken as a standard deviation; with the "
+      "equations corrected, one ball before a far wall; about as much as the units' unknown "
+      "depth offset. As "
+      "printed, equation 3 never ends and nothing is found"};
 }
 
 ClaimVerdict wand_near(const CalibrationSummary& s) {
   const WandRow* row = wand_row(s, "corrected", "far wall");
   if (!row || row->near.asked == 0) return not_run("the calibration study");
   const double share = share_of(row->near.answered, row->near.asked);
-  return {fmt::format("{:.0f} % of {}", 100.0 * share, row->near.asked), share < 0.5 ? kHolds : kDoesNotHold,
-          "a simulated sensor ends at 0.5 m of depth; what a real one gives nearer is not simulated"};
+  return {
+      fmt::format("{:.0f} % of {}", 100.0 * share, row->near.asked), kCannotTest,
+      "what a real sensor gives below the 0.5 m it is made for is not simulated: simulated depth there is as "
+      "good as farther away"};
 }
 
 ClaimVerdict clock_good_enough(const ResultsSummary& s) {

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kTogether = 16;        // resamples that one matrix product takes
-constexpr std::size_t kFewestClusters = 4;   // of the bootstrap-t
+constexpr std::size_t kFewestClusters = 6;   // of the bootstrap-t
 constexpr std::size_t kFewestStudents = 20;  // resamples; fewer have no tails
 
 Index as_index(std::size_t i) { return static_cast<Index>(i); }
@@ -90,7 +90,7 @@ IntervalEstimate estimate_of(const Studentised& found, std::size_t clusters, std
 }
 
 // 97.5 % quantile of Student's t with 1 and 2 degrees of freedom.
-constexpr std::array<double, 2> kStudentQuantile{12.7062047362, 4.3026527297};
+constexpr std::array<double, 4> kStudentQuantile{12.7062047362, 4.3026527297, 3.1824463053, 2.7764451052};
 
 void set_interval(IntervalEstimate& estimate, std::vector<double>& students) {
   double low = 0.0, high = 0.0;  // of (value* - value) / se*

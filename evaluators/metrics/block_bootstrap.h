@@ -51,8 +51,9 @@ struct IntervalEstimate {
 //   bootstrap-t                      94.3  94.0  95.2  | 95.2  95.1  93.5  | 95.4
 //
 // The others are too wide where clusters are equal because drawing clusters and then blocks counts the spread
-// of blocks twice; se* has it twice as well. Fewer than four clusters have too few different resamples for
-// tails (of two, half are one cluster twice): there it is Student's t times se (95.1 of two, 94.4 of three).
+// of blocks twice; se* has it twice as well. Fewer than six clusters have too few different resamples for
+// tails (of two, half are one cluster twice; of four the bootstrap-t is twice as wide without covering more of
+// normal errors): there it is Student's t times se (95.1 of two, 94.4 of three).
 [[nodiscard]] std::vector<IntervalEstimate> solve_intervals(const Eigen::MatrixXd& sums,
                                                             const BlockResamples& resamples,
                                                             std::span<const RatioColumns> ratios,
