@@ -127,6 +127,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("recorded")) {
     JsonObject recorded = object.object("recorded");
     spec.recorded = RecordedSpec{folder / recorded.text("mocap"), folder / recorded.text("mapping")};
+    spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
     recorded.finish();
   }
   if (object.has("activities"))

@@ -68,6 +68,7 @@ struct ActivitySpec {
 struct RecordedSpec {
   std::filesystem::path mocap;
   std::filesystem::path mapping;
+  std::string activity = "recorded";  // what studies call it: their condition
 };
 
 // simulation.json, format 1: what `trilat simulate` makes a campaign from.

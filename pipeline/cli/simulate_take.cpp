@@ -114,7 +114,7 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
   SimulatedTakePlan take;
   take.id = "take";
   take.participant = "recorded";
-  take.activity = "recorded";
+  take.activity = spec.recorded->activity;
   take.item = {spec.seed, 0, 0};
   take.motion = recorded.motion;
   take.duration_s = recorded.duration_s;
