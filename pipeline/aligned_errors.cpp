@@ -6,60 +6,67 @@
 namespace trilat {
 namespace {
 
-// What the alignments of a take are made from, by joint and method.
-struct TakeSums {
-  std::vector<AlignmentSums> whole;
-  std::vector<JointOffset> trained;
+// What the alignments of one joint and method are made from.
+struct JointSums {
+  AlignmentSums whole;
+  JointOffset trained;
+  void add(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+           std::uint64_t training_end) {
+    whole.add(view.estimate(slot), view.truth(i, j));
+    if (view.block.first_instant + i < training_end && std::isfinite(view.heading_rad(i)))
+      trained.add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
+  }
 };
+using SumTable = std::vector<JointSums>;  // joints x methods
 
-TakeSums sum_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                  std::uint64_t training_end) {
-  TakeSums sums{std::vector<AlignmentSums>(axes.joints * axes.methods),
-                std::vector<JointOffset>(axes.joints * axes.methods)};
-  stream_take(
-      samples, take, axes, SampleColumns::positions,
-      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-        if (!is_usable(view.status(slot))) return;
-        const std::size_t k = j * axes.methods + m;
-        sums.whole[k].add(view.estimate(slot), view.truth(i, j));
-        if (view.block.first_instant + i < training_end && std::isfinite(view.heading_rad(i)))
-          sums.trained[k].add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
-      },
-      [](const SampleBlock&) {});
-  return sums;
+AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind kind,
+                           std::uint64_t training_end) {
+  AlignmentTable solved(axes.joints * axes.methods);
+  for (std::size_t m = 0; m < axes.methods; ++m) {
+    AlignmentSums whole;
+    for (std::size_t j = 0; j < axes.joints; ++j) whole.merge(sums[j * axes.methods + m].whole);
+    for (std::size_t j = 0; j < axes.joints; ++j) {
+      const std::size_t k = j * axes.methods + m;
+      solved[k].kind = kind;
+      if (is_trained(kind)) solved[k].first_instant = training_end;
+      if (kind == AlignmentKind::joint_offset)
+        solved[k].offset = sums[k].trained;
+      else
+        solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums[k].whole, kind);
+    }
+  }
+  return solved;
 }
 
 }  // namespace
 
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds, double training_share) {
+                          const std::vector<AlignmentKind>& kinds, double training_share,
+                          std::size_t reference) {
   const auto training_end = static_cast<std::uint64_t>(
       std::llround(training_share * static_cast<double>(samples.header().takes[take].instants)));
-  const TakeSums sums = sum_take(samples, take, axes, training_end);
+  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
+  stream_take(
+      samples, take, axes, SampleColumns::positions,
+      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
+        if (!is_usable(view.status(slot))) return;
+        const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, reference);
+        own[k].add(view, i, j, slot, training_end);
+        if (!is_usable(view.status(reference_slot))) return;
+        on_both[k].add(view, i, j, slot, training_end);
+        reference_on_both[k].add(view, i, j, reference_slot, training_end);
+      },
+      [](const SampleBlock&) {});
   TakeAlignments result;
-  for (AlignmentKind kind : kinds) {
-    std::vector<JointAlignment> solved(axes.joints * axes.methods);
-    for (std::size_t m = 0; m < axes.methods; ++m) {
-      AlignmentSums whole;
-      for (std::size_t j = 0; j < axes.joints; ++j) whole.merge(sums.whole[j * axes.methods + m]);
-      for (std::size_t j = 0; j < axes.joints; ++j) {
-        const std::size_t k = j * axes.methods + m;
-        solved[k].kind = kind;
-        if (is_trained(kind)) solved[k].first_instant = training_end;
-        if (kind == AlignmentKind::joint_offset)
-          solved[k].offset = sums.trained[k];
-        else
-          solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums.whole[k], kind);
-      }
-    }
-    result.push_back(std::move(solved));
-  }
+  for (AlignmentKind kind : kinds)
+    result.push_back({solve_table(own, axes, kind, training_end),
+                      solve_table(on_both, axes, kind, training_end),
+                      solve_table(reference_on_both, axes, kind, training_end)});
   return result;
 }
 
-AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                      const std::vector<JointAlignment>& alignments) {
-  const JointAlignment& a = alignments[j * view.axes.methods + m];
+AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+                      const JointAlignment& a) {
   AlignedError result;
   result.asked = view.block.first_instant + i >= a.first_instant;
   if (!result.asked) return result;

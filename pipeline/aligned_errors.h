@@ -31,8 +31,17 @@ struct JointAlignment {
   std::uint64_t first_instant = 0;  // those before were trained on and do not count
 };
 
-// One take's alignments: by alignment, then joint and method.
-using TakeAlignments = std::vector<std::vector<JointAlignment>>;
+using AlignmentTable = std::vector<JointAlignment>;  // joint * methods + method
+
+// One take under one kind of alignment. A method's error is taken with the alignment of all its answers.
+// Where it is compared with the reference, both are aligned on the samples that both answer: one that answers
+// less would else be fitted to just these, and look better for it.
+struct KindAlignments {
+  AlignmentTable own;
+  AlignmentTable on_both;            // the method's, on samples that the reference answers too
+  AlignmentTable reference_on_both;  // the reference's, on samples that the method answers too
+};
+using TakeAlignments = std::vector<KindAlignments>;  // by kind
 
 // One block of samples, addressed by instant, joint and method.
 struct SampleView {
@@ -75,7 +84,8 @@ void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
 
 // `training_share`: of the take's instants, at its start.
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds, double training_share);
+                          const std::vector<AlignmentKind>& kinds, double training_share,
+                          std::size_t reference);
 
 // The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved;
 // what was trained on is not asked.
@@ -84,7 +94,11 @@ struct AlignedError {
   Eigen::Vector3d error_m = Eigen::Vector3d::Constant(kNaN);
   bool asked = true;
 };
-AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                      const std::vector<JointAlignment>& alignment);
+AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+                      const JointAlignment& alignment);
+inline AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m,
+                             std::size_t slot, const AlignmentTable& alignments) {
+  return error_of(view, i, j, slot, alignments[j * view.axes.methods + m]);
+}
 
 }  // namespace trilat

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/budget_spec.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_ranges.h"
@@ -29,6 +31,14 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
     rest.erase(key);
   rest["kind"] = "accuracy";
   spec.study = parse_study(rest, place, folder);
+  if (!spec.study.conditions.empty())  // nobody looks at the others
+    std::erase_if(spec.simulation.activities, [&](const ActivitySpec& activity) {
+      const std::string& name = activity_names()[static_cast<std::size_t>(activity.activity)];
+      return std::find(spec.study.conditions.begin(), spec.study.conditions.end(), name) ==
+             spec.study.conditions.end();
+    });
+  if (!spec.simulation.recorded && spec.simulation.activities.empty())
+    object.refuse("conditions", "names no activity of the simulation");
   return spec;
 }
 

@@ -34,7 +34,8 @@ void solve_joints(const Plan& plan, const PlannedTake& planned, const TakeData& 
     std::vector<PointEstimate> estimates(time_ns.size());
     solve_kalman(time_ns, path, sensors, method.spec.kalman, estimates);
     for (std::size_t i = 0; i < estimates.size(); ++i)
-      paths.points[i * paths.joints + j] = {estimates[i].position_m, estimates[i].status};
+      paths.points[i * paths.joints + j] = {estimates[i].position_m, estimates[i].status,
+                                            estimates[i].iterations};
   });
 }
 
@@ -75,7 +76,7 @@ void solve_windows(const Plan& plan, const PlannedTake& planned, const TakeData&
   for (std::size_t i = 0; i < time_ns.size(); ++i)
     for (std::size_t j = 0; j < paths.joints; ++j) {
       const PointEstimate& estimate = estimates[i * joints.size() + j];  // those of the plan come first
-      paths.points[i * paths.joints + j] = {estimate.position_m, estimate.status};
+      paths.points[i * paths.joints + j] = {estimate.position_m, estimate.status, estimate.iterations};
     }
 }
 

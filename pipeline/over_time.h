@@ -11,6 +11,7 @@ namespace trilat {
 struct PathPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;
+  int iterations = 0;
 };
 
 // What one method over time gives for one take: by instant and joint of the plan.

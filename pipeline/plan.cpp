@@ -57,7 +57,7 @@ void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, dou
                     (end - start).seconds(), (last - first).seconds());
   planned.start = start;
   planned.instants = static_cast<std::uint64_t>(std::floor((end - start).seconds() * rate_hz)) + 1;
-  constexpr std::uint64_t kMost = 100'000'000;
+  constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
   if (planned.instants > kMost)
     throw InputError(planned.take.session.string(),
                      fmt::format("covers {:.0f} s, more than can be evaluated at {} Hz",

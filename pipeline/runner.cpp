@@ -108,6 +108,7 @@ void store(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
       const PathPoint& point = paths.at(block.first_instant + i, j);
       PointEstimate estimate = failed_estimate(point.status);
       estimate.position_m = point.position_m;
+      estimate.iterations = point.iterations;
       store(block, (i * plan.joints.size() + j) * plan.methods.size() + paths.method, estimate);
     }
 }
@@ -157,12 +158,15 @@ const Method* checked_method(const Plan& plan) {
   return nullptr;
 }
 
-TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const Observations& seen,
-                              std::uint64_t i, const Method& method, std::uint64_t number) {
+TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                              const Observations& seen, std::uint64_t i, const Method& method,
+                              std::uint64_t number) {
   TakeCheck check;
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
     const auto observations = seen.of(i, j);
-    const RangeProblem ranges = ranges_of(observations, planned.world_from_sensor, method.allowed);
+    const SensorMask sensors = sensors_of(
+        method, {observations, planned.world_from_sensor, occlusions_of(data, number, plan.joints[j]), {}});
+    const RangeProblem ranges = ranges_of(observations, planned.world_from_sensor, sensors);
     const PointEstimate ours = solve_nonlinear(ranges, method.spec.nonlinear);
     const PointEstimate theirs = solve_ceres(ranges, method.spec.ceres);
     TakeCheck one;
@@ -226,7 +230,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
         const std::uint64_t from = part * kTogether, to = std::min(count, from + kTogether);
         solve_instants(plan, planned, data, seen, from, to, block);
         for (std::uint64_t i = from; checked && i < to; ++i)
-          checks[i] = cross_check_instant(plan, planned, seen, i, *checked, first + i);
+          checks[i] = cross_check_instant(plan, planned, data, seen, i, *checked, first + i);
       });
       for (const MethodPaths& path : paths) store(plan, path, block);
     }

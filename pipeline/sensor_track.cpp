@@ -21,7 +21,23 @@ ObservedBody observed(const Body& body) {
   return result;
 }
 
+// Whether left and right are exchanged from one frame to the next: mirrored, the later body is far nearer to
+// the earlier one.
+bool changes_sides(const ObservedBody& a, const ObservedBody& b) {
+  double straight_m = 0.0, mirrored_m = 0.0;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const auto mirror = static_cast<std::size_t>(mirror_of(static_cast<Joint>(j)));
+    if (mirror == j || !a.has(j) || !b.has(j) || !b.has(mirror)) continue;
+    straight_m += static_cast<double>((a.joint_in_sensor_m[j] - b.joint_in_sensor_m[j]).norm());
+    mirrored_m += static_cast<double>((a.joint_in_sensor_m[j] - b.joint_in_sensor_m[mirror]).norm());
+  }
+  return mirrored_m < 0.5 * straight_m;
+}
+
+// Linear, but never across a change of sides, of which no exchange could be undone any more: there it is the
+// nearer frame.
 ObservedBody between(const ObservedBody& a, const ObservedBody& b, double share) {
+  if (changes_sides(a, b)) return share < 0.5 ? a : b;
   ObservedBody result;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     if (!a.has(j) || !b.has(j)) continue;
@@ -57,7 +73,6 @@ const Body* SensorTrack::chosen_body(const BodyFrame& frame) const {
 SensorTrack::Frame SensorTrack::frame_from(const BodyFrame& frame) {
   const SensorDescription& description = session_->header().sensors[sensor_];
   Frame result{host_from_sensor_(device_time(description, frame.stamp)), {}};
-  if (frame.bodies.size() > 1) ++several_bodies_;
   if (const Body* body = chosen_body(frame)) result.body = observed(*body);
   return result;
 }

@@ -24,7 +24,6 @@ class SensorTrack {
   void choose(std::set<std::uint64_t> tracking_ids) { wanted_ids_ = std::move(tracking_ids); }
   // `t` must not go back from call to call.
   void observe(HostTime t, ObservedBody& body);
-  std::uint64_t frames_with_several_bodies() const { return several_bodies_; }
 
  private:
   struct Frame {
@@ -45,7 +44,6 @@ class SensorTrack {
   std::size_t block_position_ = 0;
   Frame before_, after_;  // before_.time <= t < after_.time once both are loaded
   bool has_before_ = false, has_after_ = false, ended_ = false;
-  std::uint64_t several_bodies_ = 0;
 };
 
 }  // namespace trilat

@@ -109,7 +109,7 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
   for (std::size_t m = 0; m < bodies.size(); ++m) {
     bodies[m].method = summary.methods[m];
     bodies[m].condition = activity;
-    bodies[m].alignment = summary.alignments.front();
+    bodies[m].alignment = summary.alignments[layout.body_alignment];
     summary.bodies.push_back(bodies[m]);
   }
   for (const std::size_t g : groups) {
@@ -161,6 +161,9 @@ StatisticsLayout statistics_layout(const Plan& plan, const SamplesHeader& sample
   StatisticsLayout layout;
   layout.axes = axes;
   layout.reference = plan.reference;
+  const auto& kinds = plan.study.alignments;
+  const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
+  if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());
   layout.rate_hz = plan.study.rate_hz;
   for (const Bone& bone : kBones) {
     const auto from = std::find(plan.joints.begin(), plan.joints.end(), bone.parent);

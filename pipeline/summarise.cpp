@@ -58,7 +58,7 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
                          const SampleView& view) {
     errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t a = 0; a < axes.alignments; ++a) {
-      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a].own);
       if (!e.asked) continue;
       for (std::size_t set = 0; set < view.sets(i, j); ++set) {
         const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
@@ -138,7 +138,7 @@ class DistanceSource {
           const std::size_t set = k / axes_.alignments, a = k % axes_.alignments;
           const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
           if (cell < first || cell >= first + mine.size()) continue;
-          const AlignedError e = error_of(view, i, j, m, slot, alignments_[takes[t]][a]);
+          const AlignedError e = error_of(view, i, j, m, slot, alignments_[takes[t]][a].own);
           if (is_usable(e.status)) mine[cell - first].add(e.error_m.norm());
         }
       };
@@ -250,7 +250,8 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   DistanceSource distances(samples, axes, alignments, budget_bytes);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    alignments[t] = align_take(samples, t, axes, plan.study.alignments, plan.study.training_share);
+    alignments[t] =
+        align_take(samples, t, axes, plan.study.alignments, plan.study.training_share, plan.reference);
     sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
   });
   if (progress) progress(0.3);

@@ -83,36 +83,46 @@ class TakeGatherer {
   }
 
   void add_errors(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t a) {
-    const std::size_t reference = layout_.reference, sets = view.sets(i, j);
-    const AlignedError of_reference =
-        error_of(view, i, j, reference, view.slot(i, j, reference), alignments_[a]);
-    if (!of_reference.asked) return;
-    const bool reference_answered = is_usable(of_reference.status);
-    const double reference_m = of_reference.error_m.norm();
+    const std::size_t sets = view.sets(i, j);
     const bool has_later = has_truth(view, i, j, 0, 1), has_earlier = has_truth(view, i, j, 1, 0);
     for (std::size_t m = 0; m < axes_.methods; ++m) {
-      const AlignedError e =
-          m == reference ? of_reference : error_of(view, i, j, m, view.slot(i, j, m), alignments_[a]);
+      const AlignedError e = error_of(view, i, j, m, view.slot(i, j, m), alignments_[a].own);
+      if (!e.asked) return;
       if (!is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
       const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
       const double later_m = has_later ? (aligned_m - view.truth(i + 1, j)).norm() - distance_m : 0.0;
       const double earlier_m = has_earlier ? (aligned_m - view.truth(i - 1, j)).norm() - distance_m : 0.0;
+      const Pair pair = pair_of(view, i, j, m, a);
       for (std::size_t set = 0; set < sets; ++set) {
         const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
         double* sums = &result_.cells(static_cast<Eigen::Index>(block_),
                                       static_cast<Eigen::Index>(cell * CellColumns::count));
         sums[CellColumns::distance] += distance_m;
         sums[CellColumns::answered] += 1.0;
-        if (reference_answered) {
-          sums[CellColumns::difference] += distance_m - reference_m;
+        if (pair.both) {
+          sums[CellColumns::difference] += pair.method_m - pair.reference_m;
           sums[CellColumns::both] += 1.0;
-          sums[CellColumns::reference] += reference_m;
+          sums[CellColumns::reference] += pair.reference_m;
         }
         if (has_later) result_.one_frame[cell].later_m.add(later_m);
         if (has_earlier) result_.one_frame[cell].earlier_m.add(earlier_m);
       }
     }
+  }
+
+  // The distances of a method and the reference where both answer, aligned on such samples.
+  struct Pair {
+    bool both = false;
+    double method_m = 0.0, reference_m = 0.0;
+  };
+  Pair pair_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t a) const {
+    const std::size_t k = j * axes_.methods + m;
+    const AlignedError method = error_of(view, i, j, view.slot(i, j, m), alignments_[a].on_both[k]);
+    const AlignedError reference =
+        error_of(view, i, j, view.slot(i, j, layout_.reference), alignments_[a].reference_on_both[k]);
+    if (!is_usable(method.status) || !is_usable(reference.status)) return {};
+    return {true, method.error_m.norm(), reference.error_m.norm()};
   }
 
   void add_body(const SampleView& view, std::uint64_t i, std::size_t m) {
@@ -124,7 +134,7 @@ class TakeGatherer {
     for (std::size_t j = 0; j < axes_.joints; ++j) {
       if (!view.truth(i, j).allFinite()) continue;
       const std::size_t slot = view.slot(i, j, m);
-      const AlignedError e = error_of(view, i, j, m, slot, alignments_[0]);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments_[layout_.body_alignment].own);
       if (!e.asked) return;
       ++asked;
       if (is_usable(view.status(slot))) add_jerk(view, i, j, m);

@@ -15,6 +15,7 @@ namespace trilat {
 struct StatisticsLayout {
   Axes axes;
   std::size_t reference = 0;                               // the method that the others are compared with
+  std::size_t body_alignment = 0;                          // of whole bodies: none when the study has it
   double rate_hz = 30.0;                                   // of the instants
   std::uint64_t block_instants = 30;                       // that make one time block
   std::vector<std::pair<std::size_t, std::size_t>> bones;  // both ends, by joint of the study

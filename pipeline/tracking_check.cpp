@@ -72,12 +72,13 @@ std::vector<Rule> rules_of(const Plan& plan, const TakeData& data) {
   for (std::size_t k = 0; k < kOcclusionRules; ++k)
     if (k == 0 || !data.occlusions[k].empty()) rules.push_back({kNames[k], k, nullptr});
   for (const Method& method : plan.methods)
-    if (method.spec.occlusion != OcclusionRule::off) rules.push_back({method.spec.name, 0, &method});
+    if (method.spec.occlusion != OcclusionRule::off)
+      rules.push_back({"method: " + method.spec.name, 0, &method});
   return rules;
 }
 
 bool rejects(const Rule& rule, const JointInstant& instant, std::size_t sensor, SensorMask used) {
-  if (rule.method) return rule.method->allowed[sensor] && !used[sensor];
+  if (rule.method) return !used[sensor];
   if (rule.occlusion == 0) return instant.observations[sensor].state == TrackingState::inferred;
   return instant.occlusions[rule.occlusion][sensor] > 0;
 }
@@ -108,6 +109,7 @@ std::vector<ViewRow> count_views(const Plan& plan, const PlannedTake& planned, c
         const SensorMask used = rules[r].method ? sensors_of(*rules[r].method, instant) : SensorMask();
         for (std::size_t s = 0; s < sensors; ++s) {
           if (!observations[s].seen || (truth.known() && !truth.at(i, s))) continue;
+          if (rules[r].method && !rules[r].method->allowed[s]) continue;
           ViewRow& row = rows[(j * sensors + s) * rules.size() + r];
           const bool rejected = rejects(rules[r], instant, s, used);
           const bool hidden =

@@ -33,7 +33,7 @@ double sum_m(const BudgetSummary& s, const BudgetRow& like) {
     const BudgetRow* row = find_row(s, like, source);
     sum_m2 += row ? row->rmse_m * row->rmse_m - floor_m2 : kNoNumber;
   }
-  return std::sqrt(std::max(0.0, sum_m2));
+  return std::sqrt(sum_m2 < 0.0 ? 0.0 : sum_m2);  // NaN stays
 }
 
 Table budget_table(const BudgetSummary& s, const std::string& condition, const std::string& alignment) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "reports/parameters_table.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace trilat {
@@ -16,8 +18,12 @@ Table parameters_table(const std::vector<DeclaredParameter>& parameters, const s
   for (const DeclaredParameter& p : parameters)
     table.rows.push_back(
         {TableValue::of(p.name), TableValue::of(p.value), TableValue::of(p.unit), TableValue::of(p.source)});
-  table.notes = {
-      "Values were declared before any result was looked at, and none was fitted to the paper's tables."};
+  const bool any_set = std::any_of(parameters.begin(), parameters.end(), [](const DeclaredParameter& p) {
+    return p.source == kSetInTheSimulation;
+  });
+  if (!any_set)
+    table.notes = {
+        "Values were declared before any result was looked at, and none was fitted to the paper's tables."};
   return table;
 }
 

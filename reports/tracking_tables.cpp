@@ -101,7 +101,8 @@ Table clocks_table(const TrackingSummary& s) {
   const auto ms = [](double seconds) { return TableValue::of(seconds * kMillisecondsPerSecond, 2); };
   Table table;
   table.id = usable_id("clocks-" + s.study);
-  table.title = fmt::format("Offset between mocap and sensors by motion ({})", data_text(s));
+  table.title = fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
+                            data_text(s));
   table.columns = {{"take", "take", true},       {"offset (ms)", "offset_ms"},
                    {"95 % from (ms)", "low_ms"}, {"to (ms)", "high_ms"},
                    {"drift (ppm)", "drift_ppm"}, {"± (ppm)", "drift_sigma_ppm"},
@@ -115,8 +116,10 @@ Table clocks_table(const TrackingSummary& s) {
                           TableValue::of(std::string(row.applied ? "yes" : "no"))});
   table.notes = {
       "Mocap time = stated time + offset. A tracker that lags behind the body looks like a clock that is "
-      "late: "
-      "motion alone cannot tell one from the other, so the offset is only applied when the study says so."};
+      "late: motion alone "
+      "cannot tell one from the other, so the interval is that of clock and lag together, and the offset is "
+      "only applied "
+      "when the study says so. Drift is never applied."};
   return table;
 }
 

@@ -13,6 +13,9 @@ struct DeclaredParameter {
   bool operator==(const DeclaredParameter&) const = default;
 };
 
+// The source of a value that is not the declared default.
+inline constexpr const char* kSetInTheSimulation = "set in the simulation";
+
 // simulator.json, in a simulated campaign and in the results that come from it.
 void write_declared_parameters(const std::filesystem::path& folder,
                                const std::vector<DeclaredParameter>& parameters);

@@ -33,6 +33,10 @@ ViewRow read_view(JsonObject& object) {
     row.rightly = object.count("rightly");
   }
   object.finish();
+  if (row.rejected > row.views) object.refuse("rejected", "are more than the views");
+  if (row.hidden > row.views) object.refuse("hidden", "are more than the views");
+  if (row.truth_known && (row.rightly > row.rejected || row.rightly > row.hidden))
+    object.refuse("rightly", "are more than were rejected, or than are hidden");
   return row;
 }
 
@@ -65,6 +69,15 @@ ExchangeRow read_exchange(JsonObject& object) {
     row.stretches_found = object.count("stretches_found");
   }
   object.finish();
+  if (row.found > row.instants) object.refuse("found", "are more than the instants");
+  if (!row.truth_known) return row;
+  if (row.exchanged > row.instants) object.refuse("exchanged", "are more than the instants");
+  if (row.rightly > row.found || row.rightly > row.exchanged)
+    object.refuse("rightly", "are more than were found, or than are exchanged");
+  if (row.found - row.rightly > row.instants - row.exchanged)
+    object.refuse("found", "and not exchanged are more than the instants that are not");
+  if (row.stretches_found > row.true_stretches)
+    object.refuse("stretches_found", "are more than the true stretches");
   return row;
 }
 

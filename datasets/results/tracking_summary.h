@@ -12,8 +12,9 @@
 namespace trilat {
 
 // How one sensor's views of one joint group fared under one rule, over all takes of a condition. `rule` is
-// "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", "hidden in depth", or the
-// name of a method, whose rejections are counted then. What is truly hidden only a simulation knows.
+// "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", "hidden in depth", or
+// "method: " and the name of a method, whose rejections among the sensors it may use are counted then. What
+// is truly hidden only a simulation knows.
 struct ViewRow {
   std::string condition, sensor, group, rule;
   std::uint64_t views = 0;     // instants and joints that the sensor gives a position for

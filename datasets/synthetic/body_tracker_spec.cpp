@@ -161,7 +161,7 @@ BodyTrackerSpec read_body_tracker(JsonObject object) {
 }
 
 std::vector<TrackerParameter> tracker_parameters(const BodyTrackerSpec& spec) {
-  constexpr const char* kSet = "set in the simulation";
+  constexpr const char* kSet = "set in the simulation";  // kSetInTheSimulation of the results
   const Declared& known = declared();
   std::vector<TrackerParameter> list;
   const auto add = [&](const char* key, const std::string& value, bool same) {

@@ -16,13 +16,16 @@ struct Named {
 };
 
 constexpr std::array<Named, 13> kSources{{
-    {ErrorSource::none, "none", "everything exact; what interpolation between frames leaves"},
+    {ErrorSource::none, "none",
+     "everything exact; what interpolation between frames that are not taken at one time leaves"},
     {ErrorSource::jitter, "jitter", "the tracker's white noise"},
     {ErrorSource::wander, "wander", "the tracker's slow wander"},
     {ErrorSource::jumps, "jumps", "the tracker's jumps"},
     {ErrorSource::bias, "bias", "what the tracker systematically puts elsewhere, by joint and viewpoint"},
     {ErrorSource::lag, "lag", "the tracker's delay"},
-    {ErrorSource::hidden, "hidden", "what the tracker makes of joints that the body hides"},
+    {ErrorSource::hidden, "hidden",
+     "what the tracker makes of joints that the body hides (that their wander and jitter double shows in all "
+     "only)"},
     {ErrorSource::exchange, "exchange", "left and right exchanged from behind, as far as not put right"},
     {ErrorSource::dropped, "dropped", "frames that are lost"},
     {ErrorSource::clocks, "clocks", "clocks of sensors, their computers and the mocap"},
@@ -92,8 +95,9 @@ SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source, const s
   copy_tracker(*spec.body_tracker, source, *only.body_tracker);
   if (source != ErrorSource::dropped) only.sensor.dropped_share = 0.0;
   if (source != ErrorSource::clocks) {
-    only.sensor.free_running = false;
+    only.sensor.clock_drift_ppm = 0.0;
     only.sensor.arrival_jitter_s = 0.0;
+    only.sensor.exchange_jitter_s = 0.0;
     only.mocap.clock_error_s = 0.0;
   }
   if (source != ErrorSource::mocap) {

@@ -7,13 +7,12 @@
 #include <map>
 
 #include "datasets/base/check.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNormal95 = 1.959963984540054;
 
 // One joint's truth on a regular grid: speed and position less what is slow; NaN where not covered.
 struct TruthGrid {
@@ -165,6 +164,7 @@ Evidence sum_of(const Blocks& blocks) {
 
 struct Refined {
   double offset_s = kNaN, sigma_s = kNaN;
+  std::size_t blocks = 0;
 };
 
 // Gauss-Newton on the positions, and the spread of what is found when each block is left out.
@@ -181,7 +181,7 @@ Refined refine(std::span<const ComparedJoint> joints, double offset_s, const Clo
     offset_s += step_s;
     if (std::abs(step_s) < 1e-9) break;
   }
-  if (blocks.size() < 3) return {offset_s, kNaN};
+  if (blocks.size() < 3) return {offset_s, kNaN, blocks.size()};
   const Evidence sum = sum_of(blocks);
   const double n = static_cast<double>(blocks.size());
   double squares = 0.0;
@@ -189,7 +189,7 @@ Refined refine(std::span<const ComparedJoint> joints, double offset_s, const Clo
     const double without = (sum.gradient - evidence.gradient) / (sum.information - evidence.information);
     squares += without * without;
   }
-  return {offset_s, std::sqrt((n - 1.0) / n * squares)};
+  return {offset_s, std::sqrt((n - 1.0) / n * squares), blocks.size()};
 }
 
 // The highest point of the curve that is no neighbour of the best: behind a valley from it.
@@ -272,10 +272,9 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
   if (!(refined.sigma_s <= options.largest_sigma_s) || std::abs(refined.offset_s - start_s) > 0.1)
     return end_with(ClockOffsetStatus::too_uncertain);
   result.offset_s = refined.offset_s;
-  result.low_s = refined.offset_s - kNormal95 * refined.sigma_s;
-  result.high_s = refined.offset_s + kNormal95 * refined.sigma_s;
-  for (const ComparedJoint& joint : joints)
-    result.joint_offset_s.push_back(refine(std::span(&joint, 1), refined.offset_s, options).offset_s);
+  const double half_s = student_quantile(refined.blocks - 1) * refined.sigma_s;
+  result.low_s = refined.offset_s - half_s;
+  result.high_s = refined.offset_s + half_s;
   find_drift(joints, options, result);
   return end_with(ClockOffsetStatus::found);
 }

@@ -41,11 +41,10 @@ struct ClockOffset {
   ClockOffsetStatus status = ClockOffsetStatus::not_solved;
   double offset_s = kNaN;              // NaN unless found
   double sigma_s = kNaN;               // one standard deviation, by jackknife over blocks of time
-  double low_s = kNaN, high_s = kNaN;  // 95 %
+  double low_s = kNaN, high_s = kNaN;  // 95 %, Student's t over the blocks
   double drift_ppm = kNaN, drift_sigma_ppm = kNaN;  // from the first third of the take to the last
-  double peak = kNaN;                  // correlation of the speeds at the best offset, mean over joints
-  double second = kNaN;                // the largest other peak over it; 0 when there is none
-  std::vector<double> joint_offset_s;  // one a joint, NaN where it does not move
+  double peak = kNaN;    // correlation of the speeds at the best offset, mean over joints
+  double second = kNaN;  // the largest other peak over it; 0 when there is none
 };
 
 // Finds by motion how two recordings of the same joints are shifted in time. First the speeds are correlated,

@@ -7,6 +7,7 @@
 
 #include "datasets/base/check.h"
 #include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 namespace {
@@ -89,13 +90,10 @@ IntervalEstimate estimate_of(const Studentised& found, std::size_t clusters, std
   return result;
 }
 
-// 97.5 % quantile of Student's t with 1 and 2 degrees of freedom.
-constexpr std::array<double, 4> kStudentQuantile{12.7062047362, 4.3026527297, 3.1824463053, 2.7764451052};
-
 void set_interval(IntervalEstimate& estimate, std::vector<double>& students) {
   double low = 0.0, high = 0.0;  // of (value* - value) / se*
   if (estimate.clusters < kFewestClusters) {
-    high = kStudentQuantile[estimate.clusters - 2];
+    high = student_quantile(estimate.clusters - 1);
     low = -high;
   } else if (students.size() >= kFewestStudents) {
     std::sort(students.begin(), students.end());
@@ -105,8 +103,9 @@ void set_interval(IntervalEstimate& estimate, std::vector<double>& students) {
       const double share = position - static_cast<double>(below);
       return students[below] + share * (students[below + 1] - students[below]);
     };
-    low = quantile(0.025);
-    high = quantile(0.975);
+    const double student = student_quantile(estimate.clusters - 1);
+    low = std::min(quantile(0.025), -student);
+    high = std::max(quantile(0.975), student);
   } else if (estimate.standard_error > 0.0) {
     estimate.status = IntervalStatus::too_few_clusters;
     return;
@@ -157,6 +156,7 @@ std::vector<IntervalEstimate> solve_intervals(const Eigen::MatrixXd& sums, const
       for (std::size_t q = 0; q < quantities.size(); ++q) {
         if (estimates[q].status != IntervalStatus::found) continue;
         const Studentised replicate = statistics.of(q, with_data.count_of(q, drawn));
+        if (replicate.standard_error == 0.0) continue;  // one cluster drawn again and again: says nothing
         const double student = (replicate.value - estimates[q].value) / replicate.standard_error;
         if (!std::isnan(student)) students[q].push_back(student);
       }

@@ -52,8 +52,8 @@ struct IntervalEstimate {
 //
 // The others are too wide where clusters are equal because drawing clusters and then blocks counts the spread
 // of blocks twice; se* has it twice as well. Fewer than six clusters have too few different resamples for
-// tails (of two, half are one cluster twice; of four the bootstrap-t is twice as wide without covering more of
-// normal errors): there it is Student's t times se (95.1 of two, 94.4 of three).
+// tails (of two, half are one cluster twice; of four the bootstrap-t is twice as wide without covering more
+// of normal errors): there it is Student's t times se (95.1 of two, 94.4 of three).
 [[nodiscard]] std::vector<IntervalEstimate> solve_intervals(const Eigen::MatrixXd& sums,
                                                             const BlockResamples& resamples,
                                                             std::span<const RatioColumns> ratios,

@@ -79,8 +79,9 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
       throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
                                                  name_of(source) + "\" alone: " + summary.notes.front().text);
     for (const SummaryCell& cell : summary.cells)
-      budget.rows.push_back({name_of(source), cell.method, cell.condition, cell.group, cell.alignment,
-                             cell.answered, cell.rmse_m, cell.mae_m});
+      if (cell.group != kAverageGroup)
+        budget.rows.push_back({name_of(source), cell.method, cell.condition, cell.group, cell.alignment,
+                               cell.answered, cell.rmse_m, cell.mae_m});
     std::filesystem::remove_all(work);
   }
   write_budget_manifest(folder.partial(), spec);

@@ -42,6 +42,28 @@ struct Evaluated {
   }
 };
 
+// The same estimates with fewer answers: whatever the alignment, there is no difference.
+TEST(Statistics, AMethodIsNoBetterForAnsweringLess) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(3, 4.0),
+                   study_of(R"("alignments": ["none", "first", "mean", "rigid", "held_out", "joint_offset"],
+                  "methods": [{"method": "nonlinear"},
+                              {"method": "nonlinear", "name": "sparse", "max_iterations": 5}])"));
+  int compared = 0;
+  for (const DifferenceCell& d : summary.differences) {
+    if (d.method != "sparse") continue;
+    EXPECT_LT(std::abs(d.difference_m), 1e-12) << d.group << ' ' << d.alignment;
+    EXPECT_FALSE(d.significant());
+    ++compared;
+  }
+  EXPECT_EQ(compared, 6 * 5);
+  const SummaryCell* sparse = find_cell(summary, "sparse", "walking", "wrist", "none");
+  ASSERT_TRUE(sparse);
+  EXPECT_LT(sparse->coverage(), 0.95);
+  EXPECT_GT(sparse->coverage(), 0.2);
+}
+
 TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsValue) {
   Evaluated evaluated;
   const ResultsSummary summary =
