@@ -1,9 +1,39 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/budget_spec.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "datasets/base/json_ranges.h"
+#include "pipeline/method.h"
+#include "pipeline/plan.h"
 
 namespace trilat {
+namespace {
+
+void check_known(JsonObject& object, const std::string& key, const std::vector<std::string>& asked,
+                 const std::vector<std::string>& known, const std::string& what) {
+  for (const std::string& name : asked)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      object.refuse(key, fmt::format("has \"{}\", which the simulation does not have; its {} are \"{}\"",
+                                     name, what, fmt::join(known, "\", \"")));
+}
+
+// A study that does not fit the simulation is refused before anything is simulated.
+void check_fits(JsonObject& object, const StudySpec& study, const SimulationSpec& simulation) {
+  std::vector<std::string> activities, rig;
+  if (simulation.recorded) activities.emplace_back("recorded");
+  for (const ActivitySpec& activity : simulation.activities)
+    activities.push_back(activity_names()[static_cast<std::size_t>(activity.activity)]);
+  for (const SensorPose& pose : rig_poses(simulation.rig, Eigen::Vector3d::Zero())) rig.push_back(pose.name);
+  check_known(object, "conditions", study.conditions, activities, "activities");
+  check_known(object, "sensors", study.sensors, rig, "sensors");
+  reference_of(study, resolve_methods(study, study.sensors.empty() ? rig : study.sensors));
+}
+
+}  // namespace
 
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
                         const SimulationSpec& fallback) {
@@ -29,6 +59,7 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
   spec.calibration_sigma_deg =
       number_within(object, "calibration_sigma_deg", spec.calibration_sigma_deg, 0.0, 45.0);
   object.finish();
+  check_fits(object, spec.study, spec.simulation);
   return spec;
 }
 

@@ -111,14 +111,14 @@ double median_distance_m(const Plan& plan, const TakeData& data, const Tracklets
   return *middle;
 }
 
-// Whether one sensor sees two persons at the same time.
-bool are_together(const Tracklets& tracklets, const std::vector<std::size_t>& persons, std::size_t one,
-                  std::size_t other) {
-  for (std::size_t a = 0; a < persons.size(); ++a)
-    for (std::size_t b = 0; b < persons.size(); ++b) {
+// Whether one sensor sees two persons, given by their tracklets, at the same time.
+bool are_together(const Tracklets& tracklets, const std::vector<std::size_t>& one,
+                  const std::vector<std::size_t>& other) {
+  for (const std::size_t a : one)
+    for (const std::size_t b : other) {
       const Tracklet &first = tracklets.all[a], &second = tracklets.all[b];
-      if (persons[a] == one && persons[b] == other && first.sensor == second.sensor &&
-          first.time_ns.front() <= second.time_ns.back() && second.time_ns.front() <= first.time_ns.back())
+      if (first.sensor == second.sensor && first.time_ns.front() <= second.time_ns.back() &&
+          second.time_ns.front() <= first.time_ns.back())
         return true;
     }
   return false;
@@ -128,6 +128,8 @@ bool are_together(const Tracklets& tracklets, const std::vector<std::size_t>& pe
 // was out of sight for long is matched as somebody else.
 std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::vector<std::size_t>& persons,
                                        const std::vector<double>& distance_m) {
+  std::vector<std::vector<std::size_t>> tracklets_of(distance_m.size());
+  for (std::size_t k = 0; k < persons.size(); ++k) tracklets_of[persons[k]].push_back(k);
   std::vector<std::size_t> order(distance_m.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -137,8 +139,9 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
     const bool first = taken.empty();
     if (!first && distance_m[p] > std::min(kFarthest_m, distance_m[taken.front()] + PersonOptions{}.same_m))
       break;
-    if (std::none_of(taken.begin(), taken.end(),
-                     [&](std::size_t other) { return are_together(tracklets, persons, p, other); }))
+    if (std::none_of(taken.begin(), taken.end(), [&](std::size_t other) {
+          return are_together(tracklets, tracklets_of[p], tracklets_of[other]);
+        }))
       taken.push_back(p);
   }
   return taken;

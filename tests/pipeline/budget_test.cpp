@@ -185,6 +185,21 @@ TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
 }
 
+// Before anything is simulated, and so also in a dry run.
+TEST(BudgetSpec, WhatTheSimulationDoesNotHaveIsRefusedAtOnce) {
+  const std::string good = kMethods;
+  EXPECT_THAT(refusal(good + R"(, "conditions": ["walking", "flying"])"),
+              AllOf(HasSubstr("budget.json /conditions: has \"flying\""), HasSubstr("\"walking\"")));
+  EXPECT_THAT(refusal(good + R"(, "reference": "magic")"), HasSubstr("is \"magic\""));
+  EXPECT_THAT(
+      refusal(good + R"(, "sensors": ["k1", "k9"])"),
+      AllOf(HasSubstr("budget.json /sensors: has \"k9\""), HasSubstr("\"k1\", \"k2\", \"k3\", \"k4\"")));
+  EXPECT_THAT(refusal(R"("methods": [{"method": "mean", "sensors": ["k9"]}])"), HasSubstr("k9"));
+  EXPECT_EQ(
+      refusal(good + R"(, "conditions": ["walking"], "reference": "nonlinear", "sensors": ["k1", "k4"])"),
+      "no error");
+}
+
 TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   const ScratchFolder folder;
   const std::string study = study_in(folder, kMethods), out = folder / "r";
@@ -201,7 +216,8 @@ TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   refused(R"("sed": 1)", "bad.json /sed: is an unknown key");
   refused(R"("calibration_sigma_m": 2)", "bad.json /calibration_sigma_m: must lie between");
   refused(R"("simulation": "absent.json")", "absent.json");
-  refused(R"("conditions": ["flying"])", "has \"flying\", which no take of the campaign is");
+  refused(R"("conditions": ["flying"])",
+          "has \"flying\", which the simulation does not have; its activities are \"walking\"");
   file_with(folder, "plain.json", R"({"format": "trilat.simulation", "version": 1, "participants": 1,
       "activities": [{"name": "walking", "duration_s": 1}]})");
   refused(R"("simulation": "plain.json")", "bad.json /simulation: has no \"body_tracker\"");

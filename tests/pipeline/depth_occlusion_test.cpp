@@ -36,8 +36,9 @@ struct Watched {
     return execute_study(study_of(kByDepth), changed, folder / "results", {});
   }
   std::uint64_t rejected() {
+    const auto tracking = read_tracking_summary(folder / "results");
     std::uint64_t count = 0;
-    for (const ViewRow& row : read_tracking_summary(folder / "results")->views)
+    for (const ViewRow& row : tracking->views)
       if (row.rule == "hidden in depth") count += row.rejected;
     return count;
   }
