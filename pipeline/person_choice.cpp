@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,9 @@ constexpr std::uint64_t kBlock = 512;
 constexpr std::array kTrunk{Joint::spine_base,    Joint::spine_mid,      Joint::spine_shoulder,
                             Joint::shoulder_left, Joint::shoulder_right, Joint::hip_left,
                             Joint::hip_right};
+
+// Farther from the markers than this, their middle in the median, is not whom they are on.
+constexpr double kFarthest_m = 1.0;
 
 // The bodies of all sensors, one tracklet a tracking id.
 struct Tracklets {
@@ -107,6 +111,42 @@ double median_distance_m(const Plan& plan, const TakeData& data, const Tracklets
   return *middle;
 }
 
+// Whether one sensor sees two persons, given by their tracklets, at the same time.
+bool are_together(const Tracklets& tracklets, const std::vector<std::size_t>& one,
+                  const std::vector<std::size_t>& other) {
+  for (const std::size_t a : one)
+    for (const std::size_t b : other) {
+      const Tracklet &first = tracklets.all[a], &second = tracklets.all[b];
+      if (first.sensor == second.sensor && first.time_ns.front() <= second.time_ns.back() &&
+          second.time_ns.front() <= first.time_ns.back())
+        return true;
+    }
+  return false;
+}
+
+// The nearest, and those who are about as near and whom no sensor sees beside one that was taken: whoever
+// was out of sight for long is matched as somebody else.
+std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::vector<std::size_t>& persons,
+                                       const std::vector<double>& distance_m) {
+  std::vector<std::vector<std::size_t>> tracklets_of(distance_m.size());
+  for (std::size_t k = 0; k < persons.size(); ++k) tracklets_of[persons[k]].push_back(k);
+  std::vector<std::size_t> order(distance_m.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distance_m[a] < distance_m[b]; });
+  std::vector<std::size_t> taken;
+  for (const std::size_t p : order) {
+    const bool first = taken.empty();
+    if (!first && distance_m[p] > std::min(kFarthest_m, distance_m[taken.front()] + PersonOptions{}.same_m))
+      break;
+    if (std::none_of(taken.begin(), taken.end(), [&](std::size_t other) {
+          return are_together(tracklets, tracklets_of[p], tracklets_of[other]);
+        }))
+      taken.push_back(p);
+  }
+  return taken;
+}
+
 }  // namespace
 
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
@@ -115,24 +155,31 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
   Tracklets tracklets;
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     read_tracklets(planned, session, s, stop_requested, tracklets);
-  if (tracklets.frames_with_several == 0) return std::nullopt;
   const PersonMatch match = match_persons(tracklets.all, {});
   const std::vector<std::size_t>& persons = match.person_of_tracklet;
-  std::size_t best = 0;
   std::vector<double> distance_m;
-  for (std::size_t p = 0; p < match.persons; ++p) {
+  for (std::size_t p = 0; p < match.persons; ++p)
     distance_m.push_back(median_distance_m(plan, data, tracklets, persons, p));
-    if (distance_m[p] < distance_m[best]) best = p;
-  }
+  const std::vector<std::size_t> taken = taken_persons(tracklets, persons, distance_m);
+  const double nearest_m = taken.empty() ? kNaN : distance_m[taken.front()];
+  const auto is_taken = [&](std::size_t p) {
+    return std::find(taken.begin(), taken.end(), p) != taken.end();
+  };
+  std::size_t elsewhere = 0;  // those of whom nothing is known do not count
+  for (std::size_t p = 0; p < match.persons; ++p)
+    if (std::isfinite(distance_m[p]) && !is_taken(p)) ++elsewhere;
+  if (tracklets.frames_with_several == 0 && (elsewhere == 0 || !(nearest_m <= kFarthest_m)))
+    return std::nullopt;
   PersonChoice choice;
   choice.tracking_ids.resize(plan.rig.size());
   for (std::size_t k = 0; k < persons.size(); ++k)
-    if (persons[k] == best) choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
+    if (is_taken(persons[k])) choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
   choice.note = fmt::format(
       "{} frames hold several bodies; matched across sensors they are {} persons, of whom the one nearest to "
-      "the "
-      "ground truth was taken (in the median {:.2f} m from the middle of the markers)",
-      tracklets.frames_with_several, match.persons, distance_m.empty() ? kNaN : distance_m[best]);
+      "the ground truth was taken (in the median {:.2f} m from the middle of the markers)",
+      tracklets.frames_with_several, match.persons, nearest_m);
+  if (taken.size() > 1)
+    choice.note += fmt::format(", and {} about as near whom no sensor sees beside it", taken.size() - 1);
   return choice;
 }
 

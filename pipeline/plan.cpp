@@ -140,17 +140,6 @@ Campaign takes_of(const StudySpec& study, Campaign campaign) {
   return campaign;
 }
 
-std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
-  if (study.reference.empty()) return 0;
-  std::string known;
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    if (methods[m].spec.name == study.reference) return m;
-    known += (known.empty() ? "\"" : ", \"") + methods[m].spec.name + '"';
-  }
-  throw InputError("study \"" + study.name + "\" /reference",
-                   "is \"" + study.reference + "\", which is none of its methods: " + known);
-}
-
 // All joints that any take maps, in the order of the tables.
 std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
   std::set<Joint> mapped;
@@ -168,6 +157,17 @@ std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTa
 }
 
 }  // namespace
+
+std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
+  if (study.reference.empty()) return 0;
+  std::string known;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (methods[m].spec.name == study.reference) return m;
+    known += (known.empty() ? "\"" : ", \"") + methods[m].spec.name + '"';
+  }
+  throw InputError("study \"" + study.name + "\" /reference",
+                   "is \"" + study.reference + "\", which is none of its methods: " + known);
+}
 
 Plan make_plan(const StudySpec& study, const Campaign& campaign,
                const std::function<void(double)>& progress) {

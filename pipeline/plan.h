@@ -47,6 +47,10 @@ struct Plan {
   Duration instant(std::uint64_t i) const { return duration_from_s(static_cast<double>(i) / study.rate_hz); }
 };
 
+// The number of the method that the study compares others with; InputError listing the methods when it is
+// none.
+std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
+
 // Opens every take once. Only what concerns all takes is an exception: a study that fits no rig, no joint
 // mapped.
 Plan make_plan(const StudySpec& study, const Campaign& campaign,

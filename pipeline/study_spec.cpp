@@ -48,12 +48,10 @@ StudyKind study_kind(const Json& json, const std::string& place) {
           .choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget"}));
 }
 
-StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
-  JsonObject object(json, place, "");
+StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder) {
   StudySpec spec;
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
   if (object.integer("version") != 1) object.refuse("version", "must be 1");
-  object.choice("kind", {"accuracy"});
   spec.name = object.text("name");
   if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
     spec.campaign = folder / campaign;
@@ -83,6 +81,13 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
   check_names(object, spec);
+  return spec;
+}
+
+StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
+  JsonObject object(json, place, "");
+  object.choice("kind", {"accuracy"});
+  StudySpec spec = read_accuracy_settings(object, folder);
   object.finish();
   return spec;
 }

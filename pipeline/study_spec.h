@@ -45,6 +45,8 @@ struct StudySpec {
   std::vector<MethodSpec> methods;
 };
 
+// What a study of accuracy and one that holds one have in common; `kind` and finish() are the caller's.
+StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder);
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
 StudySpec read_study(const std::filesystem::path& path);
 

@@ -96,8 +96,9 @@ Table bodies_table(const ResultsSummary& s, const std::string& condition) {
       "answered is not near.",
       fmt::format(
           "Bones: standard deviation of the lengths of {} bones within a take. Jitter: mean length of "
-          "the third difference times the rate cubed; that of the truth is {:.0f} m/s³.",
-          bones, truth_m_s3),
+          "the third difference times the rate cubed{}.",
+          bones,
+          std::isfinite(truth_m_s3) ? fmt::format("; that of the truth is {:.0f} m/s³", truth_m_s3) : ""),
       interval_note(s)};
   return table;
 }

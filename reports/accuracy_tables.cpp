@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
@@ -24,12 +25,18 @@ void add_floor_notes(const ResultsSummary& s, const std::string& condition, cons
     for (const SummaryCell& c : s.cells)
       if (c.condition == condition && c.alignment == alignment && c.group == floor.group)
         most_m = std::fmax(most_m, c.one_frame_m);
-    table.notes.push_back(fmt::format(
-        "Truth of {}: noise of at most {:.2f} cm; at its mean speed of {:.2f} m/s a clock error of {:g} ms "
-        "makes "
-        "{:.2f} cm; one instant early or late would change MAE by up to {:.2f} cm.",
-        floor.group, floor.mocap_noise_m * kCentimetresPerMetre, floor.mean_speed_m_s,
-        floor.clock_error_s * 1e3, floor.clock_m() * kCentimetresPerMetre, most_m * kCentimetresPerMetre));
+    std::vector<std::string> known;
+    if (std::isfinite(floor.mocap_noise_m))
+      known.push_back(fmt::format("noise of at most {:.2f} cm", floor.mocap_noise_m * kCentimetresPerMetre));
+    if (std::isfinite(floor.mean_speed_m_s))
+      known.push_back(fmt::format("at its mean speed of {:.2f} m/s a clock error of {:g} ms makes {:.2f} cm",
+                                  floor.mean_speed_m_s, floor.clock_error_s * 1e3,
+                                  floor.clock_m() * kCentimetresPerMetre));
+    if (std::isfinite(most_m))
+      known.push_back(fmt::format("one instant early or late would change MAE by up to {:.2f} cm",
+                                  most_m * kCentimetresPerMetre));
+    if (!known.empty())
+      table.notes.push_back(fmt::format("Truth of {}: {}.", floor.group, fmt::join(known, "; ")));
   }
 }
 

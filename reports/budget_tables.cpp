@@ -23,17 +23,18 @@ const BudgetRow* find_row(const BudgetSummary& s, const BudgetRow& like, const s
   return nullptr;
 }
 
-// "none" is in every other source, so it is counted once and taken off the others.
+double rmse_m(const BudgetSummary& s, const BudgetRow& like, const std::string& source) {
+  const BudgetRow* row = find_row(s, like, source);
+  return row ? row->rmse_m : kNoNumber;
+}
+
+// "none" is in every other source, so it is counted once and taken off the others. NaN when one is not known.
 double sum_m(const BudgetSummary& s, const BudgetRow& like) {
-  const BudgetRow* none = find_row(s, like, "none");
-  const double floor_m2 = none ? none->rmse_m * none->rmse_m : 0.0;
+  const double floor_m2 = std::pow(rmse_m(s, like, "none"), 2);
   double sum_m2 = floor_m2;
-  for (const std::string& source : s.sources) {
-    if (source == "none" || source == "all") continue;
-    const BudgetRow* row = find_row(s, like, source);
-    sum_m2 += row ? row->rmse_m * row->rmse_m - floor_m2 : kNoNumber;
-  }
-  return std::sqrt(sum_m2 < 0.0 ? 0.0 : sum_m2);  // NaN stays
+  for (const std::string& source : s.sources)
+    if (source != "none" && source != "all") sum_m2 += std::pow(rmse_m(s, like, source), 2) - floor_m2;
+  return sum_m2 < 0.0 ? 0.0 : std::sqrt(sum_m2);
 }
 
 Table budget_table(const BudgetSummary& s, const std::string& condition, const std::string& alignment) {
@@ -51,12 +52,12 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
   table.columns.push_back({"observed", "observed_rmse_cm"});
   table.columns.push_back({"sum / observed", "sum_to_observed"});
   for (const BudgetRow& all : s.rows) {
+    if (all.group == kAverageGroup) continue;  // has no RMSE
     if (all.source != "all" || all.condition != condition || all.alignment != alignment) continue;
     std::vector<TableValue> cells{TableValue::of(all.group), TableValue::of(all.method)};
     for (const std::string& source : s.sources) {
       if (source == "all") continue;
-      const BudgetRow* row = find_row(s, all, source);
-      cells.push_back(cm_cell(row ? row->rmse_m : kNoNumber));
+      cells.push_back(cm_cell(rmse_m(s, all, source)));
     }
     const double sum = sum_m(s, all);
     cells.push_back(cm_cell(sum));
@@ -95,7 +96,9 @@ std::vector<Table> budget_tables(const BudgetSummary& s) {
   }
   std::vector<Table> tables;
   for (const std::string& condition : conditions)
-    for (const std::string& alignment : alignments) tables.push_back(budget_table(s, condition, alignment));
+    for (const std::string& alignment : alignments)
+      if (Table table = budget_table(s, condition, alignment); !table.rows.empty())
+        tables.push_back(std::move(table));
   tables.push_back(sources_table(s));
   return tables;
 }

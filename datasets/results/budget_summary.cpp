@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/budget_summary.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
@@ -66,7 +68,12 @@ BudgetSummary read_budget_summary(const std::filesystem::path& folder) {
   s.descriptions = object.texts("descriptions");
   if (s.descriptions.size() != s.sources.size())
     object.refuse("descriptions", "must be as many as the sources");
-  for (JsonObject& row : object.objects("rows")) s.rows.push_back(read_row(row));
+  for (JsonObject& row : object.objects("rows")) {
+    s.rows.push_back(read_row(row));
+    const std::string& source = s.rows.back().source;
+    if (std::find(s.sources.begin(), s.sources.end(), source) == s.sources.end())
+      row.refuse("source", "is \"" + source + "\", which is none of the sources");
+  }
   object.finish();
   return s;
 }

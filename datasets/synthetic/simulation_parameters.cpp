@@ -18,11 +18,11 @@ void add_persons(const SimulationSpec& s, std::vector<TrackerParameter>& list) {
   list.push_back({"participants", std::to_string(s.participants), "", kPaper});
   if (s.recorded) {
     list.push_back({"motion", "recorded take", "", s.recorded->mocap.filename().string()});
-    return;
+  } else {
+    list.push_back({"stature", text(s.stature_mean_m) + between(s.stature_half_range_m), "m", kPaper});
+    list.push_back(
+        {"segments", "fractions of the stature", "", "Drillis and Contini 1966, as tabulated by Winter"});
   }
-  list.push_back({"stature", text(s.stature_mean_m) + between(s.stature_half_range_m), "m", kPaper});
-  list.push_back(
-      {"segments", "fractions of the stature", "", "Drillis and Contini 1966, as tabulated by Winter"});
   if (s.bystanders > 0) list.push_back({"bystanders", std::to_string(s.bystanders), "", kAssumption});
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/execute_budget.h"
 
+#include <chrono>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
@@ -8,9 +10,11 @@
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
 #include "datasets/base/version.h"
+#include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/cli/simulate_take.h"
 #include "pipeline/execute.h"
+#include "pipeline/manifest.h"
 #include "pipeline/results_folder.h"
 
 namespace trilat {
@@ -58,12 +62,15 @@ void write_budget_manifest(const std::filesystem::path& folder, const BudgetSpec
   write_file(folder / "manifest.json", json_text(json, 1) + "\n");
 }
 
-}  // namespace
+std::string failure_of(const ResultsSummary& summary) {
+  for (const TakeNote& note : summary.notes)
+    if (note.failed) return note.place + ": " + note.text;
+  return "no reason is given";
+}
 
-BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path& output,
-                             const BudgetOptions& options) {
-  const ResultsFolder folder(output);
-  const std::filesystem::path work = folder.partial() / "work";
+BudgetSummary execute_into(const BudgetSpec& spec, const std::filesystem::path& folder,
+                           const BudgetOptions& options) {
+  const std::filesystem::path work = folder / "work";
   BudgetSummary budget;
   budget.study = spec.study.name;
   budget.campaign = spec.simulation.name;
@@ -77,15 +84,31 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
     const ResultsSummary summary = evaluate_source(spec, source, work, options);
     if (summary.takes_failed > 0)
       throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
-                                                 name_of(source) + "\" alone: " + summary.notes.front().text);
+                                                 name_of(source) + "\" alone: " + failure_of(summary));
     for (const SummaryCell& cell : summary.cells)
       if (cell.group != kAverageGroup)
         budget.rows.push_back({name_of(source), cell.method, cell.condition, cell.group, cell.alignment,
                                cell.answered, cell.rmse_m, cell.mae_m});
     std::filesystem::remove_all(work);
   }
-  write_budget_manifest(folder.partial(), spec);
-  write_budget_summary(folder.partial(), budget);
+  write_budget_manifest(folder, spec);
+  write_budget_summary(folder, budget);
+  write_declared_parameters(folder, declared_parameters(spec.simulation));
+  return budget;
+}
+
+}  // namespace
+
+BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path& output,
+                             const BudgetOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const ResultsFolder folder(output);
+  BudgetSummary budget;
+  on_threads(options.threads, [&](int threads) {
+    budget = execute_into(spec, folder.partial(), options);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    write_run_record(folder.partial(), Json::object(), wall.count(), threads);
+  });
   folder.put_in_place();
   return budget;
 }

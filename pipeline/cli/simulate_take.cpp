@@ -10,7 +10,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
-#include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/bystanders.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
@@ -209,6 +208,13 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
           tracker_truth};
 }
 
+std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec) {
+  std::vector<DeclaredParameter> parameters;
+  for (const TrackerParameter& p : simulation_parameters(spec))
+    parameters.push_back({p.name, p.value, p.unit, p.source});
+  return parameters;
+}
+
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
                            const std::function<bool()>& stop_requested,
                            const std::function<void(double)>& progress) {
@@ -227,10 +233,7 @@ Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::pa
   Calibration truth{"simulated truth", rig.poses};
   truth.simulated = true;
   write_calibration(folder / "calibration.json", truth);
-  std::vector<DeclaredParameter> parameters;
-  for (const TrackerParameter& p : simulation_parameters(spec))
-    parameters.push_back({p.name, p.value, p.unit, p.source});
-  write_declared_parameters(folder, parameters);
+  write_declared_parameters(folder, declared_parameters(spec));
   Campaign campaign{spec.name, true, {}, folder};
   campaign.takes.resize(takes.size());
   JointProgress joint_progress(costs_of(spec, takes), progress);

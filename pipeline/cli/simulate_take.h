@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/simulate_wand.h"
@@ -36,6 +37,9 @@ struct SimulatedRig {
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                    const std::filesystem::path& folder, const std::filesystem::path& calibration,
                    const SimulationWatch& watch);
+
+// What the simulation assumes, as simulator.json holds it.
+std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec);
 
 // Simulates a whole campaign into `folder` on all processors and writes calibration.json, the
 // wand recording when there is one (in `folder`/wand), and campaign.json.

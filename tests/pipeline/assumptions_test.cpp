@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// What a simulation assumes goes from the campaign into its results and from there into the report.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/results/declared_parameters.h"
+#include "pipeline/budget_spec.h"
+#include "pipeline/cli/execute_budget.h"
+#include "pipeline/execute.h"
+#include "reports/write_report.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+StudySpec mean_study() { return study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])"); }
+
+SimulationSpec tracked(double lag_s) {
+  SimulationSpec spec = walking_spec(1);
+  spec.body_tracker = default_body_tracker();
+  spec.body_tracker->lag_s = lag_s;
+  return spec;
+}
+
+std::string value_of(const std::vector<DeclaredParameter>& parameters, const std::string& name) {
+  const auto found =
+      std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
+  return found == parameters.end() ? "no " + name : found->value;
+}
+
+TEST(Assumptions, AreInTheCampaignItsResultsAndTheReport) {
+  const ScratchFolder folder;
+  const double usual_s = default_body_tracker().lag_s;
+  const Campaign usual = simulate_into(folder / "usual", tracked(usual_s));
+  const Campaign slow = simulate_into(folder / "slow", tracked(0.0765));
+  execute_study(mean_study(), usual, folder / "a", {});
+  execute_study(mean_study(), usual, folder / "b", {});
+  execute_study(mean_study(), slow, folder / "c", {});
+  EXPECT_EQ(read_file(folder / "usual/simulator.json"), read_file(folder / "a/simulator.json"));
+  write_report({folder / "a", folder / "b", folder / "c"}, folder / "report");
+  const std::string markdown = read_file(folder / "report/report.md");
+  EXPECT_THAT(markdown, HasSubstr("What the simulation behind a, b assumes"));
+  EXPECT_THAT(markdown, HasSubstr("What the simulation behind c assumes"));
+  const auto after_c = markdown.substr(markdown.find("What the simulation behind c assumes"));
+  EXPECT_THAT(after_c, testing::ContainsRegex("0\\.0765 .*set in the simulation"));
+  EXPECT_EQ(markdown.find("set in the simulation"), markdown.rfind("set in the simulation"));
+}
+
+TEST(Assumptions, OfACampaignThatIsSimulatedAgainAreTheNewOnes) {
+  const ScratchFolder folder;
+  simulate_into(folder / "campaign", tracked(0.01));
+  const std::string first = read_file(folder / "campaign/simulator.json");
+  simulate_into(folder / "campaign", walking_spec(1));
+  EXPECT_NE(read_file(folder / "campaign/simulator.json"), first);
+}
+
+TEST(Assumptions, WithoutASimulatorsFileThereAreNone) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  std::filesystem::remove(folder / "campaign/simulator.json");
+  execute_study(mean_study(), campaign, folder / "results", {});
+  EXPECT_FALSE(std::filesystem::exists(folder / "results/simulator.json"));
+  write_report({folder / "results"}, folder / "report");
+  EXPECT_THAT(read_file(folder / "report/report.md"), Not(HasSubstr("What the simulation behind")));
+}
+
+struct Recorded {
+  ScratchFolder folder;
+  SimulationSpec spec = tracked(0.02);
+  Recorded() {
+    simulate_into(folder / "real", walking_spec(1, 2.0));
+    spec.activities.clear();
+    spec.participants = 1;
+    spec.recorded =
+        RecordedSpec{folder / "real/p01-walking/mocap.csv", folder / "real/p01-walking/mapping.json"};
+  }
+};
+
+TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) {
+  Recorded recorded;
+  const Campaign campaign = simulate_into(recorded.folder / "campaign", recorded.spec);
+  const auto parameters = read_declared_parameters(recorded.folder / "campaign");
+  EXPECT_EQ(value_of(parameters, "motion"), "recorded take");
+  EXPECT_EQ(value_of(parameters, "participants"), "1");
+  EXPECT_EQ(value_of(parameters, "marker noise"), "no marker noise");
+  execute_study(mean_study(), campaign, recorded.folder / "results", {});
+  EXPECT_EQ(read_declared_parameters(recorded.folder / "results"), parameters);
+}
+
+TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
+  Recorded recorded;
+  const BudgetSummary s =
+      execute_budget({recorded.spec, 0.005, 0.2, mean_study()}, recorded.folder / "results", {.threads = 2});
+  EXPECT_EQ(s.participants, 1u);
+  const auto of_source = [&](const std::string& source) {
+    double worst_m = 0.0;
+    for (const BudgetRow& row : s.rows)
+      if (row.source == source) worst_m = std::fmax(worst_m, row.rmse_m);
+    return worst_m;
+  };
+  EXPECT_LT(of_source("none"), 0.003);
+  EXPECT_EQ(of_source("mocap"), of_source("none"));  // the recording is what it is
+  EXPECT_GT(of_source("bias"), 0.01);
+  EXPECT_GT(of_source("all"), of_source("bias") * 0.5);
+  EXPECT_EQ(value_of(read_declared_parameters(recorded.folder / "results"), "motion"), "recorded take");
+}
+
+}  // namespace
+}  // namespace trilat

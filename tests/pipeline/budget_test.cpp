@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/base/units.h"
+#include "datasets/results/declared_parameters.h"
+#include "datasets/synthetic/error_sources.h"
+#include "pipeline/budget_spec.h"
+#include "pipeline/cli/execute_budget.h"
+#include "reports/budget_tables.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kMethods =
+    R"("alignments": ["none"], "clock": "stated", "methods": [{"method": "mean"}, {"method": "nonlinear"}])";
+
+std::string budget_text(const std::string& members) {
+  return R"({"format": "trilat.study", "version": 1, "kind": "error_budget", "name": "budget", )" + members +
+         "}";
+}
+
+SimulationSpec tracked_walk(std::uint64_t participants, double duration_s) {
+  SimulationSpec spec = walking_spec(participants, duration_s);
+  spec.body_tracker = default_body_tracker();
+  return spec;
+}
+
+BudgetSpec budget_of(const std::string& members, const SimulationSpec& simulation) {
+  return parse_budget(parse_json(budget_text(members), "budget.json"), "budget.json", {}, simulation);
+}
+
+// The simulation that the door's tests name; returns the study's path.
+std::string study_in(const ScratchFolder& folder, const std::string& members, double duration_s = 2.0) {
+  file_with(folder, "simulation.json",
+            R"({"format": "trilat.simulation", "version": 1, "name": "tiny", "participants": 1,
+                "activities": [{"name": "walking", "duration_s": )" +
+                std::to_string(duration_s) + R"(}], "body_tracker": {}})");
+  return file_with(folder, "budget.json", budget_text(R"("simulation": "simulation.json", )" + members));
+}
+
+TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
+  const ScratchFolder folder;
+  const BudgetSummary s =
+      execute_budget(budget_of(kMethods, tracked_walk(2, 2.0)), folder / "results", {.threads = 2});
+  EXPECT_EQ(s.sources.size(), error_sources().size());
+  EXPECT_EQ(s.rows.size(), error_sources().size() * 2u * 5u);  // four groups and their average
+  std::map<std::string, double> sum_m2, observed_m;
+  for (const BudgetRow& row : s.rows) {
+    if (row.method != "mean") continue;
+    EXPECT_GT(row.n, 0u) << row.source << " " << row.group;
+    if (row.group == kAverageGroup) continue;  // has no RMSE
+    EXPECT_TRUE(std::isfinite(row.rmse_m)) << row.source << " " << row.group;
+    if (row.source == "none") {
+      EXPECT_LT(row.rmse_m, 0.003) << row.group;  // interpolation of a hand between frames
+    }
+    if (row.source == "all")
+      observed_m[row.group] = row.rmse_m;
+    else
+      sum_m2[row.group] += row.rmse_m * row.rmse_m;
+  }
+  for (const auto& [group, m2] : sum_m2) EXPECT_NEAR(std::sqrt(m2) / observed_m.at(group), 1.0, 0.3) << group;
+  EXPECT_EQ(read_file(folder / "results/summary.json").find("NaN"), std::string::npos);
+}
+
+TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
+  const ScratchFolder folder;
+  execute_budget(budget_of(kMethods, tracked_walk(1, 1.0)), folder / "results", {.threads = 2});
+  EXPECT_FALSE(read_declared_parameters(folder / "results").empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "results/work"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
+}
+
+TEST(Budget, IsTheSameToTheByteForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const BudgetSpec spec = budget_of(kMethods, tracked_walk(2, 1.0));
+  for (const int threads : {1, 3})
+    execute_budget(spec, folder / std::to_string(threads), {.threads = threads});
+  for (const char* file : {"summary.json", "manifest.json", "simulator.json"})
+    EXPECT_EQ(read_file(folder / "1" / file), read_file(folder / "3" / file)) << file;
+}
+
+// Markers that do not move at all are taken for frozen ones.
+TEST(Budget, APersonWhoStandsStillHasOneToo) {
+  const ScratchFolder folder;
+  SimulationSpec spec = tracked_walk(1, 1.0);
+  spec.activities[0].activity = Activity::standing;
+  const BudgetSummary s = execute_budget(budget_of(kMethods, spec), folder / "results", {.threads = 2});
+  for (const BudgetRow& row : s.rows)
+    if (row.source == "none") {
+      EXPECT_LT(row.mae_m, 2e-5) << row.group;
+    }
+}
+
+TEST(Budget, ATakeThatFailsSaysWhyAndNotWhatElseWasNoted) {
+  const ScratchFolder folder;
+  SimulationSpec spec = tracked_walk(1, 3.0);
+  spec.bystanders = 1;  // a note in every take
+  spec.activities.push_back(spec.activities[0]);
+  spec.activities[1].duration_s = 0.3;  // too short for a clock that jitters to be known
+  const std::string message =
+      message_of([&] { execute_budget(budget_of(kMethods, spec), folder / "results", {}); });
+  EXPECT_THAT(message,
+              AllOf(HasSubstr("with the error \"clocks\" alone"), HasSubstr("has a clock that drifts")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+}
+
+std::string refusal(const std::string& members, const SimulationSpec& simulation = tracked_walk(1, 1.0)) {
+  return message_of([&] { budget_of(members, simulation); });
+}
+
+TEST(BudgetSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
+  const std::string good = kMethods;
+  EXPECT_EQ(refusal(good), "no error");
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(, "calibration_sigma_m": -0.1)", "budget.json /calibration_sigma_m: must lie between 0"},
+      {R"(, "calibration_sigma_deg": 90)", "budget.json /calibration_sigma_deg: must lie between 0"},
+      {R"(, "calibration_sigma_m": "5 mm")", "budget.json /calibration_sigma_m: must be a number"},
+      {R"(, "participants": 0)", "budget.json /participants: must be 1 to 10000, is 0"},
+      {R"(, "participants": 1.5)", "budget.json /participants"},
+      {R"(, "seed": -1)", "budget.json /seed"},
+      {R"(, "campaign": "mine")", "budget.json /campaign: is of no use"},
+      {R"(, "rate_hz": 0)", "budget.json /rate_hz: must be greater than 0"}};
+  for (const auto& [members, message] : cases)
+    EXPECT_THAT(refusal(good + members), HasSubstr(message)) << members;
+  const std::string unknown = refusal(good + R"(, "simulatoin": "a.json")");
+  EXPECT_THAT(unknown, HasSubstr("budget.json /simulatoin: is an unknown key"));
+  EXPECT_THAT(unknown,
+              AllOf(HasSubstr("simulation"), HasSubstr("calibration_sigma_deg"), HasSubstr("methods")));
+  EXPECT_THAT(refusal(good, walking_spec(1)), HasSubstr("budget.json /simulation: has no \"body_tracker\""));
+  SimulationSpec recorded = tracked_walk(1, 1.0);
+  recorded.recorded = RecordedSpec{"take.csv", "mapping.json"};
+  EXPECT_THAT(refusal(good + R"(, "participants": 3)", recorded), HasSubstr("budget.json /participants: "));
+}
+
+TEST(BudgetSpec, ReplacesSeedAndParticipantsOfTheSimulation) {
+  const SimulationSpec simulation = tracked_walk(7, 1.0);
+  const BudgetSpec as_given = budget_of(kMethods, simulation);
+  EXPECT_EQ(as_given.simulation.participants, 7u);
+  EXPECT_EQ(as_given.simulation.seed, simulation.seed);
+  const BudgetSpec replaced =
+      budget_of(std::string(R"("participants": 2, "seed": 99, )") + kMethods, simulation);
+  EXPECT_EQ(replaced.simulation.participants, 2u);
+  EXPECT_EQ(replaced.simulation.seed, 99u);
+}
+
+TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
+  const ScratchFolder folder;
+  const std::string study = study_in(folder, kMethods, 0.5), results = folder / "results";
+  const Ended text = run_trilat(folder, {"run", study, "-o", results});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("Error budget, simulated"), HasSubstr("sum / observed")));
+  const Ended json = run_trilat(folder, {"run", study, "-o", results, "--json"});
+  EXPECT_EQ(json.code, 0) << json.err;
+  EXPECT_EQ(only_json(json)["simulated"], true);
+  const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
+  EXPECT_EQ(report.code, 0) << report.err;
+  const std::string markdown = read_file(folder / "report/report.md");
+  for (const Table& table : budget_tables(read_budget_summary(results)))
+    EXPECT_THAT(markdown, HasSubstr(table.title));
+}
+
+TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
+  const ScratchFolder folder;
+  const std::string study = study_in(folder, kMethods);
+  const Ended text = run_trilat(folder, {"run", study, "--dry-run", "-o", folder / "results"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("13 campaigns of 1 participant"));
+  const Ended json = run_trilat(folder, {"run", study, "--dry-run", "--json"});
+  EXPECT_EQ(json.code, 0);
+  EXPECT_EQ(only_json(json)["campaigns"], 13);
+  EXPECT_EQ(only_json(json)["participants"], 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
+}
+
+// Before anything is simulated, and so also in a dry run.
+TEST(BudgetSpec, WhatTheSimulationDoesNotHaveIsRefusedAtOnce) {
+  const std::string good = kMethods;
+  EXPECT_THAT(refusal(good + R"(, "conditions": ["walking", "flying"])"),
+              AllOf(HasSubstr("budget.json /conditions: has \"flying\""), HasSubstr("\"walking\"")));
+  EXPECT_THAT(refusal(good + R"(, "reference": "magic")"), HasSubstr("is \"magic\""));
+  EXPECT_THAT(
+      refusal(good + R"(, "sensors": ["k1", "k9"])"),
+      AllOf(HasSubstr("budget.json /sensors: has \"k9\""), HasSubstr("\"k1\", \"k2\", \"k3\", \"k4\"")));
+  EXPECT_THAT(refusal(R"("methods": [{"method": "mean", "sensors": ["k9"]}])"), HasSubstr("k9"));
+  EXPECT_EQ(
+      refusal(good + R"(, "conditions": ["walking"], "reference": "nonlinear", "sensors": ["k1", "k4"])"),
+      "no error");
+}
+
+TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
+  const ScratchFolder folder;
+  const std::string study = study_in(folder, kMethods), out = folder / "r";
+  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--campaign", folder.path().string()}),
+                 "--campaign: is of no use: an error budget simulates its own campaigns");
+  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--calibration", "c.json"}),
+                 "--calibration: is of no use");
+  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--cross-check"}), "--cross-check: is for");
+  expect_refused(run_trilat(folder, {"run", study}), "--output: is missing");
+  const auto refused = [&](const std::string& members, const std::string& message) {
+    const std::string bad = file_with(folder, "bad.json", budget_text(members + ", " + kMethods));
+    expect_refused(run_trilat(folder, {"run", bad, "-o", out}), message);
+  };
+  refused(R"("sed": 1)", "bad.json /sed: is an unknown key");
+  refused(R"("calibration_sigma_m": 2)", "bad.json /calibration_sigma_m: must lie between");
+  refused(R"("simulation": "absent.json")", "absent.json");
+  refused(R"("conditions": ["flying"])",
+          "has \"flying\", which the simulation does not have; its activities are \"walking\"");
+  file_with(folder, "plain.json", R"({"format": "trilat.simulation", "version": 1, "participants": 1,
+      "activities": [{"name": "walking", "duration_s": 1}]})");
+  refused(R"("simulation": "plain.json")", "bad.json /simulation: has no \"body_tracker\"");
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(BudgetVerb, AnInterruptLeavesNoResultsFolder) {
+  const ScratchFolder folder;
+  const std::string study = study_in(folder, kMethods, 100'000.0);
+  const Process process(folder, {"run", study, "-o", folder / "results"});
+  const std::filesystem::path sign = folder / "results.partial/work/campaign/p01-walking/session.h5.partial";
+  for (int tries = 0; tries < 2000 && !std::filesystem::exists(sign); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto start = std::chrono::steady_clock::now();
+  process.interrupt();
+  const Ended ended = process.wait();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_EQ(ended.out, "");
+  EXPECT_THAT(ended.err, HasSubstr("interrupted"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/motion_clock.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/results/tracking_summary.h"
+#include "pipeline/execute.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/rewritten_session.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kByMotion =
+    R"("alignments": ["none"], "clock": "motion", "methods": [{"method": "mean"}])";
+
+// The clocks' row of a walk whose mocap is stated so much too late.
+ClockRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange& change = {}) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", spec);
+  Take& take = campaign.takes[0];
+  take.mocap_start_host_ns += std::llround(late_s * 1e9);
+  change_session(take, folder / "changed.h5", change);
+  const ResultsSummary summary = execute_study(study_of(kByMotion), campaign, folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  const auto tracking = read_tracking_summary(folder / "results");
+  EXPECT_EQ(tracking->clocks.size(), 1u);
+  return tracking->clocks.at(0);
+}
+
+TEST(MotionClock, IsFoundThoughMarkersAreLostNowAndThen) {
+  SimulationSpec spec = synchronised(walking_spec(1, 20.0));
+  spec.mocap.gap_share = 0.05;
+  const ClockRow clock = clock_of(spec, 0.080);
+  EXPECT_EQ(clock.status, "found");
+  EXPECT_NEAR(clock.offset_s, 0.080, 0.005);
+  EXPECT_LT(clock.low_s, clock.high_s);
+}
+
+TEST(MotionClock, IsFoundThoughTwoSensorsAreBlindForSeconds) {
+  const ClockRow clock =
+      clock_of(synchronised(walking_spec(1, 20.0)), -0.050, {[](std::size_t sensor, BodyFrame& frame) {
+                 if (sensor < 2 && frame.stamp.sequence > 200 && frame.stamp.sequence < 350)
+                   frame.bodies.clear();
+                 return true;
+               }});
+  EXPECT_EQ(clock.status, "found");
+  EXPECT_NEAR(clock.offset_s, -0.050, 0.005);
+}
+
+TEST(MotionClock, IsThatOfThePersonWithTheMarkersThoughOthersMoveToo) {
+  SimulationSpec spec = synchronised(walking_spec(1, 20.0));
+  spec.body_tracker = exact_body_tracker();
+  spec.bystanders = 2;
+  const ClockRow clock = clock_of(spec, 0.080);
+  EXPECT_EQ(clock.status, "found");
+  EXPECT_NEAR(clock.offset_s, 0.080, 0.005);
+}
+
+// A whole stride of an even walk, 1.1 s here, nobody can tell from none.
+TEST(MotionClock, BeyondTheSearchNothingIsFound) {
+  for (const double late_s : {0.45, 0.6, -0.8}) {
+    const ClockRow clock = clock_of(synchronised(without_noise(walking_spec(1, 20.0))), late_s);
+    EXPECT_NE(clock.status, "found") << late_s << ": " << clock.offset_s;
+    EXPECT_FALSE(clock.applied) << late_s;
+  }
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+// Campaigns and studies that are odd, but not broken: numbers stay away where there are none, nothing ends.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/results/tracking_summary.h"
+#include "pipeline/execute.h"
+#include "reports/write_report.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/rewritten_session.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kMean = R"("methods": [{"method": "mean"}])";
+
+// The report of a study, which must not print what is no number.
+std::string report_of(const ScratchFolder& folder, const std::string& results) {
+  const ReportFiles report = write_report({folder / results}, folder / "report");
+  for (const auto& path : report.written) {
+    const std::string text = read_file(path);
+    for (const char* word : {"nan ", "| nan", ",nan", "inf "})
+      EXPECT_EQ(text.find(word), std::string::npos) << path << ": " << word;
+  }
+  return read_file(folder / "report/report.md");
+}
+
+TEST(OddInput, AMappedJointThatNoSensorEverSeesHasNoNumbers) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  constexpr auto kHead = static_cast<std::size_t>(Joint::head);
+  for (Take& take : campaign.takes)
+    change_session(take, folder / (take.id + ".h5"), {[](std::size_t, BodyFrame& frame) {
+                     for (Body& body : frame.bodies) body.tracking_state[kHead] = 0;
+                     return true;
+                   }});
+  const ResultsSummary summary = execute_study(
+      study_of(R"("alignments": ["mean", "none", "rigid", "joint_offset"], "methods": [{"method": "mean"},
+          {"method": "nonlinear"}, {"method": "kalman"}, {"method": "rts"}, {"method": "window"},
+          {"method": "median"}, {"method": "robust_mean", "occlusion": "corrected"}])"),
+      campaign, folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  int cells = 0;
+  for (const SummaryCell& cell : summary.cells) {
+    if (cell.group != "head") continue;
+    ++cells;
+    const std::string what = cell.method + " " + cell.alignment;
+    EXPECT_EQ(cell.answered, 0u) << what;
+    EXPECT_GT(cell.asked, 0u) << what;
+    EXPECT_EQ(cell.coverage(), 0.0) << what;
+    EXPECT_TRUE(std::isnan(cell.mae_m) && std::isnan(cell.rmse_m) && std::isnan(cell.max_m)) << what;
+  }
+  EXPECT_EQ(cells, 7 * 4);
+  EXPECT_GT(find_cell(summary, "rts", "walking", "wrist", "none")->coverage(), 0.9);
+  report_of(folder, "results");
+}
+
+TEST(OddInput, ATruthShorterThanABlockIsEvaluatedWhereItIs) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
+  campaign.takes[0].mocap_start_host_ns += 700'000'000;
+  const ResultsSummary summary = execute_study(
+      study_of(std::string(R"("alignments": ["mean"], "block_s": 30, "clock": "motion", )") + kMean),
+      campaign, folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "wrist", "mean");
+  ASSERT_NE(cell, nullptr);
+  EXPECT_EQ(cell->clusters, 3u);
+  EXPECT_LT(cell->mae_low_m, cell->mae_m);
+  EXPECT_GT(cell->mae_high_m, cell->mae_m);
+  const auto tracking = read_tracking_summary(folder / "results");
+  ASSERT_TRUE(tracking);
+  for (const ClockRow& clock : tracking->clocks) {
+    EXPECT_FALSE(clock.applied) << clock.status;  // a second of motion tells nothing
+    EXPECT_TRUE(std::isnan(clock.offset_s)) << clock.status;
+  }
+  report_of(folder, "results");
+}
+
+TEST(OddInput, TakesOfDifferentRatesStandInOneCampaign) {
+  const ScratchFolder folder;
+  SimulationSpec slow = walking_spec(1, 3.0);
+  slow.sensor.rate_hz = 15.0;
+  slow.mocap.rate_hz = 240.0;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
+  campaign.takes.push_back(simulate_into(folder / "slow", slow).takes[0]);
+  campaign.takes[1].id = "slow";
+  campaign.takes.push_back(campaign.takes[0]);
+  campaign.takes[2].id = "mixed";
+  change_session(campaign.takes[2], folder / "mixed.h5", {[](std::size_t sensor, BodyFrame& frame) {
+                   return sensor != 1 || frame.stamp.sequence % 2 == 0;  // k2 at 15 Hz
+                 }});
+  const ResultsSummary summary =
+      execute_study(study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "rts"},
+                  {"method": "nonlinear"}, {"method": "single"}])"),
+                    campaign, folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  for (const SummaryCell& cell : summary.cells) {
+    EXPECT_GT(cell.coverage(), 0.85) << cell.method << " " << cell.group;
+    EXPECT_LT(cell.mae_m, 0.12) << cell.method << " " << cell.group;
+  }
+}
+
+TEST(OddInput, OneParticipantHasNoIntervalAndTheReportSaysSo) {
+  const ScratchFolder folder;
+  execute_study(study_of(std::string(R"("alignments": ["mean"], )") + kMean),
+                simulate_into(folder / "campaign", walking_spec(1)), folder / "results", {});
+  EXPECT_THAT(report_of(folder, "results"), HasSubstr("A single participant has none."));
+}
+
+TEST(OddInput, AMethodThatFailsEverywhereIsADashInEveryTable) {
+  const ScratchFolder folder;
+  const ResultsSummary summary = execute_study(
+      study_of(
+          R"("alignments": ["mean", "joint_offset"], "reference": "never", "methods": [{"method": "mean"},
+          {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])"),
+      simulate_into(folder / "campaign", walking_spec(2)), folder / "results", {});
+  for (const SummaryCell& cell : summary.cells)
+    if (cell.method == "never") {
+      EXPECT_EQ(cell.answered, 0u);
+    }
+  for (const DifferenceCell& d : summary.differences) EXPECT_EQ(d.n, 0u);
+  report_of(folder, "results");
+}
+
+std::string refusal(const std::string& members) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 0.2));
+  const std::string message =
+      message_of([&] { execute_study(study_of(members), campaign, folder / "results", {}); });
+  EXPECT_FALSE(std::filesystem::exists(folder / "results")) << members;
+  return message;
+}
+
+TEST(OddInput, WhatTheCampaignDoesNotHaveIsRefusedWithWhatItHas) {
+  const std::string methods = kMean;
+  EXPECT_THAT(refusal(R"("conditions": ["walking", "flying"], )" + methods),
+              AllOf(HasSubstr("/conditions: has \"flying\""), HasSubstr("its activities are \"walking\"")));
+  EXPECT_THAT(refusal(R"("reference": "magic", )" + methods),
+              AllOf(HasSubstr("/reference: is \"magic\""), HasSubstr("none of its methods: \"mean\"")));
+  EXPECT_THAT(refusal(R"("methods": [{"method": "mean", "sensors": ["k1", "k9"]}])"),
+              AllOf(HasSubstr("k9"), HasSubstr("k1, k2, k3, k4")));
+  EXPECT_THAT(refusal(R"("methods": [{"method": "linear", "reference": "k9"}])"),
+              AllOf(HasSubstr("k9"), HasSubstr("k1, k2, k3, k4")));
+  EXPECT_THAT(refusal(R"("sensors": ["k1", "k2"], "methods": [{"method": "single", "sensors": ["k3"]}])"),
+              AllOf(HasSubstr("k3"), HasSubstr("k1, k2")));
+}
+
+TEST(OddInput, OccludedApartWithNothingOccludedHasAnEmptyCondition) {
+  const ScratchFolder folder;
+  SimulationSpec spec = without_noise(walking_spec(2));
+  spec.activities[0].marker_joints = {Joint::head};  // nothing crosses in front of it
+  const ResultsSummary summary =
+      execute_study(study_of(std::string(R"("alignments": ["none"], "occluded_apart": true, )") + kMean),
+                    simulate_into(folder / "campaign", spec), folder / "results", {});
+  ASSERT_EQ(summary.conditions.size(), 2u);
+  EXPECT_GT(find_cell(summary, "mean", "walking", "head", "none")->answered, 0u);
+  const SummaryCell* occluded = find_cell(summary, "mean", summary.conditions[1], "head", "none");
+  if (occluded) {
+    EXPECT_EQ(occluded->answered, 0u);
+    EXPECT_TRUE(std::isnan(occluded->mae_m));
+  }
+  report_of(folder, "results");
+}
+
+TEST(OddInput, TakesOfTwoInstantsCanBeTrainedOnOrNot) {
+  const ScratchFolder folder;
+  SimulationSpec spec = synchronised(walking_spec(2, 0.05));
+  spec.sensor.dropped_share = 0.0;
+  const Campaign campaign = simulate_into(folder / "campaign", spec);
+  for (const char* share : {"0.05", "0.5", "0.95"}) {
+    const ResultsSummary summary = execute_study(
+        study_of(std::string(R"("alignments": ["held_out", "joint_offset", "none"], "training_share": )") +
+                 share + ", " + kMean),
+        campaign, folder / "results", {});
+    EXPECT_EQ(summary.takes_failed, 0u) << share;
+    EXPECT_GE(find_cell(summary, "mean", "walking", "head", "none")->answered, 2u) << share;
+    for (const char* alignment : {"held_out", "joint_offset"}) {
+      const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", alignment);
+      if (!cell) continue;  // nothing is left to be evaluated
+      EXPECT_EQ(cell->answered > 0, std::isfinite(cell->mae_m)) << share << " " << alignment;
+    }
+    report_of(folder, "results");
+  }
+}
+
+}  // namespace
+}  // namespace trilat

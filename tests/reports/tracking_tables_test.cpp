@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "reports/tracking_tables.h"
+
+#include <gmock/gmock.h>
+
+#include "reports/render.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TrackingSummary tracked() {
+  TrackingSummary s;
+  s.study = "walks";
+  s.simulated = true;
+  s.repaired = true;
+  s.views = {{"walking", "k1", "wrist", "inferred", 100, 10, true, 20, 5},
+             {"walking", "k2", "wrist", "inferred", 100, 30, true, 20, 15},
+             {"walking", "k1", "head", "inferred", 50, 0, true, 0, 0},
+             {"walking", "k1", "wrist", "mean", 100, 40, true, 20, 20}};
+  s.exchanges = {{"walking", "k1", 200, 50, 3, true, 40, 40, 2, 1}};
+  s.clocks = {{"p01", "found", 0.0125, 0.010, 0.015, 3.0, 40.0, 0.95, 0.5, true}};
+  return s;
+}
+
+std::string cell(const Table& table, std::size_t row, const std::string& key) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    if (table.columns[c].key == key) return printed(table.rows.at(row).at(c));
+  ADD_FAILURE() << table.id << " has no " << key;
+  return {};
+}
+
+const std::string kDash = printed(TableValue::of(kNoNumber, 1));
+
+TEST(TrackingTables, ViewsAreAddedUpByJointAndBySensor) {
+  const std::vector<Table> tables = tracking_tables(tracked());
+  ASSERT_EQ(tables.size(), 4u);
+  const Table& by_joint = tables[0];
+  ASSERT_EQ(by_joint.rows.size(), 3u);
+  EXPECT_EQ(cell(by_joint, 0, "joint"), "wrist");
+  EXPECT_EQ(cell(by_joint, 0, "views"), "200");
+  EXPECT_EQ(cell(by_joint, 0, "rejected_percent"), "20.0");
+  EXPECT_EQ(cell(by_joint, 0, "hidden_percent"), "20.0");
+  EXPECT_EQ(cell(by_joint, 0, "rightly_percent"), "50.0");
+  EXPECT_EQ(cell(by_joint, 0, "found_percent"), "50.0");
+  EXPECT_EQ(cell(by_joint, 2, "rule"), "mean");
+  const Table& by_sensor = tables[1];
+  ASSERT_EQ(by_sensor.rows.size(), 3u);
+  EXPECT_EQ(cell(by_sensor, 0, "sensor"), "k1");
+  EXPECT_EQ(cell(by_sensor, 0, "views"), "150");
+  EXPECT_EQ(cell(by_sensor, 1, "sensor"), "k2");
+}
+
+TEST(TrackingTables, SharesOfNothingAndUnknownTruthAreDashes) {
+  TrackingSummary s = tracked();
+  const Table by_joint = tracking_tables(s)[0];
+  EXPECT_EQ(cell(by_joint, 1, "joint"), "head");
+  EXPECT_EQ(cell(by_joint, 1, "rejected_percent"), "0.0");
+  EXPECT_EQ(cell(by_joint, 1, "rightly_percent"), kDash);
+  EXPECT_EQ(cell(by_joint, 1, "found_percent"), kDash);
+  s.views[1].truth_known = false;  // one sensor's take was recorded
+  s.exchanges[0].truth_known = false;
+  const std::vector<Table> tables = tracking_tables(s);
+  EXPECT_EQ(cell(tables[0], 0, "rejected_percent"), "20.0");
+  for (const char* key : {"hidden_percent", "rightly_percent", "found_percent"})
+    EXPECT_EQ(cell(tables[0], 0, key), kDash) << key;
+  for (const char* key :
+       {"exchanged_percent", "true_stretches", "stretches_found_percent", "touched_percent"})
+    EXPECT_EQ(cell(tables[2], 0, key), kDash) << key;
+  EXPECT_EQ(cell(tables[2], 0, "found_percent"), "25.0");
+}
+
+TEST(TrackingTables, ExchangesSayWhatWasFoundAndWhatWasTouchedForNothing) {
+  const Table table = tracking_tables(tracked())[2];
+  EXPECT_EQ(cell(table, 0, "found_percent"), "25.0");
+  EXPECT_EQ(cell(table, 0, "exchanged_percent"), "20.0");
+  EXPECT_EQ(cell(table, 0, "stretches_found_percent"), "50.0");
+  EXPECT_EQ(cell(table, 0, "touched_percent"), "6.2");  // 10 of 160
+  EXPECT_THAT(table.title, HasSubstr("were undone"));
+  TrackingSummary left = tracked();
+  left.repaired = false;
+  EXPECT_THAT(tracking_tables(left)[2].title, HasSubstr("were left as they were"));
+}
+
+TEST(TrackingTables, ClocksAreInMillisecondsAndWhatIsNotKnownIsADash) {
+  TrackingSummary s = tracked();
+  s.clocks.push_back({"p02", "too_little_motion", kNoNumber, kNoNumber, kNoNumber, kNoNumber, kNoNumber,
+                      kNoNumber, kNoNumber, false});
+  const Table table = tracking_tables(s)[3];
+  EXPECT_EQ(cell(table, 0, "offset_ms"), "12.50");
+  EXPECT_EQ(cell(table, 0, "low_ms"), "10.00");
+  EXPECT_EQ(cell(table, 0, "applied"), "yes");
+  EXPECT_EQ(cell(table, 1, "offset_ms"), kDash);
+  EXPECT_EQ(cell(table, 1, "outcome"), "too_little_motion");
+  EXPECT_THAT(markdown_of(table), Not(HasSubstr("nan")));
+}
+
+TEST(TrackingTables, SaySimulatedOrRecordedAndTablesWithoutRowsAreLeftOut) {
+  TrackingSummary s = tracked();
+  for (const Table& table : tracking_tables(s)) EXPECT_THAT(table.title, HasSubstr("simulated"));
+  s.simulated = false;
+  for (const Table& table : tracking_tables(s)) {
+    EXPECT_THAT(table.title, HasSubstr("recorded"));
+    EXPECT_THAT(table.title, Not(HasSubstr("simulated")));
+  }
+  s.views.clear();
+  EXPECT_EQ(tracking_tables(s).size(), 2u);
+  s.clocks.clear();
+  s.exchanges.clear();
+  EXPECT_TRUE(tracking_tables(s).empty());
+}
+
+}  // namespace
+}  // namespace trilat
