@@ -81,6 +81,8 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   planned.mapping = read_mapping(planned.take.mapping);
   const Calibration calibration = read_calibration(planned.take.calibration);
   check_world(calibration, study, planned.take.calibration.string());
+  planned.level =
+      !calibration.world.starts_with("sensor ") || calibration.world.find("floor") != std::string::npos;
   std::vector<HostSpan> spans;
   for (const std::string& name : rig) {
     const std::size_t sensor = session.sensor_index(name);

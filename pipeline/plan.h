@@ -23,6 +23,7 @@ struct PlannedTake {
   bool ok = false;
   std::string place, problem;
   bool simulated = false;
+  bool level = true;  // the calibration's world has y up, as far as its label says
   JointMapping mapping;
   std::vector<std::size_t> session_sensor;        // by rig sensor
   std::vector<RigidTransform> world_from_sensor;  // by rig sensor

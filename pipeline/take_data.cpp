@@ -104,9 +104,16 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
 }
 
 void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
-  data.exchanges =
-      find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
-  if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+  if (planned.level) {
+    data.exchanges =
+        find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
+    if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+    return;
+  }
+  data.exchanges = {plan.rig.size(), std::vector<std::uint8_t>(data.time.size() * plan.rig.size(), 0),
+                    std::vector<std::size_t>(plan.rig.size(), 0)};
+  data.notes.push_back({planned.take.id, false, planned.take.calibration.string(),
+                        "has a world that is not level, so exchanges of left and right are not looked for"});
 }
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.

@@ -48,8 +48,9 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
   EXPECT_GT(mae_m(as_given, "mean", "shoulder"), 0.05);
   EXPECT_LT(mae_m(repaired, "mean", "shoulder"), 0.015);  // clocks and movement only
   for (const SummaryCell& cell : repaired.cells)
-    if (cell.group != kAverageGroup)
+    if (cell.group != kAverageGroup) {
       EXPECT_LT(cell.max_m, 0.05) << cell.group;  // nor at the ends of stretches
+    }
   const auto tracking = read_tracking_summary(folder / "repaired");
   ASSERT_TRUE(tracking && tracking->repaired);
   std::uint64_t exchanged = 0, rightly = 0, found = 0;
