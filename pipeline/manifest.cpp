@@ -31,6 +31,7 @@ std::vector<Input> inputs_of(const Plan& plan) {
     inputs.push_back({take.id, "calibration", take.calibration, {}, 0});
     inputs.push_back({take.id, "mocap", take.mocap, {}, 0});
     inputs.push_back({take.id, "mapping", take.mapping, {}, 0});
+    if (!take.tracker_truth.empty()) inputs.push_back({take.id, "tracker_truth", take.tracker_truth, {}, 0});
   }
   return inputs;
 }

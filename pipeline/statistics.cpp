@@ -55,17 +55,20 @@ SummaryCell average_cell(ResultsSummary& summary, const CellIndex& index, const 
   average.condition = names.condition;
   average.group = kAverageGroup;
   average.alignment = summary.alignments[interval.alignment];
+  double one_frame_m = 0.0;
   double sum_m = 0.0;
   for (const std::size_t g : groups) {
     const SummaryCell* cell =
         index.find(summary, names.method, names.condition, summary.groups[g], average.alignment);
     sum_m += cell ? cell->mae_m : kNoNumber;
     if (!cell) continue;
+    one_frame_m += cell->one_frame_m;
     average.asked += cell->asked;
     average.answered += cell->answered;
     for (const auto& [status, n] : cell->statuses) average.statuses[status] += n;
   }
   average.mae_m = sum_m / static_cast<double>(groups.size());
+  average.one_frame_m = one_frame_m / static_cast<double>(groups.size());
   return average;
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/tracking_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -158,6 +159,28 @@ ExchangeRow count_exchanges(const Plan& plan, const PlannedTake& planned, const 
   return row;
 }
 
+std::vector<RangeSums> sum_ranges(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  std::vector<RangeSums> sums;  // by joint
+  for (const Joint joint : plan.joints)
+    sums.push_back({planned.take.activity, table_group(joint), 0, 0.0, 0.0});
+  std::vector<JointObservation> observations(plan.rig.size());
+  for (std::size_t i = 0; i < data.time.size(); ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const Eigen::Vector3d& truth_m = data.truth(i, j, plan.joints.size());
+      if (!truth_m.allFinite()) continue;
+      observe_joint(data, i, plan.joints[j], planned.world_from_sensor, observations);
+      for (std::size_t s = 0; s < observations.size(); ++s) {
+        if (!observations[s].seen) continue;
+        const double error_m =
+            observations[s].range_m - (truth_m - planned.world_from_sensor[s].translation_m).norm();
+        ++sums[j].n;
+        sums[j].sum_m += error_m;
+        sums[j].squares_m2 += error_m * error_m;
+      }
+    }
+  return sums;
+}
+
 template <class Row, class Key, class Add>
 void merge_rows(std::vector<Row>& all, const std::vector<Row>& more, const Key& key, const Add& add) {
   for (const Row& row : more) {
@@ -178,6 +201,7 @@ TakeTracking check_tracking(const Plan& plan, const PlannedTake& planned, const 
   tracking.views = count_views(plan, planned, data, truth);
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     tracking.exchanges.push_back(count_exchanges(plan, planned, data, truth, s));
+  tracking.ranges = sum_ranges(plan, planned, data);
   tracking.clock = data.clock;
   tracking.clock.take = planned.take.id;
   return tracking;
@@ -185,6 +209,7 @@ TakeTracking check_tracking(const Plan& plan, const PlannedTake& planned, const 
 
 TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& takes) {
   TrackingSummary summary{plan.study.name, plan.simulated, plan.study.repair_exchanges, {}, {}, {}};
+  std::vector<RangeSums> ranges;
   for (const TakeTracking& take : takes) {
     merge_rows(
         summary.views, take.views,
@@ -209,7 +234,18 @@ TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& 
           sum.true_stretches += row.true_stretches;
           sum.stretches_found += row.stretches_found;
         });
+    merge_rows(
+        ranges, take.ranges, [](const RangeSums& row) { return std::tie(row.condition, row.group); },
+        [](RangeSums& sum, const RangeSums& row) {
+          sum.n += row.n;
+          sum.sum_m += row.sum_m;
+          sum.squares_m2 += row.squares_m2;
+        });
     if (!take.clock.status.empty()) summary.clocks.push_back(take.clock);
+  }
+  for (const RangeSums& r : ranges) {
+    const double n = static_cast<double>(r.n);
+    summary.ranges.push_back({r.condition, r.group, r.n, r.sum_m / n, std::sqrt(r.squares_m2 / n)});
   }
   return summary;
 }

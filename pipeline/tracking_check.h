@@ -6,11 +6,19 @@
 
 namespace trilat {
 
+// The errors of one joint group's ranges in one take.
+struct RangeSums {
+  std::string condition, group;
+  std::uint64_t n = 0;
+  double sum_m = 0.0, squares_m2 = 0.0;
+};
+
 // What one take says of how its sensors tracked, as rows of one condition.
 struct TakeTracking {
   std::vector<ViewRow> views;
   std::vector<ExchangeRow> exchanges;
   ClockRow clock;
+  std::vector<RangeSums> ranges;
 };
 
 // Counts which views each rule and each method with an occlusion rule rejects, and which exchanges of left

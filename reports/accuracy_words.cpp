@@ -23,7 +23,7 @@ std::string interval_note(const ResultsSummary& s) {
   if (s.resamples == 0) return "There are no intervals: the study asks for no resamples.";
   return fmt::format(
       "From and to are a 95 % interval of what stands before them: bootstrap-t with participants as clusters "
-      "and blocks of {:g} s within them, {} resamples; of two or three participants Student's t. A single "
+      "and blocks of {:g} s within them, {} resamples; of fewer than six participants Student's t. A single "
       "participant has none.",
       s.block_s, s.resamples);
 }

@@ -16,6 +16,8 @@ TableValue count_value(std::uint64_t n);
 
 // What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
 std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
+inline constexpr const char* kOneFrameNote =
+    "One frame: how much the error would change with the truth one instant early or late.";
 // How the intervals were made, or why there are none.
 std::string interval_note(const ResultsSummary& summary);
 void add_take_notes(const ResultsSummary& summary, Table& table);

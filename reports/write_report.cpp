@@ -15,6 +15,7 @@
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
 #include "reports/claims.h"
+#include "reports/efficiency.h"
 #include "reports/parameters_table.h"
 #include "reports/render.h"
 #include "reports/sensor_counts.h"
@@ -83,7 +84,10 @@ Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evide
   append(chapter.tables, table2(summary));
   append(chapter.tables, sensor_counts_table(summary));
   append(chapter.tables, accuracy_tables(summary));
-  if (const auto tracking = read_tracking_summary(path)) append(chapter.tables, tracking_tables(*tracking));
+  if (const auto tracking = read_tracking_summary(path)) {
+    append(chapter.tables, efficiency_tables(summary, *tracking));
+    append(chapter.tables, tracking_tables(*tracking));
+  }
   return chapter;
 }
 

@@ -81,6 +81,13 @@ ExchangeRow read_exchange(JsonObject& object) {
   return row;
 }
 
+RangeRow read_range(JsonObject& object) {
+  RangeRow row{object.text("condition"), object.text("group"), object.count("n"),
+               number_or_nan(object, "mean_error_m"), number_or_nan(object, "rms_error_m")};
+  object.finish();
+  return row;
+}
+
 Json json_of(const ClockRow& row) {
   return {{"take", row.take},
           {"status", row.status},
@@ -119,6 +126,13 @@ void write_tracking_summary(const std::filesystem::path& folder, const TrackingS
   for (const ViewRow& row : s.views) json["views"].push_back(json_of(row));
   for (const ExchangeRow& row : s.exchanges) json["exchanges"].push_back(json_of(row));
   for (const ClockRow& row : s.clocks) json["clocks"].push_back(json_of(row));
+  json["ranges"] = Json::array();
+  for (const RangeRow& row : s.ranges)
+    json["ranges"].push_back({{"condition", row.condition},
+                              {"group", row.group},
+                              {"n", row.n},
+                              {"mean_error_m", row.mean_error_m},
+                              {"rms_error_m", row.rms_error_m}});
   write_file(folder / "tracking.json", json_text(json, 1) + "\n");
 }
 
@@ -137,6 +151,7 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   for (JsonObject& row : object.objects("views")) s.views.push_back(read_view(row));
   for (JsonObject& row : object.objects("exchanges")) s.exchanges.push_back(read_exchange(row));
   for (JsonObject& row : object.objects("clocks")) s.clocks.push_back(read_clock(row));
+  for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range(row));
   object.finish();
   return s;
 }

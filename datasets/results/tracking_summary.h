@@ -48,6 +48,15 @@ struct ClockRow {
   bool applied = false;
 };
 
+// How far the ranges of one joint group are off, over all sensors and takes of a condition: what
+// trilateration has to work with.
+struct RangeRow {
+  std::string condition, group;
+  std::uint64_t n = 0;
+  double mean_error_m = kNoNumber;  // range - true distance
+  double rms_error_m = kNoNumber;
+};
+
 struct TrackingSummary {
   std::string study;
   bool simulated = false;
@@ -55,6 +64,7 @@ struct TrackingSummary {
   std::vector<ViewRow> views;
   std::vector<ExchangeRow> exchanges;
   std::vector<ClockRow> clocks;
+  std::vector<RangeRow> ranges = {};
 };
 
 // tracking.json, beside an accuracy study's summary.json. NaN is written as null.

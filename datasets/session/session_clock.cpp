@@ -13,6 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr double kMaxDrift = 1e-3;
+constexpr Duration kShortest{5'000'000'000};  // of a recording that can tell a drift from jitter
 constexpr std::int64_t kShortestDriftSpan_ns = 10'000'000'000;
 constexpr std::uint64_t kBlock = 4096;
 
@@ -128,7 +129,13 @@ ClockMap<HostClock, SensorClock> fit_sensor_clock(const SessionReader& session, 
   for (std::uint64_t first = 0; first < frames; first += kBlock)
     for (const FrameStamp& stamp : session.stamps(sensor, stream, first, std::min(kBlock, frames - first)))
       envelope.add({device_time(description, stamp), stamp.arrival_ns});
-  const auto agent_from_sensor = envelope.line();
+  auto agent_from_sensor = envelope.line();
+  const auto device_of = [&](std::uint64_t frame) {
+    return device_time(description, session.stamps(sensor, stream, frame, 1)[0]);
+  };
+  // in so short a time jitter of the arrivals looks like drift
+  if (std::abs(agent_from_sensor.drift) > kMaxDrift && device_of(frames - 1) - device_of(0) < kShortest)
+    agent_from_sensor.drift = 0.0;
   if (std::abs(agent_from_sensor.drift) > kMaxDrift)
     throw InputError(place,
                      fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check tick_ns "

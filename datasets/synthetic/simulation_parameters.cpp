@@ -29,7 +29,7 @@ void add_persons(const SimulationSpec& s, std::vector<TrackerParameter>& list) {
 void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
   std::string heights;
   for (double height_m : rig.heights_m) heights += (heights.empty() ? "" : ", ") + text(height_m);
-  list.push_back({"rig radius", text(rig.radius_m), "m", "assumption: the paper does not say"});
+  list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
   list.push_back({"sensor heights", heights, "m", "assumption: the paper does not say"});
 }
 

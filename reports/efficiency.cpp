@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "reports/efficiency.h"
+
+#include <cmath>
+
+#include "reports/accuracy_words.h"
+#include "reports/table_cells.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kAlignment = "none";
+
+void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
+  for (const std::string& method : s.methods) {
+    const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kAlignment);
+    if (!cell || !std::isfinite(cell->mean_gdop)) continue;
+    const double bound_m = range.rms_error_m * cell->mean_gdop;
+    table.rows.push_back({TableValue::of(range.group), TableValue::of(method), cm_cell(range.rms_error_m),
+                          cm_cell(range.mean_error_m), TableValue::of(cell->mean_gdop, 2), cm_cell(bound_m),
+                          cm_cell(cell->rmse_m), TableValue::of(std::pow(bound_m / cell->rmse_m, 2), 2)});
+  }
+}
+
+}  // namespace
+
+std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
+  std::vector<Table> tables;
+  for (const std::string& condition : s.conditions) {
+    Table table;
+    table.id = usable_id("efficiency-" + condition);
+    table.title = "Efficiency against the bound (" + about(s, condition, kAlignment) + ")";
+    table.columns = {{"joint", "joint", true},
+                     {"method", "method", true},
+                     {"range RMS error (cm)", "range_rms_cm"},
+                     {"of it mean (cm)", "range_mean_cm"},
+                     {"GDOP", "gdop"},
+                     {"bound (cm)", "bound_cm"},
+                     {"RMSE (cm)", "rmse_cm"},
+                     {"efficiency", "efficiency"}};
+    for (const RangeRow& range : tracking.ranges)
+      if (range.condition == condition) add_rows(s, range, table);
+    if (table.rows.empty()) continue;
+    table.notes = {
+        "Bound: the root mean square error of the ranges times the mean GDOP of the geometry, the Cramer-Rao "
+        "bound of "
+        "ranges whose errors are independent, normal and without a mean. Efficiency: the square of bound "
+        "over RMSE. "
+        "Above 1 where the sensors' errors are alike and so partly cancel, or where a method only answers "
+        "the easy "
+        "geometry."};
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace trilat
