@@ -165,12 +165,23 @@ void print_json(const std::filesystem::path& folder, const ResultsSummary& summa
   fmt::print("{}\n", json_text(json, 2));
 }
 
-// Tables I and III, the calibration and the search's answer; the rest is in the report.
+// Too wide for a terminal as a table; the reasons are in the report.
+void print_claims(const Table& table) {
+  fmt::print("{}\n\n", table.title);
+  for (const auto& row : table.rows)
+    fmt::print("- {} ({}): {}. Ours: {}. {}.\n", row[0].text, row[1].text, row[2].text, row[3].text,
+               row[4].text);
+  fmt::print("\n");
+}
+
+// Tables I to III, the calibration, the claims and the search's answer; the rest is in the report.
 void print_tables(const std::filesystem::path& folder, const ReportFiles& report, const SweepSummary& search,
                   const ResultsSummary& summary) {
-  for (const char* id : {"table1", "calibration_wand", "calibration_rigs", "table3"})
+  for (const char* id : {"table1", "calibration_wand", "calibration_rigs", "table2", "table3"})
     for (const Table& table : report.tables)
       if (table.id == id) fmt::print("{}\n", markdown_of(table));
+  for (const Table& table : report.tables)
+    if (table.id == "claims") print_claims(table);
   for (const std::string& sentence : search_sentences(search)) fmt::print("{}\n", sentence);
   fmt::print("\ncross-check with Ceres: worst difference {:.3g} m on {} samples\n",
              summary.cross_check->worst_m, summary.cross_check->samples);
