@@ -128,12 +128,45 @@ std::string csv_of(const Table& table) {
   return text;
 }
 
+namespace {
+
+constexpr std::size_t kLong = 24;       // characters of a text that does not fit on one line beside others
+constexpr double kOfCharacter = 0.007;  // of the line, for one of a column that is not broken
+
+// How wide each text column is to be that is broken into lines, as a share of the line; 0 where it is not. Of
+// a table of numbers that is the last column, of a table of texts every long one: they share the line, the
+// longer ones more of it.
+std::vector<double> wrapped_shares(const Table& table) {
+  const std::size_t columns = table.columns.size();
+  std::vector<double> share(columns, 0.0), weight(columns, 0.0);
+  const auto texts = static_cast<std::size_t>(
+      std::count_if(table.columns.begin(), table.columns.end(), [](const auto& c) { return c.is_text; }));
+  if (2 * texts <= columns) {
+    if (table.columns.back().is_text) share.back() = columns > 9 ? 0.15 : 0.25;
+    return share;
+  }
+  double sum = 0.0, left = 0.92;
+  for (std::size_t c = 0; c < columns; ++c) {
+    std::size_t longest = width_of(table.columns[c].name);
+    for (const auto& row : table.rows) longest = std::max(longest, width_of(printed(row[c])));
+    if (table.columns[c].is_text && longest > kLong)
+      sum += weight[c] = std::sqrt(static_cast<double>(longest));
+    else
+      left -= kOfCharacter * static_cast<double>(longest);
+  }
+  for (std::size_t c = 0; c < columns; ++c)
+    if (weight[c] > 0.0) share[c] = std::max(0.05, left * weight[c] / sum);
+  return share;
+}
+
+}  // namespace
+
 std::string latex_of(const Table& table) {
   const bool wide = table.columns.size() > 9;
+  const std::vector<double> share = wrapped_shares(table);
   std::string alignment, head;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const bool wrapped = table.columns[c].is_text && c + 1 == table.columns.size();
-    alignment += wrapped                    ? wide ? "p{0.15\\linewidth}" : "p{0.25\\linewidth}"
+    alignment += share[c] > 0.0             ? fmt::format("p{{{:.3f}\\linewidth}}", share[c])
                  : table.columns[c].is_text ? "l"
                                             : "r";
     head += (c ? " & " : "") + latex_text(table.columns[c].name);
