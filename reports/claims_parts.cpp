@@ -89,10 +89,10 @@ ClaimVerdict wand_near(const CalibrationSummary& s) {
   const WandRow* row = wand_row(s, "corrected", "far wall");
   if (!row || row->near.asked == 0) return not_run("the calibration study");
   const double share = share_of(row->near.answered, row->near.asked);
-  return {
-      fmt::format("{:.0f} % of {}", 100.0 * share, row->near.asked), kCannotTest,
-      "what a real sensor gives below the 0.5 m it is made for is not simulated: simulated depth there is as "
-      "good as farther away"};
+  return {fmt::format("{:.0f} % of {}", 100.0 * share, row->near.asked), kCannotTest,
+          "nearer than 0.5 m the simulated sensor gives no depth at all; that the paper's method answers "
+          "there only "
+          "means that its loop ended"};
 }
 
 ClaimVerdict clock_good_enough(const ResultsSummary& s) {
