@@ -68,11 +68,10 @@ void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, dou
 void check_world(const Calibration& calibration, const StudySpec& study, const std::string& place) {
   for (AlignmentKind kind : study.alignments)
     if (calibration.world != "optitrack" && kind != AlignmentKind::rigid)
-      throw InputError(place + " /world",
-                       "is \"" + calibration.world +
-                           "\", but the ground truth is in OptiTrack's "
-                           "world; calibrate with --mocap, or evaluate with \"alignments\": "
-                           "[\"rigid\"] alone");
+      throw InputError(place + " /world", "is \"" + calibration.world +
+                                              "\", but the ground truth is in OptiTrack's world; calibrate "
+                                              "with --mocap, or evaluate with \"alignments\": "
+                                              "[\"rigid\"] alone");
 }
 
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
@@ -117,8 +116,7 @@ std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign
     throw InputError("campaign \"" + campaign.name + '"', "has no take that can be opened: " + reason);
   if (rig.size() > kMaxSensors)
     throw InputError("study \"" + study.name + '"',
-                     fmt::format("would use {} sensors, the limit is {}; name those to "
-                                 "use under \"sensors\"",
+                     fmt::format("would use {} sensors, the limit is {}; name those to use under \"sensors\"",
                                  rig.size(), kMaxSensors));
   return rig;
 }

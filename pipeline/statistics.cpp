@@ -47,7 +47,7 @@ std::vector<std::size_t> asked_groups(const ResultsSummary& summary, const std::
   return groups;
 }
 
-// The mean of the groups; NaN when one of them was not answered.
+// The mean of the groups, without its interval; NaN when one of them was not answered.
 SummaryCell average_cell(ResultsSummary& summary, const CellIndex& index, const Names& names,
                          const std::vector<std::size_t>& groups, const CellInterval& interval) {
   SummaryCell average;
@@ -55,20 +55,17 @@ SummaryCell average_cell(ResultsSummary& summary, const CellIndex& index, const 
   average.condition = names.condition;
   average.group = kAverageGroup;
   average.alignment = summary.alignments[interval.alignment];
-  double one_frame_m = 0.0;
   double sum_m = 0.0;
   for (const std::size_t g : groups) {
     const SummaryCell* cell =
         index.find(summary, names.method, names.condition, summary.groups[g], average.alignment);
     sum_m += cell ? cell->mae_m : kNoNumber;
     if (!cell) continue;
-    one_frame_m += cell->one_frame_m;
     average.asked += cell->asked;
     average.answered += cell->answered;
     for (const auto& [status, n] : cell->statuses) average.statuses[status] += n;
   }
   average.mae_m = sum_m / static_cast<double>(groups.size());
-  average.one_frame_m = one_frame_m / static_cast<double>(groups.size());
   return average;
 }
 

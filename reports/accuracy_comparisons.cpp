@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "reports/accuracy_words.h"
+#include "reports/table_cells.h"
 
 namespace trilat {
 namespace {
@@ -38,22 +39,20 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
                    {"differs", "differs", true}};
   for (const DifferenceCell& c : s.differences) {
     if (c.condition != condition || c.alignment != alignment) continue;
-    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_value(c.n),
-                          cm_value(c.difference_m), cm_value(c.low_m), cm_value(c.high_m),
-                          percent_value(c.percent_of_reference), percent_value(c.percent_low),
-                          percent_value(c.percent_high), percent_value(c.percent_of_method),
+    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_cell(c.n),
+                          cm_cell(c.difference_m), cm_cell(c.low_m), cm_cell(c.high_m),
+                          TableValue::of(c.percent_of_reference, 1), TableValue::of(c.percent_low, 1),
+                          TableValue::of(c.percent_high, 1), TableValue::of(c.percent_of_method, 1),
                           TableValue::of(verdict_of(c))});
   }
   table.notes = {
-      fmt::format("Below zero the method is nearer to the truth than \"{}\". Differences are taken sample by "
-                  "sample.",
-                  s.reference),
+      fmt::format(
+          "Below zero the method is nearer to the truth than \"{}\". Differences are taken sample by sample.",
+          s.reference),
       fmt::format("% of {0}: 100 (method - {0}) / {0}. % of method: 100 (method - {0}) / method.",
                   s.reference),
       "Differs: the interval of the difference leaves zero out (by a micrometre). Every row is for itself: "
-      "of twenty without "
-      "any "
-      "difference, one is expected to be said to differ.",
+      "of twenty without any difference, one is expected to be said to differ.",
       interval_note(s)};
   return table;
 }
@@ -69,11 +68,11 @@ Table bodies_table(const ResultsSummary& s, const std::string& condition) {
     alignment = c.alignment;
     bones = std::max(bones, c.bones);
     truth_m_s3 = c.truth_jitter_m_s3;
-    table.rows.push_back(
-        {TableValue::of(c.method), count_value(c.instants), cm_value(c.mpjpe_m), cm_value(c.mpjpe_low_m),
-         cm_value(c.mpjpe_high_m), cm_value(c.pa_mpjpe_m), cm_value(c.pa_mpjpe_low_m),
-         cm_value(c.pa_mpjpe_high_m), percent_value(100.0 * c.pck[0]), percent_value(100.0 * c.pck[1]),
-         percent_value(100.0 * c.pck[2]), cm_value(c.bone_length_sd_m), TableValue::of(c.jitter_m_s3, 0)});
+    table.rows.push_back({TableValue::of(c.method), count_cell(c.instants), cm_cell(c.mpjpe_m),
+                          cm_cell(c.mpjpe_low_m), cm_cell(c.mpjpe_high_m), cm_cell(c.pa_mpjpe_m),
+                          cm_cell(c.pa_mpjpe_low_m), cm_cell(c.pa_mpjpe_high_m), percent_cell(c.pck[0]),
+                          percent_cell(c.pck[1]), percent_cell(c.pck[2]), cm_cell(c.bone_length_sd_m),
+                          TableValue::of(c.jitter_m_s3, 0)});
   }
   table.title = fmt::format("Whole bodies by method ({})", about(s, condition, alignment));
   table.columns = {{"method", "method", true},

@@ -12,6 +12,7 @@
 #include "reports/accuracy_comparisons.h"
 #include "reports/accuracy_words.h"
 #include "reports/statuses_text.h"
+#include "reports/table_cells.h"
 
 namespace trilat {
 namespace {
@@ -64,12 +65,12 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
                    {"statuses", "statuses", true}};
   for (const SummaryCell& c : s.cells) {
     if (c.condition != condition || c.alignment != alignment) continue;
-    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_value(c.answered),
-                          TableValue::of(100.0 * c.coverage(), 1), cm_value(c.mae_m), cm_value(c.mae_low_m),
-                          cm_value(c.mae_high_m), cm_value(c.rmse_m), cm_value(c.median_m), cm_value(c.p90_m),
-                          cm_value(c.p95_m), cm_value(c.max_m), cm_value(c.axis_mae_m[0]),
-                          cm_value(c.axis_mae_m[1]), cm_value(c.axis_mae_m[2]),
-                          TableValue::of(c.mean_gdop, 2), TableValue::of(c.mean_iterations, 1),
+    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_cell(c.answered),
+                          TableValue::of(100.0 * c.coverage(), 1), cm_cell(c.mae_m), cm_cell(c.mae_low_m),
+                          cm_cell(c.mae_high_m), cm_cell(c.rmse_m), cm_cell(c.median_m), cm_cell(c.p90_m),
+                          cm_cell(c.p95_m), cm_cell(c.max_m), cm_cell(c.axis_mae_m[0]),
+                          cm_cell(c.axis_mae_m[1]), cm_cell(c.axis_mae_m[2]), TableValue::of(c.mean_gdop, 2),
+                          TableValue::of(c.mean_iterations, 1),
                           TableValue::of(statuses_text(c.statuses, c.asked))});
   }
   table.notes = {
@@ -120,9 +121,9 @@ void add_table3_row(Table& table, const PrintedTable3& printed, const PrintedTab
   const auto column = printed_column(printed, method);
   const double paper_cm = column ? row.mae_cm[*column] : kNoNumber;
   table.rows.push_back({TableValue::of(row.group), TableValue::of(method), TableValue::of(paper_cm, 1),
-                        cm_value(cell.mae_m), cm_value(cell.mae_low_m), cm_value(cell.mae_high_m),
+                        cm_cell(cell.mae_m), cm_cell(cell.mae_low_m), cm_cell(cell.mae_high_m),
                         TableValue::of(cell.mae_m * kCentimetresPerMetre / paper_cm, 2),
-                        cm_value(cell.one_frame_m), count_value(cell.answered),
+                        cm_cell(cell.one_frame_m), count_cell(cell.answered),
                         TableValue::of(100.0 * cell.coverage(), 1),
                         TableValue::of(statuses_text(cell.statuses, cell.asked))});
 }

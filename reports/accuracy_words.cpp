@@ -3,13 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/units.h"
-
 namespace trilat {
-
-TableValue cm_value(double metres) { return TableValue::of(metres * kCentimetresPerMetre, 2); }
-TableValue percent_value(double percent) { return TableValue::of(percent, 1); }
-TableValue count_value(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
 
 std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   return fmt::format("{}, {}{}; {}{} of {} takes, {} participant{}", s.campaign,
@@ -22,9 +16,9 @@ std::string about(const ResultsSummary& s, const std::string& condition, const s
 std::string interval_note(const ResultsSummary& s) {
   if (s.resamples == 0) return "There are no intervals: the study asks for no resamples.";
   return fmt::format(
-      "From and to are a 95 % interval of what stands before them: bootstrap-t with participants as clusters "
-      "and blocks of {:g} s within them, {} resamples; of fewer than six participants Student's t. A single "
-      "participant has none.",
+      "From and to are a 95 % interval of what stands before them: the wider of Student's t and of a "
+      "bootstrap-t with participants as clusters and blocks of {:g} s within them, {} resamples; of fewer "
+      "than six participants Student's t. A single participant has none.",
       s.block_s, s.resamples);
 }
 

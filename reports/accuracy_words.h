@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "datasets/results/summary.h"
@@ -10,10 +9,6 @@
 namespace trilat {
 
 // What the tables of an accuracy study share.
-TableValue cm_value(double metres);  // two decimals
-TableValue percent_value(double percent);
-TableValue count_value(std::uint64_t n);
-
 // What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
 std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
 inline constexpr const char* kOneFrameNote =

@@ -42,8 +42,7 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
   table.id = usable_id(fmt::format("budget-{}-{}", condition, alignment));
   table.title = fmt::format(
       "Error budget, simulated: root mean square error in cm with one source of error alone ({}, {}; "
-      "alignment: "
-      "{}; {} participants, seed {})",
+      "alignment: {}; {} participants, seed {})",
       s.campaign, condition, alignment, s.participants, s.seed);
   table.columns = {{"joint", "joint", true}, {"method", "method", true}};
   for (const std::string& source : s.sources)
@@ -69,8 +68,7 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
       "Squares of independent errors add: \"sum\" is the root of the sum of the squares, \"none\" counted "
       "once, and "
       "\"observed\" is the same campaign with all sources together. The geometry of the sensors is in every "
-      "column: "
-      "it is what makes a method that uses ranges worse than the mean under the same error.",
+      "column: it is what makes a method that uses ranges worse than the mean under the same error.",
       fmt::format("Calibration: {:g} mm and {:g} degrees an axis, one standard deviation.",
                   s.calibration_sigma_m / kMetresPerMillimetre, s.calibration_sigma_rad * kDegreesPerRad)};
   return table;

@@ -112,8 +112,7 @@ std::string rigs_sentence(const CalibrationSummary& s) {
   if (printed)
     text += fmt::format(
         "{} two positions with eq. 6 and 7 as printed leave {} of {} sensors without a pose and the others "
-        "off by "
-        "{}",
+        "off by {}",
         text.empty() ? "Of whole rigs," : ";", printed->position.asked - printed->position.answered,
         printed->position.asked, mean_text(printed->position));
   return text.empty() ? text : text + ".";

@@ -126,16 +126,14 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
                           percent_cell(r.coverage_low), percent_cell(r.coverage_high)});
   table.notes = {
       "Errors are of the sensors that got a pose (a run that fails leaves all of its sensors without one), "
-      "with the mean's 95 % interval over runs; within limits: 5 "
-      "mm and 0.2 degrees, from bodies 2 cm and 0.5 degrees, of all sensors.",
+      "with the mean's 95 % interval over runs; within limits: 5 mm and 0.2 degrees, from bodies 2 cm and "
+      "0.5 degrees, of all sensors.",
       "Truth in interval: how often a stated 95 % interval of an axis holds the truth, with its own "
       "interval; a dash where a method states none.",
       "The wand's depth correction expects offsets and wiggles of the size that the simulated units have; "
-      "with "
-      "others its intervals may hold the truth less often.",
+      "with others its intervals may hold the truth less often.",
       "Two positions: the ball is found by our sphere fit, at places that all sensors can see, and its "
-      "movement is "
-      "level and known exactly; only eq. 6 and 7 are the paper's.",
+      "movement is level and known exactly; only eq. 6 and 7 are the paper's.",
       "Bodies place the sensors beside one of them, which is not counted.",
       "The paper gives no number for the poses of a rig."};
   return table;
@@ -173,8 +171,7 @@ Table calibration_effect_table(const CalibrationSummary& s) {
       "lie below it.");
   table.notes.push_back(
       "The bound is one of estimates from ranges alone; the mean uses directions too, here without an error "
-      "of their "
-      "own, so it has none.");
+      "of their own, so it has none.");
   return table;
 }
 

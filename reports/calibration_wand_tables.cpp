@@ -73,14 +73,13 @@ std::vector<std::string> wand_notes(const CalibrationSummary& s, const PrintedCa
       fmt::format("The first row is what the paper states ({}); what its +- is, it does not say.",
                   paper.source),
       "Eq. 2 keeps what is nearer than about half of the mean depth: before a far wall that is the ball, in "
-      "a "
-      "room the nearest things, the wand or not. This holds for every row of the paper's method."};
+      "a room the nearest things, the wand or not. This holds for every row of the paper's method."};
   for (std::string& sentence : wand_errata_sentences(s)) notes.push_back(std::move(sentence));
   notes.push_back("Another thing: answers of the span that are off by more than the ball is wide.");
   notes.push_back(
       "Nearer than 0.5 m the simulated sensor gives no depth, and ours refuses a ball whose surface is "
-      "nearer: its "
-      "share there is so by construction. For the paper's method an answer only means that eq. 3 ended.");
+      "nearer: its share there is so by construction. For the paper's method an answer only means that eq. 3 "
+      "ended.");
   notes.push_back(
       "A unit's constant depth offset, which no method with a single sensor can know, is in the error of "
       "every row.");

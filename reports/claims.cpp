@@ -36,7 +36,9 @@ ClaimVerdict verdict_on(const std::string& id, const ClaimEvidence& evidence) {
 
 bool any_simulated(const ClaimEvidence& e) {
   return (e.walking && e.walking->simulated) || (e.occluded && e.occluded->simulated) ||
-         !e.sensor_counts.empty() || e.sweep || e.calibration;
+         std::any_of(e.sensor_counts.begin(), e.sensor_counts.end(),
+                     [](const ResultsSummary& s) { return s.simulated; }) ||
+         e.sweep || e.calibration;
 }
 
 }  // namespace
@@ -107,8 +109,7 @@ Table claims_table(const ClaimEvidence& evidence) {
   if (any_simulated(evidence))
     table.notes.push_back(
         "Our numbers are simulated: a verdict says what follows from the declared errors of sensors and "
-        "tracker, not "
-        "what the paper's recordings showed.");
+        "tracker, not what the paper's recordings showed.");
   return table;
 }
 

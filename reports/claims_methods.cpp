@@ -36,8 +36,10 @@ ClaimVerdict better_than(const ResultsSummary& s, const std::string& method) {
                              cell_text(average_of(s, method)), method, worse_text(d)),
                  worse_verdict(d), "paired, on samples that both answer"};
   if (const SummaryCell* printed = average_of(s, "nonlinear as printed"); printed && method == "linear")
-    v.reason += "; with equations 17 and 19 as printed it stops after one step from the linear start: " +
-                cell_text(printed);
+    v.reason +=
+        "; with equations 17 and 19 as printed it stops at the first step that lowers F, near the linear "
+        "start: " +
+        cell_text(printed);
   return v;
 }
 
@@ -149,14 +151,15 @@ ClaimVerdict more_sensors(const std::vector<ResultsSummary>& studies) {
   if (studies.empty()) return not_run("the studies of two to eight sensors");
   ClaimVerdict v{"", kHolds, "eight sensors against four of them, by rig; "};
   for (const ResultsSummary& s : studies) {
+    if (s.reference != "nonlinear, 4 sensors") return not_run("studies that compare with four sensors");
     const DifferenceCell* d = find_difference(s, "nonlinear, 8 sensors", kWalking, kAverageGroup, kAlignment);
     v.ours += fmt::format("{}{}: 4 sensors {}, 8 sensors {}", v.ours.empty() ? "" : "; ", s.campaign,
                           cell_text(average_of(s, "nonlinear, 4 sensors")),
                           cell_text(average_of(s, "nonlinear, 8 sensors")));
-    if (!d || !d->significant())
-      v.verdict = kUndecided;
-    else if (d->difference_m > 0.0)
+    if (d && d->significant() && d->difference_m > 0.0)
       v.verdict = kDoesNotHold;
+    else if ((!d || !d->significant()) && v.verdict == kHolds)
+      v.verdict = kUndecided;
     const SummaryCell* mean = average_of(s, "mean, 4 sensors");
     v.reason += fmt::format("the mean of four on {}: {}; ", s.campaign, cell_text(mean));
   }

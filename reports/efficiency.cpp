@@ -43,12 +43,12 @@ std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSumm
     if (table.rows.empty()) continue;
     table.notes = {
         "Bound: the root mean square error of the ranges times the mean GDOP of the geometry, the Cramer-Rao "
-        "bound of "
-        "ranges whose errors are independent, normal and without a mean. Efficiency: the square of bound "
-        "over RMSE. "
-        "Above 1 where the sensors' errors are alike and so partly cancel, or where a method only answers "
-        "the easy "
-        "geometry."};
+        "bound of ranges whose errors are independent, normal and without a mean. The ranges are those of "
+        "all "
+        "sensors, also for a method that uses some. Efficiency: the square of bound "
+        "over RMSE. Above 1 where the sensors' errors are alike and so partly cancel, or where a method only "
+        "answers "
+        "the easy geometry."};
     tables.push_back(std::move(table));
   }
   return tables;

@@ -28,8 +28,7 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
   table.id = errors ? "table1-search-errors" : "table1-search-times";
   table.title = fmt::format(
       "Which reading of the paper gives the printed {} of Table I: the best {} of {}, simulated ({} tried; "
-      "{} answered "
-      "nine trials in ten in every cell and are ranked{}; {} trials a cell, seed {})",
+      "{} answered nine trials in ten in every cell and are ranked{}; {} trials a cell, seed {})",
       errors ? "errors" : "times", ranking.best.size(), ranking.ranked, s.search->tried,
       s.search->times.ranked, errors ? ", each by two metrics" : "", s.trials, s.seed);
   table.columns = {{"rank", "rank", false},
@@ -46,23 +45,20 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
                           TableValue::of(fit.worst_factor, 2)});
     if (!errors) table.rows.back().push_back(TableValue::of(fit.us_per_iteration, 3));
   }
-  table.notes = {
-      fmt::format("The typical factor between ours and the printed numbers is exp of the root mean square of "
-                  "their log ratios "
-                  "over the twelve cells. Over all readings: best {:.2f}, median {:.2f}, worst {:.2f}.",
-                  std::exp(ranking.best_rms), std::exp(ranking.median_rms), std::exp(ranking.worst_rms))};
+  table.notes = {fmt::format(
+      "The typical factor between ours and the printed numbers is exp of the root mean square of "
+      "their log ratios over the twelve cells. Over all readings: best {:.2f}, median {:.2f}, worst {:.2f}.",
+      std::exp(ranking.best_rms), std::exp(ranking.median_rms), std::exp(ranking.worst_rms))};
   if (!errors)
     table.notes.push_back(
         "Printed times are compared with our numbers of iterations times one scale that fits best, because "
-        "processors "
-        "differ.");
+        "processors differ.");
   else if (!ranking.best.empty())
     table.notes.push_back(
         fmt::format("The mean error of a cell is known to within {:.1f} % (95 %, the worst cell of the first "
-                    "reading): neighbours in "
-                    "this list are ties. A search fits what it can: it shows which reading explains the "
-                    "table, not that the paper "
-                    "used it.",
+                    "reading): neighbours in this list are ties. A search fits what it can: it shows which "
+                    "reading explains the "
+                    "table, not that the paper used it.",
                     100.0 * worst_half_interval(s, ranking.best.front().interpretation)));
   return table;
 }
@@ -72,8 +68,7 @@ Table compromise_table(const SweepSummary& s) {
   table.id = "table1-search-compromise";
   table.title = fmt::format(
       "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with either "
-      "gradient, "
-      "simulated ({} trials a cell)",
+      "gradient, simulated ({} trials a cell)",
       *std::min_element(s.thresholds.begin(), s.thresholds.end()),
       *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials);
   table.columns = {{"best for", "best_for", true},
@@ -88,8 +83,8 @@ Table compromise_table(const SweepSummary& s) {
                    {"answered, corrected (%)", "corrected_coverage_percent", false}};
   table.notes = {
       "Answered: the least share of trials with a usable estimate in any cell of the reading. Where it is "
-      "low, the "
-      "factors are those of the easy trials: undamped Gauss-Newton diverges or cycles on nearly flat rigs."};
+      "low, the factors are those of the easy trials: undamped Gauss-Newton diverges or cycles on nearly "
+      "flat rigs."};
   for (const SweepCompromise& c : s.search->compromises)
     for (std::size_t r = 0; r < s.ranges.size(); ++r)
       table.rows.push_back(
@@ -130,8 +125,7 @@ std::string verdict_on(const SweepCompromise& c) {
   if (!(least(c.printed_error_factor) < kWorthwhile))
     return std::string(
                "small thresholds cost steps with the printed gradient and buy nothing, and with the "
-               "corrected "
-               "one they cost ") +
+               "corrected one they cost ") +
            (corrected_costs ? "steps too" : "next to nothing");
   return corrected_costs ? "the compromise survives the corrected gradient"
                          : "the compromise does not survive the corrected gradient";
@@ -143,8 +137,8 @@ std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c)
     if (factors->empty() || !all_finite(*factors)) return "";
   return fmt::format(
       "In the reading that fits the printed {} best, the smallest threshold takes {} times the steps of the "
-      "largest "
-      "with the printed gradient and {} times with the corrected one (damping {}), for {} and {} times the "
+      "largest with the printed gradient and {} times with the corrected one (damping {}), for {} and {} "
+      "times the "
       "error: {}.",
       c.best_for, span_text(c.printed_iterations_factor), span_text(c.corrected_iterations_factor),
       s.interpretations[c.corrected].damping, span_text(c.printed_error_factor),
@@ -170,8 +164,7 @@ std::vector<std::string> search_sentences(const SweepSummary& s) {
     const SweepFit& fit = ranking->best.front();
     sentences.push_back(
         fmt::format("Of {} readings tried, {} fits the printed {} best: typically within a factor of {:.2f}, "
-                    "at worst {:.2f} "
-                    "(the median reading: {:.2f}).",
+                    "at worst {:.2f} (the median reading: {:.2f}).",
                     s.search->tried, s.interpretations[fit.interpretation].id, what,
                     std::exp(fit.rms_log_ratio), fit.worst_factor, std::exp(ranking->median_rms)));
   }

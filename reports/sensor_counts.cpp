@@ -67,9 +67,9 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                        {"n", "n"},
                        {"coverage (%)", "coverage_percent"}};
       for (const Counted& m : methods)
-        table.rows.push_back({TableValue::of(m.method), TableValue::of(m.sensors, 0), cm_value(m.cell->mae_m),
-                              cm_value(m.cell->mae_low_m), cm_value(m.cell->mae_high_m),
-                              count_value(m.cell->answered), percent_value(100.0 * m.cell->coverage())});
+        table.rows.push_back({TableValue::of(m.method), TableValue::of(m.sensors, 0), cm_cell(m.cell->mae_m),
+                              cm_cell(m.cell->mae_low_m), cm_cell(m.cell->mae_high_m),
+                              count_cell(m.cell->answered), percent_cell(m.cell->coverage())});
       table.notes = {interval_note(s)};
       tables.push_back(std::move(table));
     }
@@ -94,8 +94,7 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
         fmt::format("Number of sensors, {}, {}{}", s.campaign, condition, s.simulated ? ", simulated" : "");
     figure.caption = fmt::format(
         "{}Mean absolute error, average over the joint groups, alignment {}; the table has the intervals and "
-        "how many "
-        "samples each method answers.",
+        "how many samples each method answers.",
         s.simulated ? "Simulated. " : "", alignment);
     figure.x_label = "sensors";
     figure.y_label = "mean absolute error (cm)";

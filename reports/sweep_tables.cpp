@@ -65,11 +65,9 @@ Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
                    {"statuses", "statuses", true}};
   table.notes = {
       "Errors are distances to the true joint; +- is 1.96 standard errors of the mean; the axis mean is the "
-      "mean "
-      "of the three axes' mean absolute errors.",
+      "mean of the three axes' mean absolute errors.",
       "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are "
-      "of this "
-      "machine, start included: one problem at a time, and many side by side by solve_nonlinear; the "
+      "of this machine, start included: one problem at a time, and many side by side by solve_nonlinear; the "
       "sweep itself, with one rig for all, is faster. Iterations are of all trials, also of those that "
       "failed."};
   return table;

@@ -137,8 +137,7 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
   table.id = number == 0 ? "table1" : fmt::format("table1-{}", number + 1);
   table.title = fmt::format(
       "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} trials a "
-      "cell, "
-      "seed {})",
+      "cell, seed {})",
       name, s.trials, s.seed);
   table.columns = {{"range (cm)", "range_cm", true},
                    {"C", "threshold", false},
@@ -158,15 +157,13 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
   table.notes = {
       std::string("Error: ") +
           (axis_mean ? "mean over the three axes of the mean absolute error, which is the metric of the "
-                       "best-fitting "
-                       "reading"
+                       "best-fitting reading"
                      : "mean distance to the true joint") +
           ", over the answered trials; the tables of each reading have its interval, statuses and digits.",
       "Time: of one solve, start included, on this machine; the paper's is of its own. Steps: mean number of "
       "iterations of all trials, the failed ones included. Answered: the share with a usable estimate.",
       "E7+E8: eq. 17 and the stop rule of eq. 19 as they stand. E7: eq. 17 as it stands, stop when the "
-      "change "
-      "of F is below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
+      "change of F is below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
   if (s.interrupted) table.notes.push_back("The sweep was interrupted; its cells hold fewer trials.");
   return table;
 }

@@ -7,6 +7,7 @@
 #include "datasets/paper/printed_tables.h"
 #include "reports/accuracy_tables.h"
 #include "reports/accuracy_words.h"
+#include "reports/table_cells.h"
 
 namespace trilat {
 namespace {
@@ -35,9 +36,8 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
           {TableValue::of(printed.part),
            TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
            TableValue::of(condition == occluded ? printed_cm(printed, method) : kNoNumber, 1),
-           cm_value(cell->mae_m), cm_value(cell->mae_low_m), cm_value(cell->mae_high_m),
-           cm_value(cell->one_frame_m), count_value(cell->answered),
-           percent_value(100.0 * cell->coverage())});
+           cm_cell(cell->mae_m), cm_cell(cell->mae_low_m), cm_cell(cell->mae_high_m),
+           cm_cell(cell->one_frame_m), count_cell(cell->answered), percent_cell(cell->coverage())});
     }
   }
 }
@@ -68,11 +68,10 @@ std::vector<Table> table2(const ResultsSummary& summary) {
   table.notes = {
       "Paper: " + printed.source + "; 50 sets of occluded samples an experiment.",
       "Each number is the plain mean over the part's three joints. Occluded samples are those that at least "
-      "one sensor "
-      "sees inferred or crossed by a limb in front, found by the rule that is tested, as a user would.",
+      "one sensor sees inferred or crossed by a limb in front, found by the rule that is tested, as a user "
+      "would.",
       "A method that leaves sensors out answers fewer samples: with fewer than three ranges there is no "
-      "trilateration. "
-      "The table of differences compares on samples that both answer.",
+      "trilateration. The table of differences compares on samples that both answer.",
       kOneFrameNote, interval_note(summary)};
   add_take_notes(summary, table);
   return {table};

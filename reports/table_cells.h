@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-// Cells of the calibration tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
+// Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
 inline TableValue cm_cell(double metres) { return TableValue::of(metres * kCentimetresPerMetre, 2); }
 inline TableValue mm_cell(double metres) { return TableValue::of(metres / kMetresPerMillimetre, 2); }
 inline TableValue degree_cell(double radians) { return TableValue::of(radians * kDegreesPerRad, 2); }

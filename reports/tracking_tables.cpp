@@ -92,8 +92,7 @@ Table exchanges_table(const TrackingSummary& s) {
          known(row.truth_known, share_of(row.found - row.rightly, row.instants - row.exchanged))});
   table.notes = {
       "Found by agreement between the sensors and by what left and right cannot fake: toes, knees, elbows "
-      "and the "
-      "walking direction. A true stretch counts as found when 95 % of its instants are."};
+      "and the walking direction. A true stretch counts as found when 95 % of its instants are."};
   return table;
 }
 
@@ -116,10 +115,9 @@ Table clocks_table(const TrackingSummary& s) {
                           TableValue::of(std::string(row.applied ? "yes" : "no"))});
   table.notes = {
       "Mocap time = stated time + offset. A tracker that lags behind the body looks like a clock that is "
-      "late: motion alone "
-      "cannot tell one from the other, so the interval is that of clock and lag together, and the offset is "
-      "only applied "
-      "when the study says so. Drift is never applied."};
+      "late: motion alone cannot tell one from the other, so the interval is that of clock and lag together, "
+      "and the offset is "
+      "only applied when the study says so. Drift is never applied."};
   return table;
 }
 

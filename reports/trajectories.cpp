@@ -130,8 +130,7 @@ Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, con
                              summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
       "{}The first {:g} s of the take; each method is moved by a constant so that its mean over the take is "
-      "that of "
-      "the truth, as in the paper's \"relative movement\".",
+      "that of the truth, as in the paper's \"relative movement\".",
       summary.simulated ? "Simulated. " : "", kShown_s);
   figure.x_label = "time (s)";
   figure.y_label = "height (cm)";

@@ -136,9 +136,9 @@ MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) 
       keys.insert(keys.end(), cells.begin(), cells.end());
     }
   }
-  throw InputError(first_place,
-                   "no row starting with \"Frame,Time\" follows; export again from Motive with the "
-                   "header switched on");
+  throw InputError(
+      first_place,
+      "no row starting with \"Frame,Time\" follows; export again from Motive with the header switched on");
 }
 
 }  // namespace trilat

@@ -36,8 +36,8 @@ bool is_numbers_only(std::string_view line) {
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
   throw InputError(place,
-                   "this is no OptiTrack export, which begins with \"Format Version,1.2…\" (Motive) "
-                   "or \"comment,\" (Arena, Tracking Tools)");
+                   "this is no OptiTrack export, which begins with \"Format Version,1.2…\" (Motive) or "
+                   "\"comment,\" (Arena, Tracking Tools)");
 }
 
 }  // namespace

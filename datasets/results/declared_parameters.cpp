@@ -5,6 +5,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
@@ -29,9 +30,7 @@ std::vector<DeclaredParameter> read_declared_parameters(const std::filesystem::p
   if (!std::filesystem::exists(path)) return parameters;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
+  check_format(object, kFormat, 1);
   for (JsonObject& entry : object.objects("parameters")) {
     parameters.push_back({entry.text("name"), entry.text("value"), entry.text("unit"), entry.text("source")});
     entry.finish();

@@ -56,6 +56,12 @@ void check_results_head(JsonObject& object, ResultsKind wanted) {
         "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");
 }
 
+void check_format(JsonObject& object, const std::string& format, int version) {
+  if (object.text("format") != format) object.refuse("format", "must be \"" + format + '"');
+  if (object.integer("version") != version)
+    object.refuse("version", fmt::format("is another version; this program reads version {}", version));
+}
+
 double number_or_nan(JsonObject& object, const std::string& key) {
   return object.value(key).is_null() ? std::numeric_limits<double>::quiet_NaN() : object.number(key);
 }

@@ -23,6 +23,9 @@ Json results_head(ResultsKind kind);                          // its first keys
 // Refuses other formats, versions and kinds. A summary without a kind is one of accuracy.
 void check_results_head(JsonObject& object, ResultsKind wanted);
 
+// Refuses other formats and versions of a file that stands beside the summary.
+void check_format(JsonObject& object, const std::string& format, int version);
+
 // A number, or the null that stands for NaN.
 double number_or_nan(JsonObject& object, const std::string& key);
 

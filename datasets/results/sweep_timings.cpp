@@ -5,6 +5,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
@@ -49,9 +50,7 @@ std::optional<SweepTimings> read_sweep_timings(const std::filesystem::path& fold
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
+  check_format(object, kFormat, 1);
   SweepTimings t;
   t.study = object.text("study");
   t.processor = object.text("processor");

@@ -141,9 +141,7 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
+  check_format(object, kFormat, 1);
   TrackingSummary s;
   s.study = object.text("study");
   s.simulated = object.boolean("simulated", false);

@@ -166,6 +166,7 @@ TEST(Claims, OfSimulatedSensorsSaySo) {
 
 TEST(Claims, OcclusionCompensationIsJudgedOnOccludedSamples) {
   ResultsSummary s;
+  s.reference = "nonlinear";
   s.conditions = {"arm_swing", occluded_condition("arm_swing")};
   s.methods = {"nonlinear", "nonlinear, occlusion corrected"};
   for (const std::string& method : s.methods) {
@@ -192,6 +193,37 @@ TEST(Claims, OcclusionCompensationIsJudgedOnOccludedSamples) {
   evidence.add(s);
   EXPECT_EQ(row_of(evidence, "occlusion_arms")[2], "holds");
   EXPECT_EQ(row_of(evidence, "occlusion_legs")[2], "cannot be tested here");
+  s.reference = "mean";  // its differences are from another method than the one without compensation
+  ClaimEvidence other;
+  other.add(s);
+  EXPECT_EQ(row_of(other, "occlusion_arms")[2], "cannot be tested here");
+}
+
+// A study of a rig in which eight sensors differ from four by so much.
+ResultsSummary rig(const std::string& reference, double low_m, double high_m) {
+  Walking walking;
+  walking.add("nonlinear, 4 sensors", 0.06, 0.0, 0.0)
+      .add("nonlinear, 8 sensors", 0.06 + low_m, low_m, high_m);
+  ResultsSummary s = walking.summary();
+  s.reference = reference;
+  return s;
+}
+
+TEST(Claims, MoreSensorsFailOnOneRigWhateverTheOthersSay) {
+  const char* four = "nonlinear, 4 sensors";
+  const auto verdict_of = [](const std::vector<ResultsSummary>& rigs) {
+    ClaimEvidence evidence;
+    for (const ResultsSummary& s : rigs) evidence.add(s);
+    return row_of(evidence, "more_sensors")[2];
+  };
+  const ResultsSummary better = rig(four, -0.02, -0.01), open = rig(four, -0.01, 0.02),
+                       worse = rig(four, 0.01, 0.02);
+  EXPECT_EQ(verdict_of({better, better}), "holds");
+  EXPECT_EQ(verdict_of({better, open}), "undecided");
+  EXPECT_EQ(verdict_of({open, better}), "undecided");
+  EXPECT_EQ(verdict_of({worse, open}), "does not hold");
+  EXPECT_EQ(verdict_of({open, worse, better}), "does not hold");
+  EXPECT_EQ(verdict_of({rig("nonlinear", -0.02, -0.01)}), "cannot be tested here");
 }
 
 }  // namespace
