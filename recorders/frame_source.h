@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "datasets/session/session_types.h"
+#include "datasets/session/session_writer.h"
 
 namespace trilat {
 
@@ -15,10 +17,16 @@ struct DepthFrame {
   std::vector<std::uint16_t> depth_mm;
 };
 
-// One thing a source delivers, in the order of arrival.
+// Something a person should know of a sensor: unplugged, silent, reconnected. Shown and stored.
+struct SourceNotice {
+  std::string text;
+};
+
+// One thing a source delivers, in the order of arrival. Depth comes as pixels, or already compressed by
+// encode_depth_frame() where that was done far away.
 struct SourceEvent {
   std::size_t sensor = 0;
-  std::variant<BodyFrame, DepthFrame, ClockExchange, DropCount> data;
+  std::variant<BodyFrame, DepthFrame, EncodedDepthFrame, ClockExchange, DropCount, SourceNotice> data;
 };
 
 // Where frames come from. The one place for a virtual interface: devices, the network, files and the
@@ -26,9 +34,15 @@ struct SourceEvent {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
+  // Known from the start and never changed.
   virtual const SessionHeader& header() const = 0;
-  // The next event; nothing when the source has ended.
+  // The next event, waiting for it where necessary; nothing when the source has ended. One thread at a time.
   virtual std::optional<SourceEvent> next() = 0;
+  // Makes next() return nothing soon, after what has already been received. Any thread, any number of times.
+  virtual void stop() {}
+  // True when frames come whether somebody takes them or not, as from a sensor: what the recorder has no room
+  // for is then dropped and counted. Otherwise the source waits for the recorder.
+  virtual bool live() const { return false; }
 };
 
 }  // namespace trilat

@@ -14,6 +14,7 @@ namespace trilat {
 struct EncodedDepthFrame {
   FrameStamp stamp;
   std::vector<std::byte> chunk;
+  ChunkCompression compression = ChunkCompression::blosc;
 };
 
 // `depth_mm` holds kDepthPixels values, row by row, exactly as received; 0 is invalid.
