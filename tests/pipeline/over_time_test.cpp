@@ -70,6 +70,7 @@ TEST(OverTime, TheProgressMovesWindowByWindowAndEndsAtTheEnd) {
   EXPECT_EQ(shares.back(), 1.0);
 }
 
+// A window takes 0.5 s of the 3 s, so there are far more of them than threads.
 TEST(OverTime, IsInterruptedBetweenWindows) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
@@ -83,7 +84,8 @@ TEST(OverTime, IsInterruptedBetweenWindows) {
   EXPECT_THROW(execute_study(study_of(R"("methods": [{"method": "window", "window_s": 0.5}])"), campaign,
                              folder / "results", options),
                Interrupted);
-  EXPECT_EQ(after, 0);
+  constexpr int kOthersAtWork = 3;  // under the thread sanitizer, which has four threads: they finish theirs
+  EXPECT_LE(after, kOthersAtWork);
 }
 
 }  // namespace
