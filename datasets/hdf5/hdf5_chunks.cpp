@@ -55,6 +55,24 @@ std::optional<ChunkCompression> H5Table::row_compression() const {
   return compression_of(list.id());
 }
 
+bool H5Table::has_filtered_row(std::uint64_t row) const {
+  hsize_t bytes = 0;
+  return H5Dget_chunk_storage_size(id_.id(), first_element(row, row_shape_.size()).data(), &bytes) >= 0 &&
+         bytes > 0;
+}
+
+std::uint64_t H5Table::first_row_of_last_chunk() const {
+  const H5Handle list(H5Dget_create_plist(id_.id()), [](std::int64_t id) { return int{H5Pclose(id)}; });
+  std::vector<hsize_t> chunk(1 + row_shape_.size(), 0);
+  const std::uint64_t all = rows();
+  if (list.id() < 0 || H5Pget_layout(list.id()) != H5D_CHUNKED || all == 0 ||
+      H5Pget_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data()) !=
+          static_cast<int>(chunk.size()) ||
+      chunk[0] == 0)
+    return all;
+  return (all - 1) / chunk[0] * chunk[0];
+}
+
 std::vector<std::byte> H5Table::read_filtered_row(std::uint64_t row) const {
   const std::vector<hsize_t> offset = first_element(row, row_shape_.size());
   hsize_t bytes = 0;

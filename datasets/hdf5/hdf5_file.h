@@ -66,6 +66,12 @@ class H5Table {
   // One row as it lies in the file, for decode_chunk(). The library decompresses under its one lock; this
   // leaves the work to the caller's thread. Only with row_compression().
   std::vector<std::byte> read_filtered_row(std::uint64_t row) const;
+  // Whether the chunk of such a row is in the file; a killed writer may have announced more rows than it
+  // wrote.
+  bool has_filtered_row(std::uint64_t row) const;
+  // For tables of a killed writer. What it last rewrote in place may be half old and half new: the rows are
+  // there, and only the checksum behind them is not theirs. From now on such a last chunk is read.
+  void accept_torn_end() { torn_end_accepted_ = true; }
   template <class T>
   void write(std::uint64_t first_row, std::span<const T> values) {
     transfer(first_row, const_cast<T*>(values.data()), values.size(), h5_type_of<T>(), true);
@@ -82,11 +88,13 @@ class H5Table {
   void append_raw(const void* data, std::size_t elements, H5Type type);
   void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
   void extend_to(std::uint64_t rows);
+  std::uint64_t first_row_of_last_chunk() const;
 
   H5Handle id_;
   std::string place_;
   std::vector<std::uint64_t> row_shape_;
   std::uint64_t row_elements_ = 1;
+  bool torn_end_accepted_ = false;
 };
 
 // A group, or the root of a file.
@@ -139,6 +147,8 @@ class H5File : public H5Node {
   void flush();
   // Flushes and closes; OutputError when not all reached the file.
   void close();
+  // After a failed write: nothing more is written, so that what was flushed stays as it is.
+  void abandon() noexcept;
   // True when the file was opened while its writer had not closed it.
   bool unfinished() const { return unfinished_; }
 

@@ -42,5 +42,12 @@ inline const Column kDepthFrames{"frame_mm", H5Type::u16, {kDepthHeight, kDepthW
 // /sensors/NAME: t1 t2 t3 t4; and host_ns, at_source, in_queue.
 inline const Column kClockExchanges{"clock_exchanges_ns", H5Type::i64, {4}};
 inline const Column kDropCounts{"drop_counts", H5Type::i64, {3}};
+// /sensors/NAME/notices: one row a notice; UTF-8, zeros behind.
+inline constexpr std::uint64_t kNoticeBytes = 240;
+inline const std::vector<Column> kNoticeColumns{{"host_ns", H5Type::i64, {}},
+                                                {"text", H5Type::u8, {kNoticeBytes}}};
+// /sensors/NAME: rows that were safely in the file, one row a flush, written behind them: body frames,
+// bodies, depth frames, clock exchanges, drop counts, notices.
+inline const Column kFlushed{"flushed", H5Type::i64, {6}};
 
 }  // namespace trilat::session_layout

@@ -10,61 +10,14 @@
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/session/session_layout.h"
+#include "datasets/session/session_tables.h"
 
 namespace trilat {
 namespace {
 
 namespace layout = session_layout;
 
-constexpr std::uint64_t kCheckpoint = 1024;              // frames between remembered body rows
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that sums of two times cannot overflow
-
-struct StampColumns {
-  H5Table sequence, device_ticks, arrival_ns;
-  explicit StampColumns(const H5Node& node)
-      : sequence(node.table("sequence", H5Type::i64, {})),
-        device_ticks(node.table("device_ticks", H5Type::i64, {})),
-        arrival_ns(node.table("arrival_ns", H5Type::i64, {})) {}
-};
-
-struct BodyColumns {
-  H5Table frame, tracking_id, position_m, orientation, tracking_state, hand_state, hand_confidence;
-  static H5Table open(const H5Node& node, const layout::Column& column) {
-    return node.table(column.name, column.type, column.row_shape);
-  }
-  explicit BodyColumns(const H5Node& node)
-      : frame(open(node, layout::kBodyColumns[0])),
-        tracking_id(open(node, layout::kBodyColumns[1])),
-        position_m(open(node, layout::kBodyColumns[2])),
-        orientation(open(node, layout::kBodyColumns[3])),
-        tracking_state(open(node, layout::kBodyColumns[4])),
-        hand_state(open(node, layout::kBodyColumns[5])),
-        hand_confidence(open(node, layout::kBodyColumns[6])) {}
-};
-
-// The rows that all tables have, and how many some have beyond.
-struct CommonRows {
-  std::uint64_t rows = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t most = 0;
-  CommonRows& with(const H5Table& table) {
-    const std::uint64_t count = table.rows();
-    rows = std::min(rows, count);
-    most = std::max(most, count);
-    return *this;
-  }
-};
-
-struct SensorTables {
-  StampColumns body_stamps;
-  H5Table floor_plane, body_count;
-  BodyColumns bodies;
-  std::optional<StampColumns> depth_stamps;
-  std::optional<H5Table> depth_frames;
-  H5Table clock_exchanges, drop_counts;
-  std::vector<std::uint64_t> body_row_at;  // of every kCheckpoint-th frame
-  SensorCounts counts;
-  std::optional<ChunkCompression> depth_compression = std::nullopt;
-};
 
 DepthIntrinsics read_intrinsics(const H5Node& node) {
   DepthIntrinsics in;
@@ -103,80 +56,6 @@ SensorDescription read_description(const H5Node& node, const std::string& name) 
   sensor.intrinsics = read_intrinsics(node);
   sensor.has_depth = node.has("depth");
   return sensor;
-}
-
-// Follows the body counts through all frames: how many frames have all their bodies, and where
-// bodies start.
-void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows) {
-  std::vector<std::uint8_t> block(kCheckpoint);
-  std::uint64_t row = 0, frame = 0;
-  while (frame < frames) {
-    const std::uint64_t count = std::min(kCheckpoint, frames - frame);
-    t.body_count.read(frame, std::span(block).first(count));
-    t.body_row_at.push_back(row);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      if (block[i] > kMaxBodies)
-        throw InputError(t.body_count.place(), "row " + std::to_string(frame + i) + " claims " +
-                                                   std::to_string(block[i]) +
-                                                   " bodies; a frame has at most 6");
-      if (row + block[i] > body_rows) {
-        t.counts.body_frames = frame + i;
-        t.counts.bodies = row;
-        return;
-      }
-      row += block[i];
-    }
-    frame += count;
-  }
-  t.counts.body_frames = frames;
-  t.counts.bodies = row;
-}
-
-SensorTables open_tables(const H5Node& node) {
-  const H5Node frames = node.group("body_frames");
-  SensorTables t{StampColumns(frames),
-                 frames.table("floor_plane", H5Type::f32, {4}),
-                 frames.table("body_count", H5Type::u8, {}),
-                 BodyColumns(node.group("bodies")),
-                 {},
-                 {},
-                 node.table(layout::kClockExchanges.name, H5Type::i64, {4}),
-                 node.table(layout::kDropCounts.name, H5Type::i64, {3}),
-                 {},
-                 {}};
-  const CommonRows frame_rows = CommonRows{}
-                                    .with(t.body_stamps.sequence)
-                                    .with(t.body_stamps.device_ticks)
-                                    .with(t.body_stamps.arrival_ns)
-                                    .with(t.floor_plane)
-                                    .with(t.body_count);
-  const CommonRows body_rows = CommonRows{}
-                                   .with(t.bodies.frame)
-                                   .with(t.bodies.tracking_id)
-                                   .with(t.bodies.position_m)
-                                   .with(t.bodies.orientation)
-                                   .with(t.bodies.tracking_state)
-                                   .with(t.bodies.hand_state)
-                                   .with(t.bodies.hand_confidence);
-  index_bodies(t, frame_rows.rows, body_rows.rows);
-  t.counts.torn_rows = frame_rows.most - t.counts.body_frames + body_rows.most - t.counts.bodies;
-  if (node.has("depth")) {
-    const H5Node depth = node.group("depth");
-    t.depth_stamps.emplace(depth);
-    t.depth_frames.emplace(
-        depth.table(layout::kDepthFrames.name, layout::kDepthFrames.type, layout::kDepthFrames.row_shape));
-    t.depth_compression = t.depth_frames->row_compression();
-    const CommonRows rows = CommonRows{}
-                                .with(t.depth_stamps->sequence)
-                                .with(t.depth_stamps->device_ticks)
-                                .with(t.depth_stamps->arrival_ns)
-                                .with(*t.depth_frames);
-    t.counts.depth_frames = rows.rows;
-    t.counts.torn_rows += rows.most - rows.rows;
-    t.counts.depth_stored_bytes = t.depth_frames->stored_bytes();
-  }
-  t.counts.clock_exchanges = t.clock_exchanges.rows();
-  return t;
 }
 
 template <class T>
@@ -240,7 +119,7 @@ SessionReader::SessionReader(const std::filesystem::path& path) : state_(std::ma
   for (const std::string& name : sensors.children(kMaxSessionSensors)) {
     const H5Node node = sensors.group(name);
     s.header.sensors.push_back(read_description(node, name));
-    s.sensors.push_back(open_tables(node));
+    s.sensors.push_back(open_sensor_tables(node, s.complete));
   }
   if (s.sensors.empty()) throw InputError(sensors.place(), "holds no sensor");
 }
@@ -296,9 +175,9 @@ std::vector<BodyFrame> SessionReader::body_frames(std::size_t sensor, std::uint6
   if (count == 0) return frames;
   const auto stamps_of = stamps(sensor, FrameStream::bodies, first, count);
   const auto floors = read_rows<float>(t.floor_plane, first, count);
-  const std::uint64_t checkpoint = first / kCheckpoint * kCheckpoint;
+  const std::uint64_t checkpoint = first / kBodyCheckpoint * kBodyCheckpoint;
   const auto counts = read_rows<std::uint8_t>(t.body_count, checkpoint, first + count - checkpoint);
-  std::uint64_t row = t.body_row_at[checkpoint / kCheckpoint], total = 0;
+  std::uint64_t row = t.body_row_at[checkpoint / kBodyCheckpoint], total = 0;
   for (std::uint64_t i = 0; i < counts.size(); ++i) (i < first - checkpoint ? row : total) += counts[i];
   std::vector<Body> bodies(total);
   read_bodies(t.bodies, row, bodies);
@@ -363,10 +242,24 @@ std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor) co
 
 std::vector<DropCount> SessionReader::drop_counts(std::size_t sensor) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  const std::uint64_t rows = t.drop_counts.rows();
+  const std::uint64_t rows = t.counts.drop_counts;
   const auto values = read_rows<std::int64_t>(t.drop_counts, 0, rows);
   std::vector<DropCount> result(rows);
   for (std::size_t i = 0; i < rows; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  return result;
+}
+
+std::vector<SensorNotice> SessionReader::notices(std::size_t sensor) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  std::vector<SensorNotice> result(t.counts.notices);
+  if (result.empty()) return result;
+  const auto times = read_rows<std::int64_t>(t.notices->host_ns, 0, result.size());
+  const auto texts = read_rows<std::uint8_t>(t.notices->text, 0, result.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const auto begin = texts.begin() + static_cast<std::ptrdiff_t>(i * layout::kNoticeBytes);
+    const auto end = begin + static_cast<std::ptrdiff_t>(layout::kNoticeBytes);
+    result[i] = {times[i], std::string(begin, std::find(begin, end, 0))};
+  }
   return result;
 }
 

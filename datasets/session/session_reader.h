@@ -18,6 +18,8 @@ struct SensorCounts {
   std::uint64_t bodies = 0;
   std::uint64_t depth_frames = 0;
   std::uint64_t clock_exchanges = 0;
+  std::uint64_t drop_counts = 0;
+  std::uint64_t notices = 0;
   std::uint64_t depth_stored_bytes = 0;
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the
   // middle of.
@@ -36,9 +38,9 @@ void decode_depth_frame(const StoredDepthFrame& frame, std::span<std::uint16_t> 
 enum class FrameStream { bodies, depth };
 
 // Reads session.h5 in blocks, so that memory does not depend on the recording's length. Opens a
-// file that is being written, or whose writer was killed. Counts are what all columns of a table
-// hold in common; nothing is read on the word of a stored length. InputError with `file.h5:/path`
-// for whatever is not as this format version has it. Separate readers may be used by separate
+// file that is being written, or whose writer was killed: then up to the last flush. Counts are what all
+// columns of a table hold in common; nothing is read on the word of a stored length. InputError with
+// `file.h5:/path` for whatever is not as this format version has it. Separate readers may be used by separate
 // threads.
 class SessionReader {
  public:
@@ -63,6 +65,7 @@ class SessionReader {
   StoredDepthFrame stored_depth_frame(std::size_t sensor, std::uint64_t index) const;
   std::vector<ClockExchange> clock_exchanges(std::size_t sensor) const;
   std::vector<DropCount> drop_counts(std::size_t sensor) const;
+  std::vector<SensorNotice> notices(std::size_t sensor) const;
 
  private:
   struct State;

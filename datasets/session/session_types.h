@@ -72,6 +72,12 @@ struct DropCount {
   std::int64_t in_queue = 0;
 };
 
+// What a person should know of a sensor: unplugged, silent, back again.
+struct SensorNotice {
+  std::int64_t host_ns = 0;
+  std::string text;
+};
+
 struct SessionHeader {
   bool simulated = false;
   std::string started_utc;  // free text, for people

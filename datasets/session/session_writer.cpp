@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/session/session_writer.h"
 
+#include <mutex>
 #include <set>
 
 #include "datasets/base/check.h"
@@ -107,10 +108,44 @@ struct DepthTables {
   Stamps stamps;
 };
 
+struct Notices {
+  Gathered<std::int64_t> host_ns;
+  Gathered<std::uint8_t> text;
+  explicit Notices(H5Node node)
+      : host_ns(gathered<std::int64_t>(node, layout::kNoticeColumns[0])),
+        text(gathered<std::uint8_t>(node, layout::kNoticeColumns[1])) {}
+};
+
+// What has been added so far, in the order of layout::kFlushed.
+struct AddedRows {
+  std::int64_t body_frames = 0, bodies = 0, depth_frames = 0, clock_exchanges = 0, drop_counts = 0,
+               notices = 0;
+  bool operator==(const AddedRows&) const = default;
+};
+
 struct SensorTables {
   BodyTables bodies;
   std::unique_ptr<DepthTables> depth;
   Gathered<std::int64_t> clock_exchanges, drop_counts;
+  Notices notices;
+  Gathered<std::int64_t> flushed;
+  AddedRows added{}, flushed_rows{};
+
+  void flush() {
+    bodies.flush();
+    if (depth) depth->stamps.flush();
+    clock_exchanges.flush();
+    drop_counts.flush();
+    notices.host_ns.flush();
+    notices.text.flush();
+  }
+  void say_what_is_flushed() {
+    if (added == flushed_rows) return;
+    const AddedRows& a = added;
+    flushed.rows = {a.body_frames, a.bodies, a.depth_frames, a.clock_exchanges, a.drop_counts, a.notices};
+    flushed.flush();
+    flushed_rows = added;
+  }
 };
 
 void describe(H5Node& node, const SensorDescription& sensor) {
@@ -159,6 +194,7 @@ void check_header(const SessionHeader& header, const std::string& place) {
 struct SessionWriter::State {
   std::filesystem::path path;
   H5File file;
+  ChunkCompression depth_compression;
   std::vector<SensorTables> sensors;
 };
 
@@ -173,6 +209,7 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHea
     : state_(std::make_unique<State>()) {
   check_header(header, path.string());
   state_->path = path;
+  state_->depth_compression = depth_compression;
   state_->file = H5File::create(partial_name(path));
   H5File& file = state_->file;
   file.set_text("format", layout::kFormat);
@@ -190,61 +227,101 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHea
         {BodyTables(node.create_group("body_frames"), node.create_group("bodies")),
          sensor.has_depth ? depth_tables(node.create_group("depth"), depth_compression) : nullptr,
          gathered<std::int64_t>(node, layout::kClockExchanges),
-         gathered<std::int64_t>(node, layout::kDropCounts)});
+         gathered<std::int64_t>(node, layout::kDropCounts), Notices(node.create_group("notices")),
+         gathered<std::int64_t>(node, layout::kFlushed)});
   }
   file.start_swmr();
 }
 
 SessionWriter::~SessionWriter() = default;
 
+// What fails here must leave the file as the last flush left it, and a library that can neither write nor
+// close in peace must not be asked to: the file is cut off, and its handles are kept for ever.
+template <class Work>
+void SessionWriter::guarded(const Work& work) {
+  static std::vector<std::unique_ptr<State>>* abandoned = new std::vector<std::unique_ptr<State>>;
+  TRILAT_CHECK(state_, "nothing is written after an error");
+  try {
+    work();
+  } catch (const InputError&) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    state_->file.abandon();
+    abandoned->push_back(std::move(state_));
+    throw;
+  }
+}
+
 void SessionWriter::add_body_frame(std::size_t sensor, const BodyFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && frame.bodies.size() <= kMaxBodies,
                "a body frame belongs to a sensor and has at most six bodies");
-  BodyTables& tables = state_->sensors[sensor].bodies;
-  for (const Body& body : frame.bodies) tables.add_body(body);
-  tables.stamps.add(frame.stamp);
-  tables.floor_plane.rows.insert(tables.floor_plane.rows.end(), frame.floor_plane.begin(),
+  SensorTables& tables = state_->sensors[sensor];
+  BodyTables& bodies = tables.bodies;
+  for (const Body& body : frame.bodies) bodies.add_body(body);
+  bodies.stamps.add(frame.stamp);
+  bodies.floor_plane.rows.insert(bodies.floor_plane.rows.end(), frame.floor_plane.begin(),
                                  frame.floor_plane.end());
-  tables.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
-  ++tables.frames;
+  bodies.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
+  ++bodies.frames;
+  ++tables.added.body_frames;
+  tables.added.bodies += static_cast<std::int64_t>(frame.bodies.size());
 }
 
 void SessionWriter::add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && state_->sensors[sensor].depth,
                "a depth frame belongs to a sensor that has depth");
-  DepthTables& tables = *state_->sensors[sensor].depth;
-  tables.frames.append_filtered_row(frame.chunk);
-  tables.stamps.add(frame.stamp);
+  TRILAT_CHECK(frame.compression == state_->depth_compression,
+               "a session has one compression for all its depth frames");
+  SensorTables& tables = state_->sensors[sensor];
+  guarded([&] { tables.depth->frames.append_filtered_row(frame.chunk); });
+  tables.depth->stamps.add(frame.stamp);
+  ++tables.added.depth_frames;
 }
 
 void SessionWriter::add_clock_exchange(std::size_t sensor, const ClockExchange& e) {
-  auto& rows = state_->sensors.at(sensor).clock_exchanges.rows;
+  SensorTables& tables = state_->sensors.at(sensor);
+  auto& rows = tables.clock_exchanges.rows;
   rows.insert(rows.end(), {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
+  ++tables.added.clock_exchanges;
 }
 
 void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
-  auto& rows = state_->sensors.at(sensor).drop_counts.rows;
+  SensorTables& tables = state_->sensors.at(sensor);
+  auto& rows = tables.drop_counts.rows;
   rows.insert(rows.end(), {count.host_ns, count.at_source, count.in_queue});
+  ++tables.added.drop_counts;
+}
+
+void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
+  SensorTables& tables = state_->sensors.at(sensor);
+  std::vector<std::uint8_t> text(notice.text.begin(), notice.text.end());
+  text.resize(layout::kNoticeBytes, 0);
+  tables.notices.host_ns.rows.push_back(notice.host_ns);
+  tables.notices.text.rows.insert(tables.notices.text.rows.end(), text.begin(), text.end());
+  ++tables.added.notices;
 }
 
 void SessionWriter::flush() {
-  for (SensorTables& sensor : state_->sensors) {
-    sensor.bodies.flush();
-    if (sensor.depth) sensor.depth->stamps.flush();
-    sensor.clock_exchanges.flush();
-    sensor.drop_counts.flush();
-  }
-  state_->file.flush();
+  guarded([&] {
+    for (SensorTables& sensor : state_->sensors) sensor.flush();
+    state_->file.flush();
+    for (SensorTables& sensor : state_->sensors) sensor.say_what_is_flushed();
+    state_->file.flush();
+  });
 }
 
+// `complete` is written before the library takes its mark of an open file away: a process that dies in
+// between leaves a file that is opened as that of a killed writer, with all its frames.
 void SessionWriter::finish() {
   flush();
-  state_->sensors.clear();
-  state_->file.close();
-  H5File file = H5File::open_for_update(partial_name(state_->path));
-  file.set_integer("complete", 1);
-  file.close();
-  publish_file(partial_name(state_->path), state_->path);
+  guarded([&] {
+    state_->file.set_integer("complete", 1);
+    state_->sensors.clear();
+    state_->file.close();
+  });
+  const std::filesystem::path path = state_->path;
+  state_.reset();
+  publish_file(partial_name(path), path);
 }
 
 }  // namespace trilat

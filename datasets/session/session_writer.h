@@ -23,8 +23,8 @@ EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const st
 
 // Writes session.h5 (format 1), append-only. The file is `path`.partial until finish() renames it;
 // all that was flushed is readable if the process dies (see the README: a killed file is opened as
-// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are InputError and
-// leave what was flushed.
+// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are OutputError and
+// leave what was flushed; after one, nothing more is written.
 class SessionWriter {
  public:
   SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
@@ -37,12 +37,17 @@ class SessionWriter {
   void add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame);
   void add_clock_exchange(std::size_t sensor, const ClockExchange& exchange);
   void add_drop_count(std::size_t sensor, const DropCount& count);
+  // Texts are cut at 240 bytes.
+  void add_notice(std::size_t sensor, const SensorNotice& notice);
   // Everything added so far survives a kill from here on. Call once a second.
   void flush();
   // Marks the file complete and gives it its final name.
   void finish();
 
  private:
+  template <class Work>
+  void guarded(const Work& work);
+
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/capture_intake.h"
+
+#include <algorithm>
+#include <string>
+
+#include "datasets/base/error.h"
+#include "datasets/session/session_reader.h"
+
+namespace trilat {
+namespace {
+
+// Makes the event's depth what the file takes. `depth_mm` is room to work in.
+void make_ready(SourceEvent& event, ChunkCompression compression, std::vector<std::uint16_t>& depth_mm) {
+  if (const auto* raw = std::get_if<DepthFrame>(&event.data)) {
+    event.data = encode_depth_frame(raw->stamp, raw->depth_mm, compression);
+    return;
+  }
+  auto* encoded = std::get_if<EncodedDepthFrame>(&event.data);
+  if (!encoded || encoded->compression == compression) return;
+  try {
+    decode_depth_frame({"a depth frame", encoded->compression, std::move(encoded->chunk)}, depth_mm);
+    event.data = encode_depth_frame(encoded->stamp, depth_mm, compression);
+  } catch (const InputError& error) {
+    event.data = SourceNotice{std::string(error.what()) + "; it was left out"};
+  }
+}
+
+bool is_torn(const SourceEvent& event) {
+  const auto* depth = std::get_if<DepthFrame>(&event.data);
+  return depth && depth->depth_mm.size() != kDepthPixels;
+}
+
+}  // namespace
+
+CaptureIntake::CaptureIntake(const std::vector<std::unique_ptr<FrameSource>>& sources, CaptureQueue& queue,
+                             ChunkCompression compression, int workers)
+    : sources_(sources), queue_(queue), running_(sources.size()) {
+  std::size_t first_sensor = 0;
+  for (const auto& source : sources) {
+    threads_.emplace_back([this, first_sensor, &source] { carry(*source, first_sensor); });
+    first_sensor += source->header().sensors.size();
+  }
+  for (int w = 0; w < std::max(1, workers); ++w)
+    threads_.emplace_back([this, compression] { compress(compression); });
+}
+
+CaptureIntake::~CaptureIntake() {
+  stop();
+  queue_.close();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void CaptureIntake::stop() {
+  for (const auto& source : sources_) source->stop();
+}
+
+void CaptureIntake::carry(FrameSource& source, std::size_t first_sensor) {
+  try {
+    while (auto event = source.next()) {
+      event->sensor += first_sensor;
+      if (is_torn(*event)) {
+        queue_.drop(event->sensor);
+        continue;
+      }
+      queue_.push(std::move(*event), !source.live());
+    }
+  } catch (const std::exception& error) {
+    failed_ = true;
+    queue_.push({first_sensor, SourceNotice{std::string("the source broke: ") + error.what()}}, false);
+  }
+  if (--running_ == 0) queue_.close();
+}
+
+void CaptureIntake::compress(ChunkCompression compression) {
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  while (CaptureQueue::Entry* entry = queue_.take_work()) {
+    make_ready(entry->event, compression, depth_mm);
+    queue_.finish(entry);
+  }
+}
+
+}  // namespace trilat

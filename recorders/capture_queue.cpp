@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/capture_queue.h"
+
+namespace trilat {
+namespace {
+
+// Depth is what fills memory; everything else counts as a little.
+std::size_t bytes_of(const SourceEvent& event) {
+  if (const auto* depth = std::get_if<DepthFrame>(&event.data)) return depth->depth_mm.size() * 2;
+  if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) return depth->chunk.size();
+  return 256;
+}
+
+bool is_depth(const SourceEvent& event) {
+  return std::holds_alternative<DepthFrame>(event.data) ||
+         std::holds_alternative<EncodedDepthFrame>(event.data);
+}
+
+}  // namespace
+
+CaptureQueue::CaptureQueue(std::size_t sensors, std::size_t limit_bytes)
+    : limit_bytes_(limit_bytes), dropped_(sensors, 0) {}
+
+void CaptureQueue::push(SourceEvent event, bool may_wait) {
+  const std::size_t bytes = bytes_of(event);
+  const bool depth = is_depth(event);
+  std::unique_lock lock(mutex_);
+  // an empty queue takes a frame of any size
+  const auto has_room = [&] { return closed_ || bytes_ == 0 || bytes_ + bytes <= limit_bytes_; };
+  if (may_wait) room_.wait(lock, has_room);
+  if (closed_) return;
+  if (depth && !has_room()) {
+    ++dropped_[event.sensor];
+    return;
+  }
+  bytes_ += bytes;
+  entries_.push_back(std::make_unique<Entry>(Entry{std::move(event), bytes, !depth}));
+  (depth ? work_ : ready_).notify_one();
+}
+
+void CaptureQueue::drop(std::size_t sensor) {
+  const std::lock_guard lock(mutex_);
+  ++dropped_.at(sensor);
+}
+
+void CaptureQueue::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  room_.notify_all();
+  work_.notify_all();
+  ready_.notify_all();
+}
+
+CaptureQueue::Entry* CaptureQueue::take_work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    while (next_work_ < entries_.size()) {
+      Entry* entry = entries_[next_work_++].get();
+      if (!entry->ready) return entry;
+    }
+    if (closed_) return nullptr;
+    work_.wait(lock);
+  }
+}
+
+void CaptureQueue::finish(Entry* entry) {
+  const std::lock_guard lock(mutex_);
+  entry->ready = true;
+  ready_.notify_one();
+}
+
+std::optional<SourceEvent> CaptureQueue::pop(std::chrono::steady_clock::time_point until) {
+  std::unique_ptr<Entry> entry;
+  {
+    std::unique_lock lock(mutex_);
+    ready_.wait_until(lock, until, [&] { return front_ready() || (closed_ && entries_.empty()); });
+    if (!front_ready()) return std::nullopt;
+    entry = std::move(entries_.front());
+    entries_.pop_front();
+    if (next_work_ > 0) --next_work_;
+    bytes_ -= entry->bytes;
+    room_.notify_all();
+  }
+  return std::move(entry->event);
+}
+
+bool CaptureQueue::drained() const {
+  const std::lock_guard lock(mutex_);
+  return closed_ && entries_.empty();
+}
+
+std::size_t CaptureQueue::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+std::int64_t CaptureQueue::dropped(std::size_t sensor) const {
+  const std::lock_guard lock(mutex_);
+  return dropped_.at(sensor);
+}
+
+}  // namespace trilat

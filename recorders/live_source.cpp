@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/live_source.h"
+
+#include <chrono>
+
+#include "datasets/base/error.h"
+#include "datasets/base/time.h"
+#include "recorders/capture_store.h"
+
+namespace trilat {
+namespace {
+
+FrameStamp* stamp_of(SourceEvent& event) {
+  if (auto* frame = std::get_if<BodyFrame>(&event.data)) return &frame->stamp;
+  if (auto* frame = std::get_if<DepthFrame>(&event.data)) return &frame->stamp;
+  if (auto* frame = std::get_if<EncodedDepthFrame>(&event.data)) return &frame->stamp;
+  return nullptr;
+}
+
+}  // namespace
+
+LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& options)
+    : inner_(std::move(inner)),
+      options_(options),
+      start_ns_(host_now_ns()),
+      first_arrival_ns_(inner_->header().sensors.size()),
+      lost_(first_arrival_ns_.size(), 0),
+      depth_frames_(first_arrival_ns_.size(), 0) {}
+
+void LiveSource::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  stop_changed_.notify_all();
+  inner_->stop();
+}
+
+std::int64_t LiveSource::due_ns(const SourceEvent& event) {
+  auto& first = first_arrival_ns_.at(event.sensor);
+  if (const auto* exchange = std::get_if<ClockExchange>(&event.data))
+    return exchange->t4_ns - options_.origin_ns;
+  if (const FrameStamp* stamp = stamp_of(const_cast<SourceEvent&>(event))) {
+    // arrivals may be on a clock of another machine, whose first frame comes near the start
+    if (!first) first = stamp->arrival_ns;
+    return options_.stamp_arrivals ? stamp->arrival_ns - options_.origin_ns : stamp->arrival_ns - *first;
+  }
+  return 0;
+}
+
+bool LiveSource::wait_until(std::int64_t host_ns) {
+  const std::chrono::steady_clock::time_point until{std::chrono::nanoseconds(host_ns)};
+  std::unique_lock lock(mutex_);
+  stop_changed_.wait_until(lock, until, [&] { return stopped_; });
+  return !stopped_;
+}
+
+// True when the event does not arrive.
+bool LiveSource::spoiled(SourceEvent& event, std::int64_t due_ns) {
+  const SourceFaults& f = options_.faults;
+  const double due_s = static_cast<double>(due_ns) * 1e-9;
+  if (f.unplugged_at_s >= 0.0 && due_s >= f.unplugged_at_s)
+    throw InputError("the sensor", "is no longer there (unplugged, as was asked for)");
+  FrameStamp* stamp = stamp_of(event);
+  if (!stamp) return false;
+  if (f.clock_jump_at_s >= 0.0 && due_s >= f.clock_jump_at_s)
+    stamp->device_ticks += duration_from_s(f.clock_jump_s).ns / header().sensors.at(event.sensor).tick_ns;
+  if (auto* depth = std::get_if<DepthFrame>(&event.data))
+    if (f.torn_every > 0 && ++depth_frames_[event.sensor] % f.torn_every == 0)
+      depth->depth_mm.resize(kDepthPixels / 2);
+  return f.stall_at_s >= 0.0 && due_s >= f.stall_at_s && due_s < f.stall_at_s + f.stall_s;
+}
+
+void LiveSource::move_to_now(SourceEvent& event) const {
+  const std::int64_t by_ns = start_ns_ - options_.origin_ns;
+  if (FrameStamp* stamp = stamp_of(event))
+    stamp->arrival_ns = options_.stamp_arrivals ? host_now_ns() : stamp->arrival_ns + by_ns;
+  if (auto* e = std::get_if<ClockExchange>(&event.data))
+    for (std::int64_t* t : {&e->t1_ns, &e->t2_ns, &e->t3_ns, &e->t4_ns}) *t += by_ns;
+  if (auto* count = std::get_if<DropCount>(&event.data)) count->host_ns += by_ns;
+}
+
+std::optional<SourceEvent> LiveSource::next() {
+  while (true) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopped_) return std::nullopt;
+    }
+    std::optional<SourceEvent> event = inner_->next();
+    if (!event) return std::nullopt;
+    // an exchange with the clock of a simulated machine says nothing about stamps of this one
+    if (options_.stamp_arrivals && std::holds_alternative<ClockExchange>(event->data)) continue;
+    const std::int64_t due = due_ns(*event);
+    if (options_.speed > 0.0 &&
+        !wait_until(start_ns_ + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
+      return std::nullopt;
+    if (spoiled(*event, due)) {
+      ++lost_[event->sensor];
+      return SourceEvent{event->sensor, DropCount{host_now_ns(), lost_[event->sensor], 0}};
+    }
+    move_to_now(*event);
+    return event;
+  }
+}
+
+}  // namespace trilat

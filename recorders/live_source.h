@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "recorders/frame_source.h"
+
+namespace trilat {
+
+// What can go wrong with a sensor, to be tried without one. Seconds since the start; negative: never.
+struct SourceFaults {
+  double stall_at_s = -1.0, stall_s = 0.0;            // nothing comes meanwhile, and the frames are lost
+  double clock_jump_at_s = -1.0, clock_jump_s = 0.0;  // of the device ticks
+  double unplugged_at_s = -1.0;                       // the source breaks
+  std::int64_t torn_every = 0;  // every so many depth frames one has only half its pixels
+};
+
+struct LiveOptions {
+  double speed = 1.0;           // times real time; 0: as fast as they are taken, nothing is ever dropped
+  bool stamp_arrivals = false;  // with the clock of this machine, as a sensor's driver would; speed 1 only
+  std::int64_t origin_ns = 0;   // what the frames' host clock shows at the start
+  SourceFaults faults;
+};
+
+// Delivers what another source has as a sensor would: each event at its time, moved to now on the host clock,
+// and whether somebody takes it or not.
+class LiveSource : public FrameSource {
+ public:
+  LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& options);
+  const SessionHeader& header() const override { return inner_->header(); }
+  std::optional<SourceEvent> next() override;
+  void stop() override;
+  bool live() const override { return options_.speed > 0.0; }
+  // What the host clock shows at the start: event times of the inner source are moved there.
+  std::int64_t start_host_ns() const { return start_ns_; }
+
+ private:
+  // Since the start, by the clock that stamped the event.
+  std::int64_t due_ns(const SourceEvent& event);
+  bool wait_until(std::int64_t host_ns);
+  bool spoiled(SourceEvent& event, std::int64_t due_ns);
+  void move_to_now(SourceEvent& event) const;
+
+  std::unique_ptr<FrameSource> inner_;
+  LiveOptions options_;
+  std::int64_t start_ns_;
+  std::vector<std::optional<std::int64_t>> first_arrival_ns_;  // one a sensor
+  std::vector<std::int64_t> lost_, depth_frames_;
+  std::mutex mutex_;
+  std::condition_variable stop_changed_;
+  bool stopped_ = false;
+};
+
+}  // namespace trilat

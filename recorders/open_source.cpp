@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/open_source.h"
+
+#include <charconv>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/synthetic/room_scene.h"
+#include "recorders/replay_source.h"
+#include "recorders/synthetic_depth_source.h"
+
+namespace trilat {
+namespace {
+
+// KIND:WHAT,KEY=VALUE,…
+struct SourceText {
+  std::string place, kind, what;
+  std::map<std::string, std::string> settings;
+
+  [[noreturn]] void refuse(const std::string& problem) const { throw InputError(place, problem); }
+
+  std::optional<std::string> take(const std::string& key) {
+    const auto found = settings.find(key);
+    if (found == settings.end()) return std::nullopt;
+    std::string value = found->second;
+    settings.erase(found);
+    return value;
+  }
+  double number(const std::string& key, const std::string& text, double least, double most) const {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !(value >= least && value <= most))
+      refuse(fmt::format("{} must be a number from {} to {}, is \"{}\"", key, least, most, text));
+    return value;
+  }
+  double take_number(const std::string& key, double otherwise, double least, double most) {
+    const auto text = take(key);
+    return text ? number(key, *text, least, most) : otherwise;
+  }
+  // AT+SECONDS
+  void take_pair(const std::string& key, double& at, double& seconds) {
+    const auto text = take(key);
+    if (!text) return;
+    const std::size_t plus = text->find('+');
+    if (plus == std::string::npos)
+      refuse(key + " must be AT+SECONDS, for example 10+2.5, is \"" + *text + '"');
+    at = number(key, text->substr(0, plus), 0.0, 1e6);
+    seconds = number(key, text->substr(plus + 1), 0.0, 1e6);
+  }
+  void refuse_the_rest(const std::string& known) const {
+    if (!settings.empty())
+      refuse("a " + kind + " source has no setting \"" + settings.begin()->first + "\"; it has " + known);
+  }
+};
+
+SourceText parse(const std::string& text, const std::string& place) {
+  SourceText result{place, {}, {}, {}};
+  const std::size_t colon = text.find(':');
+  result.kind = text.substr(0, colon);
+  if (colon == std::string::npos) return result;
+  std::size_t begin = colon + 1;
+  for (bool first = true; begin <= text.size(); first = false) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::size_t equals = part.find('=');
+    if (first)
+      result.what = part;
+    else if (equals == std::string::npos)
+      result.refuse("settings of a source are KEY=VALUE, \"" + part + "\" is not");
+    else if (!result.settings.emplace(part.substr(0, equals), part.substr(equals + 1)).second)
+      result.refuse("\"" + part.substr(0, equals) + "\" is set twice");
+    begin = end + 1;
+  }
+  return result;
+}
+
+double take_speed(SourceText& text) {
+  const auto speed = text.take("speed");
+  if (!speed) return 1.0;
+  return *speed == "max" ? 0.0 : text.number("speed", *speed, 0.01, 1000.0);
+}
+
+SyntheticRequest read_synthetic(SourceText text) {
+  SyntheticRequest request;
+  if (!text.what.empty())
+    request.sensors = static_cast<std::size_t>(text.number("the number of sensors", text.what, 1, 16));
+  request.seed = static_cast<std::uint64_t>(text.take_number("seed", 1, 0, 1e15));
+  request.duration_s = text.take_number("duration", request.duration_s, 0.1, 1e6);
+  if (const auto depth = text.take("depth")) {
+    if (*depth != "yes" && *depth != "no") text.refuse("depth must be yes or no, is \"" + *depth + '"');
+    request.depth = *depth == "yes";
+  }
+  request.dropped_share = text.take_number("drop", request.dropped_share, 0.0, 1.0);
+  SourceFaults& faults = request.live.faults;
+  text.take_pair("stall", faults.stall_at_s, faults.stall_s);
+  text.take_pair("jump", faults.clock_jump_at_s, faults.clock_jump_s);
+  faults.unplugged_at_s = text.take_number("unplug", -1.0, 0.0, 1e6);
+  faults.torn_every = static_cast<std::int64_t>(text.take_number("torn", 0.0, 1.0, 1e9));
+  request.live.speed = take_speed(text);
+  request.live.stamp_arrivals = request.live.speed == 1.0;
+  request.live.origin_ns = kMotionStart.ns;
+  text.refuse_the_rest("seed, depth, duration, drop, stall, jump, unplug, torn, speed");
+  return request;
+}
+
+std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
+  const SyntheticSetup setup = setup_of(request);
+  const SyntheticTracker tracker{default_body_tracker(), {}, {}};
+  std::unique_ptr<FrameSource> source;
+  if (request.depth) {
+    const SceneMotion scene = [motion = setup.motion, room = setup.simulation.room](double time_s) {
+      DepthScene result;
+      append_room(result, room, {0.0, 1.0, 0.0});
+      append_person(result, motion(time_s));
+      return result;
+    };
+    source = std::make_unique<SyntheticDepthSource>(
+        setup.simulation.sensor, setup.item, setup.motion, setup.sensors, request.duration_s,
+        SyntheticDepth{scene, setup.simulation.depth.noise, {}}, tracker);
+  } else {
+    source = std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion,
+                                               setup.sensors, request.duration_s, tracker);
+  }
+  return std::make_unique<LiveSource>(std::move(source), request.live);
+}
+
+std::unique_ptr<FrameSource> open_replay(SourceText text) {
+  if (text.what.empty()) text.refuse("a replay source needs a session: replay:session.h5");
+  LiveOptions options;
+  options.speed = take_speed(text);
+  text.refuse_the_rest("speed");
+  auto replay = std::make_unique<ReplaySource>(text.what);
+  options.origin_ns = replay->origin_ns();
+  return std::make_unique<LiveSource>(std::move(replay), options);
+}
+
+}  // namespace
+
+// All sensors share the clock of the machine that they are simulated on, as sensors that are plugged into it.
+SyntheticSetup setup_of(const SyntheticRequest& request) {
+  SyntheticSetup setup;
+  setup.simulation.seed = request.seed;
+  setup.simulation.sensor.dropped_share = request.dropped_share;
+  const std::vector<double> heights_m = setup.simulation.rig.heights_m;
+  setup.simulation.rig.heights_m.resize(request.sensors);
+  for (std::size_t s = 0; s < request.sensors; ++s)
+    setup.simulation.rig.heights_m[s] = heights_m[s % heights_m.size()];
+  setup.item = {request.seed, 0, 0};
+  setup.motion = generated_motion(
+      draw_person(request.seed, 0, setup.simulation.stature_mean_m, setup.simulation.stature_half_range_m),
+      Activity::walking);
+  for (const SensorPose& pose : rig_poses(setup.simulation.rig, {0.0, 1.0, 0.0})) {
+    setup.sensors.push_back(draw_sensor(setup.simulation.sensor, setup.item, setup.sensors.size(), pose));
+    setup.sensors.back().agent_from_host = {kMotionStart, {kMotionStart.ns}, 0.0};
+  }
+  return setup;
+}
+
+std::optional<SyntheticRequest> synthetic_request(const std::string& text) {
+  const SourceText parsed = parse(text, "--source");
+  if (parsed.kind != "synthetic") return std::nullopt;
+  return read_synthetic(parsed);
+}
+
+std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place) {
+  const SourceText parsed = parse(text, place);
+  if (parsed.kind == "synthetic") return open_synthetic(read_synthetic(parsed));
+  if (parsed.kind == "replay") return open_replay(parsed);
+  parsed.refuse("there is no source \"" + parsed.kind + "\"; there are synthetic:4 and replay:session.h5");
+}
+
+std::string source_help() {
+  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
+         ",stall=AT+SECONDS ,jump=AT+SECONDS ,unplug=AT ,torn=EVERY) or replay:FILE (a session once more); "
+         "both with ,speed=FACTOR or ,speed=max";
+}
+
+}  // namespace trilat

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/capture.h"
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/session_verify.h"
+#include "recorders/open_source.h"
+#include "tests/recorders/pattern_source.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using Sources = std::vector<std::unique_ptr<FrameSource>>;
+
+template <class... Source>
+Sources sources_of(std::unique_ptr<Source>... source) {
+  Sources sources;
+  (sources.push_back(std::move(source)), ...);
+  return sources;
+}
+
+void expect_pattern(const SessionReader& session, std::size_t sensor, std::size_t pattern_sensor,
+                    std::uint64_t frames) {
+  ASSERT_EQ(session.counts(sensor).body_frames, frames);
+  ASSERT_EQ(session.counts(sensor).depth_frames, frames);
+  const auto bodies = session.body_frames(sensor, 0, frames);
+  const auto stamps = session.stamps(sensor, FrameStream::depth, 0, frames);
+  std::vector<std::uint16_t> depth(kDepthPixels);
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto frame = static_cast<std::int64_t>(i);
+    const BodyFrame expected = PatternSource::bodies_of(pattern_sensor, frame);
+    EXPECT_EQ(bodies[i].stamp.sequence, frame);
+    EXPECT_EQ(stamps[i].arrival_ns - stamps[0].arrival_ns, 33'333'300 * frame);
+    ASSERT_EQ(bodies[i].bodies.size(), expected.bodies.size());
+    for (std::size_t b = 0; b < expected.bodies.size(); ++b)
+      EXPECT_EQ(bodies[i].bodies[b].position_m, expected.bodies[b].position_m);
+    session.depth_frame(sensor, i, depth);
+    EXPECT_EQ(depth, PatternSource::depth_of(pattern_sensor, frame)) << "frame " << i;
+  }
+}
+
+TEST(Capture, StoresWhatAllSourcesDeliverInTheirOrder) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.queue_bytes = 3 << 20;  // sources have to wait
+  options.workers = 3;
+  const CaptureSummary summary = capture(
+      sources_of(std::make_unique<PatternSource>(2, 40), std::make_unique<PatternSource>(1, 25, false, "m")),
+      folder / "session.h5", options);
+  EXPECT_EQ(summary.end, CaptureEnd::source_ended);
+  EXPECT_FALSE(summary.lost_frames());
+  const SessionReader session(folder / "session.h5");
+  EXPECT_TRUE(session.complete());
+  expect_pattern(session, 0, 0, 40);
+  expect_pattern(session, 1, 1, 40);
+  expect_pattern(session, 2, 0, 25);
+  EXPECT_EQ(session.counts(1).clock_exchanges, 40u);
+}
+
+TEST(Capture, DepthThatComesCompressedIsCompressedAgainOnlyWhenTheFileWantsAnother) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  for (const ChunkCompression compression : {ChunkCompression::blosc, ChunkCompression::deflate}) {
+    options.depth_compression = compression;
+    const std::string name = compression == ChunkCompression::blosc ? "blosc.h5" : "deflate.h5";
+    capture(sources_of(std::make_unique<PatternSource>(1, 5)), folder / ("first_" + name), options);
+    capture(sources_of(open_source("replay:" + (folder / "first_blosc.h5").string() + ",speed=max")),
+            folder / name, options);
+    const SessionReader session(folder / name);
+    EXPECT_EQ(session.stored_depth_frame(0, 0).compression, compression);
+    expect_pattern(session, 0, 0, 5);
+  }
+}
+
+TEST(Capture, WhatALiveSourceDeliversWithoutRoomIsDroppedAndCounted) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.queue_bytes = 1 << 20;  // two frames
+  options.workers = 1;
+  options.on_bodies = [](const std::string&, const BodyFrame&) {  // a slow disk
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  };
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<PatternSource>(1, 100, true)), folder / "session.h5", options);
+  EXPECT_TRUE(summary.lost_frames());
+  const SessionReader session(folder / "session.h5");
+  const auto& counts = session.counts(0);
+  EXPECT_EQ(counts.body_frames, 100u);  // what is small is never dropped
+  EXPECT_LT(counts.depth_frames, 100u);
+  EXPECT_EQ(counts.depth_frames + static_cast<std::uint64_t>(session.drop_counts(0).back().in_queue), 100u);
+  EXPECT_EQ(summary.last.sensors[0].lost_in_queue, session.drop_counts(0).back().in_queue);
+}
+
+// Breaks after some frames, or falls silent.
+class UnreliableSource : public PatternSource {
+ public:
+  UnreliableSource(std::int64_t frames, double silence_s)
+      : PatternSource(1, 1000, true, "u"), frames_(frames), silence_s_(silence_s) {}
+  std::optional<SourceEvent> next() override {
+    if (events_++ == 3 * frames_) {
+      if (silence_s_ == 0.0) throw std::runtime_error("the cable was pulled");
+      std::this_thread::sleep_for(std::chrono::duration<double>(silence_s_));
+    }
+    return events_ > 6 * frames_ ? std::nullopt : PatternSource::next();
+  }
+
+ private:
+  std::int64_t frames_, events_ = 0;
+  double silence_s_;
+};
+
+std::vector<std::string> notices_of(const SessionReader& session, std::size_t sensor) {
+  std::vector<std::string> texts;
+  for (const SensorNotice& notice : session.notices(sensor)) texts.push_back(notice.text);
+  return texts;
+}
+
+TEST(Capture, ASourceThatBreaksIsToldAndTheOthersGoOn) {
+  const ScratchFolder folder;
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<PatternSource>(1, 30), std::make_unique<UnreliableSource>(7, 0.0)),
+              folder / "session.h5", {});
+  EXPECT_TRUE(summary.source_failed);
+  const SessionReader session(folder / "session.h5");
+  expect_pattern(session, 0, 0, 30);
+  expect_pattern(session, 1, 0, 7);
+  EXPECT_THAT(notices_of(session, 1), Contains(HasSubstr("the cable was pulled")));
+}
+
+TEST(Capture, ASilentSensorIsToldOnceAndWhenItIsBack) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.silence_s = 0.1;
+  options.flush_period_s = 0.02;
+  capture(sources_of(std::make_unique<UnreliableSource>(4, 0.6)), folder / "session.h5", options);
+  const SessionReader session(folder / "session.h5");
+  const auto notices = notices_of(session, 0);
+  EXPECT_EQ(std::count_if(notices.begin(), notices.end(),
+                          [](const std::string& n) { return n.find("no frame for 0.1 s") == 0; }),
+            1);
+  EXPECT_THAT(notices, Contains("frames again"));
+}
+
+TEST(Capture, WhenAskedToStopClosesTheFileWithAllThatCame) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.flush_period_s = 0.02;
+  bool stop = false;
+  options.on_status = [&](const CaptureStatus& status) { stop = status.sensors[0].depth_frames > 20; };
+  options.stop_requested = [&] { return stop; };
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<PatternSource>(1, 1'000'000)), folder / "session.h5", options);
+  EXPECT_EQ(summary.end, CaptureEnd::stop_requested);
+  const SessionReader session(folder / "session.h5");
+  EXPECT_TRUE(session.complete());
+  EXPECT_GT(session.counts(0).depth_frames, 20u);
+  expect_pattern(session, 0, 0, session.counts(0).depth_frames);
+  EXPECT_FALSE(std::filesystem::exists(partial_name(folder / "session.h5")));
+}
+
+TEST(Capture, EndsInOrderWhenTheDiskIsNearlyFull) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.flush_period_s = 0.02;
+  options.reserve_bytes = std::uint64_t{1} << 62;
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<PatternSource>(1, 1'000'000)), folder / "session.h5", options);
+  EXPECT_EQ(summary.end, CaptureEnd::disk_full);
+  EXPECT_TRUE(SessionReader(folder / "session.h5").complete());
+}
+
+TEST(Capture, TornFramesAreLeftOutAndCounted) {
+  const ScratchFolder folder;
+  const CaptureSummary summary = capture(
+      sources_of(open_source("synthetic:1,duration=0.5,speed=max,torn=5,drop=0")), folder / "session.h5", {});
+  const SessionReader session(folder / "session.h5");
+  EXPECT_EQ(session.counts(0).body_frames, 15u);
+  EXPECT_EQ(session.counts(0).depth_frames, 12u);
+  EXPECT_EQ(summary.last.sensors[0].lost_in_queue, 3);
+}
+
+TEST(Capture, TwoSensorsOfOneNameAreRefused) {
+  const ScratchFolder folder;
+  EXPECT_THAT(message_of([&] {
+                capture(
+                    sources_of(std::make_unique<PatternSource>(1, 1), std::make_unique<PatternSource>(1, 1)),
+                    folder / "session.h5", {});
+              }),
+              HasSubstr("two sensors named \"k0\""));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// Records in a second process, kills it at a random instant or lets its disk run full, recovers, and compares
+// every frame that had been flushed with what was recorded, byte for byte.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/philox.h"
+#include "datasets/session/session_recover.h"
+#include "recorders/capture.h"
+#include "tests/recorders/pattern_source.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kSensors = 2;
+constexpr std::int64_t kFrames = 60;
+
+// What one trial is to do; in the recording process `says` gets the frames that are safe, sensor by sensor.
+struct Trial {
+  std::filesystem::path session;
+  double kill_after_s = -1.0;
+  rlim_t file_limit_bytes = RLIM_INFINITY;
+};
+
+struct Safe {
+  std::uint64_t body_frames[kSensors]{}, depth_frames[kSensors]{};
+};
+
+// A source that keeps to a rhythm, so that a recording lasts long enough to be killed in.
+class SteadySource : public PatternSource {
+ public:
+  SteadySource() : PatternSource(kSensors, kFrames) {}
+  std::optional<SourceEvent> next() override {
+    std::this_thread::sleep_for(std::chrono::microseconds(400));
+    return PatternSource::next();
+  }
+};
+
+[[noreturn]] void record_and_exit(const Trial& trial, int says) {
+  if (trial.file_limit_bytes != RLIM_INFINITY) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{trial.file_limit_bytes, trial.file_limit_bytes};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  CaptureOptions options;
+  options.flush_period_s = 0.01;
+  options.reserve_bytes = 0;
+  options.on_status = [&](const CaptureStatus& status) {
+    Safe safe;
+    for (std::size_t s = 0; s < kSensors; ++s) {
+      safe.body_frames[s] = status.sensors[s].body_frames;
+      safe.depth_frames[s] = status.sensors[s].depth_frames;
+    }
+    if (::write(says, &safe, sizeof safe) != sizeof safe) std::_Exit(3);
+  };
+  std::vector<std::unique_ptr<FrameSource>> sources;
+  sources.push_back(std::make_unique<SteadySource>());
+  try {
+    const CaptureSummary summary = capture(sources, trial.session, options);
+    std::exit(summary.end == CaptureEnd::source_ended ? 0 : summary.end == CaptureEnd::disk_failed ? 1 : 4);
+  } catch (const OutputError&) {
+    std::exit(1);  // the file could not even be created
+  } catch (const InputError&) {
+    std::exit(2);
+  }
+}
+
+Safe last_of(int pipe) {
+  Safe safe, next;
+  while (::read(pipe, &next, sizeof next) == sizeof next) safe = next;
+  return safe;
+}
+
+// Empty when the session holds at least what was safe, and nothing but what was recorded.
+std::string difference(const SessionReader& session, const Safe& safe) {
+  std::vector<std::uint16_t> depth(kDepthPixels);
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
+    const SensorCounts& counts = session.counts(s);
+    if (counts.body_frames < safe.body_frames[s] || counts.depth_frames < safe.depth_frames[s])
+      return fmt::format("sensor {} holds {} and {} frames, {} and {} were flushed", s, counts.body_frames,
+                         counts.depth_frames, safe.body_frames[s], safe.depth_frames[s]);
+    const auto bodies = session.body_frames(s, 0, counts.body_frames);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const BodyFrame expected = PatternSource::bodies_of(s, static_cast<std::int64_t>(i));
+      bool same = bodies[i].stamp.arrival_ns == expected.stamp.arrival_ns &&
+                  bodies[i].floor_plane == expected.floor_plane &&
+                  bodies[i].bodies.size() == expected.bodies.size();
+      for (std::size_t b = 0; same && b < expected.bodies.size(); ++b)
+        same = bodies[i].bodies[b].position_m == expected.bodies[b].position_m &&
+               bodies[i].bodies[b].tracking_id == expected.bodies[b].tracking_id &&
+               bodies[i].bodies[b].tracking_state == expected.bodies[b].tracking_state;
+      if (!same) return fmt::format("body frame {} of sensor {} is another", i, s);
+    }
+    const auto stamps = session.stamps(s, FrameStream::depth, 0, counts.depth_frames);
+    for (std::size_t i = 0; i < stamps.size(); ++i) {
+      session.depth_frame(s, i, depth);
+      if (stamps[i].sequence != static_cast<std::int64_t>(i) ||
+          depth != PatternSource::depth_of(s, static_cast<std::int64_t>(i)))
+        return fmt::format("depth frame {} of sensor {} is another", i, s);
+    }
+    const auto exchanges = session.clock_exchanges(s);
+    for (std::size_t i = 0; i < exchanges.size(); ++i)
+      if (exchanges[i].t4_ns != static_cast<std::int64_t>(i) + 3)
+        return fmt::format("clock exchange {} of sensor {} is another", i, s);
+  }
+  return "";
+}
+
+struct Outcome {
+  std::string problem;  // empty: nothing was lost
+  bool complete = false, nothing_flushed = false;
+};
+
+// A file that its process left is read again after recovery, a finished one as it is.
+Outcome examine(const Trial& trial, const Safe& safe) {
+  Outcome outcome;
+  outcome.nothing_flushed = safe.body_frames[0] + safe.body_frames[1] == 0;
+  try {
+    outcome.complete = std::filesystem::exists(trial.session);
+    std::filesystem::path readable = trial.session;
+    if (!outcome.complete) {
+      readable = trial.session.string() + ".saved.h5";
+      recover_session(partial_name(trial.session), readable);
+    }
+    const SessionReader session(readable);
+    if (!session.complete()) outcome.problem = "is not complete";
+    if (outcome.problem.empty()) outcome.problem = difference(session, safe);
+  } catch (const InputError& error) {
+    // before the first flush there may be no file, or nothing in it
+    if (!outcome.nothing_flushed) outcome.problem = error.what();
+  }
+  return outcome;
+}
+
+// Records in a process of its own; what was safe when it ended, and how it should not have ended.
+std::pair<Safe, std::string> record_apart(const Trial& trial) {
+  int ends[2];
+  if (::pipe(ends) != 0) return {{}, "no pipe"};
+  const pid_t child = fork();
+  if (child == 0) {
+    ::close(ends[0]);
+    record_and_exit(trial, ends[1]);
+  }
+  ::close(ends[1]);
+  if (trial.kill_after_s >= 0.0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(trial.kill_after_s));
+    kill(child, SIGKILL);
+  }
+  const Safe safe = last_of(ends[0]);
+  ::close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  const bool killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL && trial.kill_after_s >= 0.0;
+  if (!killed && !(WIFEXITED(status) && WEXITSTATUS(status) <= 1))
+    return {safe, fmt::format("the recording process ended with status {}", status)};
+  return {safe, ""};
+}
+
+Outcome run(const Trial& trial) {
+  const auto [safe, problem] = record_apart(trial);
+  return problem.empty() ? examine(trial, safe) : Outcome{problem, false, false};
+}
+
+double seconds_of_a_whole_recording(const std::filesystem::path& folder) {
+  const Trial trial{folder / "whole.h5"};
+  const auto start = std::chrono::steady_clock::now();
+  const auto [safe, problem] = record_apart(trial);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Outcome outcome = examine(trial, safe);
+  if (!problem.empty() || !outcome.problem.empty() || !outcome.complete)
+    throw InputError("an undisturbed recording", problem + outcome.problem);
+  return seconds;
+}
+
+int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const double whole_s = seconds_of_a_whole_recording(folder);
+  const auto whole_bytes = std::filesystem::file_size(folder / "whole.h5");
+  const RandomStream random{seed, Purpose::sensor_drop, 0};
+  int lost = 0, complete = 0, empty = 0;
+  for (int i = 0; i < kills + full_disks; ++i) {
+    const double draw = random.uniform(static_cast<std::uint32_t>(i));
+    Trial trial{folder / fmt::format("trial_{}.h5", i)};
+    if (i < kills)
+      trial.kill_after_s = draw * whole_s;
+    else
+      trial.file_limit_bytes = static_cast<rlim_t>(draw * static_cast<double>(whole_bytes));
+    const Outcome outcome = run(trial);
+    complete += outcome.complete;
+    empty += outcome.nothing_flushed;
+    if (!outcome.problem.empty()) {
+      ++lost;
+      fmt::print(stderr, "trial {} ({}): {}\n", i,
+                 i < kills ? fmt::format("killed after {:.4f} s", trial.kill_after_s)
+                           : fmt::format("disk full at {} bytes", trial.file_limit_bytes),
+                 outcome.problem);
+    } else {
+      for (const char* tail : {"", ".partial", ".saved.h5"})
+        std::filesystem::remove(trial.session.string() + tail);
+    }
+  }
+  fmt::print(
+      "{} kills, {} full disks; a whole recording takes {:.3f} s: {} files lost anything that was flushed; "
+      "{} "
+      "had been finished before, {} had flushed nothing yet\n",
+      kills, full_disks, whole_s, lost, complete, empty);
+  return lost == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace trilat
+
+int main(int argc, char** argv) {
+  CLI::App app("Kills a recording process, or lets its disk run full, and sees what can be recovered");
+  int kills = 300, full_disks = 50;
+  std::uint64_t seed = 1;
+  std::string folder = (std::filesystem::temp_directory_path() / "trilat_torture").string();
+  app.add_option("--kills", kills)->capture_default_str();
+  app.add_option("--full-disks", full_disks)->capture_default_str();
+  app.add_option("--seed", seed)->capture_default_str();
+  app.add_option("--folder", folder)->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  return trilat::torture(kills, full_disks, seed, folder);
+}
