@@ -22,8 +22,10 @@ Clock::duration from_seconds(double seconds) {
 }
 
 // The sensors of all sources one behind the other.
-SessionHeader joint_header(const std::vector<std::unique_ptr<FrameSource>>& sources) {
+SessionHeader joint_header(const std::vector<std::unique_ptr<FrameSource>>& sources,
+                           const std::string& started_utc) {
   SessionHeader header = sources.at(0)->header();
+  if (!started_utc.empty()) header.started_utc = started_utc;
   for (std::size_t i = 1; i < sources.size(); ++i) {
     const SessionHeader& more = sources[i]->header();
     header.simulated = header.simulated || more.simulated;
@@ -46,7 +48,7 @@ class Recording {
             const CaptureOptions& options)
       : path_(path),
         options_(options),
-        header_(joint_header(sources)),
+        header_(joint_header(sources, options.started_utc)),
         writer_(path, header_, options.depth_compression),
         queue_(header_.sensors.size(), options.queue_bytes),
         store_(writer_, header_, options),

@@ -28,6 +28,7 @@ struct CaptureStatus {
 };
 
 struct CaptureOptions {
+  std::string started_utc;  // of the session; for people
   ChunkCompression depth_compression = ChunkCompression::blosc;
   int workers = 2;                           // threads that compress
   std::size_t queue_bytes = 512u << 20;      // about ten seconds of four Kinects

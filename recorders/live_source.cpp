@@ -80,27 +80,39 @@ void LiveSource::move_to_now(SourceEvent& event) const {
   if (auto* count = std::get_if<DropCount>(&event.data)) count->host_ns += by_ns;
 }
 
-std::optional<SourceEvent> LiveSource::next() {
-  while (true) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (stopped_) return std::nullopt;
-    }
+std::optional<std::pair<std::int64_t, SourceEvent>> LiveSource::earliest() {
+  // bodies, depth and an exchange of every sensor, for two frame numbers
+  const std::size_t events_ahead = 6 * header().sensors.size();
+  while (ahead_.size() < events_ahead) {
     std::optional<SourceEvent> event = inner_->next();
-    if (!event) return std::nullopt;
+    if (!event) break;
     // an exchange with the clock of a simulated machine says nothing about stamps of this one
     if (options_.stamp_arrivals && std::holds_alternative<ClockExchange>(event->data)) continue;
     const std::int64_t due = due_ns(*event);
-    if (options_.speed > 0.0 &&
-        !wait_until(start_ns_ + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
-      return std::nullopt;
-    if (spoiled(*event, due)) {
-      ++lost_[event->sensor];
-      return SourceEvent{event->sensor, DropCount{host_now_ns(), lost_[event->sensor], 0}};
-    }
-    move_to_now(*event);
-    return event;
+    ahead_.emplace(due, std::move(*event));
   }
+  if (ahead_.empty()) return std::nullopt;
+  auto node = ahead_.extract(ahead_.begin());
+  return std::pair{node.key(), std::move(node.mapped())};
+}
+
+std::optional<SourceEvent> LiveSource::next() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopped_) return std::nullopt;
+  }
+  auto first = earliest();
+  if (!first) return std::nullopt;
+  auto& [due, event] = *first;
+  if (options_.speed > 0.0 &&
+      !wait_until(start_ns_ + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
+    return std::nullopt;
+  if (spoiled(event, due)) {
+    ++lost_[event.sensor];
+    return SourceEvent{event.sensor, DropCount{host_now_ns(), lost_[event.sensor], 0}};
+  }
+  move_to_now(event);
+  return std::move(event);
 }
 
 }  // namespace trilat

@@ -3,9 +3,11 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "recorders/frame_source.h"
@@ -40,6 +42,8 @@ class LiveSource : public FrameSource {
   std::int64_t start_host_ns() const { return start_ns_; }
 
  private:
+  // The next event in the order of their times; the inner source's order is frame number by frame number.
+  std::optional<std::pair<std::int64_t, SourceEvent>> earliest();
   // Since the start, by the clock that stamped the event.
   std::int64_t due_ns(const SourceEvent& event);
   bool wait_until(std::int64_t host_ns);
@@ -49,6 +53,7 @@ class LiveSource : public FrameSource {
   std::unique_ptr<FrameSource> inner_;
   LiveOptions options_;
   std::int64_t start_ns_;
+  std::multimap<std::int64_t, SourceEvent> ahead_;             // by due time
   std::vector<std::optional<std::int64_t>> first_arrival_ns_;  // one a sensor
   std::vector<std::int64_t> lost_, depth_frames_;
   std::mutex mutex_;

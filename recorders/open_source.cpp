@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/synthetic/room_scene.h"
+#include "recorders/prefetch_source.h"
 #include "recorders/replay_source.h"
 #include "recorders/synthetic_depth_source.h"
 
@@ -124,7 +125,9 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
     source = std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion,
                                                setup.sensors, request.duration_s, tracker);
   }
-  return std::make_unique<LiveSource>(std::move(source), request.live);
+  constexpr std::size_t kEventsAhead = 128;  // 28 MB of depth, half a second of four sensors
+  return std::make_unique<LiveSource>(std::make_unique<PrefetchSource>(std::move(source), kEventsAhead),
+                                      request.live);
 }
 
 std::unique_ptr<FrameSource> open_replay(SourceText text) {

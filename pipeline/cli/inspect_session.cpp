@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
-// `trilat info` and `trilat verify`.
+// `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/session/session_clock.h"
+#include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -36,6 +41,9 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
   const Span bodies = span_of(session, sensor, FrameStream::bodies, c.body_frames);
   const auto drops = session.drop_counts(sensor);
   const DropCount last_drop = drops.empty() ? DropCount{} : drops.back();
+  Json notices = Json::array();
+  for (const SensorNotice& notice : session.notices(sensor))
+    notices.push_back({{"host_ns", notice.host_ns}, {"text", notice.text}});
   Json json{{"name", d.name},
             {"serial", d.serial},
             {"model", d.model},
@@ -48,6 +56,7 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
             {"depth_stored_bytes", c.depth_stored_bytes},
             {"clock_exchanges", c.clock_exchanges},
             {"torn_rows", c.torn_rows},
+            {"notices", notices},
             {"dropped_at_source", last_drop.at_source},
             {"dropped_in_queue", last_drop.in_queue},
             {"fx_px", d.intrinsics.fx_px},
@@ -62,10 +71,41 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
   return json;
 }
 
+// The file under its name, or, while it is recorded or after its recorder was killed, under the unfinished
+// one.
+std::filesystem::path found_session(const std::filesystem::path& path) {
+  const bool unfinished = !std::filesystem::exists(path) && std::filesystem::exists(partial_name(path));
+  return unfinished ? partial_name(path) : path;
+}
+
+// A line whenever something has been added, until the recording is finished or somebody has seen enough.
+int follow(const std::filesystem::path& path) {
+  std::uint64_t seen = 0;
+  while (!stop_requested()) {
+    const SessionReader session(found_session(path));
+    std::string line;
+    std::uint64_t total = 0;
+    for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
+      const SensorCounts& counts = session.counts(s);
+      line += fmt::format("  {} {} bodies {} depth", session.header().sensors[s].name, counts.body_frames,
+                          counts.depth_frames);
+      total += counts.body_frames + counts.depth_frames;
+    }
+    if (total > seen || session.complete())
+      fmt::print("{}{}\n", session.complete() ? "complete" : "recording", line);
+    std::fflush(stdout);
+    if (session.complete()) break;
+    seen = total;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+  return kDone;
+}
+
 }  // namespace
 
 int info(const InfoArguments& arguments) {
-  const SessionReader session(arguments.session);
+  if (arguments.follow) return follow(arguments.session);
+  const SessionReader session(found_session(arguments.session));
   Json sensors = Json::array();
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s) sensors.push_back(json_of(session, s));
   if (arguments.json) {
@@ -116,6 +156,54 @@ int verify(const VerifyArguments& arguments) {
                errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"));
   }
   return errors == 0 ? kDone : kItemsFailed;
+}
+
+int recover(const RecoverArguments& arguments) {
+  const std::filesystem::path damaged = found_session(arguments.session);
+  std::filesystem::path output = arguments.output;
+  if (output.empty())
+    output = damaged.extension() == ".partial" ? damaged.parent_path() / damaged.stem()
+                                               : std::filesystem::path(damaged.string() + ".recovered.h5");
+  if (SessionReader(damaged).complete()) {
+    if (!arguments.json) fmt::print("{} is complete; there is nothing to recover\n", damaged.string());
+    if (arguments.json)
+      fmt::print("{}\n", json_text(Json{{"session", damaged.string()}, {"complete", true}}, 2));
+    return kDone;
+  }
+  std::vector<SensorRecovery> recoveries;
+  {
+    Progress progress("recovering " + damaged.filename().string());
+    recoveries = recover_session(damaged, output, [&](double share) {
+      progress.set(share);
+      return !stop_requested();
+    });
+  }
+  Json sensors = Json::array();
+  for (const SensorRecovery& r : recoveries)
+    sensors.push_back({{"name", r.name},
+                       {"body_frames", r.saved.body_frames},
+                       {"depth_frames", r.saved.depth_frames},
+                       {"clock_exchanges", r.saved.clock_exchanges},
+                       {"torn_rows", r.torn_rows},
+                       {"damaged_depth_frames", r.damaged_depth_frames}});
+  if (arguments.json) {
+    const Json json{
+        {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
+    fmt::print("{}\n", json_text(json, 2));
+    return kDone;
+  }
+  fmt::print("{}: everything that had been flushed of {}\n", output.string(), damaged.string());
+  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>22} {:>21}\n", "sensor", "body frames", "depth frames",
+             "exchanges", "rows behind the flush", "damaged depth frames");
+  for (const SensorRecovery& r : recoveries)
+    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>22} {:>21}\n", r.name, r.saved.body_frames,
+               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows, r.damaged_depth_frames);
+  fmt::print(
+      "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
+      "you "
+      "have looked at what was saved\n",
+      damaged.string());
+  return kDone;
 }
 
 }  // namespace trilat

@@ -10,6 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "pipeline/cli/recording_verbs.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
@@ -25,19 +26,7 @@ void on_signal(int number) {
   }
 }
 
-// For verbs that leave something behind; the others just end.
-void end_in_order() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-}
-
-void add_json(CLI::App& verb, bool& json) {
-  verb.add_flag("--json", json, "one JSON document on stdout, and nothing else there");
-}
-
 struct AllArguments {
-  InfoArguments info;
-  VerifyArguments verify;
   MocapArguments mocap;
   SimulateArguments simulate;
   CalibrateArguments calibrate;
@@ -47,17 +36,6 @@ struct AllArguments {
 };
 
 void add_inspection(CLI::App& app, AllArguments& a, int& code) {
-  auto* info_verb = app.add_subcommand("info", "what is in a session");
-  info_verb->add_option("session", a.info.session, "session.h5")->required();
-  add_json(*info_verb, a.info.json);
-  info_verb->callback([&] { code = info(a.info); });
-
-  auto* verify_verb = app.add_subcommand("verify", "read everything in a session and say what is odd");
-  verify_verb->add_option("session", a.verify.session, "session.h5")->required();
-  verify_verb->add_flag("--skip-depth", a.verify.skip_depth, "do not decompress the depth frames");
-  add_json(*verify_verb, a.verify.json);
-  verify_verb->callback([&] { code = verify(a.verify); });
-
   auto* mocap_verb = app.add_subcommand(
       "mocap",
       "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches");
@@ -174,6 +152,8 @@ int guarded_main(int argc, char** argv) {
   int code = kDone;
   add_work(app, arguments, code);
   add_calibrate(app, arguments, code);
+  RecordingArguments recording;
+  add_recording_verbs(app, recording, code);
   add_inspection(app, arguments, code);
   try {
     app.parse(argc, argv);
@@ -201,6 +181,11 @@ int guarded_main(int argc, char** argv) {
 }  // namespace
 
 bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0; }
+
+void end_in_order() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
 
 }  // namespace trilat
 

@@ -9,12 +9,12 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/bystanders.h"
 #include "datasets/synthetic/recorded_motion.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulation_parameters.h"
 #include "pipeline/cli/simulate_wand.h"
+#include "pipeline/cli/simulated_mocap.h"
 #include "pipeline/cli/simulated_truth.h"
 #include "pipeline/parallel.h"
 #include "recorders/recorder.h"
@@ -22,49 +22,6 @@
 
 namespace trilat {
 namespace {
-
-// The virtual OptiTrack's export, and beside it the same frames without noise, gaps and markers.
-void write_mocap(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                 const std::filesystem::path& folder, const std::function<bool()>& stop_requested) {
-  std::vector<std::string> markers, joints;
-  for (Joint joint : plan.marker_joints)
-    for (int m = 0; m < kMarkersPerJoint; ++m) markers.push_back(marker_name(joint, m));
-  for (int j = 0; j < kJointCount; ++j) joints.emplace_back(name_of(static_cast<Joint>(j)));
-  const double rate_hz = spec.mocap.rate_hz;
-  const std::int64_t frames = mocap_frames(spec.mocap, plan.duration_s);
-  OptitrackCsvWriter mocap(folder / "mocap.csv", simulated_mocap_header(plan.id + " simulated", rate_hz,
-                                                                        frames, AssetType::marker, markers));
-  OptitrackCsvWriter truth(folder / "truth.csv", simulated_mocap_header(plan.id + " true joints", rate_hz,
-                                                                        frames, AssetType::marker, joints));
-  MocapFrame seen, exact;
-  seen.poses.resize(markers.size());
-  exact.poses.resize(joints.size());
-  for (std::int64_t f = 0; f < frames; ++f) {
-    if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
-    const SkeletonPose pose = plan.motion(static_cast<double>(f) / rate_hz);
-    seen.index = exact.index = f;
-    for (std::size_t j = 0; j < joints.size(); ++j) exact.poses[j].position_m = pose.joint_in_world_m[j];
-    std::size_t next = 0;
-    for (Joint joint : plan.marker_joints)
-      for (const Eigen::Vector3d& marker :
-           simulate_markers(pose, joint, spec.mocap, plan.item, static_cast<std::uint64_t>(f)))
-        seen.poses[next++].position_m = marker;
-    mocap.write(seen);
-    truth.write(exact);
-  }
-  mocap.finish();
-  truth.finish();
-}
-
-JointMapping marker_mapping(const std::vector<Joint>& joints) {
-  JointMapping mapping;
-  for (Joint joint : joints) {
-    JointMapping::Entry entry{joint, {}};
-    for (int m = 0; m < kMarkersPerJoint; ++m) entry.assets.push_back(marker_name(joint, m));
-    mapping.joints.push_back(std::move(entry));
-  }
-  return mapping;
-}
 
 void copy_recorded(const std::filesystem::path& from, const std::filesystem::path& to) {
   const std::filesystem::path partial = partial_name(to);
@@ -193,7 +150,7 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
   const std::filesystem::path tracker_truth = spec.body_tracker ? folder / "tracker_truth.h5" : "";
   record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
   if (plan.recorded_mocap.empty()) {
-    write_mocap(spec, plan, folder, watch.stop_requested);
+    write_simulated_mocap(spec.mocap, plan, folder, watch.stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
   } else {
     copy_recorded(plan.recorded_mocap, folder / "mocap.csv");

@@ -17,9 +17,32 @@ enum ExitCode { kDone = 0, kItemsFailed = 1, kBadInput = 2, kOurBug = 70 };
 
 // True once the process has been asked to end (Ctrl-C, SIGTERM). Long work asks between items.
 bool stop_requested();
+// For verbs that leave something behind: from now on Ctrl-C asks; the others just end.
+void end_in_order();
+
+struct RecordArguments {
+  std::vector<std::string> sources;
+  std::filesystem::path output;
+  double duration_s = 0.0;
+  std::string compression = "blosc";
+  int queue_mb = 512;
+  int workers = 2;
+  bool preview = false;
+  std::filesystem::path truth;
+  bool json = false;
+};
+int record_session(const RecordArguments& arguments);
+
+struct RecoverArguments {
+  std::filesystem::path session;
+  std::filesystem::path output;
+  bool json = false;
+};
+int recover(const RecoverArguments& arguments);
 
 struct InfoArguments {
   std::filesystem::path session;
+  bool follow = false;
   bool json = false;
 };
 int info(const InfoArguments& arguments);

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// `trilat record`.
+#include <chrono>
+#include <cstdio>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "pipeline/cli/record_truth.h"
+#include "pipeline/cli/skeleton_preview.h"
+#include "pipeline/cli/verbs.h"
+#include "recorders/capture.h"
+#include "recorders/capture_store.h"
+#include "recorders/open_source.h"
+
+namespace trilat {
+namespace {
+
+ChunkCompression compression_named(const std::string& name) {
+  return name == "deflate" ? ChunkCompression::deflate
+         : name == "none"  ? ChunkCompression::none
+                           : ChunkCompression::blosc;
+}
+
+// Both clocks at once, so that somebody can tell later when the host clock's times were.
+std::string utc_now() {
+  const auto now = std::chrono::system_clock::now();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z at host clock {} ns",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), host_now_ns());
+}
+
+// The line under a running recording: over itself on a terminal, now and then elsewhere.
+class LiveLine {
+ public:
+  LiveLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+  ~LiveLine() { clear(); }
+
+  void show(const CaptureStatus& status) {
+    if (!terminal_ && status.elapsed_s < next_s_) return;
+    next_s_ = status.elapsed_s + 10.0;
+    const double written =
+        status.elapsed_s > 0.0 ? static_cast<double>(status.file_bytes) / status.elapsed_s : 0.0;
+    std::string line = fmt::format("{:4.0f} s ", status.elapsed_s);
+    std::int64_t lost = 0;
+    for (const SensorStatus& s : status.sensors) {
+      line += fmt::format(" {} {:.1f} Hz", s.name, s.rate_hz);
+      lost += s.lost_at_source + s.lost_in_queue;
+    }
+    line += fmt::format(
+        "  lost {}  queue {:.0f} %  {:.1f} MB/s  {:.1f} GB free", lost,
+        100.0 * static_cast<double>(status.queue_bytes) / static_cast<double>(status.queue_limit_bytes),
+        1e-6 * written, 1e-9 * static_cast<double>(status.disk_free_bytes));
+    if (written > 0.0)
+      line += fmt::format(" ({:.0f} min)", static_cast<double>(status.disk_free_bytes) / written / 60.0);
+    fmt::print(stderr, "{}{}{}", terminal_ ? "\r\033[K" : "", line, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void say(const std::string& text) {
+    clear();
+    fmt::print(stderr, "{}\n", text);
+  }
+
+ private:
+  void clear() const {
+    if (terminal_) fmt::print(stderr, "\r\033[K");
+  }
+  bool terminal_;
+  double next_s_ = 0.0;
+};
+
+std::string_view name_of(CaptureEnd end) {
+  switch (end) {
+    case CaptureEnd::source_ended:
+      return "source_ended";
+    case CaptureEnd::stop_requested:
+      return "stop_requested";
+    case CaptureEnd::duration_over:
+      return "duration_over";
+    case CaptureEnd::disk_full:
+      return "disk_full";
+    case CaptureEnd::disk_failed:
+      return "disk_failed";
+  }
+  return "";
+}
+
+Json json_of(const CaptureSummary& summary, const std::filesystem::path& file) {
+  Json sensors = Json::array();
+  for (const SensorStatus& s : summary.last.sensors)
+    sensors.push_back({{"name", s.name},
+                       {"body_frames", s.body_frames},
+                       {"depth_frames", s.depth_frames},
+                       {"lost_at_source", s.lost_at_source},
+                       {"lost_in_queue", s.lost_in_queue}});
+  return {{"session", file.string()},
+          {"end", name_of(summary.end)},
+          {"elapsed_s", summary.last.elapsed_s},
+          {"file_bytes", summary.last.file_bytes},
+          {"source_failed", summary.source_failed},
+          {"sensors", sensors}};
+}
+
+void print_summary(const CaptureSummary& summary, const std::filesystem::path& file) {
+  fmt::print("{}: {:.1f} s, {:.1f} MB\n", file.string(), summary.last.elapsed_s,
+             1e-6 * static_cast<double>(summary.last.file_bytes));
+  fmt::print("{:<10} {:>12} {:>13} {:>15} {:>14}\n", "sensor", "body frames", "depth frames",
+             "lost at source", "lost in queue");
+  for (const SensorStatus& s : summary.last.sensors)
+    fmt::print("{:<10} {:>12} {:>13} {:>15} {:>14}\n", s.name, s.body_frames, s.depth_frames,
+               s.lost_at_source, s.lost_in_queue);
+  if (summary.end == CaptureEnd::disk_full) fmt::print("ended because the disk is nearly full\n");
+}
+
+void refuse_existing(const std::filesystem::path& output) {
+  check_output_file(output);
+  for (const std::filesystem::path& path : {output, partial_name(output)})
+    if (std::filesystem::exists(path))
+      throw InputError(path.string(),
+                       "exists; a recording is never written over another. Take another name" +
+                           std::string(path == output ? "" : ", or `trilat recover` it first"));
+}
+
+}  // namespace
+
+int record_session(const RecordArguments& arguments) {
+  if (arguments.sources.empty()) throw InputError("--source", "is missing; it may be " + source_help());
+  if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
+    throw InputError("--preview", "draws on a terminal, and stderr is none");
+  refuse_existing(arguments.output);
+  std::optional<RecordTruth> truth;
+  if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
+  std::vector<std::unique_ptr<FrameSource>> sources;
+  for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
+  if (truth) truth->finish(*sources.front(), arguments.output);
+
+  LiveLine line;
+  std::optional<SkeletonPreview> preview;
+  if (arguments.preview) preview.emplace(sources);
+  CaptureOptions options;
+  options.started_utc = utc_now();
+  options.depth_compression = compression_named(arguments.compression);
+  options.queue_bytes = static_cast<std::size_t>(arguments.queue_mb) << 20;
+  options.workers = arguments.workers;
+  options.duration_s = arguments.duration_s;
+  options.stop_requested = stop_requested;
+  options.on_notice = [&](const std::string& sensor, const std::string& text) {
+    line.say(sensor + ": " + text);
+  };
+  options.on_status = [&](const CaptureStatus& status) {
+    if (preview) preview->draw();
+    line.show(status);
+  };
+  if (preview)
+    options.on_bodies = [&](const std::string& sensor, const BodyFrame& f) { preview->see(sensor, f); };
+  const CaptureSummary summary = capture(sources, arguments.output, options);
+
+  if (summary.end == CaptureEnd::disk_failed)
+    throw OutputError(partial_name(arguments.output).string(),
+                      "could not be written to its end (" + summary.problem +
+                          "). What was flushed is in it: `trilat recover " +
+                          partial_name(arguments.output).string() + "` makes it whole");
+  if (arguments.json)
+    fmt::print("{}\n", json_text(json_of(summary, arguments.output), 2));
+  else
+    print_summary(summary, arguments.output);
+  const bool whole = !summary.lost_frames() && !summary.source_failed && summary.end != CaptureEnd::disk_full;
+  return whole ? kDone : kItemsFailed;
+}
+
+}  // namespace trilat

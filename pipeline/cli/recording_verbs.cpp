@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/recording_verbs.h"
+
+#include "recorders/open_source.h"
+
+namespace trilat {
+namespace {
+
+void add_record(CLI::App& app, RecordArguments& r, int& code) {
+  auto* verb = app.add_subcommand("record", "sensors to a session; Ctrl-C ends it in order");
+  verb->add_option("--source", r.sources, source_help() + "; may be repeated");
+  verb->add_option("-o,--output", r.output, "session.h5")->required();
+  verb->add_option("--duration-s", r.duration_s, "ends after so long; 0: when somebody stops it")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  verb->add_option("--compression", r.compression,
+                   "of depth: blosc (Zstandard, best; h5py needs hdf5plugin), deflate (any reader), none")
+      ->check(CLI::IsMember({"blosc", "deflate", "none"}))
+      ->capture_default_str();
+  verb->add_option("--queue-mb", r.queue_mb,
+                   "memory for frames that wait for the disk; beyond, they are lost")
+      ->check(CLI::Range(4, 1 << 16))
+      ->capture_default_str();
+  verb->add_option("--workers", r.workers, "threads that compress")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  verb->add_flag("--preview", r.preview, "shows the skeletons on the terminal");
+  verb->add_option("--truth", r.truth,
+                   "of a synthetic source: folder for the OptiTrack export, true poses and a campaign.json");
+  add_json(*verb, r.json);
+  verb->footer("Example: trilat record --source synthetic:4 --duration-s 20 -o session.h5");
+  verb->callback([&] {
+    end_in_order();
+    code = record_session(r);
+  });
+}
+
+void add_info(CLI::App& app, InfoArguments& i, int& code) {
+  auto* verb = app.add_subcommand("info", "what is in a session");
+  verb->add_option("session", i.session, "session.h5")->required();
+  auto* follow = verb->add_flag("--follow", i.follow, "a line a second while it is being recorded");
+  add_json(*verb, i.json);
+  verb->get_option("--json")->excludes(follow);
+  verb->callback([&] {
+    if (i.follow) end_in_order();
+    code = info(i);
+  });
+}
+
+void add_verify(CLI::App& app, VerifyArguments& v, int& code) {
+  auto* verb = app.add_subcommand("verify", "read everything in a session and say what is odd");
+  verb->add_option("session", v.session, "session.h5")->required();
+  verb->add_flag("--skip-depth", v.skip_depth, "do not decompress the depth frames");
+  add_json(*verb, v.json);
+  verb->callback([&] { code = verify(v); });
+}
+
+void add_recover(CLI::App& app, RecoverArguments& r, int& code) {
+  auto* verb = app.add_subcommand("recover", "save what a killed recorder left, into a new session");
+  verb->add_option("session", r.session, "session.h5, or session.h5.partial")->required();
+  verb->add_option("-o,--output", r.output, "the new session; by default the name without .partial");
+  add_json(*verb, r.json);
+  verb->callback([&] {
+    end_in_order();
+    code = recover(r);
+  });
+}
+
+}  // namespace
+
+void add_json(CLI::App& verb, bool& json) {
+  verb.add_flag("--json", json, "one JSON document on stdout, and nothing else there");
+}
+
+void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code) {
+  add_record(app, arguments.record, code);
+  add_info(app, arguments.info, code);
+  add_verify(app, arguments.verify, code);
+  add_recover(app, arguments.recover, code);
+}
+
+}  // namespace trilat

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "pipeline/cli/verbs.h"
+
+namespace trilat {
+
+struct RecordingArguments {
+  RecordArguments record;
+  InfoArguments info;
+  VerifyArguments verify;
+  RecoverArguments recover;
+};
+
+// The verbs about one session: record, info, verify, recover. `arguments` live as long as `app` is used;
+// `code` gets the verb's exit code.
+void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code);
+
+// The flag that every verb has.
+void add_json(CLI::App& verb, bool& json);
+
+}  // namespace trilat
