@@ -274,8 +274,8 @@ RigStatus Refiner::solve(bool robust) {
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   options.max_num_iterations = 2000;
-  // With a loss the steps shrink by a constant factor only, slowly where a tracker often takes left for right;
-  // what is left is far below its own uncertainty.
+  // With a loss the steps shrink by a constant factor only, slowly where a tracker often takes left for
+  // right; what is left is far below its own uncertainty.
   options.function_tolerance = robust ? 1e-7 : 1e-14;
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-14;
