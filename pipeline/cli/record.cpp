@@ -124,6 +124,16 @@ void refuse_existing(const std::filesystem::path& output) {
                            std::string(path == output ? "" : ", or `trilat recover` it first"));
 }
 
+void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
+  const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
+  const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
+  if (free_mb < reserve_mb)
+    throw OutputError(folder.string(),
+                      fmt::format("has only {} MB left, and --reserve-mb is {}; four Kinects write "
+                                  "some 1300 MB a minute",
+                                  free_mb, reserve_mb));
+}
+
 }  // namespace
 
 int record_session(const RecordArguments& arguments) {
@@ -131,6 +141,7 @@ int record_session(const RecordArguments& arguments) {
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
   refuse_existing(arguments.output);
+  refuse_full_disk(arguments.output, arguments.reserve_mb);
   std::optional<RecordTruth> truth;
   if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;
@@ -145,6 +156,7 @@ int record_session(const RecordArguments& arguments) {
   options.depth_compression = compression_named(arguments.compression);
   options.queue_bytes = static_cast<std::size_t>(arguments.queue_mb) << 20;
   options.workers = arguments.workers;
+  options.reserve_bytes = static_cast<std::uint64_t>(arguments.reserve_mb) << 20;
   options.duration_s = arguments.duration_s;
   options.stop_requested = stop_requested;
   options.on_notice = [&](const std::string& sensor, const std::string& text) {

@@ -21,6 +21,9 @@ void add_record(CLI::App& app, RecordArguments& r, int& code) {
                    "memory for frames that wait for the disk; beyond, they are lost")
       ->check(CLI::Range(4, 1 << 16))
       ->capture_default_str();
+  verb->add_option("--reserve-mb", r.reserve_mb, "the recording ends in order when the disk has less left")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
   verb->add_option("--workers", r.workers, "threads that compress")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

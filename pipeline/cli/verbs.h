@@ -26,6 +26,7 @@ struct RecordArguments {
   double duration_s = 0.0;
   std::string compression = "blosc";
   int queue_mb = 512;
+  int reserve_mb = 256;
   int workers = 2;
   bool preview = false;
   std::filesystem::path truth;

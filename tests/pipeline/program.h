@@ -24,11 +24,12 @@ struct Ended {
   std::string out, err;
 };
 
-// A started `trilat`; its streams go to files in the folder.
+// A started `trilat`; its streams go to files in the folder, whose names begin with `name`.
 class Process {
  public:
-  Process(const ScratchFolder& folder, const std::vector<std::string>& arguments)
-      : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+  Process(const ScratchFolder& folder, const std::vector<std::string>& arguments,
+          const std::string& name = "")
+      : out_(folder / (name + "stdout.txt")), err_(folder / (name + "stderr.txt")) {
     std::vector<char*> argv{const_cast<char*>(TRILAT_BINARY)};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
@@ -42,6 +43,7 @@ class Process {
     _exit(127);
   }
   void interrupt() const { kill(pid_, SIGINT); }
+  void kill_at_once() const { kill(pid_, SIGKILL); }
   Ended wait() const {
     int status = 0;
     waitpid(pid_, &status, 0);

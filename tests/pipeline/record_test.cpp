@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+// `trilat record`, `recover` and `info --follow`, as a user runs them.
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "datasets/session/session_reader.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/cli/skeleton_preview.h"
+#include "tests/pipeline/program.h"
+
+namespace trilat {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string in(const ScratchFolder& folder, const std::string& name) { return (folder / name).string(); }
+
+void wait_for(const std::function<bool()>& condition) {
+  for (int i = 0; i < 1200 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_TRUE(condition());
+}
+
+TEST(Record, WritesASessionAndSaysWhatIsInIt) {
+  const ScratchFolder folder;
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,drop=0", "--duration-s", "1",
+                                          "-o", in(folder, "s.h5"), "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const Json json = only_json(ended);
+  EXPECT_EQ(json["end"], "duration_over");
+  ASSERT_EQ(json["sensors"].size(), 2u);
+  const SessionReader session(folder / "s.h5");
+  EXPECT_TRUE(session.complete());
+  EXPECT_EQ(json["sensors"][0]["depth_frames"], session.counts(0).depth_frames);
+  EXPECT_GT(session.counts(0).depth_frames, 5u);
+  EXPECT_THAT(session.header().started_utc, HasSubstr("at host clock"));
+}
+
+TEST(Record, WhatCannotBeRecordedIsRefused) {
+  const ScratchFolder folder;
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& message) {
+    arguments.insert(arguments.begin(), "record");
+    arguments.insert(arguments.end(), {"-o", in(folder, "s.h5")});
+    expect_refused(run_trilat(folder, arguments), message);
+  };
+  refused({}, "--source: is missing; it may be synthetic:N");
+  refused({"--source", "webcam:0"}, "no source \"webcam\"");
+  refused({"--source", "synthetic:2", "--source", "synthetic:2"}, "two sensors named \"k1\"");
+  refused({"--source", "synthetic:1", "--preview"}, "--preview: draws on a terminal");
+  refused({"--source", "replay:" + in(folder, "none.h5")}, "none.h5: does not exist");
+  refused({"--source", "synthetic:1,speed=max", "--truth", in(folder, "truth")}, "--truth: is known of one");
+  file_with(folder, "s.h5", "precious");
+  refused({"--source", "synthetic:1"}, "s.h5: exists; a recording is never written over another");
+}
+
+TEST(Record, InterruptedClosesTheFileInOrder) {
+  const ScratchFolder folder;
+  const Process process(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")});
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  process.interrupt();
+  EXPECT_EQ(process.wait().code, 0);
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
+}
+
+TEST(Record, LostFramesAndABrokenSourceMakeTheExitCodeOne) {
+  const ScratchFolder folder;
+  const Ended broken = run_trilat(
+      folder, {"record", "--source", "synthetic:1,depth=no,unplug=0.3", "-o", in(folder, "broken.h5")});
+  EXPECT_EQ(broken.code, 1);
+  EXPECT_THAT(broken.err, HasSubstr("k1: the source broke"));
+  EXPECT_TRUE(SessionReader(folder / "broken.h5").complete());
+  const Ended stalled =
+      run_trilat(folder, {"record", "--source", "synthetic:1,depth=no,duration=1,stall=0.3+0.2", "-o",
+                          in(folder, "stalled.h5")});
+  EXPECT_EQ(stalled.code, 1);
+}
+
+TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
+  const ScratchFolder folder;
+  const Process process(folder, {"record", "--source", "synthetic:4,depth=no", "--truth", in(folder, "truth"),
+                                 "-o", in(folder, "s.h5")});
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  process.kill_at_once();
+  EXPECT_EQ(process.wait().code, -1);
+  const Ended followed = run_trilat(folder, {"info", in(folder, "s.h5")});
+  EXPECT_THAT(followed.out, HasSubstr("NOT closed by its recorder"));
+  const Ended recovered = run_trilat(folder, {"recover", in(folder, "s.h5"), "--json"});
+  EXPECT_EQ(recovered.code, 0) << recovered.err;
+  const Json json = only_json(recovered);
+  EXPECT_THAT(json["session"].get<std::string>(), EndsWith("s.h5"));
+  EXPECT_GT(json["sensors"][0]["body_frames"].get<int>(), 60);
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
+  EXPECT_TRUE(std::filesystem::exists(in(folder, "s.h5.partial")));
+  const std::string study = file_with(folder, "study.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "mine", "resamples": 0, "alignments": ["none"], "methods": [{"method": "mean"}]})");
+  const Ended ran = run_trilat(
+      folder, {"run", study, "--campaign", in(folder, "truth"), "-o", in(folder, "results"), "--json"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+TEST(Recover, WhatIsCompleteNeedsNoRecovery) {
+  const ScratchFolder folder;
+  run_trilat(folder,
+             {"record", "--source", "synthetic:1,depth=no,duration=0.5,speed=max", "-o", in(folder, "s.h5")});
+  const Ended ended = run_trilat(folder, {"recover", in(folder, "s.h5")});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, HasSubstr("is complete; there is nothing to recover"));
+  expect_refused(run_trilat(folder, {"recover", in(folder, "other.h5")}), "other.h5: does not exist");
+}
+
+TEST(Info, FollowsARecordingToItsEnd) {
+  const ScratchFolder folder;
+  const Process process(
+      folder, {"record", "--source", "synthetic:1,depth=no", "--duration-s", "3", "-o", in(folder, "s.h5")},
+      "record_");
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const Ended followed = run_trilat(folder, {"info", "--follow", in(folder, "s.h5")});
+  EXPECT_EQ(process.wait().code, 0);
+  EXPECT_EQ(followed.code, 0) << followed.err;
+  EXPECT_THAT(followed.out, StartsWith("recording  k1"));
+  EXPECT_THAT(followed.out, HasSubstr("\ncomplete  k1"));
+}
+
+// A body that stands upright in the middle: its spine is one column of dots.
+TEST(SkeletonPreview, DrawsBonesWhereTheSensorSeesThem) {
+  BodyFrame frame;
+  frame.bodies.resize(1);
+  Body& body = frame.bodies[0];
+  for (const Joint joint : {Joint::spine_base, Joint::spine_mid}) {
+    body.position_m[static_cast<std::size_t>(joint)] = {0.0f, joint == Joint::spine_base ? -0.5f : 0.5f,
+                                                        2.0f};
+    body.tracking_state[static_cast<std::size_t>(joint)] = 2;
+  }
+  const DepthIntrinsics intrinsics;
+  const auto text = skeleton_text(frame, intrinsics, 40);
+  ASSERT_EQ(text.size(), 16u);
+  const std::string empty = skeleton_text({}, intrinsics, 40)[8];
+  EXPECT_EQ(empty.size(), 3u * 40);
+  std::size_t drawn = 0;
+  for (const std::string& row : text) {
+    EXPECT_EQ(row.size(), empty.size());
+    for (std::size_t c = 0; c < 40; ++c)
+      if (row.substr(3 * c, 3) != empty.substr(0, 3)) {
+        ++drawn;
+        EXPECT_NEAR(static_cast<double>(c), 40.0 * intrinsics.cx_px / intrinsics.width_px, 1.0);
+      }
+  }
+  EXPECT_NEAR(static_cast<double>(drawn), 16.0 * 183.0 / 424.0, 2.0);  // 1 m at 2 m is 183 px of 424
+}
+
+}  // namespace
+}  // namespace trilat
