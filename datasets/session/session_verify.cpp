@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -18,10 +19,19 @@ constexpr std::uint64_t kBlock = 1024;
 struct Place {
   std::string sensor;  // file.h5:/sensors/NAME
   std::vector<Finding>* findings;
-  void say(Severity severity, const std::string& part, const std::string& text) const {
-    findings->push_back({severity, sensor + part, text});
+  void say(Severity severity, const std::string& part, const std::string& text,
+           const std::string& endangers = {}) const {
+    findings->push_back({severity, sensor + part, text, endangers});
   }
 };
+
+// What a finding can endanger.
+constexpr const char* kAnswers = "coverage of every study: instants near it have one sensor less";
+constexpr const char* kTimes =
+    "every accuracy study and calibration: sensors and truth are compared at wrong times";
+constexpr const char* kPositions = "every accuracy study: wrong joint positions";
+constexpr const char* kPersons = "accuracy studies with several persons: who is who is followed by these ids";
+constexpr const char* kDepthUses = "wand calibration, and methods with \"occlusion\": \"depth\"";
 
 // What the stamps of one stream show; counted first, said once.
 struct StampCounts {
@@ -45,22 +55,23 @@ struct StampCounts {
 
   void say(const Place& place, const std::string& part) const {
     if (sequence_missing > 0)
-      place.say(
-          Severity::warning, part,
-          fmt::format("{} frames are missing by their sequence numbers; coverage falls", sequence_missing));
+      place.say(Severity::warning, part,
+                fmt::format("{} frames are missing by their sequence numbers", sequence_missing), kAnswers);
     if (sequence_backward > 0)
       place.say(Severity::error, part,
-                fmt::format("sequence numbers do not rise at {} places", sequence_backward));
+                fmt::format("sequence numbers do not rise at {} places", sequence_backward), kTimes);
     if (ticks_backward > 0)
       place.say(Severity::error, part,
                 fmt::format("device ticks do not rise at {} places (a reset clock?); times there "
                             "are not to be trusted",
-                            ticks_backward));
+                            ticks_backward),
+                kTimes);
     if (arrival_backward > 0)
-      place.say(Severity::warning, part, fmt::format("arrival times go back at {} places", arrival_backward));
+      place.say(Severity::warning, part, fmt::format("arrival times go back at {} places", arrival_backward),
+                kTimes);
     if (gaps > 0)
       place.say(Severity::note, part,
-                fmt::format("{} gaps in time, the longest {:.3f} s", gaps, longest_gap_s));
+                fmt::format("{} gaps in time, the longest {:.3f} s", gaps, longest_gap_s), kAnswers);
   }
 };
 
@@ -78,7 +89,18 @@ void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream
 }
 
 struct BodyCounts {
-  std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, too_far = 0;
+  std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, same_id = 0, too_far = 0;
+  std::set<std::uint64_t> ids;
+
+  void add(const BodyFrame& frame) {
+    if (frame.bodies.empty()) ++frames_without;
+    std::set<std::uint64_t> here;
+    for (const Body& body : frame.bodies) {
+      add(body);
+      if (!here.insert(body.tracking_id).second) ++same_id;
+    }
+    if (ids.size() < 10'000) ids.merge(here);
+  }
 
   void add(const Body& body) {
     if (body.tracking_id == 0) ++without_id;
@@ -97,19 +119,27 @@ struct BodyCounts {
   void say(const Place& place, std::uint64_t frames) const {
     if (frames_without > 0)
       place.say(frames_without == frames ? Severity::warning : Severity::note, "/body_frames",
-                fmt::format("{} of {} frames hold no body", frames_without, frames));
+                fmt::format("{} of {} frames hold no body", frames_without, frames), kAnswers);
     if (not_finite > 0)
       place.say(
           Severity::error, "/bodies/position_m",
-          fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite));
+          fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite),
+          kAnswers);
     if (too_far > 0)
       place.say(Severity::error, "/bodies/position_m",
-                fmt::format("{} joints lie beyond 20 m: are positions in metres?", too_far));
+                fmt::format("{} joints lie beyond 20 m: are positions in metres?", too_far), kPositions);
     if (odd_states > 0)
       place.say(Severity::error, "/bodies/tracking_state",
-                fmt::format("{} states are none of 0, 1, 2", odd_states));
+                fmt::format("{} states are none of 0, 1, 2", odd_states), kPositions);
     if (without_id > 0)
-      place.say(Severity::warning, "/bodies/tracking_id", fmt::format("{} bodies have the id 0", without_id));
+      place.say(Severity::warning, "/bodies/tracking_id", fmt::format("{} bodies have the id 0", without_id),
+                kPersons);
+    if (same_id > 0)
+      place.say(Severity::error, "/bodies/tracking_id",
+                fmt::format("{} bodies have the id of another in the same frame", same_id), kPersons);
+    if (ids.size() > 1)
+      place.say(Severity::note, "/bodies/tracking_id",
+                fmt::format("{} different ids: several persons, or one who came back", ids.size()));
   }
 };
 
@@ -119,10 +149,7 @@ void verify_bodies(const SessionReader& session, std::size_t sensor, const Place
   BodyCounts counts;
   for (std::uint64_t first = 0; first < frames; first += kBlock) {
     const std::uint64_t count = std::min(kBlock, frames - first);
-    for (const BodyFrame& frame : session.body_frames(sensor, first, count)) {
-      if (frame.bodies.empty()) ++counts.frames_without;
-      for (const Body& body : frame.bodies) counts.add(body);
-    }
+    for (const BodyFrame& frame : session.body_frames(sensor, first, count)) counts.add(frame);
     advance(count);
   }
   counts.say(place, frames);
@@ -143,9 +170,27 @@ void verify_depth(const SessionReader& session, std::size_t sensor, const Place&
   }
   if (unreadable > 0)
     place.say(Severity::error, "/depth/frame_mm",
-              fmt::format("{} frames are damaged, the first is number {}", unreadable, first_unreadable));
+              fmt::format("{} frames are damaged, the first is number {}", unreadable, first_unreadable),
+              kDepthUses);
   if (empty > 0)
-    place.say(Severity::warning, "/depth/frame_mm", fmt::format("{} frames hold no depth at all", empty));
+    place.say(Severity::warning, "/depth/frame_mm", fmt::format("{} frames hold no depth at all", empty),
+              kDepthUses);
+}
+
+// What the recorder itself has said.
+void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, const Place& place) {
+  const auto drops = session.drop_counts(sensor);
+  if (!drops.empty() && drops.back().at_source + drops.back().in_queue > 0)
+    place.say(Severity::warning, "/drop_counts",
+              fmt::format("{} frames were lost at the source and {} for want of room while recording",
+                          drops.back().at_source, drops.back().in_queue),
+              kAnswers);
+  constexpr std::size_t kMost = 20;
+  const auto notices = session.notices(sensor);
+  for (std::size_t i = 0; i < std::min(kMost, notices.size()); ++i)
+    place.say(Severity::note, "/notices", "the recorder said: " + notices[i].text);
+  if (notices.size() > kMost)
+    place.say(Severity::note, "/notices", fmt::format("and {} notices more", notices.size() - kMost));
 }
 
 void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
@@ -155,7 +200,7 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
   });
   if (broken > 0)
     place.say(Severity::error, "/clock_exchanges_ns",
-              fmt::format("{} of {} exchanges run backwards", broken, exchanges.size()));
+              fmt::format("{} of {} exchanges run backwards", broken, exchanges.size()), kTimes);
   if (exchanges.empty())
     place.say(Severity::note, "/clock_exchanges_ns",
               "no clock exchanges: the sensor is taken to share the recording machine's clock");
@@ -173,8 +218,12 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
                                     const std::function<void(double)>& progress) {
   std::vector<Finding> findings;
   if (!session.complete())
-    findings.push_back({Severity::warning, session.path().string(),
-                        "was not closed by its recorder; what was flushed is readable"});
+    findings.push_back(
+        {Severity::warning,
+         session.path().string(),
+         "was not closed by its recorder; what was flushed is readable, and `trilat recover` makes "
+         "it whole",
+         {}});
   constexpr std::uint64_t kDepthWeight = 20;  // a depth frame costs about as much as this many body frames
   std::uint64_t total = 1, done = 0;
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
@@ -191,14 +240,15 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
       try {
         part();
       } catch (const InputError& error) {
-        findings.push_back({Severity::error, error.place(), error.problem()});
+        findings.push_back({Severity::error, error.place(), error.problem(), "every study of this sensor"});
       }
     };
     if (counts.torn_rows > 0)
       place.say(Severity::warning, "",
-                fmt::format("{} rows were not written to the end and are left out", counts.torn_rows));
+                fmt::format("{} rows were not written to the end and are left out", counts.torn_rows),
+                kAnswers);
     if (counts.body_frames == 0 && counts.depth_frames == 0)
-      place.say(Severity::error, "", "holds no frames");
+      place.say(Severity::error, "", "holds no frames", "every study of this sensor");
     check([&] {
       verify_stamps(session, s, FrameStream::bodies, counts.body_frames, options.gap_periods, place,
                     "/body_frames");
@@ -212,6 +262,7 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
       if (options.read_depth)
         verify_depth(session, s, place, [&](std::uint64_t n) { advance(n * kDepthWeight); });
     }
+    check([&] { verify_drops_and_notices(session, s, place); });
     check([&] { verify_clock(session, s, place); });
   }
   return findings;

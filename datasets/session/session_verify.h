@@ -18,6 +18,7 @@ struct Finding {
   Severity severity = Severity::note;
   std::string place;
   std::string text;
+  std::string endangers = {};  // which studies cannot be trusted, or lose what; empty: none
 };
 
 struct VerifyOptions {

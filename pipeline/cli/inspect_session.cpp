@@ -147,11 +147,16 @@ int verify(const VerifyArguments& arguments) {
   if (arguments.json) {
     Json list = Json::array();
     for (const Finding& f : findings)
-      list.push_back({{"severity", std::string(name_of(f.severity))}, {"place", f.place}, {"text", f.text}});
+      list.push_back({{"severity", std::string(name_of(f.severity))},
+                      {"place", f.place},
+                      {"text", f.text},
+                      {"endangers", f.endangers}});
     const Json json{{"sound", errors == 0}, {"errors", errors}, {"findings", list}};
     fmt::print("{}\n", json_text(json, 2));
   } else {
-    for (const Finding& f : findings) fmt::print("{}: {}: {}\n", name_of(f.severity), f.place, f.text);
+    for (const Finding& f : findings)
+      fmt::print("{}: {}: {}{}\n", name_of(f.severity), f.place, f.text,
+                 f.endangers.empty() ? "" : " (endangers " + f.endangers + ")");
     fmt::print("{}: {}\n", arguments.session.string(),
                errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"));
   }

@@ -13,6 +13,7 @@
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "datasets/session/session_writer.h"
 
@@ -249,6 +250,75 @@ TEST(Session, VerifySaysWhatIsOdd) {
   EXPECT_TRUE(has("1 tracked or inferred joints are not finite"));
   EXPECT_TRUE(has("1 states are none of 0, 1, 2"));
   EXPECT_FALSE(has("damaged"));
+}
+
+TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
+  const auto path = scratch("endangered.h5");
+  {
+    SessionWriter writer(path, header_of(1));
+    BodyFrame frame = frame_of(0, 2);
+    frame.bodies[1].tracking_id = frame.bodies[0].tracking_id;
+    writer.add_body_frame(0, frame);
+    writer.add_body_frame(0, frame_of(2, 1));
+    writer.add_drop_count(0, {5, 1, 7});
+    writer.add_notice(0, {6, "unplugged"});
+    writer.finish();
+  }
+  std::string said;
+  for (const Finding& f : verify_session(SessionReader(path), {}))
+    said += std::string(name_of(f.severity)) + " " + f.text + " | " + f.endangers + "\n";
+  EXPECT_THAT(
+      said,
+      HasSubstr("error 1 bodies have the id of another in the same frame | accuracy studies with several"));
+  EXPECT_THAT(said,
+              HasSubstr("warning 1 frames are missing by their sequence numbers | coverage of every study"));
+  EXPECT_THAT(said, HasSubstr("warning 1 frames were lost at the source and 7 for want of room"));
+  EXPECT_THAT(said, HasSubstr("note the recorder said: unplugged | \n"));
+}
+
+// A flush that came half way: rows of some columns and depth without its chunk lie behind what was flushed.
+TEST(Session, ReadersOfAnUnfinishedFileGoByWhatWasFlushed) {
+  const auto path = scratch("half.h5");
+  auto writer = std::make_unique<SessionWriter>(path, header_of(1, true));
+  for (std::int64_t i = 0; i < 5; ++i) {
+    writer->add_body_frame(0, frame_of(i, 1));
+    writer->add_depth_frame(0, encode_depth_frame({i, i, i}, depth_of(1), ChunkCompression::blosc));
+  }
+  writer->flush();
+  for (std::int64_t i = 5; i < 8; ++i)
+    writer->add_depth_frame(0, encode_depth_frame({i, i, i}, depth_of(2), ChunkCompression::blosc));
+  const SessionReader session(partial_name(path));
+  EXPECT_FALSE(session.complete());
+  EXPECT_EQ(session.counts(0).body_frames, 5u);
+  EXPECT_EQ(session.counts(0).depth_frames, 5u);
+}
+
+TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
+  const auto path = scratch("damaged.h5"), saved = scratch("saved.h5");
+  {
+    SessionWriter writer(path, header_of(1, true));
+    for (std::int64_t i = 0; i < 4; ++i) {
+      EncodedDepthFrame frame =
+          encode_depth_frame({i, i, i}, depth_of(static_cast<std::uint16_t>(i)), ChunkCompression::blosc);
+      if (i == 2) frame.chunk[frame.chunk.size() / 2] ^= std::byte{1};
+      writer.add_depth_frame(0, frame);
+      writer.add_notice(0, {i, "notice " + std::to_string(i)});
+    }
+    writer.flush();
+  }  // never finished
+  std::filesystem::remove(saved);
+  const auto recoveries = recover_session(partial_name(path), saved);
+  ASSERT_EQ(recoveries.size(), 1u);
+  EXPECT_EQ(recoveries[0].damaged_depth_frames, 1u);
+  EXPECT_EQ(recoveries[0].saved.depth_frames, 3u);
+  const SessionReader session(saved);
+  EXPECT_TRUE(session.complete());
+  const auto stamps = session.stamps(0, FrameStream::depth, 0, 3);
+  EXPECT_EQ(stamps[2].sequence, 3);
+  EXPECT_EQ(session.notices(0).size(), 5u);
+  EXPECT_EQ(session.notices(0)[3].text, "notice 3");
+  EXPECT_THAT(session.notices(0)[4].text, HasSubstr("1 damaged depth frames were left out"));
+  EXPECT_THAT(message_of([&] { recover_session(partial_name(path), saved); }), HasSubstr("saved.h5: exists"));
 }
 
 TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {
