@@ -41,8 +41,8 @@ struct AgentClock {
 
 // From four-stamp exchanges: per segment a straight line through the exchanges of least delay (Theil and
 // Sen's median slope; no drift of its own when they span less than 10 s), or, where that leaves more than 0.3
-// ms in the median of some 10 s, straight pieces through those medians. A constant difference between the
-// delays of both ways moves the clock by half of it, which no exchange can show.
+// ms in the medians of two neighbouring 10 s, straight pieces through those medians. A constant difference
+// between the delays of both ways moves the clock by half of it, which no exchange can show.
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
 
 }  // namespace trilat

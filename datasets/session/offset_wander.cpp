@@ -52,9 +52,13 @@ std::vector<WanderWindow> wander_windows(const std::vector<ClockExchange>& excha
 }
 
 bool is_straight(const std::vector<WanderWindow>& windows) {
-  return std::none_of(windows.begin(), windows.end(), [](const WanderWindow& w) {
-    return std::abs(w.residual_ns) > std::max(kStraight_ns, kCertain_sigmas * w.sigma_ns);
-  });
+  const auto side = [](const WanderWindow& w) {
+    if (std::abs(w.residual_ns) <= std::max(kStraight_ns, kCertain_sigmas * w.sigma_ns)) return 0;
+    return w.residual_ns > 0.0 ? 1 : -1;
+  };
+  for (std::size_t i = 1; i < windows.size(); ++i)
+    if (side(windows[i]) != 0 && side(windows[i]) == side(windows[i - 1])) return false;
+  return true;
 }
 
 }  // namespace trilat

@@ -21,7 +21,8 @@ struct WanderWindow {
 std::vector<WanderWindow> wander_windows(const std::vector<ClockExchange>& exchanges, std::int64_t base_ns,
                                          const OffsetLine& line, std::int64_t usual_delay_ns);
 
-// Whether no window leaves the line by more than 0.3 ms or, if that is more, four standard deviations.
+// Whether no two neighbouring windows leave the line to the same side by more than 0.3 ms or, if that is
+// more, four standard deviations: one alone is more likely a disturbance of the network.
 bool is_straight(const std::vector<WanderWindow>& windows);
 
 }  // namespace trilat

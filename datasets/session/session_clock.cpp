@@ -15,23 +15,40 @@ namespace trilat {
 namespace {
 
 constexpr double kMaxDrift = 1e-3;
+constexpr double kMaxPieceDrift = 1e-1;                  // of some seconds, jitter included
+constexpr std::int64_t kMostNs = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
 constexpr double kPpm = 1e6;
 constexpr std::uint64_t kBlock = 4096;
 
-void check_agent(const AgentClock& agent, const std::string& place) {
-  for (const AgentSegment& segment : agent.segments)
-    if (std::abs(segment.line.drift) > kMaxDrift)
-      throw InputError(place + "/clock_exchanges_ns",
-                       fmt::format("give a drift of {:.0f} ppm between two machines, which no clock has",
-                                   segment.line.drift * kPpm));
+void check_time(std::int64_t ns, const std::string& place) {
+  if (ns > kMostNs || ns < -kMostNs)
+    throw InputError(place, "hold a time beyond 18 years, which no clock shows");
 }
 
-void check_ticks(const SensorEpoch& epoch, const std::string& place) {
-  if (std::abs(epoch.drift) > kMaxDrift)
+AgentClock checked_agent_clock(std::span<const ClockExchange> exchanges, const std::string& place) {
+  for (const ClockExchange& e : exchanges)
+    for (std::int64_t ns : {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns}) check_time(ns, place);
+  AgentClock agent = fit_agent_clock(exchanges);
+  const auto refuse = [&](double drift) {
+    throw InputError(place, fmt::format("give a drift of {:.0f} ppm between two machines, which no clock has",
+                                        drift * kPpm));
+  };
+  for (const AgentSegment& segment : agent.segments) {
+    if (std::abs(segment.line.drift) > kMaxDrift) refuse(segment.line.drift);
+    for (const auto& piece : segment.host_from_agent.pieces)
+      if (std::abs(piece.map.drift) > kMaxPieceDrift) refuse(piece.map.drift);
+  }
+  return agent;
+}
+
+const ClockMap<HostClock, SensorClock>& checked(const ClockMap<HostClock, SensorClock>& line,
+                                                const std::string& place) {
+  if (std::abs(line.drift) > kMaxDrift)
     throw InputError(place,
                      fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check tick_ns "
                                  "and arrival_ns",
-                                 epoch.drift * kPpm));
+                                 line.drift * kPpm));
+  return line;
 }
 
 SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorClock>& line) {
@@ -39,15 +56,15 @@ SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorCl
 }
 
 // A sensor keeps its crystal when it is restarted: short epochs take the longest one's drift.
-std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks) {
+std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks, const std::string& place) {
   const auto longest = std::max_element(ticks.begin(), ticks.end(), [](const auto& a, const auto& b) {
     return a.last - a.first < b.last - b.first;
   });
-  const double drift = envelope_line(*longest).drift;
+  const ClockMap<HostClock, SensorClock> line = checked(envelope_line(*longest), place);
   std::vector<SensorEpoch> epochs;
   for (auto epoch = ticks.begin(); epoch != ticks.end(); ++epoch)
     epochs.push_back(
-        fit_epoch(*epoch, epoch == longest ? envelope_line(*epoch) : envelope_line(*epoch, drift)));
+        fit_epoch(*epoch, epoch == longest ? line : checked(envelope_line(*epoch, line.drift), place)));
   return epochs;
 }
 
@@ -101,18 +118,18 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
   SensorClockMap map;
   map.tick_ns = sensor.tick_ns;
   map.latency = {sensor.latency_ns};
-  map.agent = fit_agent_clock(exchanges);
+  map.agent = checked_agent_clock(exchanges, place + "/clock_exchanges_ns");
   HostArrivals arrivals(map.agent);
   TickEpochs ticks(sensor.tick_ns);
   each_stamp([&](const FrameStamp& stamp) {
+    check_time(stamp.arrival_ns, place);
+    if (std::abs(stamp.device_ticks) > kMostNs / sensor.tick_ns) check_time(kMostNs + 1, place);
     const HostArrival arrival = arrivals.place(device_time(sensor, stamp), {stamp.arrival_ns});
     ticks.add(stamp.device_ticks, arrival.time, arrival.certain);
   });
   const std::vector<TickEpoch> epochs = ticks.finish();
   if (epochs.empty()) throw InputError(place, "has no frames, so its clock cannot be placed");
-  map.epochs = fit_epochs(epochs);
-  for (const SensorEpoch& epoch : map.epochs) check_ticks(epoch, place);
-  check_agent(map.agent, place);
+  map.epochs = fit_epochs(epochs, place);
   return map;
 }
 

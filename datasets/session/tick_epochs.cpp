@@ -11,6 +11,7 @@ constexpr Duration kWindow{10'000'000'000};
 constexpr Duration kStep{100'000'000};
 constexpr std::int64_t kDriftDivisor = 1000;  // 1000 ppm, of the time between two frames
 constexpr Duration kShortest{2'000'000'000};
+constexpr std::int64_t kLongestTick_ns = 1'000'000;  // of counters that are known to wrap
 
 // Whether ticks and arrivals go on from `a` to `b` as one clock.
 bool goes_on(const ArrivalStamp& a, const ArrivalStamp& b) {
@@ -62,8 +63,8 @@ void TickEpochs::add(std::int64_t device_ticks, HostTime arrival, bool certain) 
   };
   ArrivalStamp stamp = with_wraps(runs_.empty() ? 0 : runs_.back().wraps);
   if (runs_.empty() || !goes_on(before_, stamp)) {
-    const bool counts_32_bits =
-        !runs_.empty() && ticks_before_ < kTicksOfWrap && device_ticks < ticks_before_;
+    const bool counts_32_bits = !runs_.empty() && tick_ns_ <= kLongestTick_ns &&
+                                ticks_before_ < kTicksOfWrap && device_ticks < ticks_before_;
     if (counts_32_bits && goes_on(before_, with_wraps(runs_.back().wraps + 1))) {
       stamp = with_wraps(++runs_.back().wraps);
     } else {

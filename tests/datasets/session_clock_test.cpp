@@ -155,6 +155,35 @@ TEST(SensorClock, AFrameThatIsLateAloneIsNoRestart) {
   EXPECT_NEAR((map(frames[701].stamp) - frames[701].exposure).seconds(), 0.0, 2e-4);
 }
 
+// Values up to 2^58 ns, also negative, in some of the stamps.
+TEST(SensorClock, WhateverStampsSayIsPlacedOrRefused) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const SimulatedClocks clocks{.seed = seed, .seconds = 20.0};
+    auto frames = clocks.frames();
+    auto exchanges = clocks.exchanges();
+    const RandomStream random{seed, Purpose::test, 99};
+    const double scale_ns = std::exp2(58.0 * random.uniform(0));
+    for (std::uint32_t i = 1; i < 100; i += 4) {
+      const auto value = static_cast<std::int64_t>(random.uniform(i, -scale_ns, scale_ns));
+      auto& stamp = frames[static_cast<std::size_t>(random.uniform(i + 1) * 599.0)].stamp;
+      auto& exchange = exchanges[static_cast<std::size_t>(random.uniform(i + 2) * 80.0)];
+      std::int64_t* const targets[] = {&stamp.arrival_ns, &exchange.t1_ns, &exchange.t2_ns,
+                                       &exchange.t3_ns,   &exchange.t4_ns, &stamp.device_ticks};
+      const auto target = static_cast<std::size_t>(random.uniform(i + 3) * 6.0);
+      *targets[target] = target == 5 ? value / clocks.tick_ns : value;
+    }
+    if (seed % 7 == 0) exchanges.resize(seed % 5);
+    if (seed % 5 == 0) frames.resize(seed % 4);
+    try {
+      const SensorClockMap map = fitted(clocks, frames, exchanges);
+      for (const auto& frame : frames) map(frame.stamp);
+      EXPECT_GT(evidence_of(map).sensor_epochs, 0u);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place().substr(0, 2), "k1");
+    }
+  }
+}
+
 TEST(SensorClock, TicksThatAreNotWhatTheySayAreRefused) {
   const SimulatedClocks clocks{.seconds = 60.0, .sensor_drift_ppm = 3000.0};
   EXPECT_THROW(fitted(clocks, clocks.frames(), clocks.exchanges()), InputError);
