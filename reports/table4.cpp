@@ -53,6 +53,23 @@ std::vector<TableValue> clock_cells(const ClockErrorRow& r) {
   return row;
 }
 
+std::vector<std::string> clock_notes() {
+  const PrintedTable4 paper = printed_table4();
+  const std::uint64_t good = paper.rows.back().clock_samples, total = printed_total(paper, true);
+  return {
+      fmt::format(
+          "The paper prints {} of {} samples below 2 ms, which are {:.2f} % and not {:g} %, and there "
+          "should be {} (E14).",
+          good, total, 100.0 * share_of(good, total), paper.below_2ms_percent, paper.frames * paper.clients),
+      "An error is that of the time at which a sensor's machine sent a frame; by the sensor's ticks, of the "
+      "exposure.",
+      "As printed, equations 20 to 22 give a time on the client's clock (E11). Taken for the server's, it is "
+      "off by the whole offset of the clocks; compared with the client's, as the paper seems to have done, "
+      "by how much the delay of the frame differs from that of the latest exchange.",
+      "Intervals are over sensors and runs, each with other clocks; what a constant difference of the delays "
+      "does, no method can see."};
+}
+
 // The paper's ranges of processing time: three of ours make its shortest.
 std::vector<TableValue> processing_bins(const TimeSpread& time) {
   return {share_cell(time.bins[0] + time.bins[1] + time.bins[2], time.n), share_cell(time.bins[3], time.n),
@@ -98,23 +115,7 @@ Table table4_clocks(const RecordingSummary& s) {
                    {"to (%)", "below_2ms_high_percent"}};
   table.rows.push_back(paper_clock_row(table.columns.size()));
   for (const ClockErrorRow& row : s.clocks) table.rows.push_back(clock_cells(row));
-  const PrintedTable4 paper = printed_table4();
-  table.notes = {
-      fmt::format(
-          "The paper prints {} and {} samples, which are {:.2f} % below 2 ms and not {:g} %, and {} in "
-          "all and not {} (E14).",
-          paper.rows.back().clock_samples, paper.rows[paper.rows.size() - 2].clock_samples,
-          100.0 * share_of(paper.rows.back().clock_samples, printed_total(paper, true)),
-          paper.below_2ms_percent, printed_total(paper, true), paper.frames * paper.clients),
-      "An error is that of the time at which a sensor's machine sent a frame; by the sensor's ticks, of the "
-      "exposure.",
-      "As printed, equations 20 to 22 give a time on the client's clock (E11): taken for the server's it is "
-      "off "
-      "by the whole offset of the clocks, compared with the client's clock, as the paper seems to have done, "
-      "by "
-      "the delay of the frame and of the latest exchange.",
-      "Intervals are over sensors and runs, each with other clocks; what a constant difference of the delays "
-      "does, no method can see."};
+  table.notes = clock_notes();
   return table;
 }
 

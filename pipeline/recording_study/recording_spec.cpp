@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_ranges.h"
+#include "pipeline/method.h"
 
 namespace trilat {
 namespace {
@@ -57,6 +58,15 @@ void read_methods(JsonObject& object, std::vector<MethodSpec>& methods) {
   }
 }
 
+// A method that names a sensor which there is not is refused before anything is simulated.
+void check_methods(const RecordingSpec& spec) {
+  StudySpec study;
+  study.methods = spec.methods;
+  std::vector<std::string> rig;
+  for (std::uint64_t s = 0; s < spec.sensors; ++s) rig.push_back(fmt::format("k{}", s + 1));
+  resolve_methods(study, rig);
+}
+
 Json json_of(const NetworkSpec& n) {
   return {{"name", n.name},
           {"wire_s", n.wire_s},
@@ -88,6 +98,7 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
   object.finish();
+  check_methods(spec);
   return spec;
 }
 

@@ -10,6 +10,7 @@
 #include "pipeline/recording_study/clock_methods.h"
 #include "pipeline/recording_study/execute_recording.h"
 #include "pipeline/recording_study/spread_times.h"
+#include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -42,6 +43,10 @@ TEST(RecordingSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
               HasSubstr("/networks/0/lost_share"));
   EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "kalman"}])"),
               HasSubstr("/methods/0/method: must be one that takes a frame by itself"));
+  EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "mean", "sensors": ["k9"]}])"),
+              HasSubstr("k9"));
+  EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "mean", "occlusion": "printed"}])"),
+              HasSubstr("/methods/0/occlusion: is of no use"));
 }
 
 TEST(RecordingSpec, WrittenOutInFullItReadsBackAsItself) {
@@ -158,6 +163,28 @@ TEST(RecordingStudy, AskedToStopLeavesWhatItHasAside) {
   EXPECT_TRUE(execute_recording(spec_of(""), folder / "out", options).summary.interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   EXPECT_TRUE(read_recording_summary(folder / "out.partial").interrupted);
+}
+
+TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {
+  const ScratchFolder folder;
+  const std::string results = folder / "results";
+  const std::string study = file_with(
+      folder, "study.json",
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 300, "runs": 1,
+          "methods": [{"method": "mean"}]})");
+  const Ended plan = run_trilat(folder, {"run", study, "--dry-run", "--json"});
+  EXPECT_EQ(only_json(plan)["samples_of_each_network"], 1200);
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+  const Ended text = run_trilat(folder, {"run", study, "-o", results});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("Table IV, clock errors, simulated"), HasSubstr("measured on")));
+  const Ended json = run_trilat(folder, {"run", study, "-o", results, "--json"});
+  EXPECT_EQ(only_json(json)["simulated"], true);
+  EXPECT_EQ(run_trilat(folder, {"report", results, "-o", folder / "report"}).code, 0);
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("arrival jitter"));
+  expect_refused(run_trilat(folder, {"run", study, "-o", results, "--cross-check"}), "--cross-check: is for");
+  expect_refused(run_trilat(folder, {"run", study, "-o", results, "--campaign", "c"}),
+                 "--campaign: is of no use");
 }
 
 }  // namespace
