@@ -150,8 +150,9 @@ ClaimVerdict clock_error(const ClaimEvidence& e) {
   const double low =
       std::isfinite(corrected->below_2ms_low) ? corrected->below_2ms_low : corrected->below_2ms;
   return {below_2ms_text(*corrected) + " below 2 ms", low >= printed ? kHolds : kDoesNotHold,
-          fmt::format("with the equations corrected and all exchanges used, on a \"{}\" as declared; {}",
-                      corrected->network, reason)};
+          fmt::format(
+              "with the equations corrected and one fit to the whole recording, on a \"{}\" as declared; {}",
+              corrected->network, reason)};
 }
 
 ClaimVerdict real_time(const ClaimEvidence& e) {
