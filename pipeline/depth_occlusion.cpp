@@ -27,8 +27,7 @@ std::vector<std::size_t> nearest_frames(const PlannedTake& planned, const Sessio
                      "\"corrected\"");
   std::vector<std::pair<HostTime, std::size_t>> exposures;
   for (const FrameStamp& stamp : session.stamps(number, FrameStream::depth, 0, frames))
-    exposures.emplace_back(planned.host_from_sensor[sensor](device_time(description, stamp)),
-                           exposures.size());
+    exposures.emplace_back(planned.host_from_sensor[sensor](stamp), exposures.size());
   std::sort(exposures.begin(), exposures.end());
   const Duration reach = duration_from_s(0.5 / description.nominal_rate_hz);
   std::vector<std::size_t> nearest;

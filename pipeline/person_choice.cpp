@@ -51,14 +51,13 @@ std::optional<Eigen::Vector3d> centre_of(const Body& body) {
 void read_tracklets(const PlannedTake& planned, const SessionReader& session, std::size_t sensor,
                     const std::function<bool()>& stop_requested, Tracklets& tracklets) {
   const std::size_t number = planned.session_sensor[sensor];
-  const SensorDescription& description = session.header().sensors[number];
   std::map<std::uint64_t, std::size_t> of_id;
   const std::uint64_t frames = session.counts(number).body_frames;
   for (std::uint64_t first = 0; first < frames; first += kBlock) {
     if (stop_requested && stop_requested()) throw Interrupted();
     for (const BodyFrame& frame : session.body_frames(number, first, std::min(kBlock, frames - first))) {
       if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
-      const HostTime t = planned.host_from_sensor[sensor](device_time(description, frame.stamp));
+      const HostTime t = planned.host_from_sensor[sensor](frame.stamp);
       for (const Body& body : frame.bodies) {
         const auto centre = centre_of(body);
         if (!centre) continue;

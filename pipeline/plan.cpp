@@ -10,7 +10,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
-#include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/parallel.h"
 #include "pipeline/truth_track.h"
@@ -22,15 +21,14 @@ struct HostSpan {
   HostTime first, last;
 };
 
-HostSpan span_of(const SessionReader& session, std::size_t sensor,
-                 const ClockMap<HostClock, SensorClock>& map) {
+HostSpan span_of(const SessionReader& session, std::size_t sensor, const SensorClockMap& map) {
   const SensorDescription& description = session.header().sensors[sensor];
   const std::uint64_t frames = session.counts(sensor).body_frames;
   const std::string place = session.path().string() + ":/sensors/" + description.name + "/body_frames";
   if (frames == 0) throw InputError(place, "holds no body frames, so there is nothing to trilaterate");
   const auto first = session.stamps(sensor, FrameStream::bodies, 0, 1);
   const auto last = session.stamps(sensor, FrameStream::bodies, frames - 1, 1);
-  return {map(device_time(description, first[0])), map(device_time(description, last[0]))};
+  return {map(first[0]), map(last[0])};
 }
 
 // The instants that all sensors of the rig cover.

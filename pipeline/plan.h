@@ -9,6 +9,7 @@
 #include "datasets/base/time.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/summary.h"
+#include "datasets/session/session_clock.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/method.h"
 #include "pipeline/study_spec.h"
@@ -27,7 +28,7 @@ struct PlannedTake {
   JointMapping mapping;
   std::vector<std::size_t> session_sensor;        // by rig sensor
   std::vector<RigidTransform> world_from_sensor;  // by rig sensor
-  std::vector<ClockMap<HostClock, SensorClock>> host_from_sensor;
+  std::vector<SensorClockMap> host_from_sensor;
   HostTime start;
   std::uint64_t instants = 0;
   std::string span_note;  // when one sensor shortens the take for all

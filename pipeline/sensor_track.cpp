@@ -51,9 +51,12 @@ ObservedBody between(const ObservedBody& a, const ObservedBody& b, double share)
 
 }  // namespace
 
-SensorTrack::SensorTrack(const SessionReader& session, std::size_t sensor,
-                         ClockMap<HostClock, SensorClock> host_from_sensor, Duration longest_gap)
-    : session_(&session), sensor_(sensor), host_from_sensor_(host_from_sensor), longest_gap_(longest_gap) {}
+SensorTrack::SensorTrack(const SessionReader& session, std::size_t sensor, SensorClockMap host_from_sensor,
+                         Duration longest_gap)
+    : session_(&session),
+      sensor_(sensor),
+      host_from_sensor_(std::move(host_from_sensor)),
+      longest_gap_(longest_gap) {}
 
 const Body* SensorTrack::chosen_body(const BodyFrame& frame) const {
   const Body* best = nullptr;
@@ -71,8 +74,7 @@ const Body* SensorTrack::chosen_body(const BodyFrame& frame) const {
 }
 
 SensorTrack::Frame SensorTrack::frame_from(const BodyFrame& frame) {
-  const SensorDescription& description = session_->header().sensors[sensor_];
-  Frame result{host_from_sensor_(device_time(description, frame.stamp)), {}};
+  Frame result{host_from_sensor_(frame.stamp), {}};
   if (const Body* body = chosen_body(frame)) result.body = observed(*body);
   return result;
 }

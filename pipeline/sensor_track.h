@@ -18,8 +18,8 @@ namespace trilat {
 // (the first of equals), or only those whose tracking id is the person's once choose() said which.
 class SensorTrack {
  public:
-  SensorTrack(const SessionReader& session, std::size_t sensor,
-              ClockMap<HostClock, SensorClock> host_from_sensor, Duration longest_gap);
+  SensorTrack(const SessionReader& session, std::size_t sensor, SensorClockMap host_from_sensor,
+              Duration longest_gap);
 
   void choose(std::set<std::uint64_t> tracking_ids) { wanted_ids_ = std::move(tracking_ids); }
   // `t` must not go back from call to call.
@@ -36,7 +36,7 @@ class SensorTrack {
 
   const SessionReader* session_;
   std::size_t sensor_;
-  ClockMap<HostClock, SensorClock> host_from_sensor_;
+  SensorClockMap host_from_sensor_;
   Duration longest_gap_;
   std::optional<std::set<std::uint64_t>> wanted_ids_;  // nothing: any
   std::uint64_t next_row_ = 0;

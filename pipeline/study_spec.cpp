@@ -45,7 +45,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 StudyKind study_kind(const Json& json, const std::string& place) {
   return static_cast<StudyKind>(
       JsonObject(json, place, "")
-          .choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget"}));
+          .choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget", "recording"}));
 }
 
 StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder) {

@@ -35,14 +35,13 @@ class TruthAtInstants {
   void read_sensor(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                    const SessionReader& session, const TrackerTruthReader& reader, std::size_t s) {
     const std::size_t number = planned.session_sensor[s];
-    const SensorDescription& description = session.header().sensors[number];
     std::map<std::int64_t, TrackerTruth> of_sequence;
     for (const TrackerTruth& truth : reader.read(plan.rig[s], 0, reader.frames(plan.rig[s])))
       of_sequence[truth.sequence] = truth;
     std::map<HostTime, std::int64_t> sequence_at;
     for (const FrameStamp& stamp :
          session.stamps(number, FrameStream::bodies, 0, session.counts(number).body_frames))
-      sequence_at[planned.host_from_sensor[s](device_time(description, stamp))] = stamp.sequence;
+      sequence_at[planned.host_from_sensor[s](stamp)] = stamp.sequence;
     const Duration reach = duration_from_s(plan.study.sensor_gap_s);
     for (std::size_t i = 0; i < data.time.size(); ++i) {
       const HostTime t = data.time[i];

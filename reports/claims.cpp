@@ -38,7 +38,7 @@ bool any_simulated(const ClaimEvidence& e) {
   return (e.walking && e.walking->simulated) || (e.occluded && e.occluded->simulated) ||
          std::any_of(e.sensor_counts.begin(), e.sensor_counts.end(),
                      [](const ResultsSummary& s) { return s.simulated; }) ||
-         e.sweep || e.calibration;
+         e.sweep || e.calibration || e.recording;
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "datasets/results/calibration_summary.h"
+#include "datasets/results/recording_summary.h"
+#include "datasets/results/stage_timings.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/sweep_summary.h"
 #include "reports/table.h"
@@ -19,6 +21,8 @@ struct ClaimEvidence {
   std::vector<ResultsSummary> sensor_counts;  // methods named "nonlinear, N sensors"
   std::optional<SweepSummary> sweep;          // Table I
   std::optional<CalibrationSummary> calibration;
+  std::optional<RecordingSummary> recording;  // Table IV
+  std::optional<StageTimings> stages;
 
   // Takes a study in when it is one of these; the first of its kind counts.
   void add(const ResultsSummary& summary);

@@ -20,6 +20,7 @@
 #include "reports/render.h"
 #include "reports/sensor_counts.h"
 #include "reports/sweep_tables.h"
+#include "reports/table4.h"
 #include "reports/tracking_tables.h"
 #include "reports/trajectories.h"
 
@@ -115,6 +116,19 @@ Chapter budget_chapter(const std::filesystem::path& path) {
           budget_tables(summary)};
 }
 
+Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  const RecordingSummary summary = read_recording_summary(path);
+  const std::optional<StageTimings> timings = read_stage_timings(path);
+  if (!evidence.recording) evidence.recording = summary;
+  if (!evidence.stages) evidence.stages = timings;
+  return {summary.study,
+          fmt::format("## {}\n\nClocks and processing times, **simulated** recordings (seed {}{}); the times "
+                      "that frames take are measured.\n",
+                      summary.study, summary.seed,
+                      summary.interrupted ? "; interrupted: some parts are missing" : ""),
+          table4(summary, timings)};
+}
+
 Chapter chapter_of(const std::filesystem::path& path, ClaimEvidence& evidence) {
   switch (results_kind(path)) {
     case ResultsKind::threshold_sweep:
@@ -123,6 +137,8 @@ Chapter chapter_of(const std::filesystem::path& path, ClaimEvidence& evidence) {
       return calibration_chapter(path, evidence);
     case ResultsKind::error_budget:
       return budget_chapter(path);
+    case ResultsKind::recording:
+      return recording_chapter(path, evidence);
     case ResultsKind::accuracy:
       break;
   }

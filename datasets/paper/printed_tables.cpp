@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/paper/printed_tables.h"
 
+#include <limits>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/strict_json.h"
@@ -66,6 +68,24 @@ PrintedTable2 printed_table2() {
   for (JsonObject& row : object.objects("rows"))
     table.rows.push_back({row.text("part"), row.text("condition"), row.texts("groups"), row.number("with_cm"),
                           row.number("without_cm")});
+  return table;
+}
+
+PrintedTable4 printed_table4() {
+  const Json json = parse_json(embedded::table4_json, "datasets/paper/table4.json");
+  JsonObject object(json, "datasets/paper/table4.json", "");
+  PrintedTable4 table;
+  table.source = object.text("source");
+  table.frames = object.count("frames");
+  table.clients = object.count("clients");
+  for (JsonObject& row : object.objects("rows"))
+    table.rows.push_back(
+        {row.number("from_ms"),
+         row.value("to_ms").is_null() ? std::numeric_limits<double>::infinity() : row.number("to_ms"),
+         row.count("frames"), row.count("clock_samples")});
+  table.lost_frames = object.count("lost_frames");
+  table.real_time_percent = object.number("real_time_percent");
+  table.below_2ms_percent = object.number("below_2ms_percent");
   return table;
 }
 

@@ -13,7 +13,8 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget"};
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget",
+                                      "recording"};
 
 std::int64_t version_of(ResultsKind kind) { return kind == ResultsKind::accuracy ? 2 : 1; }
 

@@ -11,7 +11,7 @@
 namespace trilat {
 
 // What a results folder holds: the study's kind.
-enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget };
+enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget, recording };
 std::string name_of(ResultsKind kind);  // "accuracy", …
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.

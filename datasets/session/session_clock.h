@@ -1,54 +1,64 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <span>
+#include <functional>
+#include <string>
+#include <vector>
 
-#include "datasets/base/time.h"
+#include "datasets/session/agent_clock.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/tick_epochs.h"
 
 namespace trilat {
 
-// One frame's stamps on the sensor's clock (ticks turned to ns) and on the clock of the machine it
-// arrived at.
-struct ArrivalStamp {
-  SensorTime device;
-  std::int64_t arrival_ns = 0;
-};
-
-// How the clock of the machine that stamps arrivals relates to the recording's host clock, from
-// four-stamp exchanges: offset(t) = agent - host, by a straight line through the exchanges of least
-// delay (Theil and Sen's median slope; none when they span less than 10 s). Those that run backwards are left
-// out. Without exchanges the two clocks are the same.
-// `worst_residual_ns` is that of the exchanges used.
-struct AgentClock {
-  struct AgentTag {};
-  ClockMap<HostClock, AgentTag> host_from_agent;
-  std::int64_t worst_residual_ns = 0;
-  std::size_t exchanges_used = 0;
-};
-AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
-
-// A sensor's clock against arrival times: the lower envelope of (device, arrival), since a frame
-// can be late but not early; its segment under the middle of the recording gives offset and drift.
-// Gathers points one by one and keeps only the hull.
-class ArrivalEnvelope {
- public:
-  void add(const ArrivalStamp& stamp);
-  // One stamp gives drift 0; none is an error of the caller.
-  ClockMap<AgentClock::AgentTag, SensorClock> line() const;
-  bool empty() const { return hull_.empty(); }
-
- private:
-  std::vector<ArrivalStamp> hull_;
-};
-
-// The map from one sensor's clock to the host clock of the session, stated latency taken off. Uses
-// body frames, or depth frames where there are no bodies. InputError when the sensor has no frames
-// or the drift found is beyond 1000 ppm, which means that ticks or arrivals are not what the
-// session says.
-ClockMap<HostClock, SensorClock> fit_sensor_clock(const SessionReader& session, std::size_t sensor);
-
-// A frame's exposure on the sensor's clock.
+// A frame's exposure on the sensor's clock, as its ticks say.
 SensorTime device_time(const SensorDescription& sensor, const FrameStamp& stamp);
+
+// One unbroken count of a sensor's ticks, and where it stands on the host clock.
+struct SensorEpoch {
+  SensorTime first, last;  // wraps of a 32-bit counter undone
+  int wraps = 0;
+  std::uint64_t frames = 0;
+  double drift = 0.0;
+  PiecewiseClock<HostClock, SensorClock> host_from_sensor;
+};
+
+// From a frame's stamps to its exposure on the host clock of the session, the stated latency taken off.
+struct SensorClockMap {
+  std::int64_t tick_ns = 100;
+  Duration latency;
+  AgentClock agent;
+  std::vector<SensorEpoch> epochs;  // in the order of the recording
+
+  // Of several epochs that which the stamps fit best.
+  HostTime operator()(const FrameStamp& stamp) const;
+  // By the epoch that holds `t`, or lies nearest: enough where the sensor was never restarted.
+  HostTime operator()(SensorTime t) const;
+};
+
+// Calls `take` for every frame in the order of the recording.
+using EachStamp = std::function<void(const std::function<void(const FrameStamp&)>& take)>;
+
+// By the lower envelope of ticks against arrivals: its segment under the middle, or, where some 10 s leave
+// that by more than 0.3 ms, straight pieces along the least late frames. Anew for every restart. `place`
+// names the sensor in errors: InputError without frames, or when a drift is beyond 1000 ppm, which means that
+// ticks, arrivals or exchanges are not what they are said to be.
+SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp& each_stamp,
+                                std::span<const ClockExchange> exchanges, const std::string& place);
+
+// Of a recorded sensor, by its body frames, or its depth frames where there are no bodies.
+SensorClockMap fit_sensor_clock(const SessionReader& session, std::size_t sensor);
+
+// What a reader wants to know of a fit.
+struct ClockEvidence {
+  std::size_t sensor_epochs = 0, sensor_pieces = 0;
+  std::size_t agent_segments = 0, agent_pieces = 0;
+  double sensor_drift_ppm = 0.0;  // host against sensor, of the epoch with most frames
+  double agent_drift_ppm = 0.0;   // host against agent, of the longest segment
+  std::size_t exchanges = 0, exchanges_used = 0, exchanges_backwards = 0, exchanges_contradicting = 0;
+  std::int64_t offset_sigma_ns = 0;  // between agent and host, the worst segment's
+  std::int64_t offset_bound_ns = 0;  // what unlike delays can add, at most
+};
+ClockEvidence evidence_of(const SensorClockMap& map);
 
 }  // namespace trilat

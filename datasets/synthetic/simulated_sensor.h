@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "datasets/base/time.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/agent_clock.h"
 #include "datasets/session/session_types.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulation_spec.h"
@@ -24,7 +24,7 @@ struct SimulatedSensor {
   SensorPose pose;
   DepthIntrinsics intrinsics;
   ClockMap<HostClock, SensorClock> host_from_sensor;
-  ClockMap<AgentClock::AgentTag, HostClock> agent_from_host;
+  ClockMap<AgentTag, HostClock> agent_from_host;
   SensorTime first_exposure;
 };
 

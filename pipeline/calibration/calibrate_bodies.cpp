@@ -35,14 +35,12 @@ struct Span {
 };
 
 // The time that all sensors cover.
-Span common_span(const SessionReader& session,
-                 const std::vector<ClockMap<HostClock, SensorClock>>& host_from_sensor) {
+Span common_span(const SessionReader& session, const std::vector<SensorClockMap>& host_from_sensor) {
   Span span{{std::numeric_limits<std::int64_t>::min()}, {std::numeric_limits<std::int64_t>::max()}};
   for (std::size_t s = 0; s < host_from_sensor.size(); ++s) {
-    const SensorDescription& sensor = session.header().sensors[s];
     const std::uint64_t frames = session.counts(s).body_frames;
     const auto time = [&](std::uint64_t row) {
-      return host_from_sensor[s](device_time(sensor, session.stamps(s, FrameStream::bodies, row, 1)[0]));
+      return host_from_sensor[s](session.stamps(s, FrameStream::bodies, row, 1)[0]);
     };
     span.first = std::max(span.first, time(0));
     span.last = std::min(span.last, time(frames - 1));
@@ -55,7 +53,7 @@ Span common_span(const SessionReader& session,
 // Point number instant * kJointCount + joint.
 RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& options) {
   const std::size_t sensors = session.header().sensors.size();
-  std::vector<ClockMap<HostClock, SensorClock>> clocks;
+  std::vector<SensorClockMap> clocks;
   std::vector<SensorTrack> tracks;
   for (std::size_t s = 0; s < sensors; ++s) {
     if (session.counts(s).body_frames == 0)

@@ -32,7 +32,7 @@ std::vector<Block> blocks_of(const SessionReader& session) {
 }
 
 std::vector<FrameResult> search_block(const SessionReader& session, const Block& block, const DepthRays& rays,
-                                      const ClockMap<HostClock, SensorClock>& host_from_sensor,
+                                      const SensorClockMap& host_from_sensor,
                                       const WandSearchOptions& options) {
   std::vector<FrameResult> results;
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
@@ -44,7 +44,7 @@ std::vector<FrameResult> search_block(const SessionReader& session, const Block&
     decode_depth_frame(session.stored_depth_frame(block.sensor, block.first + i), depth_mm);
     if (i % options.whole_image_every == 0) before_m.reset();
     FrameResult result;
-    result.time = host_from_sensor(device_time(session.header().sensors[block.sensor], stamps[i]));
+    result.time = host_from_sensor(stamps[i]);
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
     result.sighting = find_wand(image, rays, options.find, before_m);
     if (before_m && result.sighting.status != WandStatus::found)
@@ -63,11 +63,10 @@ std::vector<SensorSearch> search_wand(const SessionReader& session,
                                       const WandSearchOptions& options) {
   const std::size_t sensors = session.header().sensors.size();
   std::vector<DepthRays> rays;
-  std::vector<ClockMap<HostClock, SensorClock>> clocks;
+  std::vector<SensorClockMap> clocks;
   for (std::size_t s = 0; s < sensors; ++s) {
     rays.push_back(depth_rays(intrinsics[s]));
-    clocks.push_back(session.counts(s).depth_frames > 0 ? fit_sensor_clock(session, s)
-                                                        : ClockMap<HostClock, SensorClock>{});
+    clocks.push_back(session.counts(s).depth_frames > 0 ? fit_sensor_clock(session, s) : SensorClockMap{});
   }
   const std::vector<Block> blocks = blocks_of(session);
   std::vector<std::vector<FrameResult>> results(blocks.size());

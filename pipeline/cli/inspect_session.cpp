@@ -13,6 +13,7 @@
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
+#include "pipeline/cli/clock_json.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 
@@ -68,6 +69,7 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
     json["depth_duration_s"] = depth.duration_s;
     json["depth_rate_hz"] = depth.rate_hz;
   }
+  json["clock"] = clock_json(session, sensor);
   return json;
 }
 

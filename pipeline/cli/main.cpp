@@ -97,7 +97,8 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   });
 
   auto* run_verb = app.add_subcommand(
-      "run", "a study: takes x methods, a threshold sweep, calibration or an error budget -> results");
+      "run",
+      "a study: takes x methods, a threshold sweep, calibration, clocks or an error budget -> results");
   run_verb->add_option("study", a.run.study, "study.json")->required();
   run_verb->add_option("--campaign", a.run.campaign, "folder of takes, instead of the study's own");
   run_verb->add_option("--calibration", a.run.calibration, "calibration.json, instead of the takes' own");

@@ -16,6 +16,7 @@
 #include "pipeline/cli/simulate_take.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/execute.h"
+#include "pipeline/recording_study/execute_recording.h"
 #include "pipeline/sweep/execute_sweep.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
@@ -25,9 +26,10 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kQuickParticipants = 4, kQuickBudgetParticipants = 2;
-constexpr int kStages = 9;
+constexpr int kStages = 10;
 constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
+constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
 constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
 
 SimulationSpec campaign_spec(const char* text, const std::string& place,
@@ -131,6 +133,22 @@ void calibration_into(const std::filesystem::path& folder, const ReproduceArgume
   if (summary.interrupted) throw Interrupted();
 }
 
+void recording_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
+  const std::string place = "pipeline/studies/table4.json";
+  RecordingSpec spec = parse_recording_spec(parse_json(embedded::table4_json, place), place);
+  spec.seed = arguments.seed;
+  if (arguments.scale == "quick") {
+    spec.frames = std::min(spec.frames, kQuickRecordingFrames);
+    spec.runs = std::min(spec.runs, kQuickRecordingRuns);
+  }
+  PartProgress progress;
+  const RecordingOutcome outcome = execute_recording(
+      spec, folder, {arguments.threads, stop_requested, [&](const std::string& part, double share) {
+                       progress.set(part, share);
+                     }});
+  if (outcome.summary.interrupted) throw Interrupted();
+}
+
 // The folder is ours to fill when it is new, empty or an earlier reproduction.
 void check_output(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
@@ -145,7 +163,7 @@ void check_output(const std::filesystem::path& folder) {
 std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> results;
   for (const char* name : {"table3", "table2", "sensors_different_heights", "sensors_equal_heights",
-                           "error_budget", "table1", "table1_search", "calibration"})
+                           "error_budget", "table1", "table1_search", "calibration", "table4"})
     results.push_back(folder / name);
   return results;
 }
@@ -174,10 +192,11 @@ void print_claims(const Table& table) {
   fmt::print("\n");
 }
 
-// Tables I to III, the calibration, the claims and the search's answer; the rest is in the report.
+// Tables I to IV, the calibration, the claims and the search's answer; the rest is in the report.
 void print_tables(const std::filesystem::path& folder, const ReportFiles& report, const SweepSummary& search,
                   const ResultsSummary& summary) {
-  for (const char* id : {"table1", "calibration_wand", "calibration_rigs", "table2", "table3"})
+  for (const char* id :
+       {"table1", "calibration_wand", "calibration_rigs", "table2", "table3", "table4_clocks"})
     for (const Table& table : report.tables)
       if (table.id == id) fmt::print("{}\n", markdown_of(table));
   for (const Table& table : report.tables)
@@ -221,7 +240,9 @@ int reproduce(const ReproduceArguments& arguments) {
   const SweepSummary search = sweep_into(folder / "table1_search", search_plan, arguments);
   begin_stage(8, "calibration: one wand position, a flat wall, whole rigs, what it does to joints");
   calibration_into(folder / "calibration", arguments);
-  begin_stage(9, "writing the report");
+  begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");
+  recording_into(folder / "table4", arguments);
+  begin_stage(10, "writing the report");
   const ReportFiles report = write_report(results_in(folder), folder / "report");
   const bool passed = table3.takes_failed + table2.takes_failed + sensors_failed == 0 &&
                       (!table3.cross_check || table3.cross_check->passed());

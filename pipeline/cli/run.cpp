@@ -75,6 +75,7 @@ int run(const RunArguments& arguments) {
   if (kind == StudyKind::threshold_sweep) return run_sweep_study(arguments, json);
   if (kind == StudyKind::calibration) return run_calibration_study(arguments, json);
   if (kind == StudyKind::error_budget) return run_budget_study(arguments, json);
+  if (kind == StudyKind::recording) return run_recording_study(arguments, json);
   const StudySpec study = parse_study(json, arguments.study.string(), arguments.study.parent_path());
   const std::filesystem::path folder = arguments.campaign.empty() ? study.campaign : arguments.campaign;
   if (folder.empty())

@@ -102,6 +102,8 @@ int run_sweep_study(const RunArguments& arguments, const Json& study);
 int run_calibration_study(const RunArguments& arguments, const Json& study);
 // And for one of kind error_budget.
 int run_budget_study(const RunArguments& arguments, const Json& study);
+// And for one of kind recording.
+int run_recording_study(const RunArguments& arguments, const Json& study);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> results;

@@ -130,6 +130,8 @@ TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
   EXPECT_EQ(ended.code, 0);
   EXPECT_EQ(only_json(ended)["sensors"].size(), 4u);
   EXPECT_NEAR(only_json(ended)["sensors"][0]["rate_hz"].get<double>(), 30.0, 1.5);
+  EXPECT_EQ(only_json(ended)["sensors"][0]["clock"]["sensor_restarts"], 0);
+  EXPECT_LT(only_json(ended)["sensors"][0]["clock"]["offset_bound_s"].get<double>(), 0.002);
   EXPECT_EQ(only_json(ended)["complete"], true);
 
   ended = run_trilat(folder, {"verify", take + "/session.h5", "--json"});

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/results/time_spread.h"
+
+namespace trilat {
+
+// One way to put a sensor's machine on the server's clock, over one kind of network.
+struct ClockErrorRow {
+  std::string network;
+  std::string method;  // "none", "one exchange at the start", "as printed", …
+  std::uint64_t asked = 0;
+  TimeSpread error;  // absolute; n of those that got an answer
+  // Share of answers below 2 ms, with its 95 % interval over sensors and runs.
+  double below_2ms = TimeSpread::kNone;
+  double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
+};
+
+// What the corrected fit says of itself, over one kind of network: means over sensors and runs.
+struct ClockFitRow {
+  std::string network;
+  double offset_sigma_s = TimeSpread::kNone;      // its standard deviation
+  double offset_bound_s = TimeSpread::kNone;      // what unlike delays can add, at most
+  double within_bound_share = TimeSpread::kNone;  // of frames whose error the bound and 4 sigma hold
+  double exchanges_used_share = TimeSpread::kNone;
+};
+
+// summary.json of a study of kind "recording". All of it is simulated.
+struct RecordingSummary {
+  std::string study;
+  std::uint64_t seed = 0;
+  bool interrupted = false;
+  std::uint64_t frames = 0, sensors = 0, runs = 0;
+  std::vector<ClockErrorRow> clocks;
+  std::vector<ClockFitRow> fits;
+};
+
+void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& summary);
+// InputError with file and pointer when it is not one of these.
+RecordingSummary read_recording_summary(const std::filesystem::path& folder);
+
+}  // namespace trilat

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/recording_study/clock_errors.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "datasets/base/error.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/parallel.h"
+#include "pipeline/recording_study/clock_methods.h"
+#include "pipeline/recording_study/spread_times.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kGood_s = 0.002;
+constexpr double kSigmas = 4.0;
+
+struct FitShares {
+  double sigma_s = 0.0, bound_s = 0.0, within = 0.0, used = 0.0;
+  bool fitted = false;
+};
+
+// Of one sensor's machine in one run.
+struct TrialErrors {
+  std::vector<std::vector<double>> by_method_s;
+  FitShares fit;
+};
+
+FitShares shares_of(const ClockTrial& trial, const std::vector<double>& errors_s) {
+  const AgentClock clock = fit_agent_clock(trial.exchanges);
+  FitShares fit;
+  if (clock.segments.empty()) return fit;
+  fit.fitted = true;
+  for (const AgentSegment& segment : clock.segments) {
+    fit.sigma_s = std::max(fit.sigma_s, 1e-9 * static_cast<double>(segment.offset_sigma_ns));
+    fit.bound_s = std::max(fit.bound_s, 1e-9 * static_cast<double>(segment.offset_bound_ns));
+  }
+  const double limit_s = fit.bound_s + kSigmas * fit.sigma_s;
+  const auto within =
+      std::count_if(errors_s.begin(), errors_s.end(), [&](double error_s) { return error_s <= limit_s; });
+  fit.within = static_cast<double>(within) / static_cast<double>(errors_s.size());
+  fit.used = static_cast<double>(clock.exchanges_used) / static_cast<double>(clock.exchanges);
+  return fit;
+}
+
+TrialErrors measure_trial(const RecordingSpec& spec, const NetworkSpec& network, std::size_t item) {
+  const ClockTrial trial = simulate_clocks(spec, network, item / spec.sensors, item % spec.sensors);
+  TrialErrors errors;
+  for (std::size_t m = 0; m < clock_method_names().size(); ++m)
+    errors.by_method_s.push_back(clock_errors_s(trial, static_cast<ClockMethod>(m)));
+  errors.fit = shares_of(trial, errors.by_method_s[static_cast<std::size_t>(ClockMethod::corrected)]);
+  return errors;
+}
+
+ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std::size_t method,
+                     const std::vector<TrialErrors>& trials) {
+  ClockErrorRow row;
+  row.network = network.name;
+  row.method = clock_method_names()[method];
+  std::vector<double> all_s, good, answered;
+  for (const TrialErrors& trial : trials) {
+    const std::vector<double>& errors_s = trial.by_method_s[method];
+    row.asked += errors_s.size();
+    all_s.insert(all_s.end(), errors_s.begin(), errors_s.end());
+    good.push_back(static_cast<double>(
+        std::count_if(errors_s.begin(), errors_s.end(), [](double e) { return e < kGood_s; })));
+    answered.push_back(static_cast<double>(
+        std::count_if(errors_s.begin(), errors_s.end(), [](double e) { return std::isfinite(e); })));
+  }
+  row.error = spread_times(std::move(all_s));
+  if (row.error.n == 0) return row;
+  row.below_2ms = static_cast<double>(row.error.bins[0]) / static_cast<double>(row.error.n);
+  std::tie(row.below_2ms_low, row.below_2ms_high) = bootstrap_mean(good, answered, spec.seed);
+  return row;
+}
+
+ClockFitRow fit_row_of(const NetworkSpec& network, const std::vector<TrialErrors>& trials) {
+  FitShares sum{0.0, 0.0, 0.0, 0.0, false};
+  double count = 0.0;
+  for (const TrialErrors& trial : trials) {
+    if (!trial.fit.fitted) continue;
+    count += 1.0;
+    sum.sigma_s += trial.fit.sigma_s;
+    sum.bound_s += trial.fit.bound_s;
+    sum.within += trial.fit.within;
+    sum.used += trial.fit.used;
+  }
+  if (count == 0.0) return {network.name};
+  return {network.name, sum.sigma_s / count, sum.bound_s / count, sum.within / count, sum.used / count};
+}
+
+}  // namespace
+
+ClockErrorResults measure_clocks(const RecordingSpec& spec, const RecordingHooks& hooks) {
+  ClockErrorResults results;
+  const std::size_t items = spec.runs * spec.sensors;
+  std::atomic<std::size_t> done{0};
+  for (const NetworkSpec& network : spec.networks) {
+    std::vector<TrialErrors> trials(items);
+    parallel_for_index(items, 1, [&](std::size_t item) {
+      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      trials[item] = measure_trial(spec, network, item);
+      if (hooks.progress)
+        hooks.progress(static_cast<double>(++done) / static_cast<double>(items * spec.networks.size()));
+    });
+    for (std::size_t m = 0; m < clock_method_names().size(); ++m)
+      results.rows.push_back(row_of(spec, network, m, trials));
+    results.fits.push_back(fit_row_of(network, trials));
+  }
+  return results;
+}
+
+}  // namespace trilat

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "datasets/results/recording_summary.h"
+#include "pipeline/recording_study/recording_spec.h"
+
+namespace trilat {
+
+struct RecordingHooks {
+  std::function<bool()> stop_requested = {};
+  std::function<void(double)> progress = {};
+};
+
+// Every method on every network, over all runs, sensors and frames. Throws Interrupted.
+struct ClockErrorResults {
+  std::vector<ClockErrorRow> rows;
+  std::vector<ClockFitRow> fits;
+};
+ClockErrorResults measure_clocks(const RecordingSpec& spec, const RecordingHooks& hooks);
+
+}  // namespace trilat

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "datasets/results/recording_summary.h"
+#include "datasets/results/stage_timings.h"
+#include "pipeline/recording_study/recording_spec.h"
+
+namespace trilat {
+
+struct ExecuteRecordingOptions {
+  int threads = 0;  // 0: as many as there are processors
+  std::function<bool()> stop_requested = {};
+  std::function<void(const std::string& part, double share)> progress = {};
+};
+
+struct RecordingOutcome {
+  RecordingSummary summary;
+  StageTimings timings;
+};
+
+// Runs the study's parts and writes the results folder: manifest.json, simulator.json, summary.json (equal
+// for equal studies), timings.json (measured) and run.json. Interrupted leaves the parts that were finished
+// in `output`.partial.
+RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesystem::path& output,
+                                   const ExecuteRecordingOptions& options);
+
+}  // namespace trilat

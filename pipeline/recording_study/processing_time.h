@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "datasets/results/stage_timings.h"
+#include "pipeline/recording_study/clock_errors.h"
+
+namespace trilat {
+
+// What a frame costs from the bodies of all sensors to 25 trilaterated joints, by each of the study's
+// methods, one frame at a time on one thread. Frames are those of a simulated person walking. Throws
+// Interrupted.
+std::vector<StageTiming> time_processing(const RecordingSpec& spec, const RecordingHooks& hooks);
+
+}  // namespace trilat

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "datasets/base/error.h"
+#include "tests/datasets/simulated_clocks.h"
+
+namespace trilat {
+namespace {
+
+// The number to reach: 99.9 % of frames within 1 ms and all within 2 ms.
+void expect_within_a_millisecond(const SimulatedClocks& clocks) {
+  const ClockErrors errors = clock_errors(clocks);
+  EXPECT_GE(errors.share_within(1.0), 0.999) << "seed " << clocks.seed;
+  EXPECT_LE(errors.max_ms(), 2.0) << "seed " << clocks.seed;
+}
+
+TEST(SensorClock, TenMinutesOfJitterAndDriftLeaveFramesWithinAMillisecond) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) expect_within_a_millisecond({.seed = seed});
+}
+
+TEST(SensorClock, LostExchangesAndFramesDoNoHarm) {
+  expect_within_a_millisecond({.lost_share = 0.05});
+  expect_within_a_millisecond({.lost_share = 0.5});
+}
+
+TEST(SensorClock, BurstsOfDelayAreLeftOut) {
+  expect_within_a_millisecond({.burst_every_s = 60.0, .burst_length_s = 5.0, .burst_ms = 50.0});
+  expect_within_a_millisecond({.burst_every_s = 120.0, .burst_length_s = 40.0, .burst_ms = 50.0});
+}
+
+TEST(SensorClock, AStepOfTheAgentsClockMakesASecondSegment) {
+  for (double step_s : {3.0, -3.0, 0.05, -0.05}) {
+    const SimulatedClocks clocks{.agent_step_at_s = 301.7, .agent_step_s = step_s};
+    expect_within_a_millisecond(clocks);
+    EXPECT_EQ(clock_errors(clocks).evidence.agent_segments, 2u) << step_s;
+    EXPECT_EQ(clock_errors(clocks).evidence.sensor_epochs, 1u) << step_s;
+  }
+}
+
+TEST(SensorClock, ARestartedAgentIsPlacedAnew) {
+  const SimulatedClocks clocks{.agent_step_at_s = 200.1, .agent_restarts = true};
+  expect_within_a_millisecond(clocks);
+  EXPECT_EQ(clock_errors(clocks).evidence.agent_segments, 2u);
+}
+
+TEST(SensorClock, ARestartedSensorIsPlacedAnew) {
+  const SimulatedClocks clocks{.sensor_restart_at_s = 250.0};
+  expect_within_a_millisecond(clocks);
+  EXPECT_EQ(clock_errors(clocks).evidence.sensor_epochs, 2u);
+}
+
+TEST(SensorClock, SensorAndAgentRestartedTogetherArePlacedAnew) {
+  const SimulatedClocks clocks{
+      .agent_step_at_s = 250.0, .sensor_restart_at_s = 250.0, .agent_restarts = true};
+  expect_within_a_millisecond(clocks);
+  EXPECT_EQ(clock_errors(clocks).evidence.sensor_epochs, 2u);
+  EXPECT_EQ(clock_errors(clocks).evidence.agent_segments, 2u);
+}
+
+TEST(SensorClock, EverythingAtOnceLeavesFramesWithinAMillisecond) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    expect_within_a_millisecond({.seed = seed,
+                                 .wander_ms = 1.0,
+                                 .lost_share = 0.05,
+                                 .burst_every_s = 60.0,
+                                 .burst_length_s = 3.0,
+                                 .burst_ms = 50.0,
+                                 .agent_step_at_s = 301.7,
+                                 .agent_step_s = 3.0,
+                                 .sensor_restart_at_s = 450.0});
+}
+
+TEST(SensorClock, ADriftThatWandersIsFollowed) {
+  const SimulatedClocks clocks{.wander_ms = 2.0};
+  expect_within_a_millisecond(clocks);
+  EXPECT_GT(clock_errors(clocks).evidence.agent_pieces, 10u);
+  EXPECT_GT(clock_errors(clocks).evidence.sensor_pieces, 10u);
+  EXPECT_EQ(clock_errors({}).evidence.agent_pieces, 1u);
+  EXPECT_EQ(clock_errors({}).evidence.sensor_pieces, 1u);
+}
+
+TEST(SensorClock, ACounterOf32BitsMayWrap) {
+  const SimulatedClocks clocks{.tick_ns = 125'000, .first_tick = (std::int64_t{1} << 32) - 1'000'000};
+  auto frames = clocks.frames();
+  for (auto& frame : frames) frame.stamp.device_ticks %= kTicksOfWrap;
+  ASSERT_LT(frames.back().stamp.device_ticks, frames.front().stamp.device_ticks);
+  const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
+  EXPECT_EQ(map.epochs.size(), 1u);
+  EXPECT_EQ(map.epochs[0].wraps, 1);
+  for (const auto& frame : frames)
+    ASSERT_NEAR((map(frame.stamp) - frame.exposure).seconds(), 0.0, 1e-3) << frame.stamp.sequence;
+}
+
+TEST(SensorClock, UnlikeDelaysMoveTheClockByHalfTheirDifferenceAsTheBoundSays) {
+  const ClockErrors errors = clock_errors({.asymmetry_ms = 2.0});
+  EXPECT_NEAR(errors.quantile_ms(0.5), 1.0, 0.05);
+  EXPECT_GE(1e-6 * static_cast<double>(errors.evidence.offset_bound_ns), errors.quantile_ms(0.5));
+  EXPECT_LE(1e-6 * static_cast<double>(errors.evidence.offset_bound_ns), 1.5);
+}
+
+TEST(SensorClock, TheStatedUncertaintyOfTheOffsetHolds) {
+  int beyond = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const SimulatedClocks clocks{.seed = seed, .seconds = 60.0};
+    const AgentClock agent = fit_agent_clock(clocks.exchanges());
+    const auto error_ns = (agent({clocks.agent_ns(0.0)}) - HostTime{SimulatedClocks::kStart_ns}).ns;
+    EXPECT_LT(std::abs(error_ns), 4 * agent.segments[0].offset_sigma_ns) << seed;
+    EXPECT_LT(std::abs(error_ns), agent.segments[0].offset_bound_ns) << seed;
+    beyond += std::abs(error_ns) > agent.segments[0].offset_sigma_ns;
+  }
+  EXPECT_GT(beyond, 4);  // nor is it far too large
+  EXPECT_LT(beyond, 25);
+}
+
+TEST(SensorClock, ExchangesThatLieAreLeftOutAndCounted) {
+  const SimulatedClocks clocks{.seconds = 120.0};
+  auto exchanges = clocks.exchanges();
+  for (std::size_t i = 5; i < exchanges.size(); i += 20) {
+    exchanges[i].t2_ns += 40'000'000;
+    exchanges[i].t3_ns += 40'000'000;
+  }
+  exchanges[7].t4_ns = exchanges[7].t1_ns - 1;
+  const AgentClock agent = fit_agent_clock(exchanges);
+  EXPECT_EQ(agent.segments.size(), 1u);
+  EXPECT_EQ(agent.exchanges_contradicting, 24u);
+  EXPECT_EQ(agent.exchanges_backwards, 1u);
+  EXPECT_NEAR((agent({clocks.agent_ns(60.0)}) - HostTime{SimulatedClocks::kStart_ns}).seconds(), 60.0, 1e-4);
+}
+
+TEST(SensorClock, WithoutExchangesBothMachinesAreTheSame) {
+  EXPECT_EQ(fit_agent_clock({})({1234}).ns, 1234);
+  SimulatedClocks clocks{.agent_drift_ppm = 0.0};
+  const auto frames = clocks.frames();
+  const SensorClockMap map = fitted(clocks, frames, {});
+  EXPECT_NEAR(static_cast<double>(map(frames[900].stamp).ns - clocks.agent_ns(900.3 / 30.0)), 0.0, 1e5);
+}
+
+TEST(SensorClock, OneExchangeOrTwoOrManyAtOnceGiveAnOffset) {
+  const ClockExchange one{1'000'000'000, 5'000'200'000, 5'000'250'000, 1'000'450'000};
+  for (std::size_t count : {1, 2, 50}) {
+    const AgentClock agent = fit_agent_clock(std::vector<ClockExchange>(count, one));
+    ASSERT_EQ(agent.segments.size(), 1u);
+    EXPECT_EQ(agent({5'000'225'000}).ns, 1'000'225'000);
+    EXPECT_EQ(agent.segments[0].line.drift, 0.0);
+    EXPECT_EQ(agent.segments[0].offset_bound_ns, 200'000);
+  }
+}
+
+TEST(SensorClock, AFrameThatIsLateAloneIsNoRestart) {
+  SimulatedClocks clocks{.seconds = 60.0};
+  auto frames = clocks.frames();
+  for (std::size_t i : {0u, 700u, 701u, 702u}) frames[i].stamp.arrival_ns += 400'000'000;
+  const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
+  EXPECT_EQ(map.epochs.size(), 1u);
+  EXPECT_NEAR((map(frames[701].stamp) - frames[701].exposure).seconds(), 0.0, 2e-4);
+}
+
+// Values up to 2^58 ns, also negative, in some of the stamps.
+TEST(SensorClock, WhateverStampsSayIsPlacedOrRefused) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const SimulatedClocks clocks{.seed = seed, .seconds = 20.0};
+    auto frames = clocks.frames();
+    auto exchanges = clocks.exchanges();
+    const RandomStream random{seed, Purpose::test, 99};
+    const double scale_ns = std::exp2(58.0 * random.uniform(0));
+    for (std::uint32_t i = 1; i < 100; i += 4) {
+      const auto value = static_cast<std::int64_t>(random.uniform(i, -scale_ns, scale_ns));
+      auto& stamp = frames[static_cast<std::size_t>(random.uniform(i + 1) * 599.0)].stamp;
+      auto& exchange = exchanges[static_cast<std::size_t>(random.uniform(i + 2) * 80.0)];
+      std::int64_t* const targets[] = {&stamp.arrival_ns, &exchange.t1_ns, &exchange.t2_ns,
+                                       &exchange.t3_ns,   &exchange.t4_ns, &stamp.device_ticks};
+      const auto target = static_cast<std::size_t>(random.uniform(i + 3) * 6.0);
+      *targets[target] = target == 5 ? value / clocks.tick_ns : value;
+    }
+    if (seed % 7 == 0) exchanges.resize(seed % 5);
+    if (seed % 5 == 0) frames.resize(seed % 4);
+    try {
+      const SensorClockMap map = fitted(clocks, frames, exchanges);
+      for (const auto& frame : frames) map(frame.stamp);
+      EXPECT_GT(evidence_of(map).sensor_epochs, 0u);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place().substr(0, 2), "k1");
+    }
+  }
+}
+
+TEST(SensorClock, TicksThatAreNotWhatTheySayAreRefused) {
+  const SimulatedClocks clocks{.seconds = 60.0, .sensor_drift_ppm = 3000.0};
+  EXPECT_THROW(fitted(clocks, clocks.frames(), clocks.exchanges()), InputError);
+  EXPECT_THROW(fitted(clocks, {}, clocks.exchanges()), InputError);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "pipeline/recording_study/clock_methods.h"
+#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/spread_times.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::Each;
+using testing::HasSubstr;
+
+RecordingSpec spec_of(const std::string& members) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "test")" + members + "}";
+  return parse_recording_spec(parse_json(text, "study.json"), "study.json");
+}
+
+std::string refusal(const std::string& members) {
+  return message_of([&] { spec_of(members); });
+}
+
+TEST(RecordingSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
+  EXPECT_EQ(refusal(""), "no error");
+  EXPECT_THAT(refusal(R"(, "frame": 3)"), AllOf(HasSubstr("study.json /frame"), HasSubstr("frames")));
+  EXPECT_THAT(refusal(R"(, "frames": 1)"), HasSubstr("/frames: must be 2 to 200000, is 1"));
+  EXPECT_THAT(refusal(R"(, "networks": [])"), HasSubstr("/networks: must hold at least one"));
+  EXPECT_THAT(refusal(R"(, "networks": [{"name": "a"}, {"name": "a"}])"),
+              HasSubstr("/networks/1/name: stands there twice"));
+  EXPECT_THAT(refusal(R"(, "networks": [{"name": "a", "asymmetry_s": -0.1}])"),
+              HasSubstr("/networks/0/asymmetry_s: makes messages arrive before they are sent"));
+  EXPECT_THAT(refusal(R"(, "networks": [{"name": "a", "lost_share": 1.1}])"),
+              HasSubstr("/networks/0/lost_share"));
+  EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "kalman"}])"),
+              HasSubstr("/methods/0/method: must be one that takes a frame by itself"));
+  EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "mean", "sensors": ["k9"]}])"),
+              HasSubstr("k9"));
+  EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "mean", "occlusion": "printed"}])"),
+              HasSubstr("/methods/0/occlusion: is of no use"));
+}
+
+TEST(RecordingSpec, WrittenOutInFullItReadsBackAsItself) {
+  const RecordingSpec spec = spec_of(
+      R"(, "seed": 3, "frames": 90, "networks": [{"name": "a", "jitter_s": 0.001}],
+         "methods": [{"name": "mean", "method": "mean"}])");
+  for (const RecordingSpec& written : {spec, spec_of("")}) {
+    const Json json = resolved_json(written);
+    EXPECT_EQ(resolved_json(parse_recording_spec(json, "resolved.json")), json);
+  }
+}
+
+// One in each range, on their lower edges, and one that is no number.
+TEST(SpreadTimes, RangesBeginOnTheirEdges) {
+  const TimeSpread spread =
+      spread_times({0.0, 0.002, 0.004, 0.011, 0.022, 0.033, std::numeric_limits<double>::quiet_NaN()});
+  EXPECT_EQ(spread.n, 6u);
+  EXPECT_THAT(spread.bins, Each(1u));
+  EXPECT_EQ(spread_times({0.0019999, 0.0329999, 5.0}).bins, (TimeSpread{3, {1, 0, 0, 0, 1, 1}}.bins));
+}
+
+// 0 to 1000 ms in steps of one: quantiles are the numbers themselves.
+TEST(SpreadTimes, QuantilesByPencil) {
+  std::vector<double> times_s;
+  for (int i = 1000; i >= 0; --i) times_s.push_back(1e-3 * i);
+  const TimeSpread spread = spread_times(times_s);
+  EXPECT_NEAR(spread.median_s, 0.5, 1e-12);
+  EXPECT_NEAR(spread.p95_s, 0.95, 1e-12);
+  EXPECT_NEAR(spread.p99_s, 0.99, 1e-12);
+  EXPECT_NEAR(spread.p999_s, 0.999, 1e-12);
+  EXPECT_NEAR(spread.max_s, 1.0, 1e-12);
+  EXPECT_TRUE(std::isnan(spread_times({}).median_s));
+}
+
+// A client 10 ms ahead; a message takes 1 ms there and back; one frame, 2 ms on its way.
+ClockTrial pencil_trial() {
+  constexpr std::int64_t kMs = 1'000'000;
+  ClockTrial trial;
+  trial.exchanges = {{100 * kMs, 111 * kMs, 112 * kMs, 103 * kMs}};
+  trial.frames = {{{0, 0, 60 * kMs}, {30 * kMs}, {50 * kMs}, {52 * kMs}},
+                  {{1, 0, 210 * kMs}, {180 * kMs}, {200 * kMs}, {202 * kMs}}};
+  return trial;
+}
+
+TEST(ClockMethods, TheErrorsOfAnExchangeByPencil) {
+  const ClockTrial trial = pencil_trial();
+  const auto second_ms = [&](ClockMethod method) { return 1e3 * clock_errors_s(trial, method)[1]; };
+  EXPECT_NEAR(second_ms(ClockMethod::none), 10.0, 1e-9);
+  EXPECT_NEAR(second_ms(ClockMethod::first_exchange), 0.0, 1e-9);
+  EXPECT_NEAR(second_ms(ClockMethod::corrected), 0.0, 1e-9);
+  // D = 1 ms, E = -10 ms: 202 - 1 + 10 = 211 ms, where 210 is the client's time and 200 the server's
+  EXPECT_NEAR(second_ms(ClockMethod::printed_client), 1.0, 1e-9);
+  EXPECT_NEAR(second_ms(ClockMethod::printed), 11.0, 1e-9);
+}
+
+TEST(ClockMethods, BeforeAnyExchangeThePrintedOnesHaveNoAnswer) {
+  const ClockTrial trial = pencil_trial();
+  EXPECT_TRUE(std::isnan(clock_errors_s(trial, ClockMethod::printed)[0]));
+  EXPECT_TRUE(std::isnan(clock_errors_s(trial, ClockMethod::printed_client)[0]));
+  ClockTrial silent = trial;
+  silent.exchanges.clear();
+  for (std::size_t m = 1; m < clock_method_names().size(); ++m)
+    EXPECT_TRUE(std::isnan(clock_errors_s(silent, static_cast<ClockMethod>(m))[1])) << m;
+}
+
+TEST(ClockTrial, NetworksAreComparedOnTheSameDraws) {
+  const RecordingSpec spec = spec_of(R"(, "frames": 60)");
+  NetworkSpec other;
+  other.asymmetry_s = 0.002;
+  const ClockTrial a = simulate_clocks(spec, {}, 0, 1), b = simulate_clocks(spec, other, 0, 1);
+  ASSERT_EQ(a.exchanges.size(), b.exchanges.size());
+  EXPECT_NEAR(static_cast<double>(b.exchanges[3].t2_ns - a.exchanges[3].t2_ns), 2e6, 200.0);
+  EXPECT_EQ(a.frames[10].stamp.arrival_ns, b.frames[10].stamp.arrival_ns);
+  EXPECT_NE(a.frames[10].stamp.arrival_ns, simulate_clocks(spec, {}, 1, 1).frames[10].stamp.arrival_ns);
+}
+
+const ClockErrorRow& row_of(const RecordingSummary& summary, ClockMethod method) {
+  return summary.clocks.at(static_cast<std::size_t>(method));
+}
+
+TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  const RecordingSpec spec = spec_of(
+      R"(, "frames": 900, "runs": 2, "methods": [{"name": "linear", "method": "linear"},
+         {"name": "single", "method": "single"}])");
+  for (int threads : {1, 2}) {
+    ExecuteRecordingOptions options;
+    options.threads = threads;
+    execute_recording(spec, folder / std::to_string(threads), options);
+  }
+  EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
+  EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
+  const RecordingSummary summary = read_recording_summary(folder / "1");
+  ASSERT_EQ(summary.clocks.size(), clock_method_names().size());
+  EXPECT_EQ(row_of(summary, ClockMethod::none).asked, 900u * 4 * 2);
+  EXPECT_LT(row_of(summary, ClockMethod::corrected).error.max_s, 0.0005);
+  EXPECT_LT(row_of(summary, ClockMethod::corrected_ticks).error.max_s, 0.0005);
+  EXPECT_EQ(row_of(summary, ClockMethod::corrected).below_2ms, 1.0);
+  EXPECT_GT(row_of(summary, ClockMethod::none).error.median_s,
+            row_of(summary, ClockMethod::first_exchange).error.median_s);
+  EXPECT_GT(row_of(summary, ClockMethod::printed).error.median_s, 0.005);
+  EXPECT_EQ(summary.fits.at(0).within_bound_share, 1.0);
+  const auto timings = read_stage_timings(folder / "1");
+  ASSERT_TRUE(timings.has_value());
+  ASSERT_EQ(timings->stages.size(), 5u);  // linear, and each single sensor
+  for (const StageTiming& stage : timings->stages) EXPECT_EQ(stage.time.n, 900u);
+  EXPECT_FALSE(read_declared_parameters(folder / "1").empty());
+}
+
+TEST(RecordingStudy, AskedToStopLeavesWhatItHasAside) {
+  const ScratchFolder folder;
+  ExecuteRecordingOptions options;
+  options.stop_requested = [] { return true; };
+  EXPECT_TRUE(execute_recording(spec_of(""), folder / "out", options).summary.interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  EXPECT_TRUE(read_recording_summary(folder / "out.partial").interrupted);
+}
+
+TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {
+  const ScratchFolder folder;
+  const std::string results = folder / "results";
+  const std::string study = file_with(
+      folder, "study.json",
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 300, "runs": 1,
+          "methods": [{"method": "mean"}]})");
+  const Ended plan = run_trilat(folder, {"run", study, "--dry-run", "--json"});
+  EXPECT_EQ(only_json(plan)["samples_of_each_network"], 1200);
+  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
+  const Ended text = run_trilat(folder, {"run", study, "-o", results});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, AllOf(HasSubstr("Table IV, clock errors, simulated"), HasSubstr("measured on")));
+  const Ended json = run_trilat(folder, {"run", study, "-o", results, "--json"});
+  EXPECT_EQ(only_json(json)["simulated"], true);
+  EXPECT_EQ(run_trilat(folder, {"report", results, "-o", folder / "report"}).code, 0);
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("arrival jitter"));
+  expect_refused(run_trilat(folder, {"run", study, "-o", results, "--cross-check"}), "--cross-check: is for");
+  expect_refused(run_trilat(folder, {"run", study, "-o", results, "--campaign", "c"}),
+                 "--campaign: is of no use");
+}
+
+}  // namespace
+}  // namespace trilat

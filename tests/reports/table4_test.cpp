@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "reports/table4.h"
+
+#include <gmock/gmock.h>
+
+#include "datasets/paper/printed_tables.h"
+#include "reports/claims.h"
+#include "reports/render.h"
+#include "reports/write_report.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+ClockErrorRow clock_row(const std::string& method, std::uint64_t good, std::uint64_t bad) {
+  ClockErrorRow row;
+  row.network = "lan";
+  row.method = method;
+  row.asked = row.error.n = good + bad;
+  row.error.bins = {good, bad, 0, 0, 0, 0};
+  row.error.median_s = 0.0015;
+  row.below_2ms = static_cast<double>(good) / static_cast<double>(good + bad);
+  row.below_2ms_low = row.below_2ms - 0.001;
+  row.below_2ms_high = row.below_2ms;
+  return row;
+}
+
+RecordingSummary summary_of(std::uint64_t good, std::uint64_t bad) {
+  RecordingSummary s{"table4", 5, false, 100, 4, 2, {}, {{"lan", 1e-5, 2e-4, 1.0, 0.25}}};
+  s.clocks = {clock_row("corrected", good, bad), clock_row("as printed, on the client's clock", 950, 50)};
+  return s;
+}
+
+StageTimings timings_of(std::uint64_t late) {
+  TimeSpread time;
+  time.n = 1000;
+  time.bins = {900, 50, 25, 15, 10 - late, late};
+  time.median_s = 28e-6;
+  return {"table4", "a processor", {{"trilateration", "nonlinear", time}}};
+}
+
+double cell(const Table& table, std::size_t row, const std::string& key) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    if (table.columns[c].key == key) return table.rows.at(row).at(c).number.value();
+  throw std::out_of_range(key);
+}
+
+TEST(Table4, SetsThePapersClockErrorsBesideOurs) {
+  const Table table = table4_clocks(summary_of(998, 2));
+  EXPECT_THAT(table.title, HasSubstr("simulated"));
+  EXPECT_NEAR(cell(table, 0, "below_2ms_percent"), 100.0 * 71740 / 71998, 1e-9);
+  EXPECT_NEAR(cell(table, 0, "from_2_to_4ms_percent"), 100.0 * 258 / 71998, 1e-9);
+  EXPECT_EQ(cell(table, 0, "from_33ms_percent"), 0.0);
+  EXPECT_NEAR(cell(table, 1, "below_2ms_percent"), 99.8, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "median_ms"), 1.5, 1e-9);
+}
+
+TEST(Table4, CountsTheThreeShortestRangesAsThePapersShortest) {
+  const Table table = table4_processing(timings_of(4));
+  EXPECT_EQ(cell(table, 0, "below_11ms_percent"), 0.0);
+  EXPECT_NEAR(cell(table, 0, "from_22_to_33ms_percent"), 100.0 * 11926 / 17997, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "below_11ms_percent"), 97.5, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "from_33ms_percent"), 0.4, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "median_us"), 28.0, 1e-9);
+}
+
+TEST(Table4, PartsThatWereNotRunGiveNoTable) {
+  EXPECT_EQ(table4(summary_of(1, 0), std::nullopt).size(), 2u);
+  EXPECT_EQ(table4(summary_of(1, 0), timings_of(0)).size(), 3u);
+  EXPECT_TRUE(table4({}, std::nullopt).empty());
+}
+
+TEST(Table4, IsAChapterOfTheReportWithOrWithoutTimes) {
+  const ScratchFolder folder;
+  write_recording_summary(folder.path(), summary_of(998, 2));
+  EXPECT_THAT(markdown_of(write_report({folder.path()}, folder / "a").tables.at(0)), HasSubstr("99.80"));
+  EXPECT_EQ(write_report({folder.path()}, folder / "a").tables.size(), 2u);
+  write_stage_timings(folder.path(), timings_of(1));
+  EXPECT_EQ(write_report({folder.path()}, folder / "b").tables.size(), 3u);
+}
+
+std::vector<TableValue> claim(const ClaimEvidence& evidence, const std::string& id) {
+  const PrintedClaims printed = printed_claims();
+  const Table table = claims_table(evidence);
+  for (std::size_t k = 0; k < printed.claims.size(); ++k)
+    if (printed.claims[k].id == id) return table.rows.at(k);
+  throw std::out_of_range(id);
+}
+
+TEST(Table4, DecidesTheClaimOnClockErrorsByItsInterval) {
+  ClaimEvidence evidence;
+  EXPECT_EQ(claim(evidence, "clock_error")[4].text, "contradicts itself");
+  evidence.recording = summary_of(998, 2);
+  const auto row = claim(evidence, "clock_error");
+  EXPECT_EQ(row[4].text, "holds");
+  EXPECT_THAT(row[3].text, HasSubstr("99.80 % (99.70 to 99.80) below 2 ms"));
+  EXPECT_THAT(row[5].text, HasSubstr("on the client's clock, 95.00 %"));
+  evidence.recording = summary_of(994, 6);  // from 99.3 %, where 99.36 % are printed
+  EXPECT_EQ(claim(evidence, "clock_error")[4].text, "does not hold");
+}
+
+TEST(Table4, SaysWhatOfTheProcessingTimeIsMeasured) {
+  ClaimEvidence evidence;
+  EXPECT_THAT(claim(evidence, "real_time")[5].text, HasSubstr("Table IV are not among those"));
+  evidence.stages = timings_of(4);
+  const auto row = claim(evidence, "real_time");
+  EXPECT_THAT(row[3].text, HasSubstr("99.60 % of 1000 frames, half of them within 28 us"));
+  EXPECT_EQ(row[4].text, "cannot be tested here");
+}
+
+}  // namespace
+}  // namespace trilat
