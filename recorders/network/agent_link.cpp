@@ -74,6 +74,7 @@ void AgentLink::stop() {
 AgentStatus AgentLink::status() const {
   const std::lock_guard lock(state_->mutex);
   AgentStatus status = state_->status;
+  status.connected = state_->link != nullptr;
   status.recording = state_->begun;
   status.frames_lost = state_->ring.lost_frames();
   status.buffered_bytes = state_->ring.bytes();
@@ -177,8 +178,8 @@ AgentEnd AgentLink::connect_once(bool& welcomed) {
     ~Disconnect() {
       const std::lock_guard lock(state.mutex);
       state.link = nullptr;
-      if (state.status.connected) state.last_connected = Clock::now();
-      state.status.connected = false;
+      if (state.welcomed) state.last_connected = Clock::now();
+      state.welcomed = false;
     }
   };
   const Disconnect at_end{*state_};
@@ -187,7 +188,8 @@ AgentEnd AgentLink::connect_once(bool& welcomed) {
   try {
     return serve_agent_link(*state_, link, hello);
   } catch (const std::runtime_error&) {
-    welcomed = status().connected;
+    const std::lock_guard lock(state_->mutex);
+    welcomed = state_->welcomed;
     throw;
   }
 }

@@ -23,7 +23,7 @@ struct AgentTurn {
       state.ring.resume(welcome.next_number);
       resume.lost_frames = state.ring.lost_frames();
       state.status.reconnections += state.begun;
-      state.status.connected = true;
+      state.welcomed = true;
       state.begun = true;
       state.changed.notify_all();
     }

@@ -20,6 +20,7 @@ struct AgentState {
   std::mutex mutex;
   std::condition_variable changed;
   ResendRing ring;
+  bool welcomed = false;                   // on the present connection
   bool begun = false;                      // the recording machine has asked for frames
   bool stopping = false;                   // no more frames are wanted
   bool over = false;                       // every thread is to end

@@ -165,8 +165,11 @@ class TlsLink : public ByteLink {
     const int kind = SSL_get_error(tls_.get(), result);
     if (kind == SSL_ERROR_WANT_READ || kind == SSL_ERROR_WANT_WRITE) return;
     if (kind == SSL_ERROR_ZERO_RETURN) throw LinkLost("closed by the other side");
-    const unsigned long code = ERR_get_error();
-    const char* text = code ? ERR_reason_error_string(code) : nullptr;
+    const long verdict = SSL_get_verify_result(tls_.get());
+    const unsigned long code = ERR_peek_last_error();
+    const char* text = verdict != X509_V_OK ? X509_verify_cert_error_string(verdict)
+                       : code               ? ERR_reason_error_string(code)
+                                            : nullptr;
     throw LinkRefused(std::string("TLS: ") + (text ? text : "failed"));
   }
 

@@ -97,8 +97,8 @@ TEST(NetworkLink, ALinkCutTwentyTimesLosesAndRepeatsNothing) {
   NetworkSource network(listen_options(keys));
   const RandomStream random{11, Purpose::test, 0};
   std::vector<std::size_t> cuts;
-  for (std::uint32_t i = 0; i < 20; ++i)
-    cuts.push_back(static_cast<std::size_t>(random.uniform(i, 2e3, 1.5e5)));
+  for (std::uint32_t i = 0; i < 60; ++i)
+    cuts.push_back(static_cast<std::size_t>(random.uniform(i, 2e3, 6e4)));
   CuttingProxy proxy(network.port(), cuts);
   MadeSource source("kinect", made_events(2400));
   AgentOptions options = agent_options("k1");
