@@ -20,8 +20,8 @@ std::string problem_of(const HelloMessage& hello, const std::string& proven_name
   if (hello.sensors.empty()) return "has no sensor";
   std::set<std::string> names;
   for (const SensorDescription& sensor : hello.sensors) {
-    if (sensor.name.empty() || sensor.name.find('/') != std::string::npos)
-      return "its sensor \"" + sensor.name + "\" must have a name without '/'";
+    if (sensor.name.empty() || sensor.name == "." || sensor.name.find('/') != std::string::npos)
+      return "its sensor \"" + sensor.name + "\" must have a name, without '/' and not .";
     if (!names.insert(sensor.name).second) return "has two sensors named \"" + sensor.name + '"';
     const std::string implausible = implausibility_of(sensor.intrinsics);
     if (!implausible.empty()) return "its sensor \"" + sensor.name + "\": " + implausible;
@@ -98,7 +98,8 @@ std::variant<AgentSlot*, RefusalMessage> AgentBook::admit(const HelloMessage& he
     if (sensors > kMaxSessionSensors) return RefusalMessage{"a session has at most 64 sensors", false};
     slot = slots_.emplace_back(slot_of(hello)).get();
   }
-  if (slot->incarnation != hello.incarnation) restart(*slot, hello.incarnation);
+  slot->restarted = slot->incarnation != hello.incarnation;
+  if (slot->restarted) restart(*slot, hello.incarnation);
   slot->connected = true;
   slot->replaced = false;
   changed_.notify_all();

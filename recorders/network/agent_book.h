@@ -26,6 +26,7 @@ struct AgentSlot {
   bool connected = false;
   bool replaced = false;  // a newer connection of the same run of the agent waits for this one to leave
   bool said_bye = false;
+  bool restarted = false;               // another run of the agent than the connection before
   std::uint64_t clock_connections = 0;  // the last one counts
   std::optional<std::chrono::steady_clock::time_point> lost_at;
 

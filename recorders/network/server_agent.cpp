@@ -38,10 +38,12 @@ class AgentIntake {
     for (const DropCount& lost : slot_.lost) known += static_cast<std::uint64_t>(lost.in_queue);
     if (!slot_.lost_at) return;
     const double away_s = std::chrono::duration<double>(Clock::now() - *slot_.lost_at).count();
-    char text[96];
-    std::snprintf(text, sizeof text, "back after %.1f s, ", away_s);
+    char back[64];
+    std::snprintf(back, sizeof back, "back after %.1f s, ", away_s);
     const std::uint64_t lost = resume.lost_frames - std::min(known, resume.lost_frames);
-    tell(text + (lost == 0 ? std::string("nothing lost") : std::to_string(lost) + " frames lost"));
+    tell(back + (slot_.restarted ? std::string("started anew: what it had not sent is lost")
+                 : lost == 0     ? std::string("nothing lost")
+                                 : std::to_string(lost) + " frames lost"));
   }
   void operator()(EventMessage& event) {
     if (event.number < slot_.next_number) return;  // sent again, though it had arrived
@@ -76,7 +78,9 @@ class AgentIntake {
     if (!sound) {
       ++slot_.earlier[sensor].in_queue;
       tell("a depth frame of " + slot_.sensors[sensor].name + " was damaged and is lost");
-      return tell_totals(sensor);
+      tell_totals(sensor);
+      if (ended_) --slot_.earlier[sensor].in_queue;  // it will be sent again
+      return;
     }
     if (frame.compression != state_.options.compression)
       frame = encode_depth_frame(frame.stamp, pixels_, state_.options.compression);

@@ -193,7 +193,8 @@ TlsIdentity::TlsIdentity(const std::filesystem::path& pem) {
 TlsIdentity::~TlsIdentity() = default;
 
 std::unique_ptr<ByteLink> secure_link(std::unique_ptr<ByteLink> inner, const TlsIdentity& identity,
-                                      TlsSide side, std::chrono::milliseconds at_most) {
+                                      TlsSide side, std::chrono::milliseconds at_most,
+                                      const std::function<bool()>& give_up) {
   const TlsContextHandle& context =
       side == TlsSide::server ? identity.keys().as_server : identity.keys().as_agent;
   auto link = std::make_unique<TlsLink>(std::move(inner), context.get(), side);
