@@ -96,7 +96,7 @@ void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const 
   try {
     if (state.options.identity)
       link = secure_link(std::move(link), *state.options.identity, TlsSide::server,
-                         state.options.handshake_limit);
+                         state.options.handshake_limit, [&] { return state.stop.load(); });
     MessageLink messages(std::move(link), state.options.silence_limit);
     const HelloMessage hello = await_hello(state, messages, deadline);
     serve_hello(state, messages, hello, pending, from);

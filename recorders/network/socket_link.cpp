@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <thread>
 #include <utility>
 
 #include <netdb.h>
@@ -188,7 +189,10 @@ std::optional<SocketListener::Accepted> SocketListener::accept(std::chrono::mill
   sockaddr_storage from{};
   socklen_t size = sizeof from;
   const int fd = ::accept4(socket_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  if (fd < 0) return std::nullopt;
+  if (fd < 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // as when there are no more descriptors
+    return std::nullopt;
+  }
   try {
     return Accepted{std::make_unique<SocketLink>(fd), host_text(from, size)};
   } catch (const LinkLost&) {

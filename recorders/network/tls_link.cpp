@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/network/tls_link.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <sys/stat.h>
@@ -20,6 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::size_t kBlockBytes = 32u << 10;
 constexpr std::size_t kMaxUnsentBytes = 128u << 10;
 constexpr std::size_t kMaxPemBytes = 64u << 10;
@@ -91,7 +93,7 @@ class TlsLink : public ByteLink {
     }
   }
 
-  void handshake(std::chrono::milliseconds at_most) {
+  void handshake(std::chrono::milliseconds at_most, const std::function<bool()>& give_up) {
     const auto deadline = Clock::now() + at_most;
     for (;;) {
       ERR_clear_error();
@@ -101,8 +103,8 @@ class TlsLink : public ByteLink {
       must_want_bytes(result);
       if (take_bytes()) continue;
       const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
-      if (left.count() <= 0) throw LinkLost("the handshake was not done in time");
-      inner_->wait(unsent(), left);
+      if (left.count() <= 0 || give_up()) throw LinkLost("the handshake was not done in time");
+      inner_->wait(unsent(), std::min(left, kLookPeriod));
     }
   }
 
@@ -198,7 +200,7 @@ std::unique_ptr<ByteLink> secure_link(std::unique_ptr<ByteLink> inner, const Tls
   const TlsContextHandle& context =
       side == TlsSide::server ? identity.keys().as_server : identity.keys().as_agent;
   auto link = std::make_unique<TlsLink>(std::move(inner), context.get(), side);
-  link->handshake(at_most);
+  link->handshake(at_most, give_up);
   return link;
 }
 

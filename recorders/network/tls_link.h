@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -36,8 +37,8 @@ class TlsIdentity {
 enum class TlsSide { agent, server };
 
 // TLS 1.3 over `inner`; both sides prove that the same authority knows them, an agent moreover that it speaks
-// with the recording machine. Blocks until the handshake is done: LinkLost where it is not in time,
-// LinkRefused where a proof fails.
+// with the recording machine. Blocks until the handshake is done: LinkLost where it is not in time or
+// `give_up` says so, LinkRefused where a proof fails.
 std::unique_ptr<ByteLink> secure_link(
     std::unique_ptr<ByteLink> inner, const TlsIdentity& identity, TlsSide side,
     std::chrono::milliseconds at_most, const std::function<bool()>& give_up = [] { return false; });

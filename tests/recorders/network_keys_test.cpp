@@ -71,6 +71,16 @@ TEST(TlsKeys, AnAgentCannotPassForTheRecordingMachine) {
   impostor.join();
 }
 
+TEST(TlsKeys, AHandshakeThatNobodyWantsAnyMoreEnds) {
+  const TestKeys keys;
+  SocketListener listener({"127.0.0.1", 0});
+  const auto mute = connect_socket({"127.0.0.1", listener.port()}, kGenerous);
+  auto accepted = listener.accept(kGenerous);
+  EXPECT_THROW(secure_link(std::move(accepted->link), *keys.of("server"), TlsSide::server, kGenerous,
+                           [] { return true; }),
+               LinkLost);
+}
+
 TEST(SocketAddress, IsHostAndPort) {
   EXPECT_EQ(parse_address("10.0.0.2:7345").host, "10.0.0.2");
   EXPECT_EQ(parse_address("10.0.0.2:7345").port, 7345);

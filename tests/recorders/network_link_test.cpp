@@ -236,13 +236,16 @@ TEST(NetworkLink, AnAgentStartedAnewGoesOnInTheSameRecording) {
   EXPECT_EQ(agent->report().end, AgentEnd::unacknowledged);
   options.incarnation = 2;
   received = {};
+  std::vector<std::string> notices;
   RunningAgent anew(second, options, connect_as(keys, "k1", network.port()));
   while (auto event = network.next()) {
     if (const auto* bodies = std::get_if<BodyFrame>(&event->data); bodies && bodies->stamp.sequence == 0)
       received = {};
     put(received, std::move(*event));
+    if (!received.notices.empty()) notices.push_back(received.notices.back());
   }
   expect_made_frames(received, 30);
+  EXPECT_THAT(notices, Contains(HasSubstr("started anew")));
 }
 
 }  // namespace
