@@ -20,6 +20,7 @@ CaptureStore::CaptureStore(SessionWriter& writer, const SessionHeader& header, c
       options_(options),
       heard_(header.sensors.size(), Clock::now()),
       silent_(header.sensors.size(), false),
+      lost_on_the_way_(header.sensors.size(), 0),
       at_last_status_(header.sensors.size(), 0) {
   for (const SensorDescription& sensor : header.sensors) status_.push_back({.name = sensor.name});
 }
@@ -40,6 +41,8 @@ void CaptureStore::add(const SourceEvent& event) {
     writer_.add_clock_exchange(s, *exchange);
   } else if (const auto* count = std::get_if<DropCount>(&event.data)) {
     status.lost_at_source = count->at_source;
+    status.lost_in_queue += count->in_queue - lost_on_the_way_[s];
+    lost_on_the_way_[s] = count->in_queue;
     writer_.add_drop_count(s, {count->host_ns, count->at_source, status.lost_in_queue});
   } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
     notice(s, text->text);
@@ -71,7 +74,7 @@ void CaptureStore::look_for_silence(Clock::time_point now) {
 
 void CaptureStore::note_drops(const CaptureQueue& queue) {
   for (std::size_t s = 0; s < status_.size(); ++s) {
-    const std::int64_t dropped = queue.dropped(s);
+    const std::int64_t dropped = queue.dropped(s) + lost_on_the_way_[s];
     if (dropped == status_[s].lost_in_queue) continue;
     status_[s].lost_in_queue = dropped;
     writer_.add_drop_count(s, {host_now_ns(), status_[s].lost_at_source, dropped});

@@ -35,6 +35,7 @@ class CaptureStore {
   std::vector<SensorStatus> status_;
   std::vector<Clock::time_point> heard_;
   std::vector<bool> silent_;
+  std::vector<std::int64_t> lost_on_the_way_;  // in an agent's queue
   std::vector<std::uint64_t> at_last_status_;
 };
 

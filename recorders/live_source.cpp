@@ -22,10 +22,14 @@ FrameStamp* stamp_of(SourceEvent& event) {
 LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& options)
     : inner_(std::move(inner)),
       options_(options),
-      start_ns_(host_now_ns()),
       first_arrival_ns_(inner_->header().sensors.size()),
       lost_(first_arrival_ns_.size(), 0),
       depth_frames_(first_arrival_ns_.size(), 0) {}
+
+std::int64_t LiveSource::start() {
+  if (!start_ns_) start_ns_ = host_now_ns();
+  return *start_ns_;
+}
 
 void LiveSource::stop() {
   {
@@ -43,7 +47,7 @@ std::int64_t LiveSource::due_ns(const SourceEvent& event) {
   if (const FrameStamp* stamp = stamp_of(const_cast<SourceEvent&>(event))) {
     // arrivals may be on a clock of another machine, whose first frame comes near the start
     if (!first) first = stamp->arrival_ns;
-    return options_.stamp_arrivals ? stamp->arrival_ns - options_.origin_ns : stamp->arrival_ns - *first;
+    return options_.one_clock ? stamp->arrival_ns - options_.origin_ns : stamp->arrival_ns - *first;
   }
   return 0;
 }
@@ -72,7 +76,7 @@ bool LiveSource::spoiled(SourceEvent& event, std::int64_t due_ns) {
 }
 
 void LiveSource::move_to_now(SourceEvent& event) const {
-  const std::int64_t by_ns = start_ns_ - options_.origin_ns;
+  const std::int64_t by_ns = *start_ns_ - options_.origin_ns;
   if (FrameStamp* stamp = stamp_of(event))
     stamp->arrival_ns = options_.stamp_arrivals ? host_now_ns() : stamp->arrival_ns + by_ns;
   if (auto* e = std::get_if<ClockExchange>(&event.data))
@@ -101,11 +105,12 @@ std::optional<SourceEvent> LiveSource::next() {
     const std::lock_guard lock(mutex_);
     if (stopped_) return std::nullopt;
   }
+  const std::int64_t start_ns = start();
   auto first = earliest();
   if (!first) return std::nullopt;
   auto& [due, event] = *first;
   if (options_.speed > 0.0 &&
-      !wait_until(start_ns_ + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
+      !wait_until(start_ns + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
     return std::nullopt;
   if (spoiled(event, due)) {
     ++lost_[event.sensor];

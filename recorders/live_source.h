@@ -25,6 +25,7 @@ struct SourceFaults {
 struct LiveOptions {
   double speed = 1.0;           // times real time; 0: as fast as they are taken, nothing is ever dropped
   bool stamp_arrivals = false;  // with the clock of this machine, as a sensor's driver would; speed 1 only
+  bool one_clock = false;       // arrivals are on the frames' host clock, not on those of other machines
   std::int64_t origin_ns = 0;   // what the frames' host clock shows at the start
   SourceFaults faults;
 };
@@ -38,8 +39,8 @@ class LiveSource : public FrameSource {
   std::optional<SourceEvent> next() override;
   void stop() override;
   bool live() const override { return options_.speed > 0.0; }
-  // What the host clock shows at the start: event times of the inner source are moved there.
-  std::int64_t start_host_ns() const { return start_ns_; }
+  // Starts, if next() has not yet, and tells what the host clock showed then.
+  std::int64_t start();
 
  private:
   // The next event in the order of their times; the inner source's order is frame number by frame number.
@@ -52,7 +53,7 @@ class LiveSource : public FrameSource {
 
   std::unique_ptr<FrameSource> inner_;
   LiveOptions options_;
-  std::int64_t start_ns_;
+  std::optional<std::int64_t> start_ns_;
   std::multimap<std::int64_t, SourceEvent> ahead_;             // by due time
   std::vector<std::optional<std::int64_t>> first_arrival_ns_;  // one a sensor
   std::vector<std::int64_t> lost_, depth_frames_;

@@ -102,6 +102,7 @@ SyntheticRequest read_synthetic(SourceText text) {
   faults.torn_every = static_cast<std::int64_t>(text.take_number("torn", 0.0, 1.0, 1e9));
   request.live.speed = take_speed(text);
   request.live.stamp_arrivals = request.live.speed == 1.0;
+  request.live.one_clock = true;
   request.live.origin_ns = kMotionStart.ns;
   text.refuse_the_rest("seed, depth, duration, drop, stall, jump, unplug, torn, speed");
   return request;
@@ -130,10 +131,11 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
                                       request.live);
 }
 
-std::unique_ptr<FrameSource> open_replay(SourceText text) {
+std::unique_ptr<FrameSource> open_replay(SourceText text, SourceUse use) {
   if (text.what.empty()) text.refuse("a replay source needs a session: replay:session.h5");
   LiveOptions options;
   options.speed = take_speed(text);
+  options.stamp_arrivals = use == SourceUse::agent;
   text.refuse_the_rest("speed");
   auto replay = std::make_unique<ReplaySource>(text.what);
   options.origin_ns = replay->origin_ns();
@@ -168,10 +170,12 @@ std::optional<SyntheticRequest> synthetic_request(const std::string& text) {
   return read_synthetic(parsed);
 }
 
-std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place) {
+std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place, SourceUse use) {
   const SourceText parsed = parse(text, place);
+  if (use == SourceUse::agent && parsed.settings.count("speed") > 0 && parsed.settings.at("speed") != "1")
+    parsed.refuse("an agent's source has real speed only; leave \"speed\" out");
   if (parsed.kind == "synthetic") return open_synthetic(read_synthetic(parsed));
-  if (parsed.kind == "replay") return open_replay(parsed);
+  if (parsed.kind == "replay") return open_replay(parsed, use);
   parsed.refuse("there is no source \"" + parsed.kind + "\"; there are synthetic:4 and replay:session.h5");
 }
 

@@ -35,12 +35,17 @@ SyntheticSetup setup_of(const SyntheticRequest& request);
 // in open_source().
 std::optional<SyntheticRequest> synthetic_request(const std::string& text);
 
+// On an agent all arrivals are stamped with this machine's clock, which the recording machine compares with
+// its own; that needs real speed.
+enum class SourceUse { record, agent };
+
 // A source by its text, KIND:WHAT with settings KEY=VALUE behind commas:
 //   synthetic:N          N virtual Kinects and a walking person; seed=1, depth=yes, duration=SECONDS,
 //                        drop=SHARE, stall=AT+SECONDS, jump=AT+SECONDS, unplug=AT, torn=EVERY
 //   replay:FILE          a session once more
 // and for both speed=FACTOR (1; max: as fast as it can be taken). `place` is what an InputError names.
-std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place = "--source");
+std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place = "--source",
+                                         SourceUse use = SourceUse::record);
 
 // The texts that open_source() takes, for people.
 std::string source_help();

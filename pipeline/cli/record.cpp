@@ -2,6 +2,7 @@
 // `trilat record`.
 #include <chrono>
 #include <cstdio>
+#include <mutex>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
 #include "recorders/capture_store.h"
+#include "recorders/network/network_source.h"
 #include "recorders/open_source.h"
 
 namespace trilat {
@@ -40,6 +42,7 @@ class LiveLine {
   ~LiveLine() { clear(); }
 
   void show(const CaptureStatus& status) {
+    const std::lock_guard lock(mutex_);
     if (!terminal_ && status.elapsed_s < next_s_) return;
     next_s_ = status.elapsed_s + 10.0;
     const double written =
@@ -59,7 +62,8 @@ class LiveLine {
     fmt::print(stderr, "{}{}{}", terminal_ ? "\r\033[K" : "", line, terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
-  void say(const std::string& text) {
+  void say(const std::string& text) {  // any thread
+    const std::lock_guard lock(mutex_);
     clear();
     fmt::print(stderr, "{}\n", text);
   }
@@ -69,6 +73,7 @@ class LiveLine {
     if (terminal_) fmt::print(stderr, "\r\033[K");
   }
   bool terminal_;
+  std::mutex mutex_;
   double next_s_ = 0.0;
 };
 
@@ -124,6 +129,23 @@ void refuse_existing(const std::filesystem::path& output) {
                            std::string(path == output ? "" : ", or `trilat recover` it first"));
 }
 
+// Listens and waits until all agents are there.
+std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveLine& line) {
+  ListenOptions options;
+  options.address = parse_address(arguments.listen);
+  if (!arguments.keys.empty()) options.identity = std::make_shared<TlsIdentity>(arguments.keys);
+  options.allow_plain_text = arguments.plain_text;
+  options.compression = compression_named(arguments.compression);
+  options.on_refusal = [&line](const std::string& refusal) { line.say(refusal); };
+  auto source = std::make_unique<NetworkSource>(options);
+  line.say(fmt::format("listening on port {}; waiting for {} agent{}", source->port(), arguments.agents,
+                       arguments.agents == 1 ? "" : "s"));
+  source->wait_for_agents(arguments.agents,
+                          std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * arguments.wait_s)),
+                          stop_requested);
+  return source;
+}
+
 void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
   const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
@@ -137,7 +159,8 @@ void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
 }  // namespace
 
 int record_session(const RecordArguments& arguments) {
-  if (arguments.sources.empty()) throw InputError("--source", "is missing; it may be " + source_help());
+  if (arguments.sources.empty() && arguments.listen.empty())
+    throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
   refuse_existing(arguments.output);
@@ -146,9 +169,9 @@ int record_session(const RecordArguments& arguments) {
   if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
-  if (truth) truth->finish(*sources.front(), arguments.output);
-
   LiveLine line;
+  if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, line));
+  if (truth) truth->finish(*sources.front(), arguments.output);
   std::optional<SkeletonPreview> preview;
   if (arguments.preview) preview.emplace(sources);
   CaptureOptions options;

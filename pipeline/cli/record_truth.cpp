@@ -40,8 +40,8 @@ RecordTruth::RecordTruth(const std::vector<std::string>& sources, const std::fil
   write_calibration(folder / "calibration.json", poses);
 }
 
-void RecordTruth::finish(const FrameSource& source, const std::filesystem::path& session) const {
-  const auto* live = dynamic_cast<const LiveSource*>(&source);
+void RecordTruth::finish(FrameSource& source, const std::filesystem::path& session) const {
+  auto* live = dynamic_cast<LiveSource*>(&source);
   if (!live) return;
   Campaign campaign{"recorded", true, {}, folder_};
   campaign.takes.push_back({"take",
@@ -51,7 +51,7 @@ void RecordTruth::finish(const FrameSource& source, const std::filesystem::path&
                             folder_ / "calibration.json",
                             folder_ / "mocap.csv",
                             folder_ / "mapping.json",
-                            live->start_host_ns(),
+                            live->start(),
                             {}});
   write_campaign(folder_, campaign);
 }

@@ -17,8 +17,8 @@ class RecordTruth {
   // InputError unless there is one source, a synthetic one at real speed.
   RecordTruth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
               double duration_s);
-  // Once the source has started: writes the campaign.
-  void finish(const FrameSource& source, const std::filesystem::path& session) const;
+  // Starts the source and writes the campaign.
+  void finish(FrameSource& source, const std::filesystem::path& session) const;
 
  private:
   std::filesystem::path folder_;

@@ -9,6 +9,19 @@ namespace {
 void add_record(CLI::App& app, RecordArguments& r, int& code) {
   auto* verb = app.add_subcommand("record", "sensors to a session; Ctrl-C ends it in order");
   verb->add_option("--source", r.sources, source_help() + "; may be repeated");
+  auto* listen = verb->add_option(
+      "--listen", r.listen, "HOST:PORT where agents on other computers connect (`trilat-agent --help`)");
+  verb->add_option("--agents", r.agents, "the recording begins when so many are there")
+      ->check(CLI::Range(1, 64))
+      ->needs(listen)
+      ->capture_default_str();
+  verb->add_option("--wait-s", r.wait_s, "how long to wait for them")
+      ->check(CLI::PositiveNumber)
+      ->needs(listen)
+      ->capture_default_str();
+  verb->add_option("--keys", r.keys, "server.pem, as made by `trilat-agent keys`")->needs(listen);
+  verb->add_flag("--plain-text", r.plain_text, "without keys: let everybody on the way read and write")
+      ->needs(listen);
   verb->add_option("-o,--output", r.output, "session.h5")->required();
   verb->add_option("--duration-s", r.duration_s, "ends after so long; 0: when somebody stops it")
       ->check(CLI::NonNegativeNumber)
@@ -31,7 +44,10 @@ void add_record(CLI::App& app, RecordArguments& r, int& code) {
   verb->add_option("--truth", r.truth,
                    "of a synthetic source: folder for the OptiTrack export, true poses and a campaign.json");
   add_json(*verb, r.json);
-  verb->footer("Example: trilat record --source synthetic:4 --duration-s 20 -o session.h5");
+  verb->footer(
+      "Examples:\n"
+      "  trilat record --source synthetic:4 --duration-s 20 -o session.h5\n"
+      "  trilat record --listen 0.0.0.0:7345 --agents 4 --keys keys/server.pem -o session.h5");
   verb->callback([&] {
     end_in_order();
     code = record_session(r);

@@ -22,6 +22,11 @@ void end_in_order();
 
 struct RecordArguments {
   std::vector<std::string> sources;
+  std::string listen;  // HOST:PORT, or empty
+  std::size_t agents = 1;
+  double wait_s = 60.0;
+  std::string keys;
+  bool plain_text = false;
   std::filesystem::path output;
   double duration_s = 0.0;
   std::string compression = "blosc";

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "recorders/network/wire.h"
+
+namespace trilat {
+
+// What the recording machine knows of one agent. Who has been admitted as its data connection owns
+// next_number, lost and earlier; the rest is the book's.
+struct AgentSlot {
+  std::string name;
+  std::uint64_t incarnation = 0;
+  bool simulated = false;
+  std::vector<SensorDescription> sensors;
+  std::size_t first_sensor = 0;  // in the session; known when the recording has begun
+  bool connected = false;
+  bool replaced = false;  // a newer connection of the same run of the agent waits for this one to leave
+  bool said_bye = false;
+  bool restarted = false;               // another run of the agent than the connection before
+  std::uint64_t clock_connections = 0;  // the last one counts
+  std::optional<std::chrono::steady_clock::time_point> lost_at;
+
+  std::uint64_t next_number = 0;
+  std::vector<DropCount> lost;     // totals of this run of the agent, a sensor each
+  std::vector<DropCount> earlier;  // of its earlier runs, and what was damaged on the way
+};
+
+// Which agents take part. Any thread.
+class AgentBook {
+ public:
+  // A place for a data connection, or why there is none. `proven_name` is empty where nothing was proved. May
+  // wait a while for an older connection of the same run to go.
+  std::variant<AgentSlot*, RefusalMessage> admit(const HelloMessage& hello, const std::string& proven_name);
+  // The data connection has gone.
+  void leave(AgentSlot& slot);
+  void say_bye(AgentSlot& slot);
+  // True when the connection that owns the slot has to go.
+  bool must_leave(const AgentSlot& slot);
+
+  // The slot and the number of a new clock connection; nothing when its agent does not take part.
+  std::optional<std::pair<AgentSlot*, std::uint64_t>> admit_clock(const HelloMessage& hello,
+                                                                  const std::string& proven_name);
+  bool clock_wanted(const AgentSlot& slot, std::uint64_t connection);
+
+  // Waits until `count` agents are connected and begins with those: false where it takes too long or `stop`
+  // says true. InputError where their sensors make no session.
+  bool begin(std::size_t count, std::chrono::milliseconds timeout, const std::function<bool()>& stop);
+  bool begun();
+  bool all_said_bye();
+  std::vector<std::string> names();
+  // Of the session, once it has begun.
+  std::vector<SensorDescription> sensors();
+  bool simulated();
+
+ private:
+  std::optional<RefusalMessage> refuse_known(AgentSlot& slot, const HelloMessage& hello,
+                                             std::unique_lock<std::mutex>& lock);
+  AgentSlot* find(const std::string& name);
+  void name_sensors();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::unique_ptr<AgentSlot>> slots_;
+  bool begun_ = false;
+};
+
+}  // namespace trilat

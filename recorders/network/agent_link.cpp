@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/network/agent_link.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "datasets/base/error.h"
+#include "recorders/network/agent_state.h"
+
+namespace trilat {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool is_frame(const SourceEvent& event) {
+  return std::holds_alternative<BodyFrame>(event.data) || std::holds_alternative<DepthFrame>(event.data) ||
+         std::holds_alternative<EncodedDepthFrame>(event.data);
+}
+
+// Under the mutex of the state.
+void wake_all(AgentState& state) {
+  state.changed.notify_all();
+  if (state.link) state.link->wake();
+}
+
+}  // namespace
+
+AgentLink::AgentLink(FrameSource& source, AgentOptions options, ConnectLink connect)
+    : source_(source),
+      options_(std::move(options)),
+      connect_(std::move(connect)),
+      state_(
+          std::make_unique<AgentState>(source.header().sensors.size(), options_.ring_bytes, source.live())) {}
+
+AgentLink::~AgentLink() = default;
+
+AgentReport AgentLink::run() {
+  std::thread pump_thread([this] { pump(); });
+  std::thread compressor([this] { compress(); });
+  std::thread clock([this] { answer_clock_pings(*state_, options_, connect_); });
+  AgentReport report;
+  std::exception_ptr error;
+  try {
+    report.end = keep_connected();
+  } catch (...) {
+    error = std::current_exception();
+  }
+  end_all();
+  for (std::thread* thread : {&pump_thread, &compressor, &clock}) thread->join();
+  if (error) std::rethrow_exception(error);
+  if (source_error_) std::rethrow_exception(source_error_);
+  report.status = status();
+  return report;
+}
+
+void AgentLink::end_all() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->over = state_->stopping = true;
+    wake_all(*state_);
+  }
+  source_.stop();
+}
+
+void AgentLink::stop() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stopping = true;
+    wake_all(*state_);
+  }
+  source_.stop();
+}
+
+AgentStatus AgentLink::status() const {
+  const std::lock_guard lock(state_->mutex);
+  AgentStatus status = state_->status;
+  status.connected = state_->link != nullptr;
+  status.recording = state_->begun;
+  status.frames_lost = state_->ring.lost_frames();
+  status.buffered_bytes = state_->ring.bytes();
+  return status;
+}
+
+void AgentLink::pump() {
+  {
+    std::unique_lock lock(state_->mutex);
+    state_->changed.wait(lock, [&] { return state_->begun || state_->stopping; });
+  }
+  try {
+    take_events();
+  } catch (...) {
+    source_error_ = std::current_exception();
+  }
+  const std::lock_guard lock(state_->mutex);
+  state_->ring.push_bye();
+  state_->source_ended = Clock::now();
+  wake_all(*state_);
+}
+
+void AgentLink::take_events() {
+  for (;;) {
+    {
+      std::unique_lock lock(state_->mutex);
+      if (!source_.live())
+        state_->changed.wait(lock, [&] { return state_->stopping || !state_->ring.full(); });
+      if (state_->stopping) return;
+    }
+    auto event = source_.next();
+    if (!event) return;
+    const std::lock_guard lock(state_->mutex);
+    if (is_frame(*event)) ++state_->status.frames_taken;
+    state_->ring.push(std::move(*event));
+    wake_all(*state_);
+  }
+}
+
+void AgentLink::compress() {
+  std::unique_lock lock(state_->mutex);
+  while (!state_->over) {
+    auto pixels = state_->ring.fetch_pixels();
+    if (!pixels) {
+      state_->changed.wait(lock);
+      continue;
+    }
+    lock.unlock();
+    EncodedDepthFrame frame =
+        encode_depth_frame(pixels->second.stamp, pixels->second.depth_mm, options_.compression);
+    lock.lock();
+    state_->ring.put_compressed(pixels->first, std::move(frame));
+    wake_all(*state_);
+  }
+}
+
+AgentEnd AgentLink::keep_connected() {
+  std::string last_problem;
+  auto delay = options_.first_retry;
+  for (;;) {
+    bool welcomed = false;
+    std::string problem;
+    try {
+      return connect_once(welcomed);
+    } catch (const LinkLost& lost) {
+      problem = lost.what();
+    } catch (const LinkRefused& refused) {
+      problem = refused.what();
+      if (!status().recording) throw InputError("the recording machine", "refuses this agent: " + problem);
+    } catch (const InputError& error) {
+      problem = error.what();
+      if (!status().recording) throw;
+    }
+    if (welcomed) delay = options_.first_retry;
+    if (welcomed || problem != last_problem) options_.on_news("not connected: " + problem);
+    last_problem = problem;
+    if (!wait_to_retry(delay)) return AgentEnd::unacknowledged;
+    delay = std::min(2 * delay, options_.last_retry);
+  }
+}
+
+// False when there is nothing to retry for.
+bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
+  const auto now = Clock::now();
+  std::unique_lock lock(state_->mutex);
+  state_->changed.wait_until(lock, now + delay, [&] { return state_->stopping && !state_->begun; });
+  if (state_->stopping && !state_->begun) return false;
+  if (!state_->source_ended) return true;
+  return Clock::now() - std::max(*state_->source_ended, state_->last_connected) < options_.farewell_limit;
+}
+
+AgentEnd AgentLink::connect_once(bool& welcomed) {
+  MessageLink link(connect_(), options_.silence_limit);
+  const SessionHeader& header = source_.header();
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->link = &link;
+  }
+  struct Disconnect {
+    AgentState& state;
+    ~Disconnect() {
+      const std::lock_guard lock(state.mutex);
+      state.link = nullptr;
+      if (state.welcomed) state.last_connected = Clock::now();
+      state.welcomed = false;
+    }
+  };
+  const Disconnect at_end{*state_};
+  const HelloMessage hello{LinkRole::data, options_.name, options_.incarnation, header.simulated,
+                           header.sensors};
+  try {
+    return serve_agent_link(*state_, link, hello);
+  } catch (const std::runtime_error&) {
+    const std::lock_guard lock(state_->mutex);
+    welcomed = state_->welcomed;
+    throw;
+  }
+}
+
+}  // namespace trilat

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/network/agent_state.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::chrono::milliseconds kLookPeriod{200};
+constexpr int kMessagesAtOnce = 64;  // between two looks at what has come in
+
+struct AgentTurn {
+  AgentState& state;
+  MessageLink& link;
+  bool welcomed = false;
+  bool ended_by_server = false;
+
+  void operator()(const WelcomeMessage& welcome) {
+    ResumeMessage resume;
+    {
+      const std::lock_guard lock(state.mutex);
+      ended_by_server = state.recording.value_or(welcome.recording) != welcome.recording;
+      if (ended_by_server) return;
+      state.recording = welcome.recording;
+      state.ring.resume(welcome.next_number);
+      resume.lost_frames = state.ring.lost_frames();
+      state.status.reconnections += state.begun;
+      state.welcomed = true;
+      state.begun = true;
+      state.changed.notify_all();
+    }
+    welcomed = true;
+    link.send(resume);
+  }
+  void operator()(const AckMessage& ack) {
+    if (!welcomed) return;
+    const std::lock_guard lock(state.mutex);
+    state.ring.acknowledge(ack.next_number);
+    state.changed.notify_all();
+  }
+  void operator()(const RefusalMessage& refusal) {
+    if (refusal.try_again) throw LinkLost(refusal.reason);
+    throw LinkRefused(refusal.reason);
+  }
+  void operator()(const ByeMessage&) { ended_by_server = true; }
+  template <class Other>
+  void operator()(const Other&) {
+    throw LinkRefused("the recording machine says what only agents say");
+  }
+};
+
+// True when there may be more to send at once.
+bool send_some(AgentState& state, MessageLink& link) {
+  for (int i = 0; i < kMessagesAtOnce && !link.sending(); ++i) {
+    ResendRing::Bytes bytes;
+    {
+      const std::lock_guard lock(state.mutex);
+      bytes = state.ring.next_to_send();
+    }
+    if (!bytes) return false;
+    link.send(std::move(bytes));
+  }
+  return !link.sending();
+}
+
+bool all_done(AgentState& state) {
+  const std::lock_guard lock(state.mutex);
+  if (!state.begun) return state.stopping;
+  return state.source_ended && state.ring.empty();
+}
+
+}  // namespace
+
+AgentEnd serve_agent_link(AgentState& state, MessageLink& link, const HelloMessage& hello) {
+  AgentTurn turn{state, link};
+  link.send(hello);
+  for (;;) {
+    bool heard = false;
+    while (auto message = link.receive()) {
+      std::visit(turn, *message);
+      heard = true;
+    }
+    if (all_done(state)) return AgentEnd::complete;
+    if (turn.ended_by_server) return AgentEnd::ended_by_server;
+    const bool more = turn.welcomed && send_some(state, link);
+    link.send_sign_of_life(AliveMessage{});
+    if (!heard && !more) link.wait(kLookPeriod);
+  }
+}
+
+}  // namespace trilat

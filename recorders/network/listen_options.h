@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "datasets/hdf5/chunk_codec.h"
+#include "recorders/network/socket_link.h"
+#include "recorders/network/tls_link.h"
+
+namespace trilat {
+
+struct ListenOptions {
+  SocketAddress address;
+  std::shared_ptr<const TlsIdentity> identity;  // none: plain text, on loopback only unless allowed
+  bool allow_plain_text = false;
+  ChunkCompression compression = ChunkCompression::blosc;  // of the frames delivered, whatever agents send
+  std::size_t queue_bytes = std::size_t{64} << 20;         // received and not yet taken by next()
+  std::size_t max_pending = 64;                            // connections that have not yet said who they are
+  std::chrono::milliseconds handshake_limit{5000};
+  std::chrono::milliseconds silence_limit{5000};
+  std::chrono::milliseconds exchange_period{250};
+  // Who was turned away and why, at most one line a second. Any thread, one at a time.
+  std::function<void(const std::string& line)> on_refusal = [](const std::string&) {};
+};
+
+}  // namespace trilat

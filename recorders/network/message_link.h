@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "recorders/network/byte_link.h"
+#include "recorders/network/message_reader.h"
+
+namespace trilat {
+
+// Messages over a link of bytes. Nothing but wait() blocks; all but wake() belong to one thread.
+class MessageLink {
+ public:
+  // A peer that has been silent for longer than `silence_limit` is taken for gone.
+  MessageLink(std::unique_ptr<ByteLink> link, std::chrono::milliseconds silence_limit);
+
+  using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+  void send(Bytes encoded);
+  void send(const Message& message);
+  // Says that we are there, unless something has been sent within the last second.
+  void send_sign_of_life(const Message& message);
+  // True while the link has not taken all that was to be sent.
+  bool sending() const { return !outgoing_.empty(); }
+  // The next message that has arrived, nothing where there is none now. Throws LinkLost, and LinkRefused
+  // where the peer sends what is no message.
+  std::optional<Message> receive();
+  // Waits for something to read, for room where sending(), for a wake() or for the time to pass.
+  void wait(std::chrono::milliseconds at_most);
+  void wake() { link_->wake(); }
+  std::string peer_name() const { return link_->peer_name(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void flush();
+
+  std::unique_ptr<ByteLink> link_;
+  std::chrono::milliseconds silence_limit_;
+  Clock::time_point last_heard_ = Clock::now();
+  Clock::time_point last_sent_ = Clock::now();
+  MessageReader reader_;
+  std::vector<std::byte> block_;
+  std::deque<Bytes> outgoing_;
+  std::size_t outgoing_start_ = 0;  // of the first
+};
+
+}  // namespace trilat

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/network/network_source.h"
+
+#include <ctime>
+#include <list>
+#include <system_error>
+#include <thread>
+
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+#include "recorders/network/server_state.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::chrono::milliseconds kLookPeriod{50};
+
+std::string utc_text() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+std::uint64_t recording_number() {
+  return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+}
+
+}  // namespace
+
+// Takes connections and gives each a thread.
+class NetworkSource::Listening {
+ public:
+  explicit Listening(ListenOptions options) : state(std::move(options)), listener_(state.options.address) {
+    if (!state.options.identity && !state.options.allow_plain_text && !is_loopback(state.options.address))
+      throw InputError(state.options.address.host,
+                       "plain text may only be spoken on this machine; give keys");
+    state.recording = recording_number();
+    acceptor_ = std::thread([this] { accept_all(); });
+  }
+  ~Listening() {
+    state.stop = true;
+    state.queue.close();
+    acceptor_.join();
+    for (Connection& connection : connections_) connection.thread.join();
+  }
+
+  std::uint16_t port() const { return listener_.port(); }
+
+  ServerState state;
+
+ private:
+  struct Connection {
+    std::thread thread;
+    std::atomic<bool> done{false};
+  };
+
+  void accept_all() {
+    while (!state.stop) {
+      auto accepted = listener_.accept(kLookPeriod);
+      join_done();
+      if (accepted) serve(std::move(*accepted));
+    }
+  }
+  void join_done() {
+    connections_.remove_if([](Connection& connection) {
+      if (!connection.done) return false;
+      connection.thread.join();
+      return true;
+    });
+  }
+  void serve(SocketListener::Accepted accepted) {
+    if (state.pending >= state.options.max_pending)
+      return state.refusals.add(accepted.from + ": too many connections that have not said who they are");
+    ++state.pending;
+    Connection& connection = connections_.emplace_back();
+    try {
+      connection.thread =
+          std::thread([this, &connection, link = std::move(accepted.link), from = accepted.from]() mutable {
+            serve_connection(state, std::move(link), from);
+            connection.done = true;
+          });
+    } catch (const std::system_error&) {
+      connections_.pop_back();
+      --state.pending;
+    }
+  }
+
+  SocketListener listener_;
+  std::list<Connection> connections_;  // of the acceptor's thread, until that has ended
+  std::thread acceptor_;
+};
+
+NetworkSource::NetworkSource(ListenOptions options)
+    : listening_(std::make_unique<Listening>(std::move(options))) {}
+
+NetworkSource::~NetworkSource() = default;
+
+std::uint16_t NetworkSource::port() const { return listening_->port(); }
+
+void NetworkSource::wait_for_agents(std::size_t count, std::chrono::milliseconds timeout,
+                                    const std::function<bool()>& stop) {
+  AgentBook& book = listening_->state.book;
+  TRILAT_CHECK(count > 0 && !book.begun(), "agents are waited for once");
+  const auto give_up = [&] { return stop() || listening_->state.stop.load(); };
+  if (!book.begin(count, timeout, give_up)) {
+    if (give_up()) throw Interrupted();
+    std::string came;
+    for (const std::string& name : book.names()) came += (came.empty() ? "" : ", ") + name;
+    throw InputError("port " + std::to_string(port()),
+                     std::to_string(count) + " agents were awaited, came: " + (came.empty() ? "none" : came));
+  }
+  header_.sensors = book.sensors();
+  header_.simulated = book.simulated();
+  header_.started_utc = utc_text();
+}
+
+const SessionHeader& NetworkSource::header() const {
+  TRILAT_CHECK(!header_.sensors.empty(), "wait_for_agents() comes before header()");
+  return header_;
+}
+
+std::optional<SourceEvent> NetworkSource::next() { return listening_->state.queue.pop(); }
+
+void NetworkSource::stop() {
+  listening_->state.stop = true;
+  listening_->state.queue.close();
+}
+
+}  // namespace trilat

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstdio>
+
+#include "recorders/network/server_state.h"
+#include "recorders/network/steady_time.h"
+
+namespace trilat {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::seconds kTellPeriod{1};
+constexpr std::uint64_t kMessagesAnAck = 32;
+
+class AgentIntake {
+ public:
+  AgentIntake(ServerState& state, MessageLink& link, AgentSlot& slot)
+      : state_(state), link_(link), slot_(slot) {}
+
+  // False where the connection has to end in good order.
+  bool go_on() const { return !state_.stop && !state_.book.must_leave(slot_); }
+  bool ended() const { return ended_; }
+
+  void acknowledge(std::uint64_t at_least) {
+    if (slot_.next_number - acknowledged_ < at_least) return;
+    acknowledged_ = slot_.next_number;
+    link_.send(AckMessage{acknowledged_});
+  }
+  void begin() {
+    acknowledged_ = slot_.next_number;
+    link_.send(WelcomeMessage{state_.recording, slot_.next_number});
+  }
+
+  void operator()(const ResumeMessage& resume) {
+    std::uint64_t known = 0;
+    for (const DropCount& lost : slot_.lost) known += static_cast<std::uint64_t>(lost.in_queue);
+    if (!slot_.lost_at) return;
+    const double away_s = std::chrono::duration<double>(Clock::now() - *slot_.lost_at).count();
+    char back[64];
+    std::snprintf(back, sizeof back, "back after %.1f s, ", away_s);
+    const std::uint64_t lost = resume.lost_frames - std::min(known, resume.lost_frames);
+    tell(back + (slot_.restarted ? std::string("started anew: what it had not sent is lost")
+                 : lost == 0     ? std::string("nothing lost")
+                                 : std::to_string(lost) + " frames lost"));
+  }
+  void operator()(EventMessage& event) {
+    if (event.number < slot_.next_number) return;  // sent again, though it had arrived
+    if (event.sensor >= slot_.sensors.size()) throw LinkRefused("speaks of a sensor that it does not have");
+    const std::size_t sensor = event.sensor;
+    std::visit([&](auto& data) { take(sensor, data); }, event.data);
+    if (ended_) return;
+    slot_.next_number = event.number + 1;
+    acknowledge(kMessagesAnAck);
+  }
+  void operator()(const ByeMessage& bye) {
+    if (bye.number < slot_.next_number) return;
+    slot_.next_number = bye.number + 1;
+    acknowledge(1);
+    state_.book.say_bye(slot_);
+    if (state_.book.all_said_bye()) state_.queue.close();
+  }
+  void operator()(const AliveMessage&) {}
+  template <class Other>
+  void operator()(const Other&) {
+    throw LinkRefused("says what only the recording machine says");
+  }
+
+ private:
+  void take(std::size_t sensor, BodyFrame& frame) { put({slot_.first_sensor + sensor, std::move(frame)}); }
+  void take(std::size_t, SourceNotice& notice) { tell(notice.text); }
+  void take(std::size_t sensor, EncodedDepthFrame& frame) {
+    pixels_.resize(kDepthPixels);
+    const bool sound =
+        slot_.sensors[sensor].has_depth &&
+        decode_chunk(frame.chunk, frame.compression, std::as_writable_bytes(std::span(pixels_)));
+    if (!sound) {
+      ++slot_.earlier[sensor].in_queue;
+      tell("a depth frame of " + slot_.sensors[sensor].name + " was damaged and is lost");
+      tell_totals(sensor);
+      if (ended_) --slot_.earlier[sensor].in_queue;  // it will be sent again
+      return;
+    }
+    if (frame.compression != state_.options.compression)
+      frame = encode_depth_frame(frame.stamp, pixels_, state_.options.compression);
+    put({slot_.first_sensor + sensor, std::move(frame)});
+  }
+  void take(std::size_t sensor, const DropCount& count) {
+    untold_ += std::max<std::int64_t>(count.in_queue - slot_.lost[sensor].in_queue, 0);
+    slot_.lost[sensor] = count;
+    if (untold_ > 0 && Clock::now() - told_ >= kTellPeriod) {
+      tell(std::to_string(untold_) + " frames lost, its buffer was full");
+      untold_ = 0;
+      told_ = Clock::now();
+    }
+    tell_totals(sensor);
+  }
+
+  void tell_totals(std::size_t sensor) {
+    const DropCount &now = slot_.lost[sensor], &earlier = slot_.earlier[sensor];
+    put({slot_.first_sensor + sensor,
+         DropCount{steady_now_ns(), now.at_source + earlier.at_source, now.in_queue + earlier.in_queue}});
+  }
+  void tell(const std::string& text) {
+    state_.queue.push_small({slot_.first_sensor, SourceNotice{"agent " + slot_.name + ": " + text}});
+  }
+  // Waits for room as long as it takes, and goes on telling the agent that we are there.
+  void put(SourceEvent event) {
+    while (!state_.queue.push_for(event, kLookPeriod)) {
+      ended_ = !go_on();
+      if (ended_) return;
+      link_.send_sign_of_life(AckMessage{slot_.next_number});
+    }
+  }
+
+  ServerState& state_;
+  MessageLink& link_;
+  AgentSlot& slot_;
+  std::uint64_t acknowledged_ = 0;
+  bool ended_ = false;
+  std::int64_t untold_ = 0;  // losses that no notice has named
+  Clock::time_point told_{};
+  std::vector<std::uint16_t> pixels_;
+};
+
+// Until the recording begins an agent has nothing to say.
+bool await_begin(ServerState& state, MessageLink& link, AgentSlot& slot) {
+  while (!state.stop && !state.book.must_leave(slot)) {
+    while (auto message = link.receive())
+      if (!std::holds_alternative<AliveMessage>(*message)) throw LinkRefused("spoke before it was asked");
+    if (state.book.begun()) return true;
+    link.send_sign_of_life(AckMessage{0});
+    link.wait(kLookPeriod);
+  }
+  return false;
+}
+
+}  // namespace
+
+void serve_agent(ServerState& state, MessageLink& link, AgentSlot& slot) {
+  if (!await_begin(state, link, slot)) return;
+  AgentIntake intake(state, link, slot);
+  intake.begin();
+  while (intake.go_on() && !intake.ended()) {
+    bool heard = false;
+    while (!intake.ended()) {
+      auto message = link.receive();
+      if (!message) break;
+      std::visit(intake, *message);
+      heard = true;
+    }
+    if (intake.ended()) return;
+    intake.acknowledge(1);
+    link.send_sign_of_life(AckMessage{slot.next_number});
+    if (!heard) link.wait(kLookPeriod);
+  }
+}
+
+}  // namespace trilat

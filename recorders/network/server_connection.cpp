@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/network/server_state.h"
+
+namespace trilat {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kSeeOffLimit{1000};
+
+// Counts one connection down from those whose owner is unknown, at most once.
+class Pending {
+ public:
+  explicit Pending(std::atomic<std::size_t>& count) : count_(&count) {}
+  ~Pending() { done(); }
+  Pending(const Pending&) = delete;
+  Pending& operator=(const Pending&) = delete;
+  void done() {
+    if (count_) --*count_;
+    count_ = nullptr;
+  }
+
+ private:
+  std::atomic<std::size_t>* count_;
+};
+
+HelloMessage await_hello(ServerState& state, MessageLink& link, Clock::time_point deadline) {
+  while (!state.stop) {
+    if (auto message = link.receive()) {
+      if (auto* hello = std::get_if<HelloMessage>(&*message)) return std::move(*hello);
+      throw LinkRefused("began with something else than hello");
+    }
+    if (Clock::now() >= deadline) throw LinkLost("said nothing in time");
+    link.wait(kLookPeriod);
+  }
+  throw LinkLost("the recording is over");
+}
+
+// Lets the last words arrive: closing at once may throw away what the peer has not read.
+void see_off(MessageLink& link, const Message& last_words) {
+  const auto deadline = Clock::now() + kSeeOffLimit;
+  try {
+    link.send(last_words);
+    while (Clock::now() < deadline) {
+      while (link.receive()) {
+      }
+      link.wait(kLookPeriod);
+    }
+  } catch (const LinkLost&) {
+  } catch (const LinkRefused&) {
+  }
+}
+
+void tell(ServerState& state, const AgentSlot& slot, const std::string& text) {
+  if (state.book.begun())
+    state.queue.push_small({slot.first_sensor, SourceNotice{"agent " + slot.name + ": " + text}});
+}
+
+void serve_admitted(ServerState& state, MessageLink& link, AgentSlot& slot) {
+  std::string problem;
+  try {
+    serve_agent(state, link, slot);
+    if (state.stop) see_off(link, ByeMessage{});
+  } catch (const LinkLost& lost) {
+    problem = lost.what();
+  } catch (const LinkRefused& refused) {
+    problem = refused.what();
+  }
+  if (!problem.empty() && !slot.said_bye) tell(state, slot, "connection lost (" + problem + ')');
+  state.book.leave(slot);
+}
+
+void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hello, Pending& pending,
+                 const std::string& from) {
+  if (hello.role == LinkRole::clock) {
+    const auto admitted = state.book.admit_clock(hello, link.peer_name());
+    pending.done();
+    if (admitted) return serve_clock(state, link, *admitted->first, admitted->second);
+    return see_off(link, RefusalMessage{"this agent does not take part", true});
+  }
+  const auto admitted = state.book.admit(hello, link.peer_name());
+  if (const auto* refusal = std::get_if<RefusalMessage>(&admitted)) {
+    state.refusals.add(from + ": agent \"" + hello.agent + "\": " + refusal->reason);
+    return see_off(link, *refusal);
+  }
+  pending.done();
+  serve_admitted(state, link, *std::get<AgentSlot*>(admitted));
+}
+
+}  // namespace
+
+void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const std::string& from) {
+  Pending pending(state.pending);
+  const auto deadline = Clock::now() + state.options.handshake_limit;
+  try {
+    if (state.options.identity)
+      link = secure_link(std::move(link), *state.options.identity, TlsSide::server,
+                         state.options.handshake_limit, [&] { return state.stop.load(); });
+    MessageLink messages(std::move(link), state.options.silence_limit);
+    const HelloMessage hello = await_hello(state, messages, deadline);
+    serve_hello(state, messages, hello, pending, from);
+  } catch (const LinkLost& lost) {
+    state.refusals.add(from + ": " + lost.what());
+  } catch (const LinkRefused& refused) {
+    state.refusals.add(from + ": " + refused.what());
+  } catch (const std::bad_alloc&) {
+    state.refusals.add(from + ": no memory for this connection");
+  }
+}
+
+}  // namespace trilat
