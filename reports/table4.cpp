@@ -164,7 +164,9 @@ Table table4_processing(const StageTimings& t) {
   table.notes = {
       "Trilateration is the way from the bodies of all sensors, simulated, to 25 joints, on one thread; the "
       "paper's time begins with the depth image at the client and includes body tracking and the network, so "
-      "the two cannot be set against each other.",
+      "the two cannot be set against each other. Capture to stored is the way of a depth frame from its "
+      "arrival at the sensor's machine, over compression, TLS on loopback and the recorder's queue, into the "
+      "session, with agents and recorder on the one machine and simulated images.",
       "Measured times differ from machine to machine and from run to run."};
   return table;
 }

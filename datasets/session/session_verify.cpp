@@ -61,11 +61,12 @@ struct StampCounts {
       place.say(Severity::error, part,
                 fmt::format("sequence numbers do not rise at {} places", sequence_backward), kTimes);
     if (ticks_backward > 0)
-      place.say(Severity::error, part,
-                fmt::format("device ticks do not rise at {} places (a reset clock?); times there "
-                            "are not to be trusted",
-                            ticks_backward),
-                kTimes);
+      place.say(
+          Severity::warning, part,
+          fmt::format("device ticks do not rise at {} places: the sensor's clock was restarted, jumped or "
+                      "wrapped; times behind are fitted anew",
+                      ticks_backward),
+          kTimes);
     if (arrival_backward > 0)
       place.say(Severity::warning, part, fmt::format("arrival times go back at {} places", arrival_backward),
                 kTimes);
@@ -205,7 +206,22 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
     place.say(Severity::note, "/clock_exchanges_ns",
               "no clock exchanges: the sensor is taken to share the recording machine's clock");
   const SensorCounts& counts = session.counts(sensor);
-  if (counts.body_frames + counts.depth_frames > 0) fit_sensor_clock(session, sensor);
+  if (counts.body_frames + counts.depth_frames == 0) return;
+  const ClockEvidence clock = evidence_of(fit_sensor_clock(session, sensor));
+  constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
+  const double sigma_ms = 1e-6 * static_cast<double>(clock.offset_sigma_ns);
+  const double bound_ms = 1e-6 * static_cast<double>(clock.offset_bound_ns);
+  if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
+    place.say(
+        Severity::warning, "/clock_exchanges_ns",
+        fmt::format("the clock of the sensor's computer is known to {:.1f} ms (one standard deviation), and "
+                    "unlike delays could add {:.1f} ms",
+                    sigma_ms, bound_ms),
+        kTimes);
+  if (clock.sensor_epochs > 1 || clock.agent_segments > 1)
+    place.say(Severity::note, "",
+              fmt::format("its clocks were set {} times while recording; each stretch is fitted by itself",
+                          clock.sensor_epochs + clock.agent_segments - (clock.agent_segments > 0 ? 2 : 1)));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/simulate_take.h"
+#include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/execute.h"
 #include "pipeline/recording_study/execute_recording.h"
@@ -30,6 +31,7 @@ constexpr int kStages = 10;
 constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
 constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
+constexpr double kQuickCapture_s = 5.0;
 constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
 
 SimulationSpec campaign_spec(const char* text, const std::string& place,
@@ -140,12 +142,16 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
   if (arguments.scale == "quick") {
     spec.frames = std::min(spec.frames, kQuickRecordingFrames);
     spec.runs = std::min(spec.runs, kQuickRecordingRuns);
+    spec.capture_s = std::min(spec.capture_s, kQuickCapture_s);
   }
   PartProgress progress;
-  const RecordingOutcome outcome = execute_recording(
-      spec, folder, {arguments.threads, stop_requested, [&](const std::string& part, double share) {
-                       progress.set(part, share);
-                     }});
+  const RecordingOutcome outcome =
+      execute_recording(spec, folder,
+                        {arguments.threads, stop_requested,
+                         [&](const std::string& part, double share) { progress.set(part, share); },
+                         [&](const std::filesystem::path& capture, const RecordingHooks& hooks) {
+                           return time_capture(spec, capture, hooks);
+                         }});
   if (outcome.summary.interrupted) throw Interrupted();
 }
 

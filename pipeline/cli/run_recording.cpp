@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/cli/part_progress.h"
+#include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording_study/execute_recording.h"
 #include "reports/render.h"
@@ -42,7 +43,10 @@ int run_recording_study(const RunArguments& arguments, const Json& study) {
     PartProgress progress;
     outcome = execute_recording(spec, arguments.output,
                                 {arguments.threads, stop_requested,
-                                 [&](const std::string& part, double share) { progress.set(part, share); }});
+                                 [&](const std::string& part, double share) { progress.set(part, share); },
+                                 [&](const std::filesystem::path& folder, const RecordingHooks& hooks) {
+                                   return time_capture(spec, folder, hooks);
+                                 }});
   }
   const bool interrupted = outcome.summary.interrupted;
   const std::filesystem::path folder =

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/recording_study/execute_recording.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -57,6 +59,9 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
     const Clock::time_point processing = Clock::now();
     outcome.timings.stages = time_processing(spec, hooks_of(options, "processing"));
     times["processing_s"] = seconds_since(processing);
+    if (options.time_capture && spec.capture_s > 0.0)
+      std::ranges::move(options.time_capture(folder / "capture", hooks_of(options, "capture")),
+                        std::back_inserter(outcome.timings.stages));
   } catch (const Interrupted&) {
     outcome.summary.interrupted = true;
   }

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "datasets/results/recording_summary.h"
 #include "datasets/results/stage_timings.h"
+#include "pipeline/recording_study/clock_errors.h"
 #include "pipeline/recording_study/recording_spec.h"
 
 namespace trilat {
@@ -15,6 +17,10 @@ struct ExecuteRecordingOptions {
   int threads = 0;  // 0: as many as there are processors
   std::function<bool()> stop_requested = {};
   std::function<void(const std::string& part, double share)> progress = {};
+  // Times a recording in real time, in a folder that does not exist yet. Not of this room: it takes
+  // recorders.
+  std::function<std::vector<StageTiming>(const std::filesystem::path& folder, const RecordingHooks& hooks)>
+      time_capture = {};
 };
 
 struct RecordingOutcome {

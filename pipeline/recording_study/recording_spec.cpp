@@ -95,6 +95,7 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   spec.exchange_period_s = number_within(object, "exchange_period_s", spec.exchange_period_s, 0.01, 3600.0);
   spec.latency_s = number_within(object, "latency_s", spec.latency_s, 0.0, 1.0);
   spec.arrival_jitter_s = number_within(object, "arrival_jitter_s", spec.arrival_jitter_s, 0.0, 1.0);
+  spec.capture_s = number_within(object, "capture_s", spec.capture_s, 0.0, 86'400.0);
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
   object.finish();
@@ -117,6 +118,7 @@ Json resolved_json(const RecordingSpec& s) {
             {"exchange_period_s", s.exchange_period_s},
             {"latency_s", s.latency_s},
             {"arrival_jitter_s", s.arrival_jitter_s},
+            {"capture_s", s.capture_s},
             {"networks", Json::array()},
             {"methods", Json::array()}};
   for (const NetworkSpec& network : s.networks) json["networks"].push_back(json_of(network));

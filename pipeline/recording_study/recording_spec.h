@@ -37,6 +37,7 @@ struct RecordingSpec {
   double latency_s = 0.02;          // exposure to arrival, known
   double arrival_jitter_s = 0.001;  // mean of the exponential part
   std::vector<NetworkSpec> networks{NetworkSpec{}};
+  double capture_s = 30.0;  // of recording in real time, to time it; 0: not timed
   // Frames are also trilaterated and timed, by each of these.
   std::vector<MethodSpec> methods;
 };

@@ -163,7 +163,8 @@ void AgentBook::name_sensors() {
     slot->first_sensor = first;
     first += slot->sensors.size();
     for (SensorDescription& sensor : slot->sensors) {
-      if (uses[sensor.name] > 1) sensor.name = slot->name + '_' + sensor.name;
+      if (uses[sensor.name] > 1)
+        sensor.name = slot->sensors.size() == 1 ? slot->name : slot->name + '_' + sensor.name;
       if (!names.insert(sensor.name).second || sensor.name.size() > kMaxNameBytes)
         throw InputError("agent " + slot->name, "its sensor cannot be named \"" + sensor.name +
                                                     "\": names must differ and have at most 64 characters");

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,7 +16,7 @@
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_layout.h"
 #include "recorders/capture.h"
-#include "recorders/capture_store.h"
+#include "recorders/looped_source.h"
 #include "recorders/open_source.h"
 
 namespace trilat {
@@ -37,69 +36,17 @@ double processor_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Frames of four virtual Kinects with the declared noise, rendered before the clock starts.
-struct Rendered {
-  SessionHeader header;
-  std::vector<std::vector<DepthFrame>> depth;  // [sensor][frame]
-  std::vector<std::vector<BodyFrame>> bodies;
-};
+using Rendered = std::vector<std::shared_ptr<const SensorFrames>>;
 
+// Frames of four virtual Kinects with the declared noise, rendered before the clock starts.
 Rendered render(double seconds) {
   const auto source =
       open_source(fmt::format("synthetic:{},duration={},drop=0,speed=max", kSensors, seconds));
-  Rendered rendered{source->header(), {}, {}};
-  rendered.depth.resize(kSensors);
-  rendered.bodies.resize(kSensors);
-  while (auto event = source->next()) {
-    if (auto* depth = std::get_if<DepthFrame>(&event->data))
-      rendered.depth[event->sensor].push_back(std::move(*depth));
-    if (auto* body = std::get_if<BodyFrame>(&event->data))
-      rendered.bodies[event->sensor].push_back(std::move(*body));
-  }
+  Rendered rendered;
+  for (SensorFrames& frames : take_all(*source))
+    rendered.push_back(std::make_shared<const SensorFrames>(std::move(frames)));
   return rendered;
 }
-
-// The same frames again and again, at `speed` times the rate of the sensors, taken or not.
-class RepeatedSource : public FrameSource {
- public:
-  RepeatedSource(const Rendered& rendered, double speed, double seconds)
-      : rendered_(rendered),
-        period_s_(1.0 / (kRate_hz * speed)),
-        frames_(static_cast<std::int64_t>(seconds / period_s_)) {}
-  const SessionHeader& header() const override { return rendered_.header; }
-  bool live() const override { return true; }
-  void stop() override {}
-  std::optional<SourceEvent> next() override {
-    if (frame_ >= frames_) return std::nullopt;
-    if (sensor_ == 0 && part_ == 0)
-      std::this_thread::sleep_until(
-          start_ + std::chrono::duration_cast<Clock::duration>(
-                       std::chrono::duration<double>(static_cast<double>(frame_) * period_s_)));
-    const auto& depth = rendered_.depth[sensor_];
-    const std::size_t which = static_cast<std::size_t>(frame_) % depth.size();
-    SourceEvent event{sensor_, {}};
-    if (part_ == 0)
-      event.data = rendered_.bodies[sensor_][which];
-    else
-      event.data = depth[which];
-    if (part_ == 0) {
-      part_ = 1;
-    } else {
-      part_ = 0;
-      sensor_ = (sensor_ + 1) % kSensors;
-      if (sensor_ == 0) ++frame_;
-    }
-    return event;
-  }
-
- private:
-  const Rendered& rendered_;
-  double period_s_;
-  std::int64_t frames_, frame_ = 0;
-  std::size_t sensor_ = 0;
-  int part_ = 0;
-  Clock::time_point start_ = Clock::now();
-};
 
 struct Measured {
   double wall_s = 0.0, cores = 0.0, share_of_raw = 0.0;
@@ -116,7 +63,7 @@ Measured record_at(const Rendered& rendered, double speed, double seconds,
         std::max(m.peak_queue, static_cast<double>(s.queue_bytes) / static_cast<double>(s.queue_limit_bytes));
   };
   std::vector<std::unique_ptr<FrameSource>> sources;
-  sources.push_back(std::make_unique<RepeatedSource>(rendered, speed, seconds));
+  sources.push_back(std::make_unique<LoopedSource>(rendered, kRate_hz * speed, seconds));
   const double before_s = processor_s();
   const auto start = Clock::now();
   const CaptureSummary summary = capture(sources, path, options);
@@ -146,7 +93,7 @@ double plain_recorder_s(const Rendered& rendered, const std::filesystem::path& p
     for (std::size_t s = 0; s < kSensors; ++s) {
       H5Table table =
           file.create_table("depth" + std::to_string(s), H5Type::u16, {kDepthHeight, kDepthWidth}, layout);
-      for (const DepthFrame& frame : rendered.depth[s]) {
+      for (const DepthFrame& frame : rendered[s]->depth) {
         table.append(std::span<const std::uint16_t>(frame.depth_mm));
         ++frames;
       }

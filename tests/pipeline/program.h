@@ -28,9 +28,9 @@ struct Ended {
 class Process {
  public:
   Process(const ScratchFolder& folder, const std::vector<std::string>& arguments,
-          const std::string& name = "")
+          const std::string& name = "", const char* program = TRILAT_BINARY)
       : out_(folder / (name + "stdout.txt")), err_(folder / (name + "stderr.txt")) {
-    std::vector<char*> argv{const_cast<char*>(TRILAT_BINARY)};
+    std::vector<char*> argv{const_cast<char*>(program)};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     pid_ = fork();

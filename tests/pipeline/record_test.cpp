@@ -103,6 +103,60 @@ TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
   EXPECT_EQ(ran.code, 0) << ran.err;
 }
 
+// The port that a listening recorder says it has.
+std::string port_of(const ScratchFolder& folder) {
+  const std::string begin = "listening on port ";
+  std::string port;
+  wait_for([&] {
+    if (!std::filesystem::exists(folder / "record_stderr.txt")) return false;
+    const std::string said = read_file(folder / "record_stderr.txt");
+    const std::size_t at = said.find(begin);
+    if (at == std::string::npos || said.find(';', at) == std::string::npos) return false;
+    port = said.substr(at + begin.size(), said.find(';', at) - at - begin.size());
+    return true;
+  });
+  return port;
+}
+
+TEST(Record, SensorsOfTwoComputersArriveOverTls) {
+  const ScratchFolder folder;
+  const auto agent = [&](const std::vector<std::string>& arguments, const std::string& name) {
+    return Process(folder, arguments, name, TRILAT_AGENT_BINARY);
+  };
+  EXPECT_EQ(agent({"keys", in(folder, "keys"), "left", "right"}, "keys_").wait().code, 0);
+  const Process record(folder,
+                       {"record", "--listen", "127.0.0.1:0", "--agents", "2", "--keys",
+                        in(folder, "keys/server.pem"), "-o", in(folder, "s.h5"), "--json"},
+                       "record_");
+  const std::string server = "127.0.0.1:" + port_of(folder);
+  const Process stranger = agent({"run", "--server", server, "--name", "left", "--plain-text", "--source",
+                                  "synthetic:1,depth=no,duration=1"},
+                                 "stranger_");
+  const Process left = agent({"run", "--server", server, "--keys", in(folder, "keys/left.pem"), "--source",
+                              "synthetic:1,duration=2,drop=0"},
+                             "left_");
+  const Process right = agent({"run", "--server", server, "--keys", in(folder, "keys/right.pem"), "--source",
+                               "synthetic:1,seed=2,duration=2,drop=0"},
+                              "right_");
+  EXPECT_EQ(left.wait().code, 0);
+  EXPECT_EQ(right.wait().code, 0);
+  const Ended ended = record.wait();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(only_json(ended)["end"], "source_ended");
+  stranger.kill_at_once();
+  stranger.wait();
+  const SessionReader session(folder / "s.h5");
+  ASSERT_EQ(session.header().sensors.size(), 2u);
+  EXPECT_TRUE(session.header().simulated);
+  EXPECT_EQ(session.header().sensors[0].name, "left");
+  EXPECT_EQ(session.header().sensors[1].name, "right");
+  for (std::size_t s = 0; s < 2; ++s) {
+    EXPECT_EQ(session.counts(s).body_frames, 60u);
+    EXPECT_EQ(session.counts(s).depth_frames, 60u);
+    EXPECT_GE(session.counts(s).clock_exchanges, 4u);
+  }
+}
+
 TEST(Recover, WhatIsCompleteNeedsNoRecovery) {
   const ScratchFolder folder;
   run_trilat(folder,

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "pipeline/recording_study/execute_recording.h"
+
+namespace trilat {
+
+// How long a depth frame takes from its arrival at the sensor's machine until it is written into the session:
+// agents of virtual sensors, one a sensor, compress and send in real time over TLS on loopback, and the
+// recorder receives and stores, all on this machine. `folder` is for keys and session, which are removed.
+// Throws Interrupted.
+std::vector<StageTiming> time_capture(const RecordingSpec& spec, const std::filesystem::path& folder,
+                                      const RecordingHooks& hooks);
+
+}  // namespace trilat
