@@ -99,6 +99,18 @@ SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkC
   return recovery;
 }
 
+std::vector<SensorRecovery> copy_session(const SessionReader& from, const std::filesystem::path& output,
+                                         ChunkCompression compression,
+                                         const std::function<bool(double)>& progress) {
+  SessionWriter to(output, from.header(), compression);
+  Advance advance(from, progress);
+  std::vector<SensorRecovery> recoveries;
+  for (std::size_t s = 0; s < from.header().sensors.size(); ++s)
+    recoveries.push_back(copy_sensor(from, s, compression, to, advance));
+  to.finish();
+  return recoveries;
+}
+
 }  // namespace
 
 std::vector<SensorRecovery> recover_session(const std::filesystem::path& damaged,
@@ -114,12 +126,14 @@ std::vector<SensorRecovery> recover_session(const std::filesystem::path& damaged
       compression = from.stored_depth_frame(s, 0).compression.value_or(compression);
   // beside `output`, whose own unfinished name may be the damaged file's
   const std::filesystem::path beside = output.string() + ".recovered";
-  SessionWriter to(beside, from.header(), compression);
-  Advance advance(from, progress);
   std::vector<SensorRecovery> recoveries;
-  for (std::size_t s = 0; s < from.header().sensors.size(); ++s)
-    recoveries.push_back(copy_sensor(from, s, compression, to, advance));
-  to.finish();
+  try {
+    recoveries = copy_session(from, beside, compression, progress);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(partial_name(beside), ignored);
+    throw;
+  }
   publish_file(beside, output);
   return recoveries;
 }

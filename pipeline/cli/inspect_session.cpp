@@ -80,11 +80,24 @@ std::filesystem::path found_session(const std::filesystem::path& path) {
   return unfinished ? partial_name(path) : path;
 }
 
+// A recording that has only just begun cannot be opened yet, and one that ends changes its name meanwhile.
+SessionReader patiently_opened(const std::filesystem::path& path) {
+  for (int tries = 0; tries < 50 && !stop_requested(); ++tries) {
+    try {
+      return SessionReader(found_session(path));
+    } catch (const InputError&) {
+      if (!std::filesystem::exists(found_session(path))) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return SessionReader(found_session(path));
+}
+
 // A line whenever something has been added, until the recording is finished or somebody has seen enough.
 int follow(const std::filesystem::path& path) {
   std::uint64_t seen = 0;
   while (!stop_requested()) {
-    const SessionReader session(found_session(path));
+    const SessionReader session = patiently_opened(path);
     std::string line;
     std::uint64_t total = 0;
     for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
