@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -21,5 +22,17 @@ struct ImportArguments {
 };
 // kItemsFailed when rows were left out.
 int import_session(const ImportArguments& arguments);
+
+struct ExportArguments {
+  std::string format;
+  std::filesystem::path input;  // a session, or for csv a results folder
+  std::filesystem::path output;
+  std::filesystem::path calibration;
+  std::string sensor;
+  std::optional<std::uint64_t> body;
+  std::string unit = "mm";
+  bool json = false;
+};
+int export_recording(const ExportArguments& arguments);
 
 }  // namespace trilat

@@ -43,10 +43,36 @@ void add_import(CLI::App& app, ImportArguments& i, int& code) {
   });
 }
 
+void add_export(CLI::App& app, ExportArguments& e, int& code) {
+  auto* verb = app.add_subcommand("export", "bodies of a session, or tracks of results, for other programs");
+  verb->add_option("format", e.format,
+                   "csv: one row a frame, body and joint, or of results one a joint and method; trc: "
+                   "OpenSim's markers")
+      ->required()
+      ->check(CLI::IsMember({"csv", "trc"}));
+  verb->add_option("input", e.input, "session.h5; for csv a results folder too")->required();
+  verb->add_option("-o,--output", e.output, "the file; trc with several bodies: NAME-ID.trc each")
+      ->required();
+  verb->add_option("--calibration", e.calibration,
+                   "calibration.json: positions in its world instead of in the sensor's frame");
+  verb->add_option("--sensor", e.sensor, "trc: of which sensor, when there are several");
+  verb->add_option("--body", e.body, "trc: only the body with this tracking id");
+  verb->add_option("--unit", e.unit, "trc: mm or m")
+      ->check(CLI::IsMember({"mm", "m"}))
+      ->capture_default_str();
+  add_json(*verb, e.json);
+  verb->footer("Example: trilat export trc session.h5 --sensor k1 -o walk.trc");
+  verb->callback([&] {
+    end_in_order();
+    code = export_recording(e);
+  });
+}
+
 }  // namespace
 
 void add_exchange_verbs(CLI::App& app, ExchangeArguments& arguments, int& code) {
   add_import(app, arguments.import, code);
+  add_export(app, arguments.output, code);
 }
 
 }  // namespace trilat

@@ -9,6 +9,7 @@ namespace trilat {
 
 struct ExchangeArguments {
   ImportArguments import;
+  ExportArguments output;
 };
 
 // The verbs that speak other people's formats. `arguments` live as long as `app` is used; `code` gets the
