@@ -11,6 +11,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/import/import_body_files.h"
+#include "datasets/import/import_png.h"
+#include "datasets/import/import_xef.h"
 #include "datasets/import/kimore_reader.h"
 #include "datasets/import/labanotation_reader.h"
 #include "datasets/import/node_kinect2_reader.h"
@@ -130,6 +132,14 @@ constexpr std::array kFormats{
                  "computer's clock",
                  import_node_kinect2},
     ImportFormat{"ntu", ".skeleton of NTU RGB+D; several files: the cameras of one recording", import_ntu},
+    ImportFormat{
+        "png",
+        "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of --rate-hz, "
+        "--timestamps, --time-from-name",
+        import_png},
+    ImportFormat{"xef",
+                 "Kinect Studio's .xef, plain or archived: depth and bodies (not yet run on a real file)",
+                 import_xef},
 };
 
 }  // namespace
