@@ -54,6 +54,31 @@ std::string xef_seed(bool archived) {
   return xef.bytes();
 }
 
+std::string big_endian(std::uint32_t value) {
+  std::string text;
+  for (const int shift : {24, 16, 8, 0}) text += static_cast<char>(value >> shift);
+  return text;
+}
+
+std::string png_chunk(const std::string& type, const std::string& data) {
+  const std::string text = type + data;
+  const auto sum = ::crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
+  return big_endian(static_cast<std::uint32_t>(data.size())) + text +
+         big_endian(static_cast<std::uint32_t>(sum));
+}
+
+std::string png_seed() {
+  const std::string rows(kDepthHeight * std::size_t{1 + 2 * kDepthWidth}, '\0');
+  uLongf size = compressBound(rows.size());
+  std::string deflated(size, '\0');
+  compress(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+           rows.size());
+  deflated.resize(size);
+  const std::string shape =
+      big_endian(kDepthWidth) + big_endian(kDepthHeight) + std::string("\x10\0\0\0\0", 5);
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", shape) + png_chunk("IDAT", deflated) + png_chunk("IEND", "");
+}
+
 void write_session(const std::filesystem::path& path) {
   SessionHeader header;
   header.sensors.resize(1);
@@ -81,6 +106,7 @@ void write_seeds(const std::filesystem::path& folder) {
              "1000," + joints("0.1,0.2,2.5,2,") + "\n334333," + joints("0,0,2,1,"));
   write_file(seed("node_kinect2", "two_frames"), node_kinect2_seed());
   write_file(seed("ntu", "three_frames"), ntu_seed());
+  write_file(seed("png", "zeros"), png_seed());
   write_file(seed("xef", "plain"), xef_seed(false));
   write_file(seed("xef", "archived"), xef_seed(true));
   write_session(seed("session", "three_frames"));
