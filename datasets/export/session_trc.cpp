@@ -26,9 +26,7 @@ std::map<std::uint64_t, Stretch> bodies_of(const SessionReader& session, std::si
         bodies.try_emplace(body.tracking_id, Stretch{row, row}).first->second.last = row;
         if (bodies.size() > kMostBodies)
           throw InputError(session.path().string(),
-                           fmt::format("holds more than {} bodies; choose one with --body "
-                                       "ID",
-                                       kMostBodies));
+                           fmt::format("holds more than {} bodies; choose one with --body ID", kMostBodies));
       }
     ++row;
   };

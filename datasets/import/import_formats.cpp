@@ -61,8 +61,7 @@ ImportReport import_node_kinect2(const Files& files, const std::filesystem::path
   const BodyFileFormat format{
       "node-kinect2", 30.0,
       "The files hold no tracking states: every joint of a tracked body is called tracked, inferred ones "
-      "too. Times "
-      "are the recording computer's, in milliseconds, of when the program got the frame.",
+      "too. Times are the recording computer's, in milliseconds, of when the program got the frame.",
       start_ms > 0 ? calendar_time(start_ms) : "", [start_ms](const std::filesystem::path& path) {
         return std::make_unique<NodeKinect2Reader>(path, start_ms);
       }};
@@ -97,13 +96,12 @@ ImportReport import_ntu(const Files& files, const std::filesystem::path& output,
                         const ImportOptions& options) {
   if (files.empty()) throw InputError("FILE", "is missing");
   const double rate_hz = options.rate_hz.value_or(30.0);
-  const BodyFileFormat format{
-      "ntu", rate_hz,
-      "The files hold no time stamps: frame number / rate is the time, and the same frame number of several "
-      "cameras "
-      "the same moment.",
-      "",
-      [rate_hz](const std::filesystem::path& path) { return std::make_unique<NtuReader>(path, rate_hz); }};
+  const BodyFileFormat format{"ntu", rate_hz,
+                              "The files hold no time stamps: frame number / rate is the time, and the same "
+                              "frame number of several cameras the same moment.",
+                              "", [rate_hz](const std::filesystem::path& path) {
+                                return std::make_unique<NtuReader>(path, rate_hz);
+                              }};
   return import_body_files(format, ntu_sensors(files), output, options);
 }
 
@@ -111,13 +109,13 @@ ImportReport import_kimore(const Files& files, const std::filesystem::path& outp
                            const ImportOptions& options) {
   need_one(files, "is a second folder; recordings share no clock, so each becomes a session of its own");
   refuse_rate(options);
-  const BodyFileFormat format{"kimore", 30.0,
-                              "The files hold no body id (1 is written) and no hand states (zeros). "
-                              "Orientations are taken as x, y, z, w. This "
-                              "importer has not yet been run on a real file.",
-                              "", [](const std::filesystem::path& path) {
-                                return std::make_unique<KimoreReader>(kimore_files_of(path));
-                              }};
+  const BodyFileFormat format{
+      "kimore", 30.0,
+      "The files hold no body id (1 is written) and no hand states (zeros). Orientations are taken as x, y, "
+      "z, w. This importer has not yet been run on a real file.",
+      "", [](const std::filesystem::path& path) {
+        return std::make_unique<KimoreReader>(kimore_files_of(path));
+      }};
   return import_body_files(format, {{"k1", files[0]}}, output, options);
 }
 
@@ -127,16 +125,15 @@ constexpr std::array kFormats{
                  "data set (not yet run on a real file)",
                  import_kimore},
     ImportFormat{"labanotation", "body csv of Microsoft's LabanotationSuite", import_labanotation},
-    ImportFormat{"node-kinect2",
-                 "recorded_skeleton.json of Kinectron or node-kinect2; several files: sensors of one "
-                 "computer's clock",
-                 import_node_kinect2},
-    ImportFormat{"ntu", ".skeleton of NTU RGB+D; several files: the cameras of one recording", import_ntu},
     ImportFormat{
-        "png",
-        "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of --rate-hz, "
-        "--timestamps, --time-from-name",
-        import_png},
+        "node-kinect2",
+        "recorded_skeleton.json of Kinectron or node-kinect2; several files: sensors of one computer's clock",
+        import_node_kinect2},
+    ImportFormat{"ntu", ".skeleton of NTU RGB+D; several files: the cameras of one recording", import_ntu},
+    ImportFormat{"png",
+                 "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of "
+                 "--rate-hz, --timestamps, --time-from-name",
+                 import_png},
     ImportFormat{"xef",
                  "Kinect Studio's .xef, plain or archived: depth and bodies (not yet run on a real file)",
                  import_xef},

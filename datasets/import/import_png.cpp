@@ -38,9 +38,9 @@ std::vector<Image> images_of(const std::filesystem::path& folder) {
 void check_time(double time_s, const std::string& place) {
   if (!(std::abs(time_s) < kLatest_s))
     throw InputError(
-        place, fmt::format("has the time {} s, beyond 15 years; times count from the recording's begin, in "
-                           "seconds",
-                           time_s));
+        place,
+        fmt::format("has the time {} s, beyond 15 years; times count from the recording's begin, in seconds",
+                    time_s));
 }
 
 std::vector<double> read_times(const std::filesystem::path& path) {
@@ -82,9 +82,9 @@ void take_times(std::vector<Image>& images, const ImportOptions& options) {
 
 void need_options(const ImportOptions& options) {
   if (!options.depth_unit_mm)
-    throw InputError("--depth-unit-mm",
-                     "is missing: what a value of 1 means is not in the images (1 for Kinect v2 and "
-                     "NTU, 0.2 for TUM)");
+    throw InputError(
+        "--depth-unit-mm",
+        "is missing: what a value of 1 means is not in the images (1 for Kinect v2 and NTU, 0.2 for TUM)");
   const int ways = options.rate_hz.has_value() + options.time_from_name + !options.timestamps.empty();
   if (ways != 1)
     throw InputError("--rate-hz, --timestamps, --time-from-name",

@@ -10,16 +10,14 @@ namespace {
 
 constexpr const char* kAssumed =
     "The file holds no absolute time and no intrinsics that could be read: those of a typical Kinect v2 are "
-    "written. "
-    "This importer has not yet been run on a real file.";
+    "written. This importer has not yet been run on a real file.";
 
 void refuse_what_is_no_use(const XefReader& reader, const XefSurvey& survey, const std::string& path) {
   if (survey.depth_frames + survey.body_frames > 0) return;
   if (reader.has_raw_infrared())
-    throw InputError(
-        path,
-        "is a raw capture (.xrf), from which depth has yet to be computed; play it in Kinect Studio "
-        "and record depth and bodies");
+    throw InputError(path,
+                     "is a raw capture (.xrf), from which depth has yet to be computed; play it in Kinect "
+                     "Studio and record depth and bodies");
   throw InputError(path, "holds neither depth nor bodies");
 }
 

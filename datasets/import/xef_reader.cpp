@@ -40,9 +40,9 @@ XefReader::XefReader(const std::filesystem::path& path) : file_(path) {
     return long_enough && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
   };
   if (begins("PK"))
-    throw InputError(file_.path(),
-                     "is a zip archive, as HoloLens writes under the same ending; Kinect Studio's .xef is "
-                     "expected");
+    throw InputError(
+        file_.path(),
+        "is a zip archive, as HoloLens writes under the same ending; Kinect Studio's .xef is expected");
   if (!begins(std::string_view(kMagic.data(), kMagic.size())))
     throw InputError(file_.path(), "does not begin with EVENTS1 as Kinect Studio's .xef does");
   stream_count_ = value_at<std::int32_t>(bytes, kStreamCountAt);
