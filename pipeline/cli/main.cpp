@@ -10,6 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/recording_verbs.h"
 #include "pipeline/cli/verbs.h"
 
@@ -155,6 +156,8 @@ int guarded_main(int argc, char** argv) {
   add_calibrate(app, arguments, code);
   RecordingArguments recording;
   add_recording_verbs(app, recording, code);
+  ExchangeArguments exchange;
+  add_exchange_verbs(app, exchange, code);
   add_inspection(app, arguments, code);
   try {
     app.parse(argc, argv);

@@ -321,6 +321,18 @@ TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
   EXPECT_THAT(message_of([&] { recover_session(partial_name(path), saved); }), HasSubstr("saved.h5: exists"));
 }
 
+// The library takes a wrong checksum for a writer at work and, left to itself, would wait for centuries.
+TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
+  const auto path = scratch("superblock.h5");
+  SessionWriter writer(path, header_of(1));
+  writer.add_body_frame(0, frame_of(0, 1));
+  writer.finish();
+  std::string bytes = read_file(path);
+  bytes.at(44) = static_cast<char>(bytes.at(44) ^ 0x5a);  // of the checksum
+  write_file(path, bytes);
+  EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
+}
+
 TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {
   std::vector<ClockExchange> exchanges;
   const RandomStream noise{5, Purpose::test, 0};

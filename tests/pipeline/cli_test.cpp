@@ -21,8 +21,8 @@ using testing::Not;
 using testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> kVerbs{"info",     "verify",    "recover", "record", "mocap",
-                                      "simulate", "calibrate", "run",     "report", "reproduce"};
+const std::vector<std::string> kVerbs{"info",      "verify", "recover", "record",    "mocap",  "simulate",
+                                      "calibrate", "run",    "report",  "reproduce", "import", "export"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",

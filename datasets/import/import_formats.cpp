@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/import/import_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <set>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/import/import_body_files.h"
+#include "datasets/import/import_png.h"
+#include "datasets/import/import_xef.h"
+#include "datasets/import/kimore_reader.h"
+#include "datasets/import/labanotation_reader.h"
+#include "datasets/import/node_kinect2_reader.h"
+#include "datasets/import/ntu_reader.h"
+
+namespace trilat {
+namespace {
+
+using Files = std::vector<std::filesystem::path>;
+
+void need_one(const Files& files, const std::string& why) {
+  if (files.size() != 1)
+    throw InputError(files.empty() ? "FILE" : files[1].string(), files.empty() ? "is missing" : why);
+}
+
+void refuse_rate(const ImportOptions& options) {
+  if (options.rate_hz) throw InputError("--rate-hz", "is not for this format, whose files have time stamps");
+}
+
+ImportReport import_labanotation(const Files& files, const std::filesystem::path& output,
+                                 const ImportOptions& options) {
+  need_one(files, "is a second file; these files share no clock, so each becomes a session of its own");
+  refuse_rate(options);
+  const BodyFileFormat format{
+      "labanotation", 30.0,
+      "The file holds no body id (1 is written), no orientations and no hand states (zeros).", "",
+      [](const std::filesystem::path& path) { return std::make_unique<LabanotationReader>(path); }};
+  return import_body_files(format, {{"k1", files[0]}}, output, options);
+}
+
+std::string calendar_time(std::int64_t epoch_ms) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(static_cast<std::time_t>(epoch_ms / 1000)),
+                     epoch_ms % 1000);
+}
+
+ImportReport import_node_kinect2(const Files& files, const std::filesystem::path& output,
+                                 const ImportOptions& options) {
+  refuse_rate(options);
+  std::vector<SensorFile> sensors;
+  std::int64_t start_ms = std::numeric_limits<std::int64_t>::max();
+  for (const auto& file : files) {
+    sensors.push_back({"k" + std::to_string(sensors.size() + 1), file});
+    start_ms = std::min(start_ms, node_kinect2_start_ms(file));
+  }
+  if (files.empty()) throw InputError("FILE", "is missing");
+  const BodyFileFormat format{
+      "node-kinect2", 30.0,
+      "The files hold no tracking states: every joint of a tracked body is called tracked, inferred ones "
+      "too. Times are the recording computer's, in milliseconds, of when the program got the frame.",
+      start_ms > 0 ? calendar_time(start_ms) : "", [start_ms](const std::filesystem::path& path) {
+        return std::make_unique<NodeKinect2Reader>(path, start_ms);
+      }};
+  return import_body_files(format, sensors, output, options);
+}
+
+// Several files are the cameras of one recording.
+std::vector<SensorFile> ntu_sensors(const Files& files) {
+  if (files.size() == 1) {
+    const auto name = ntu_name_of(files[0]);
+    return {{name ? name->camera : "C001", files[0]}};
+  }
+  std::vector<SensorFile> sensors;
+  std::set<std::string> cameras;
+  const auto first = ntu_name_of(files.at(0));
+  for (const auto& file : files) {
+    const auto name = ntu_name_of(file);
+    if (!name)
+      throw InputError(file.string(),
+                       "has no name such as S001C002P003R002A013.skeleton, which says the camera");
+    if (name->recording != first->recording)
+      throw InputError(file.string(), "is of another recording than " + files[0].filename().string() +
+                                          "; the files of a session differ in the camera C… only");
+    if (!cameras.insert(name->camera).second)
+      throw InputError(file.string(), "is a second file of camera " + name->camera);
+    sensors.push_back({name->camera, file});
+  }
+  return sensors;
+}
+
+ImportReport import_ntu(const Files& files, const std::filesystem::path& output,
+                        const ImportOptions& options) {
+  if (files.empty()) throw InputError("FILE", "is missing");
+  const double rate_hz = options.rate_hz.value_or(30.0);
+  const BodyFileFormat format{"ntu", rate_hz,
+                              "The files hold no time stamps: frame number / rate is the time, and the same "
+                              "frame number of several cameras the same moment.",
+                              "", [rate_hz](const std::filesystem::path& path) {
+                                return std::make_unique<NtuReader>(path, rate_hz);
+                              }};
+  return import_body_files(format, ntu_sensors(files), output, options);
+}
+
+ImportReport import_kimore(const Files& files, const std::filesystem::path& output,
+                           const ImportOptions& options) {
+  need_one(files, "is a second folder; recordings share no clock, so each becomes a session of its own");
+  refuse_rate(options);
+  const BodyFileFormat format{
+      "kimore", 30.0,
+      "The files hold no body id (1 is written) and no hand states (zeros). Orientations are taken as x, y, "
+      "z, w. This importer has not yet been run on a real file.",
+      "", [](const std::filesystem::path& path) {
+        return std::make_unique<KimoreReader>(kimore_files_of(path));
+      }};
+  return import_body_files(format, {{"k1", files[0]}}, output, options);
+}
+
+constexpr std::array kFormats{
+    ImportFormat{"kimore",
+                 "folder with an exercise's JointPosition, TimeStamp and JointOrientation csv of the KIMORE "
+                 "data set (not yet run on a real file)",
+                 import_kimore},
+    ImportFormat{"labanotation", "body csv of Microsoft's LabanotationSuite", import_labanotation},
+    ImportFormat{
+        "node-kinect2",
+        "recorded_skeleton.json of Kinectron or node-kinect2; several files: sensors of one computer's clock",
+        import_node_kinect2},
+    ImportFormat{"ntu", ".skeleton of NTU RGB+D; several files: the cameras of one recording", import_ntu},
+    ImportFormat{"png",
+                 "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of "
+                 "--rate-hz, --timestamps, --time-from-name",
+                 import_png},
+    ImportFormat{"xef",
+                 "Kinect Studio's .xef, plain or archived: depth and bodies (not yet run on a real file)",
+                 import_xef},
+};
+
+}  // namespace
+
+std::span<const ImportFormat> import_formats() { return kFormats; }
+
+ImportReport import_recording(const std::string& format, const std::vector<std::filesystem::path>& files,
+                              const std::filesystem::path& output, const ImportOptions& options) {
+  std::string known;
+  for (const ImportFormat& f : kFormats) {
+    if (f.name == format) return f.import(files, output, options);
+    known += (known.empty() ? "" : ", ") + std::string(f.name);
+  }
+  throw InputError("FORMAT", "\"" + format + "\" is not known; there are " + known);
+}
+
+}  // namespace trilat
