@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "recorders/capture_intake.h"
 #include "recorders/capture_queue.h"
 #include "recorders/capture_store.h"
+#include "recorders/capture_sync.h"
 
 namespace trilat {
 namespace {
@@ -35,10 +37,11 @@ SessionHeader joint_header(const std::vector<std::unique_ptr<FrameSource>>& sour
   return header;
 }
 
-std::uint64_t free_bytes(const std::filesystem::path& path) {
+// Nothing when the system does not say.
+std::optional<std::uint64_t> free_bytes(const std::filesystem::path& path) {
   std::error_code error;
   const auto space = std::filesystem::space(path.has_parent_path() ? path.parent_path() : ".", error);
-  return error ? 0 : space.available;
+  return error ? std::nullopt : std::optional<std::uint64_t>(space.available);
 }
 
 // One recording from the first event to the last.
@@ -52,6 +55,8 @@ class Recording {
         writer_(path, header_, options.depth_compression),
         queue_(header_.sensors.size(), options.queue_bytes),
         store_(writer_, header_, options),
+        sync_(partial_name(path),
+              std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.sync_period_s))),
         intake_(sources, queue_, options.depth_compression, options.workers) {}
 
   CaptureSummary run() {
@@ -89,7 +94,8 @@ class Recording {
     last_flush_ = now;
     const CaptureStatus safe = status(now);
     if (options_.on_status) options_.on_status(safe);
-    if (safe.disk_free_bytes < options_.reserve_bytes) stop(CaptureEnd::disk_full, end);
+    if (const auto left = free_bytes(path_); left && *left < options_.reserve_bytes + safe.queue_bytes)
+      stop(CaptureEnd::disk_full, end);
   }
 
   // The first reason stands; what is in the queue is still stored.
@@ -111,7 +117,7 @@ class Recording {
     std::error_code ignored;
     status.file_bytes =
         std::filesystem::file_size(std::filesystem::exists(path_) ? path_ : partial_name(path_), ignored);
-    status.disk_free_bytes = free_bytes(path_);
+    status.disk_free_bytes = free_bytes(path_).value_or(0);
     return status;
   }
 
@@ -121,6 +127,7 @@ class Recording {
   SessionWriter writer_;
   CaptureQueue queue_;
   CaptureStore store_;
+  CaptureSync sync_;
   Clock::time_point start_ = Clock::now(), last_flush_ = start_, last_status_ = start_;
   bool stopped_ = false;
   CaptureIntake intake_;  // the last: its threads use all of the above

@@ -30,12 +30,14 @@ struct CaptureStatus {
 struct CaptureOptions {
   std::string started_utc;  // of the session; for people
   ChunkCompression depth_compression = ChunkCompression::blosc;
-  int workers = 2;                           // threads that compress
-  std::size_t queue_bytes = 512u << 20;      // about ten seconds of four Kinects
-  double flush_period_s = 0.5;               // what a kill can cost, and a little more
-  double duration_s = 0.0;                   // 0: until the sources end or somebody stops it
-  double silence_s = 2.0;                    // without frames for so long, a sensor is said to be silent
-  std::uint64_t reserve_bytes = 256u << 20;  // the recording ends in order when the disk has less left
+  int workers = 2;                       // threads that compress
+  std::size_t queue_bytes = 512u << 20;  // about ten seconds of four Kinects
+  double flush_period_s = 0.5;           // what a kill can cost, and a little more
+  double sync_period_s = 1.0;            // between requests to put it all on the disk
+  double duration_s = 0.0;               // 0: until the sources end or somebody stops it
+  double silence_s = 2.0;                // without frames for so long, a sensor is said to be silent
+  std::uint64_t reserve_bytes =
+      256u << 20;  // the recording ends in order when the disk has less left beside the queue
   std::function<bool()> stop_requested = {};
   std::function<void(const CaptureStatus&)> on_status = {};  // after every flush: what it counts is safe
   std::function<void(const std::string& sensor, const std::string& text)> on_notice = {};

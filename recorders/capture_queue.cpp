@@ -4,11 +4,14 @@
 namespace trilat {
 namespace {
 
-// Depth is what fills memory; everything else counts as a little.
+constexpr std::size_t kRoomForSmall_bytes = std::size_t{64} << 20;
+
 std::size_t bytes_of(const SourceEvent& event) {
+  if (const auto* bodies = std::get_if<BodyFrame>(&event.data))
+    return sizeof(CaptureQueue::Entry) + bodies->bodies.size() * sizeof(Body);
   if (const auto* depth = std::get_if<DepthFrame>(&event.data)) return depth->depth_mm.size() * 2;
   if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) return depth->chunk.size();
-  return 256;
+  return sizeof(CaptureQueue::Entry);
 }
 
 bool is_depth(const SourceEvent& event) {
@@ -29,7 +32,8 @@ void CaptureQueue::push(SourceEvent event, bool may_wait) {
   const auto has_room = [&] { return closed_ || bytes_ == 0 || bytes_ + bytes <= limit_bytes_; };
   if (may_wait) room_.wait(lock, has_room);
   if (closed_) return;
-  if (depth && !has_room()) {
+  // what is small has room of its own, so that depth is what a slow disk costs
+  if (depth ? !has_room() : bytes_ + bytes > limit_bytes_ + kRoomForSmall_bytes) {
     ++dropped_[event.sensor];
     return;
   }

@@ -24,10 +24,14 @@ LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& op
       options_(options),
       first_arrival_ns_(inner_->header().sensors.size()),
       lost_(first_arrival_ns_.size(), 0),
+      last_lost_(first_arrival_ns_.size(), -1),
       depth_frames_(first_arrival_ns_.size(), 0) {}
 
 std::int64_t LiveSource::start() {
-  if (!start_ns_) start_ns_ = host_now_ns();
+  if (!start_ns_) {
+    look_ahead();  // what is due first is made before the clock starts
+    start_ns_ = host_now_ns();
+  }
   return *start_ns_;
 }
 
@@ -84,20 +88,39 @@ void LiveSource::move_to_now(SourceEvent& event) const {
   if (auto* count = std::get_if<DropCount>(&event.data)) count->host_ns += by_ns;
 }
 
-std::optional<std::pair<std::int64_t, SourceEvent>> LiveSource::earliest() {
+void LiveSource::look_ahead() {
   // bodies, depth and an exchange of every sensor, for two frame numbers
   const std::size_t events_ahead = 6 * header().sensors.size();
   while (ahead_.size() < events_ahead) {
     std::optional<SourceEvent> event = inner_->next();
-    if (!event) break;
+    if (!event) return;
     // an exchange with the clock of a simulated machine says nothing about stamps of this one
     if (options_.stamp_arrivals && std::holds_alternative<ClockExchange>(event->data)) continue;
     const std::int64_t due = due_ns(*event);
     ahead_.emplace(due, std::move(*event));
   }
+}
+
+std::optional<std::pair<std::int64_t, SourceEvent>> LiveSource::earliest() {
+  look_ahead();
   if (ahead_.empty()) return std::nullopt;
   auto node = ahead_.extract(ahead_.begin());
   return std::pair{node.key(), std::move(node.mapped())};
+}
+
+bool LiveSource::too_late(const SourceEvent& event, std::int64_t due_host_ns) const {
+  constexpr std::int64_t kLate_ns = 200'000'000;  // six frames
+  return options_.stamp_arrivals && stamp_of(const_cast<SourceEvent&>(event)) &&
+         host_now_ns() - due_host_ns > kLate_ns;
+}
+
+// A frame whose bodies and depth are both lost is lost once.
+SourceEvent LiveSource::lost(const SourceEvent& event) {
+  const std::size_t s = event.sensor;
+  const std::int64_t number = stamp_of(const_cast<SourceEvent&>(event))->sequence;
+  if (number != last_lost_[s]) ++lost_[s];
+  last_lost_[s] = number;
+  return {s, DropCount{host_now_ns(), lost_[s], 0}};
 }
 
 std::optional<SourceEvent> LiveSource::next() {
@@ -109,13 +132,11 @@ std::optional<SourceEvent> LiveSource::next() {
   auto first = earliest();
   if (!first) return std::nullopt;
   auto& [due, event] = *first;
-  if (options_.speed > 0.0 &&
-      !wait_until(start_ns + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)))
-    return std::nullopt;
-  if (spoiled(event, due)) {
-    ++lost_[event.sensor];
-    return SourceEvent{event.sensor, DropCount{host_now_ns(), lost_[event.sensor], 0}};
-  }
+  const std::int64_t due_host_ns =
+      options_.speed > 0.0 ? start_ns + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)
+                           : 0;
+  if (options_.speed > 0.0 && !wait_until(due_host_ns)) return std::nullopt;
+  if (spoiled(event, due) || too_late(event, due_host_ns)) return lost(event);
   move_to_now(event);
   return std::move(event);
 }

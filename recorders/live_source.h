@@ -49,6 +49,10 @@ class LiveSource : public FrameSource {
   std::int64_t due_ns(const SourceEvent& event);
   bool wait_until(std::int64_t host_ns);
   bool spoiled(SourceEvent& event, std::int64_t due_ns);
+  // True when the event comes so late that its stamp would not be a sensor's; then it is lost.
+  bool too_late(const SourceEvent& event, std::int64_t due_host_ns) const;
+  SourceEvent lost(const SourceEvent& event);
+  void look_ahead();
   void move_to_now(SourceEvent& event) const;
 
   std::unique_ptr<FrameSource> inner_;
@@ -56,7 +60,7 @@ class LiveSource : public FrameSource {
   std::optional<std::int64_t> start_ns_;
   std::multimap<std::int64_t, SourceEvent> ahead_;             // by due time
   std::vector<std::optional<std::int64_t>> first_arrival_ns_;  // one a sensor
-  std::vector<std::int64_t> lost_, depth_frames_;
+  std::vector<std::int64_t> lost_, last_lost_, depth_frames_;  // one a sensor; frames, by their numbers
   std::mutex mutex_;
   std::condition_variable stop_changed_;
   bool stopped_ = false;

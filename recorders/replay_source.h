@@ -12,8 +12,9 @@
 
 namespace trilat {
 
-// A session once more, sensor against sensor in the order of arrival since each one's first frame. Depth
-// comes as it is stored. Memory does not depend on the length.
+// Frames and clock exchanges of a session once more, sensor against sensor in the order of arrival since each
+// one's first frame. Depth comes as it is stored. But for the exchanges, memory does not depend on the
+// length.
 class ReplaySource : public FrameSource {
  public:
   explicit ReplaySource(const std::filesystem::path& session);

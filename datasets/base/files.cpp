@@ -41,6 +41,10 @@ std::filesystem::path partial_name(const std::filesystem::path& path) { return p
 void publish_file(const std::filesystem::path& partial, const std::filesystem::path& path) {
   sync_file(partial);
   if (std::rename(partial.c_str(), path.c_str()) != 0) refuse_output(path, "put in place");
+  // the name, too, survives the power; some file systems cannot sync a folder
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor entry{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (entry.fd >= 0) (void)::fsync(entry.fd);
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {

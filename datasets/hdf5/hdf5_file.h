@@ -87,6 +87,9 @@ class H5Table {
   friend class H5Node;
   void append_raw(const void* data, std::size_t elements, H5Type type);
   void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
+  enum class Move { write, read, read_unchecked };
+  // False when the library says no.
+  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, Move move);
   void extend_to(std::uint64_t rows);
   std::uint64_t first_row_of_last_chunk() const;
 

@@ -205,7 +205,7 @@ StoredDepthFrame SessionReader::stored_depth_frame(std::size_t sensor, std::uint
   if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
   check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
   StoredDepthFrame frame{
-      t.depth_frames->place() + " frame " + std::to_string(index), t.depth_compression, {}};
+      t.depth_frames->place() + " frame " + std::to_string(index), t.counts.depth_compression, {}};
   if (frame.compression) {
     frame.chunk = t.depth_frames->read_filtered_row(index);
   } else {
@@ -228,14 +228,21 @@ void decode_depth_frame(const StoredDepthFrame& frame, std::span<std::uint16_t> 
 }
 
 std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor) const {
+  return clock_exchanges(sensor, 0, state_->sensors.at(sensor).counts.clock_exchanges);
+}
+
+std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor, std::uint64_t first,
+                                                          std::uint64_t count) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  const auto values = read_rows<std::int64_t>(t.clock_exchanges, 0, t.counts.clock_exchanges);
-  std::vector<ClockExchange> result(t.counts.clock_exchanges);
+  check_range(t.clock_exchanges.place(), first, count, t.counts.clock_exchanges);
+  const auto values = read_rows<std::int64_t>(t.clock_exchanges, first, count);
+  std::vector<ClockExchange> result(count);
   for (std::size_t i = 0; i < result.size(); ++i) {
     result[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]};
     for (std::size_t k = 0; k < 4; ++k)
       if (std::abs(values[4 * i + k] / 2) > kMostNs / 4)
-        throw InputError(t.clock_exchanges.place(), "row " + std::to_string(i) + " holds an impossible time");
+        throw InputError(t.clock_exchanges.place(),
+                         "row " + std::to_string(first + i) + " holds an impossible time");
   }
   return result;
 }

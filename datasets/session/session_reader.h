@@ -21,6 +21,8 @@ struct SensorCounts {
   std::uint64_t drop_counts = 0;
   std::uint64_t notices = 0;
   std::uint64_t depth_stored_bytes = 0;
+  std::optional<ChunkCompression> depth_compression =
+      std::nullopt;  // none where chunks are not as we write them
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the
   // middle of.
   std::uint64_t torn_rows = 0;
@@ -64,6 +66,8 @@ class SessionReader {
   // Only reads; what costs is left to decode_depth_frame().
   StoredDepthFrame stored_depth_frame(std::size_t sensor, std::uint64_t index) const;
   std::vector<ClockExchange> clock_exchanges(std::size_t sensor) const;
+  std::vector<ClockExchange> clock_exchanges(std::size_t sensor, std::uint64_t first,
+                                             std::uint64_t count) const;
   std::vector<DropCount> drop_counts(std::size_t sensor) const;
   std::vector<SensorNotice> notices(std::size_t sensor) const;
 

@@ -13,7 +13,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 64;  // frames between flushes; 30 MB of depth
+constexpr std::uint64_t kFlush = 64;  // frames between flushes
 
 // Reports the share done, weighed by frames, and throws when asked to stop.
 class Advance {
@@ -32,69 +32,83 @@ class Advance {
   std::uint64_t total_ = 1, done_ = 0;
 };
 
-void copy_bodies(const SessionReader& from, std::size_t sensor, SessionWriter& to, Advance& advance) {
-  const std::uint64_t frames = from.counts(sensor).body_frames;
-  for (std::uint64_t first = 0; first < frames; first += kBlock) {
-    const std::uint64_t count = std::min(kBlock, frames - first);
-    for (const BodyFrame& frame : from.body_frames(sensor, first, count)) to.add_body_frame(sensor, frame);
-    to.flush();
-    advance.by(count);
-  }
-}
-
-// A frame as it goes into the new file; nothing when it is damaged.
-std::optional<EncodedDepthFrame> saved_frame(const SessionReader& from, std::size_t sensor,
-                                             std::uint64_t index, const FrameStamp& stamp,
-                                             ChunkCompression compression,
-                                             std::vector<std::uint16_t>& depth_mm) {
+// Takes rows [first, first + count) by `take(first, count)`, in ever smaller parts where it throws; how many
+// could not be taken.
+std::uint64_t salvage(std::uint64_t first, std::uint64_t count,
+                      const std::function<void(std::uint64_t, std::uint64_t)>& take) {
+  if (count == 0) return 0;
   try {
-    StoredDepthFrame stored = from.stored_depth_frame(sensor, index);
-    decode_depth_frame(stored, depth_mm);
-    if (stored.compression == compression)
-      return EncodedDepthFrame{stamp, std::move(stored.chunk), compression};
-    return encode_depth_frame(stamp, depth_mm, compression);
+    take(first, count);
+    return 0;
+  } catch (const OutputError&) {
+    throw;
   } catch (const InputError&) {
-    return std::nullopt;
+    if (count == 1) return 1;
   }
+  return salvage(first, count / 2, take) + salvage(first + count / 2, count - count / 2, take);
 }
 
-std::uint64_t copy_depth(const SessionReader& from, std::size_t sensor, ChunkCompression compression,
-                         SessionWriter& to, Advance& advance) {
-  std::vector<std::uint16_t> depth_mm(kDepthPixels);
-  const std::uint64_t frames = from.counts(sensor).depth_frames;
+// All frames, `block` together.
+std::uint64_t salvage_all(std::uint64_t frames, std::uint64_t block, SessionWriter& to, Advance& advance,
+                          const std::function<void(std::uint64_t, std::uint64_t)>& take) {
   std::uint64_t damaged = 0;
-  for (std::uint64_t first = 0; first < frames; first += kBlock) {
-    const std::uint64_t count = std::min(kBlock, frames - first);
-    const std::vector<FrameStamp> stamps = from.stamps(sensor, FrameStream::depth, first, count);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const auto frame = saved_frame(from, sensor, first + i, stamps[i], compression, depth_mm);
-      if (frame)
-        to.add_depth_frame(sensor, *frame);
-      else
-        ++damaged;
-    }
-    to.flush();
+  for (std::uint64_t first = 0; first < frames; first += block) {
+    const std::uint64_t count = std::min(block, frames - first);
+    damaged += salvage(first, count, take);
+    if ((first + count) % kFlush < count) to.flush();
     advance.by(count);
   }
   return damaged;
 }
 
+void copy_depth(const SessionReader& from, std::size_t sensor, ChunkCompression compression,
+                SessionWriter& to, std::uint64_t index) {
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  const FrameStamp stamp = from.stamps(sensor, FrameStream::depth, index, 1)[0];
+  StoredDepthFrame stored = from.stored_depth_frame(sensor, index);
+  decode_depth_frame(stored, depth_mm);
+  if (stored.compression == compression)
+    to.add_depth_frame(sensor, {stamp, std::move(stored.chunk), compression});
+  else
+    to.add_depth_frame(sensor, encode_depth_frame(stamp, depth_mm, compression));
+}
+
 SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkCompression compression,
                            SessionWriter& to, Advance& advance) {
-  SensorRecovery recovery{from.header().sensors[sensor].name, from.counts(sensor),
-                          from.counts(sensor).torn_rows, 0};
-  copy_bodies(from, sensor, to, advance);
-  if (from.header().sensors[sensor].has_depth)
-    recovery.damaged_depth_frames = copy_depth(from, sensor, compression, to, advance);
-  for (const ClockExchange& exchange : from.clock_exchanges(sensor)) to.add_clock_exchange(sensor, exchange);
-  for (const DropCount& count : from.drop_counts(sensor)) to.add_drop_count(sensor, count);
-  for (const SensorNotice& notice : from.notices(sensor)) to.add_notice(sensor, notice);
+  const SensorCounts& counts = from.counts(sensor);
+  SensorRecovery recovery{from.header().sensors[sensor].name, counts, counts.torn_rows};
+  std::uint64_t bodies = 0;
+  recovery.damaged_body_frames =
+      salvage_all(counts.body_frames, kFlush, to, advance, [&](std::uint64_t first, std::uint64_t count) {
+        for (const BodyFrame& frame : from.body_frames(sensor, first, count)) {
+          to.add_body_frame(sensor, frame);
+          bodies += frame.bodies.size();
+        }
+      });
+  recovery.damaged_depth_frames = salvage_all(
+      counts.depth_frames, 1, to, advance,
+      [&](std::uint64_t frame, std::uint64_t) { copy_depth(from, sensor, compression, to, frame); });
+  recovery.damaged_exchanges =
+      salvage(0, counts.clock_exchanges, [&](std::uint64_t first, std::uint64_t count) {
+        for (const ClockExchange& exchange : from.clock_exchanges(sensor, first, count))
+          to.add_clock_exchange(sensor, exchange);
+      });
+  salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
+    for (const DropCount& count : from.drop_counts(sensor)) to.add_drop_count(sensor, count);
+  });
+  salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
+    for (const SensorNotice& notice : from.notices(sensor)) to.add_notice(sensor, notice);
+  });
+  recovery.saved.body_frames -= recovery.damaged_body_frames;
+  recovery.saved.bodies = bodies;
   recovery.saved.depth_frames -= recovery.damaged_depth_frames;
+  recovery.saved.clock_exchanges -= recovery.damaged_exchanges;
   recovery.saved.torn_rows = 0;
-  if (!from.complete())
-    to.add_notice(sensor, {0, fmt::format("recovered from a recording that was not closed; {} damaged depth "
-                                          "frames were left out",
-                                          recovery.damaged_depth_frames)});
+  to.add_notice(sensor,
+                {0, fmt::format("recovered from a recording that was not closed; left out as damaged: {} "
+                                "body frames, {} depth frames, {} clock exchanges",
+                                recovery.damaged_body_frames, recovery.damaged_depth_frames,
+                                recovery.damaged_exchanges)});
   to.flush();
   return recovery;
 }
@@ -122,8 +136,7 @@ std::vector<SensorRecovery> recover_session(const std::filesystem::path& damaged
   const SessionReader from(damaged);
   ChunkCompression compression = ChunkCompression::blosc;
   for (std::size_t s = 0; s < from.header().sensors.size(); ++s)
-    if (from.counts(s).depth_frames > 0)
-      compression = from.stored_depth_frame(s, 0).compression.value_or(compression);
+    if (from.counts(s).depth_frames > 0) compression = from.counts(s).depth_compression.value_or(compression);
   // beside `output`, whose own unfinished name may be the damaged file's
   const std::filesystem::path beside = output.string() + ".recovered";
   std::vector<SensorRecovery> recoveries;

@@ -14,15 +14,16 @@ namespace trilat {
 // What was saved of one sensor, and what was not.
 struct SensorRecovery {
   std::string name;
-  SensorCounts saved;                      // rows in the new file
-  std::uint64_t torn_rows = 0;             // written after the last flush, in part
-  std::uint64_t damaged_depth_frames = 0;  // their stored data are not what was written; left out
+  SensorCounts saved;           // rows in the new file
+  std::uint64_t torn_rows = 0;  // written after the last flush, in part
+  // Left out, because their stored data are not what was written or cannot be.
+  std::uint64_t damaged_body_frames = 0, damaged_depth_frames = 0, damaged_exchanges = 0;
 };
 
 // Copies all that was flushed of a session whose writer was killed into a new, complete session; compressed
-// depth is copied byte for byte. The damaged file is only read. `output` appears when all is done. InputError
-// when nothing can be read, or `output` exists. `progress` is called with the share done, in [0, 1];
-// Interrupted when it returns false.
+// depth is copied byte for byte. The damaged file is only read, and what is damaged in it costs no more than
+// itself. `output` appears when all is done. InputError when nothing can be read, or `output` exists.
+// `progress` is called with the share done, in [0, 1]; Interrupted when it returns false.
 std::vector<SensorRecovery> recover_session(const std::filesystem::path& damaged,
                                             const std::filesystem::path& output,
                                             const std::function<bool(double)>& progress = {});

@@ -49,13 +49,18 @@ std::array<std::uint64_t, 6> flushed_rows(const H5Node& node, bool complete) {
 }
 
 // Follows the body counts through all frames: how many frames have all their bodies, and where
-// bodies start.
-void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows) {
+// bodies start. Without `complete`, counts that cannot be read are the end.
+void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows, bool complete) {
   std::vector<std::uint8_t> block(kBodyCheckpoint);
   std::uint64_t row = 0, frame = 0;
   while (frame < frames) {
     const std::uint64_t count = std::min(kBodyCheckpoint, frames - frame);
-    t.body_count.read(frame, std::span(block).first(count));
+    try {
+      t.body_count.read(frame, std::span(block).first(count));
+    } catch (const InputError&) {
+      if (complete) throw;
+      break;
+    }
     t.body_row_at.push_back(row);
     for (std::uint64_t i = 0; i < count; ++i) {
       if (block[i] > kMaxBodies)
@@ -71,7 +76,7 @@ void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows
     }
     frame += count;
   }
-  t.counts.body_frames = frames;
+  t.counts.body_frames = frame;
   t.counts.bodies = row;
 }
 
@@ -110,10 +115,10 @@ void count_depth(SensorTables& t, std::uint64_t limit) {
                         .with(t.depth_stamps->device_ticks)
                         .with(t.depth_stamps->arrival_ns)
                         .with(*t.depth_frames);
-  t.depth_compression = t.depth_frames->row_compression();
+  t.counts.depth_compression = t.depth_frames->row_compression();
   std::uint64_t count = std::min(rows.rows, limit);
   // only a killed writer's file ends with frames that were announced and not written
-  if (t.depth_compression)
+  if (t.counts.depth_compression)
     while (count > 0 && !t.depth_frames->has_filtered_row(count - 1)) --count;
   t.counts.depth_frames = count;
   t.counts.torn_rows += rows.most - count;
@@ -168,7 +173,7 @@ SensorTables open_sensor_tables(const H5Node& sensor, bool complete) {
   const auto limits = flushed_rows(sensor, complete);
   const CommonRows frame_rows = common_rows(body_frame_tables(t));
   const CommonRows body_rows = common_rows(body_tables(t));
-  index_bodies(t, std::min(frame_rows.rows, limits[0]), std::min(body_rows.rows, limits[1]));
+  index_bodies(t, std::min(frame_rows.rows, limits[0]), std::min(body_rows.rows, limits[1]), complete);
   t.counts.torn_rows = frame_rows.most - t.counts.body_frames + body_rows.most - t.counts.bodies;
   if (t.depth_frames) count_depth(t, limits[2]);
   t.counts.clock_exchanges = std::min(t.clock_exchanges.rows(), limits[3]);

@@ -37,7 +37,6 @@ struct SensorTables {
   std::optional<NoticeColumns> notices;    // not in sessions of the first writers
   std::vector<std::uint64_t> body_row_at;  // of every kBodyCheckpoint-th frame
   SensorCounts counts;
-  std::optional<ChunkCompression> depth_compression = std::nullopt;
 };
 
 // Opens everything and counts the rows that belong together. Unless the session is `complete`, these are

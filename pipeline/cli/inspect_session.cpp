@@ -95,7 +95,9 @@ SessionReader patiently_opened(const std::filesystem::path& path) {
 
 // A line whenever something has been added, until the recording is finished or somebody has seen enough.
 int follow(const std::filesystem::path& path) {
+  constexpr int kPatience_s = 10;
   std::uint64_t seen = 0;
+  int unchanged_s = 0;
   while (!stop_requested()) {
     const SessionReader session = patiently_opened(path);
     std::string line;
@@ -110,6 +112,12 @@ int follow(const std::filesystem::path& path) {
       fmt::print("{}{}\n", session.complete() ? "complete" : "recording", line);
     std::fflush(stdout);
     if (session.complete()) break;
+    unchanged_s = total > seen ? 0 : unchanged_s + 1;
+    if (unchanged_s == kPatience_s)
+      fmt::print(stderr,
+                 "nothing has been added for {} s; if its recorder is no longer running, `trilat recover` "
+                 "makes the session whole\n",
+                 kPatience_s);
     seen = total;
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }
@@ -150,7 +158,7 @@ int info(const InfoArguments& arguments) {
 }
 
 int verify(const VerifyArguments& arguments) {
-  const SessionReader session(arguments.session);
+  const SessionReader session(found_session(arguments.session));
   std::vector<Finding> findings;
   {
     Progress progress("verifying " + arguments.session.filename().string());
@@ -178,18 +186,70 @@ int verify(const VerifyArguments& arguments) {
   return errors == 0 ? kDone : kItemsFailed;
 }
 
+namespace {
+
+// Where the saved session goes when nobody says: the name without .partial, where there is one.
+std::filesystem::path default_output(const std::filesystem::path& damaged) {
+  if (damaged.extension() == ".partial") return damaged.parent_path() / damaged.stem();
+  return damaged.string() + ".recovered.h5";
+}
+
+// A recording that was finished, but for its name.
+int give_its_name(const std::filesystem::path& damaged, const std::filesystem::path& output, bool json) {
+  const bool unnamed = damaged.extension() == ".partial";
+  if (unnamed) {
+    if (std::filesystem::exists(output))
+      throw InputError(output.string(), "exists; what is recovered needs a name of its own");
+    publish_file(damaged, output);
+  }
+  const std::filesystem::path session = unnamed ? output : damaged;
+  if (json)
+    fmt::print("{}\n", json_text(Json{{"session", session.string()}, {"complete", true}}, 2));
+  else if (unnamed)
+    fmt::print("{} was finished, but for its name: it is now {}\n", damaged.string(), session.string());
+  else
+    fmt::print("{} is complete; there is nothing to recover\n", session.string());
+  return kDone;
+}
+
+void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
+                    const std::filesystem::path& damaged) {
+  fmt::print("{}: everything that had been flushed of {}\n", output.string(), damaged.string());
+  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>14} {:>9}\n", "sensor", "body frames", "depth frames",
+             "exchanges", "behind flush", "damaged");
+  for (const SensorRecovery& r : recoveries)
+    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>14} {:>9}\n", r.name, r.saved.body_frames,
+               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows,
+               r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges);
+  fmt::print(
+      "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
+      "you "
+      "have looked at what was saved\n",
+      damaged.string());
+}
+
+Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
+             const std::filesystem::path& damaged) {
+  Json sensors = Json::array();
+  for (const SensorRecovery& r : recoveries)
+    sensors.push_back({{"name", r.name},
+                       {"body_frames", r.saved.body_frames},
+                       {"depth_frames", r.saved.depth_frames},
+                       {"clock_exchanges", r.saved.clock_exchanges},
+                       {"torn_rows", r.torn_rows},
+                       {"damaged_body_frames", r.damaged_body_frames},
+                       {"damaged_depth_frames", r.damaged_depth_frames},
+                       {"damaged_exchanges", r.damaged_exchanges}});
+  return {
+      {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
+}
+
+}  // namespace
+
 int recover(const RecoverArguments& arguments) {
   const std::filesystem::path damaged = found_session(arguments.session);
-  std::filesystem::path output = arguments.output;
-  if (output.empty())
-    output = damaged.extension() == ".partial" ? damaged.parent_path() / damaged.stem()
-                                               : std::filesystem::path(damaged.string() + ".recovered.h5");
-  if (SessionReader(damaged).complete()) {
-    if (!arguments.json) fmt::print("{} is complete; there is nothing to recover\n", damaged.string());
-    if (arguments.json)
-      fmt::print("{}\n", json_text(Json{{"session", damaged.string()}, {"complete", true}}, 2));
-    return kDone;
-  }
+  const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
+  if (SessionReader(damaged).complete()) return give_its_name(damaged, output, arguments.json);
   std::vector<SensorRecovery> recoveries;
   {
     Progress progress("recovering " + damaged.filename().string());
@@ -198,31 +258,10 @@ int recover(const RecoverArguments& arguments) {
       return !stop_requested();
     });
   }
-  Json sensors = Json::array();
-  for (const SensorRecovery& r : recoveries)
-    sensors.push_back({{"name", r.name},
-                       {"body_frames", r.saved.body_frames},
-                       {"depth_frames", r.saved.depth_frames},
-                       {"clock_exchanges", r.saved.clock_exchanges},
-                       {"torn_rows", r.torn_rows},
-                       {"damaged_depth_frames", r.damaged_depth_frames}});
-  if (arguments.json) {
-    const Json json{
-        {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
-    fmt::print("{}\n", json_text(json, 2));
-    return kDone;
-  }
-  fmt::print("{}: everything that had been flushed of {}\n", output.string(), damaged.string());
-  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>22} {:>21}\n", "sensor", "body frames", "depth frames",
-             "exchanges", "rows behind the flush", "damaged depth frames");
-  for (const SensorRecovery& r : recoveries)
-    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>22} {:>21}\n", r.name, r.saved.body_frames,
-               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows, r.damaged_depth_frames);
-  fmt::print(
-      "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
-      "you "
-      "have looked at what was saved\n",
-      damaged.string());
+  if (arguments.json)
+    fmt::print("{}\n", json_text(json_of(recoveries, output, damaged), 2));
+  else
+    print_recovery(recoveries, output, damaged);
   return kDone;
 }
 

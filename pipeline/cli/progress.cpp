@@ -23,7 +23,7 @@ Progress::Progress(std::string label)
       last_(start_) {}
 
 Progress::~Progress() {
-  if (drawn_ && terminal_) fmt::print(stderr, "\r\033[K");
+  if (drawn_ && terminal_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::set(double share) {
@@ -40,12 +40,14 @@ void Progress::show(double share, double elapsed_s) {
   if (terminal_) {
     constexpr int kWidth = 30;
     const int full = static_cast<int>(share * kWidth);
-    fmt::print(stderr, "\r\033[K{} [{}{}] {:3.0f} %  {}", label_,
-               std::string(static_cast<std::size_t>(full), '#'),
-               std::string(static_cast<std::size_t>(kWidth - full), '.'), 100.0 * share, left);
+    std::fputs(fmt::format("\r\033[K{} [{}{}] {:3.0f} %  {}", label_,
+                           std::string(static_cast<std::size_t>(full), '#'),
+                           std::string(static_cast<std::size_t>(kWidth - full), '.'), 100.0 * share, left)
+                   .c_str(),
+               stderr);
     std::fflush(stderr);
   } else {
-    fmt::print(stderr, "{}: {:.0f} %, {}\n", label_, 100.0 * share, left);
+    std::fputs(fmt::format("{}: {:.0f} %, {}\n", label_, 100.0 * share, left).c_str(), stderr);
   }
   drawn_ = true;
 }

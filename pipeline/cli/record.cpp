@@ -2,7 +2,6 @@
 // `trilat record`.
 #include <chrono>
 #include <cstdio>
-#include <mutex>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -11,6 +10,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "pipeline/cli/live_display.h"
+#include "pipeline/cli/output_claim.h"
 #include "pipeline/cli/record_truth.h"
 #include "pipeline/cli/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
@@ -34,48 +35,6 @@ std::string utc_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z at host clock {} ns",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(now)), host_now_ns());
 }
-
-// The line under a running recording: over itself on a terminal, now and then elsewhere.
-class LiveLine {
- public:
-  LiveLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
-  ~LiveLine() { clear(); }
-
-  void show(const CaptureStatus& status) {
-    const std::lock_guard lock(mutex_);
-    if (!terminal_ && status.elapsed_s < next_s_) return;
-    next_s_ = status.elapsed_s + 10.0;
-    const double written =
-        status.elapsed_s > 0.0 ? static_cast<double>(status.file_bytes) / status.elapsed_s : 0.0;
-    std::string line = fmt::format("{:4.0f} s ", status.elapsed_s);
-    std::int64_t lost = 0;
-    for (const SensorStatus& s : status.sensors) {
-      line += fmt::format(" {} {:.1f} Hz", s.name, s.rate_hz);
-      lost += s.lost_at_source + s.lost_in_queue;
-    }
-    line += fmt::format(
-        "  lost {}  queue {:.0f} %  {:.1f} MB/s  {:.1f} GB free", lost,
-        100.0 * static_cast<double>(status.queue_bytes) / static_cast<double>(status.queue_limit_bytes),
-        1e-6 * written, 1e-9 * static_cast<double>(status.disk_free_bytes));
-    if (written > 0.0)
-      line += fmt::format(" ({:.0f} min)", static_cast<double>(status.disk_free_bytes) / written / 60.0);
-    fmt::print(stderr, "{}{}{}", terminal_ ? "\r\033[K" : "", line, terminal_ ? "" : "\n");
-    std::fflush(stderr);
-  }
-  void say(const std::string& text) {  // any thread
-    const std::lock_guard lock(mutex_);
-    clear();
-    fmt::print(stderr, "{}\n", text);
-  }
-
- private:
-  void clear() const {
-    if (terminal_) fmt::print(stderr, "\r\033[K");
-  }
-  bool terminal_;
-  std::mutex mutex_;
-  double next_s_ = 0.0;
-};
 
 std::string_view name_of(CaptureEnd end) {
   switch (end) {
@@ -120,26 +79,17 @@ void print_summary(const CaptureSummary& summary, const std::filesystem::path& f
   if (summary.end == CaptureEnd::disk_full) fmt::print("ended because the disk is nearly full\n");
 }
 
-void refuse_existing(const std::filesystem::path& output) {
-  check_output_file(output);
-  for (const std::filesystem::path& path : {output, partial_name(output)})
-    if (std::filesystem::exists(path))
-      throw InputError(path.string(),
-                       "exists; a recording is never written over another. Take another name" +
-                           std::string(path == output ? "" : ", or `trilat recover` it first"));
-}
-
 // Listens and waits until all agents are there.
-std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveLine& line) {
+std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDisplay& display) {
   ListenOptions options;
   options.address = parse_address(arguments.listen);
   if (!arguments.keys.empty()) options.identity = std::make_shared<TlsIdentity>(arguments.keys);
   options.allow_plain_text = arguments.plain_text;
   options.compression = compression_named(arguments.compression);
-  options.on_refusal = [&line](const std::string& refusal) { line.say(refusal); };
+  options.on_refusal = [&display](const std::string& refusal) { display.say(refusal); };
   auto source = std::make_unique<NetworkSource>(options);
-  line.say(fmt::format("listening on port {}; waiting for {} agent{}", source->port(), arguments.agents,
-                       arguments.agents == 1 ? "" : "s"));
+  display.say(fmt::format("listening on port {}; waiting for {} agent{}", source->port(), arguments.agents,
+                          arguments.agents == 1 ? "" : "s"));
   source->wait_for_agents(arguments.agents,
                           std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * arguments.wait_s)),
                           stop_requested);
@@ -163,14 +113,14 @@ int record_session(const RecordArguments& arguments) {
     throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
-  refuse_existing(arguments.output);
   refuse_full_disk(arguments.output, arguments.reserve_mb);
+  const OutputClaim claim(arguments.output);
   std::optional<RecordTruth> truth;
   if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
-  LiveLine line;
-  if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, line));
+  LiveDisplay display;
+  if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, display));
   if (truth) truth->finish(*sources.front(), arguments.output);
   std::optional<SkeletonPreview> preview;
   if (arguments.preview) preview.emplace(sources);
@@ -183,11 +133,10 @@ int record_session(const RecordArguments& arguments) {
   options.duration_s = arguments.duration_s;
   options.stop_requested = stop_requested;
   options.on_notice = [&](const std::string& sensor, const std::string& text) {
-    line.say(sensor + ": " + text);
+    display.say(sensor + ": " + text);
   };
   options.on_status = [&](const CaptureStatus& status) {
-    if (preview) preview->draw();
-    line.show(status);
+    display.show(status, preview ? preview->picture() : "");
   };
   if (preview)
     options.on_bodies = [&](const std::string& sensor, const BodyFrame& f) { preview->see(sensor, f); };

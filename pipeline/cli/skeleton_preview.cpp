@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/skeleton_preview.h"
 
-#include <cstdio>
-
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
@@ -69,7 +67,7 @@ void SkeletonPreview::see(const std::string& sensor, const BodyFrame& frame) {
   views_.at(sensor).frame = frame;
 }
 
-void SkeletonPreview::draw() const {
+std::string SkeletonPreview::picture() const {
   std::string picture = "\033[H\033[J";  // from the upper left corner of an empty screen
   for (auto left = views_.begin(); left != views_.end();) {
     const auto right = std::next(left);
@@ -81,7 +79,7 @@ void SkeletonPreview::draw() const {
       picture += a[row] + "  " + (row < b.size() ? b[row] : "") + "\n";
     left = right == views_.end() ? right : std::next(right);
   }
-  std::fputs(picture.c_str(), stderr);
+  return picture;
 }
 
 }  // namespace trilat

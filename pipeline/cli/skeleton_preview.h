@@ -16,8 +16,8 @@ class SkeletonPreview {
  public:
   explicit SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources);
   void see(const std::string& sensor, const BodyFrame& frame);
-  // Over the picture before, on stderr.
-  void draw() const;
+  // For a terminal: from its upper left corner, over what was there.
+  std::string picture() const;
 
  private:
   struct View {

@@ -317,7 +317,7 @@ TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
   EXPECT_EQ(stamps[2].sequence, 3);
   EXPECT_EQ(session.notices(0).size(), 5u);
   EXPECT_EQ(session.notices(0)[3].text, "notice 3");
-  EXPECT_THAT(session.notices(0)[4].text, HasSubstr("1 damaged depth frames were left out"));
+  EXPECT_THAT(session.notices(0)[4].text, HasSubstr("0 body frames, 1 depth frames, 0 clock exchanges"));
   EXPECT_THAT(message_of([&] { recover_session(partial_name(path), saved); }), HasSubstr("saved.h5: exists"));
 }
 
@@ -331,6 +331,51 @@ TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
   bytes.at(44) = static_cast<char>(bytes.at(44) ^ 0x5a);  // of the checksum
   write_file(path, bytes);
   EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
+}
+
+// The bytes of `wanted`, once in the file, with one bit changed.
+void flip_a_bit_of(const std::filesystem::path& path, float wanted) {
+  std::string bytes = read_file(path);
+  const std::string pattern(reinterpret_cast<const char*>(&wanted), sizeof wanted);
+  const std::size_t at = bytes.find(pattern);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(bytes[at] ^ 1);
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
+  const auto path = scratch("bits.h5"), saved = scratch("bits_saved.h5");
+  constexpr float kMark = 7.654321f;
+  {
+    SessionWriter writer(path, header_of(2));
+    for (std::int64_t i = 0; i < 100; ++i) {
+      BodyFrame frame = frame_of(i, 1);
+      if (i == 5) frame.bodies[0].position_m[3][2] = kMark;
+      writer.add_body_frame(0, frame);
+      BodyFrame late = frame_of(i, 1);
+      if (i == 70) late.stamp.device_ticks = std::int64_t{1} << 62;
+      writer.add_body_frame(1, late);
+      const std::int64_t t2 = i == 50 ? std::int64_t{1} << 61 : i + 1;
+      writer.add_clock_exchange(0, {i, t2, t2, i + 2});
+      if (i % 20 == 19) writer.flush();
+    }
+  }  // never finished
+  flip_a_bit_of(partial_name(path), kMark);
+  // a read that also touches the last chunk must not believe the damaged one
+  EXPECT_THAT(message_of([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
+              HasSubstr("position_m: cannot be read"));
+  std::filesystem::remove(saved);
+  const auto recoveries = recover_session(partial_name(path), saved);
+  ASSERT_EQ(recoveries.size(), 2u);
+  EXPECT_EQ(recoveries[0].damaged_body_frames, 32u);  // a chunk
+  EXPECT_EQ(recoveries[0].damaged_exchanges, 1u);
+  EXPECT_EQ(recoveries[1].damaged_body_frames, 1u);  // with an impossible time
+  const SessionReader session(saved);
+  EXPECT_EQ(session.counts(0).body_frames, 68u);
+  EXPECT_EQ(session.counts(0).bodies, 68u);
+  EXPECT_EQ(session.counts(0).clock_exchanges, 99u);
+  EXPECT_EQ(session.counts(1).body_frames, 99u);
+  EXPECT_EQ(session.body_frames(0, 0, 1)[0].stamp.sequence, 32);
 }
 
 TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat record`, `recover` and `info --follow`, as a user runs them.
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -124,6 +125,10 @@ TEST(Record, SensorsOfTwoComputersArriveOverTls) {
     return Process(folder, arguments, name, TRILAT_AGENT_BINARY);
   };
   EXPECT_EQ(agent({"keys", in(folder, "keys"), "left", "right"}, "keys_").wait().code, 0);
+  // rendered before, so that no frame is late
+  const std::string source = "replay:" + in(folder, "before.h5");
+  run_trilat(folder, {"record", "--source", "synthetic:1,duration=2,drop=0,speed=max", "-o",
+                      in(folder, "before.h5")});
   const Process record(folder,
                        {"record", "--listen", "127.0.0.1:0", "--agents", "2", "--keys",
                         in(folder, "keys/server.pem"), "-o", in(folder, "s.h5"), "--json"},
@@ -132,12 +137,10 @@ TEST(Record, SensorsOfTwoComputersArriveOverTls) {
   const Process stranger = agent({"run", "--server", server, "--name", "left", "--plain-text", "--source",
                                   "synthetic:1,depth=no,duration=1"},
                                  "stranger_");
-  const Process left = agent({"run", "--server", server, "--keys", in(folder, "keys/left.pem"), "--source",
-                              "synthetic:1,duration=2,drop=0"},
-                             "left_");
-  const Process right = agent({"run", "--server", server, "--keys", in(folder, "keys/right.pem"), "--source",
-                               "synthetic:1,seed=2,duration=2,drop=0"},
-                              "right_");
+  const Process left =
+      agent({"run", "--server", server, "--keys", in(folder, "keys/left.pem"), "--source", source}, "left_");
+  const Process right = agent(
+      {"run", "--server", server, "--keys", in(folder, "keys/right.pem"), "--source", source}, "right_");
   EXPECT_EQ(left.wait().code, 0);
   EXPECT_EQ(right.wait().code, 0);
   const Ended ended = record.wait();
@@ -165,6 +168,38 @@ TEST(Recover, WhatIsCompleteNeedsNoRecovery) {
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.out, HasSubstr("is complete; there is nothing to recover"));
   expect_refused(run_trilat(folder, {"recover", in(folder, "other.h5")}), "other.h5: does not exist");
+}
+
+TEST(Recover, AFinishedRecordingWithoutItsNameGetsIt) {
+  const ScratchFolder folder;
+  run_trilat(folder,
+             {"record", "--source", "synthetic:1,depth=no,duration=0.5,speed=max", "-o", in(folder, "s.h5")});
+  std::filesystem::rename(folder / "s.h5", folder / "s.h5.partial");
+  const Ended ended = run_trilat(folder, {"recover", in(folder, "s.h5")});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("was finished, but for its name"));
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
+  EXPECT_FALSE(std::filesystem::exists(in(folder, "s.h5.partial")));
+}
+
+TEST(Record, TwoRecordersCannotHaveOneName) {
+  const ScratchFolder folder;
+  const Process waiting(folder, {"record", "--listen", "127.0.0.1:0", "-o", in(folder, "s.h5")}, "record_");
+  port_of(folder);
+  expect_refused(run_trilat(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")}),
+                 "another recorder waits with this name");
+  waiting.interrupt();
+  waiting.wait();
+  EXPECT_FALSE(std::filesystem::exists(in(folder, "s.h5.partial")));
+}
+
+TEST(Record, ADisplayThatTakesNothingHoldsUpNobody) {
+  const ScratchFolder folder;
+  const std::string command = std::string(TRILAT_BINARY) +
+                              " record --source synthetic:1,depth=no,duration=1 -o " + in(folder, "s.h5") +
+                              " >/dev/null 2>/dev/full";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
 }
 
 TEST(Info, FollowsARecordingToItsEnd) {
