@@ -13,9 +13,9 @@
 #include "datasets/base/version.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/agent_link.h"
-#include "recorders/network/steady_time.h"
 #include "recorders/network/tls_keys.h"
 #include "recorders/open_source.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {
