@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "datasets/session/encoded_depth.h"
 #include "datasets/session/session_types.h"
-#include "datasets/session/session_writer.h"
 
 namespace trilat {
 

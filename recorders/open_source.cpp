@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/synthetic/room_scene.h"
+#include "recorders/freenect2/freenect2_source.h"
 #include "recorders/prefetch_source.h"
 #include "recorders/replay_source.h"
 #include "recorders/synthetic_depth_source.h"
@@ -142,6 +143,14 @@ std::unique_ptr<FrameSource> open_replay(SourceText text, SourceUse use) {
   return std::make_unique<LiveSource>(std::move(replay), options);
 }
 
+std::unique_ptr<FrameSource> open_freenect2_text(SourceText text) {
+  Freenect2Options options;
+  options.serial = text.what;
+  if (const auto pipeline = text.take("pipeline")) options.pipeline = *pipeline;
+  text.refuse_the_rest("pipeline");
+  return open_freenect2(options, text.place);
+}
+
 }  // namespace
 
 // All sensors share the clock of the machine that they are simulated on, as sensors that are plugged into it.
@@ -176,11 +185,17 @@ std::unique_ptr<FrameSource> open_source(const std::string& text, const std::str
     parsed.refuse("an agent's source has real speed only; leave \"speed\" out");
   if (parsed.kind == "synthetic") return open_synthetic(read_synthetic(parsed));
   if (parsed.kind == "replay") return open_replay(parsed, use);
+  if (parsed.kind == "freenect2") return open_freenect2_text(parsed);
+  if (parsed.kind == "kinect")
+    parsed.refuse("the Kinect SDK is on Windows only: there `trilat-agent.exe run` sends what it delivers");
   parsed.refuse("there is no source \"" + parsed.kind + "\"; there are synthetic:4 and replay:session.h5");
 }
 
 std::string source_help() {
-  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
+  const std::string real =
+      has_freenect2() ? "freenect2:SERIAL (a Kinect v2 on this computer; with ,pipeline=cpu), " : "";
+  return real +
+         "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
          ",stall=AT+SECONDS ,jump=AT+SECONDS ,unplug=AT ,torn=EVERY) or replay:FILE (a session once more); "
          "both with ,speed=FACTOR or ,speed=max";
 }

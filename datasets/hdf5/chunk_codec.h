@@ -12,6 +12,10 @@ enum class ChunkCompression { none, blosc, deflate };
 
 inline constexpr int kBloscFilter = 32001;  // the number registered with the HDF Group
 inline constexpr int kDeflateFilter = 1;
+inline constexpr int kChunkLevel = 1;  // of either compression
+
+// The quickest compression that this build has: Blosc, or else deflate.
+ChunkCompression quickest_compression();
 
 // Makes the Blosc filter known to the HDF5 library of this process, so that no plugin is needed to
 // read our files.

@@ -198,12 +198,6 @@ struct SessionWriter::State {
   std::vector<SensorTables> sensors;
 };
 
-EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const std::uint16_t> depth_mm,
-                                     ChunkCompression compression) {
-  TRILAT_CHECK(depth_mm.size() == kDepthPixels, "a depth frame has 512 x 424 pixels");
-  return {stamp, encode_chunk(std::as_bytes(depth_mm), 2, compression), compression};
-}
-
 SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
                              ChunkCompression depth_compression)
     : state_(std::make_unique<State>()) {

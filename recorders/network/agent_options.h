@@ -14,7 +14,7 @@ struct AgentOptions {
   std::string name;
   std::uint64_t incarnation = 0;  // any number, but another one for each run of the agent
   std::size_t ring_bytes = std::size_t{256} << 20;
-  ChunkCompression compression = ChunkCompression::blosc;
+  ChunkCompression compression = quickest_compression();
   std::chrono::milliseconds silence_limit{5000};
   std::chrono::milliseconds first_retry{100}, last_retry{2000};  // doubled in between
   // How long the end of the source may wait for a recording machine that does not answer.

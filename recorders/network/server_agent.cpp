@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "recorders/network/server_state.h"
-#include "recorders/network/steady_time.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/network/server_state.h"
-#include "recorders/network/steady_time.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {

@@ -2,7 +2,6 @@
 #include "recorders/network/socket_link.h"
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <thread>
 #include <utility>
@@ -79,11 +78,6 @@ struct Addresses {
   }
 };
 
-std::string text_of(const SocketAddress& address) {
-  const bool v6 = address.host.find(':') != std::string::npos;
-  return (v6 ? '[' + address.host + ']' : address.host) + ':' + std::to_string(address.port);
-}
-
 void look_up(const SocketAddress& address, bool to_listen, Addresses& found) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
@@ -130,26 +124,6 @@ std::string host_text(const sockaddr_storage& from, socklen_t size) {
 }
 
 }  // namespace
-
-SocketAddress parse_address(const std::string& text) {
-  const auto colon = text.rfind(':');
-  SocketAddress address;
-  const char* end = text.data() + text.size();
-  const char* start = colon == std::string::npos ? end : text.data() + colon + 1;
-  const auto [stop, error] = std::from_chars(start, end, address.port);
-  if (start == end || error != std::errc() || stop != end)
-    throw InputError(text, "must be HOST:PORT, with a port of 0 to 65535");
-  address.host = text.substr(0, colon);
-  if (address.host.starts_with('[') && address.host.ends_with(']'))
-    address.host = address.host.substr(1, address.host.size() - 2);
-  else if (address.host.find(':') != std::string::npos)
-    throw InputError(text, "must have its IPv6 address in brackets, as in [::1]:7345");
-  return address;
-}
-
-bool is_loopback(const SocketAddress& address) {
-  return address.host == "localhost" || address.host == "::1" || address.host.starts_with("127.");
-}
 
 std::unique_ptr<ByteLink> connect_socket(const SocketAddress& address, std::chrono::milliseconds at_most) {
   Addresses found;

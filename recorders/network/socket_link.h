@@ -6,26 +6,15 @@
 #include <string>
 
 #include "recorders/network/byte_link.h"
+#include "recorders/network/socket_address.h"
 
 namespace trilat {
-
-// HOST:PORT, as a person writes it; an IPv6 address stands in brackets. An empty host means every address.
-struct SocketAddress {
-  std::string host;
-  std::uint16_t port = 0;
-};
-
-// InputError naming `text` where it is not HOST:PORT.
-SocketAddress parse_address(const std::string& text);
-
-// True for localhost and addresses that never leave this machine.
-bool is_loopback(const SocketAddress& address);
 
 // TCP without delay of small messages. Throws LinkLost where nobody answers in time, InputError where there
 // is no such host.
 std::unique_ptr<ByteLink> connect_socket(const SocketAddress& address, std::chrono::milliseconds at_most);
 
-// Takes connections. One thread at a time.
+// Takes connections. One thread at a time. Not on Windows, where only agents are.
 class SocketListener {
  public:
   // Port 0 takes any free one. InputError where the address cannot be listened on.

@@ -8,6 +8,7 @@
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "recorders/capture.h"
+#include "recorders/freenect2/freenect2_source.h"
 #include "recorders/recorder.h"
 #include "tests/support/scratch.h"
 
@@ -24,7 +25,9 @@ std::vector<SourceEvent> all_of(FrameSource& source) {
 
 TEST(OpenSource, WrongTextsSayWhatWouldBeRight) {
   const auto message = [](const std::string& text) { return message_of([&] { open_source(text); }); };
-  EXPECT_THAT(message("kinect:1"), HasSubstr("no source \"kinect\"; there are synthetic:4"));
+  EXPECT_THAT(message("azure:1"), HasSubstr("no source \"azure\"; there are synthetic:4"));
+  EXPECT_THAT(message("kinect"), HasSubstr("trilat-agent.exe"));
+  EXPECT_THAT(message("freenect2:1,colour=yes"), HasSubstr("no setting \"colour\"; it has pipeline"));
   EXPECT_THAT(message("synthetic:0"), HasSubstr("the number of sensors must be a number from 1 to 16"));
   EXPECT_THAT(message("synthetic:4,colour=yes"), HasSubstr("no setting \"colour\"; it has seed, depth"));
   EXPECT_THAT(message("synthetic:4,depth"), HasSubstr("settings of a source are KEY=VALUE"));
@@ -32,6 +35,12 @@ TEST(OpenSource, WrongTextsSayWhatWouldBeRight) {
   EXPECT_THAT(message("synthetic:4,stall=3"), HasSubstr("AT+SECONDS"));
   EXPECT_THAT(message("replay"), HasSubstr("needs a session"));
   EXPECT_THAT(message("replay:/nowhere.h5"), HasSubstr("/nowhere.h5: does not exist"));
+}
+
+TEST(OpenSource, HelpNamesASensorOnlyWhereItsDriverIsBuiltIn) {
+  EXPECT_EQ(source_help().find("freenect2") != std::string::npos, has_freenect2());
+  if (has_freenect2()) return;
+  EXPECT_THAT(message_of([] { open_source("freenect2"); }), HasSubstr("install libfreenect2"));
 }
 
 TEST(OpenSource, FaultsHappenWhenTheyWereAskedFor) {

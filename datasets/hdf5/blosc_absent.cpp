@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/base/check.h"
+#include "datasets/hdf5/blosc_codec.h"
+
+namespace trilat {
+
+bool has_blosc() { return false; }
+
+std::vector<std::byte> blosc_bytes(std::span<const std::byte>, std::size_t) {
+  TRILAT_CHECK(false, "nobody asks for Blosc where there is none");
+  return {};
+}
+
+bool unblosc_bytes(std::span<const std::byte>, std::span<std::byte>) { return false; }
+
+}  // namespace trilat

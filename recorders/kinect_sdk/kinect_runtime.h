@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+#include "recorders/kinect_sdk/sdk_interfaces.h"
+
+namespace trilat::kinect {
+
+// What a source needs of the Kinect runtime and of Windows.
+struct KinectRuntime {
+  std::function<HResult(IKinectSensor** sensor)> default_sensor;
+  // True when the handle was signalled within the time.
+  std::function<bool(WaitableHandle handle, std::chrono::milliseconds at_most)> wait;
+};
+
+// Loads Kinect20.dll. InputError where it is not installed. Windows only.
+KinectRuntime load_kinect_runtime();
+
+}  // namespace trilat::kinect

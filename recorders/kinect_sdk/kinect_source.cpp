@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "recorders/kinect_sdk/kinect_source.h"
+
+#include <cstdio>
+#include <utility>
+
+#include "datasets/base/error.h"
+#include "recorders/steady_time.h"
+
+namespace trilat {
+namespace {
+
+using kinect::ComPointer;
+using kinect::failed;
+
+constexpr const char* kPlace = "the source kinect";
+constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::int64_t kPeriodTicks = 333'333;
+enum Stream : std::size_t { kDepthStream, kBodyStream, kStreams };
+
+void require(kinect::HResult result, const char* what) {
+  if (!failed(result)) return;
+  char code[16];
+  std::snprintf(code, sizeof code, "0x%08X", static_cast<unsigned>(result));
+  throw InputError(kPlace, std::string(what) + " (" + code + ")");
+}
+
+std::string ascii_of(const char16_t* text) {
+  std::string result;
+  for (; *text; ++text) result.push_back(*text < 0x7f ? static_cast<char>(*text) : '?');
+  return result;
+}
+
+}  // namespace
+
+KinectSource::KinectSource(kinect::KinectRuntime runtime, KinectOptions options)
+    : runtime_(std::move(runtime)), options_(options), sequence_(kStreams, kPeriodTicks) {
+  open();
+  describe();
+}
+
+KinectSource::~KinectSource() {
+  if (reader_ && arrived_) reader_->UnsubscribeMultiSourceFrameArrived(arrived_);
+  reader_.reset();
+  if (sensor_) sensor_->Close();
+}
+
+void KinectSource::open() {
+  require(runtime_.default_sensor(sensor_.put()), "the runtime gives no sensor");
+  require(sensor_->Open(), "the sensor cannot be opened");
+  require(sensor_->OpenMultiSourceFrameReader(kinect::kFrameSourceDepth | kinect::kFrameSourceBody,
+                                              reader_.put()),
+          "depth and bodies cannot be read");
+  require(reader_->SubscribeMultiSourceFrameArrived(&arrived_), "there is no event for new frames");
+}
+
+void KinectSource::describe() {
+  SensorDescription sensor;
+  sensor.name = "kinect";
+  sensor.source = "kinect-sdk";
+  sensor.has_depth = true;
+  const std::int64_t deadline_ns =
+      steady_now_ns() + std::chrono::nanoseconds(options_.first_frame_limit).count();
+  bool frames_came = false;
+  for (;;) {
+    if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
+    frames_came = frames_came || !ready_.empty();
+    ready_.clear();
+    if (frames_came && read_intrinsics(sensor.intrinsics)) break;
+    if (steady_now_ns() < deadline_ns) continue;
+    throw InputError(kPlace, frames_came   ? "the sensor does not tell its intrinsics"
+                             : available() ? "the sensor is there, but no frame came"
+                                           : "no sensor is available: is it plugged into USB 3 and powered?");
+  }
+  char16_t id[kinect::kUniqueIdChars] = {};
+  if (!failed(sensor_->get_UniqueKinectId(kinect::kUniqueIdChars - 1, id))) sensor.serial = ascii_of(id);
+  header_.sensors.push_back(sensor);
+}
+
+// False while the SDK reports zeros, as it does until the sensor has delivered.
+bool KinectSource::read_intrinsics(DepthIntrinsics& intrinsics) {
+  ComPointer<kinect::ICoordinateMapper> mapper;
+  kinect::CameraIntrinsics read{};
+  if (failed(sensor_->get_CoordinateMapper(mapper.put())) || failed(mapper->GetDepthCameraIntrinsics(&read)))
+    return false;
+  if (read.focal_length_x == 0.0f || read.focal_length_y == 0.0f) return false;
+  intrinsics.fx_px = read.focal_length_x;
+  intrinsics.fy_px = read.focal_length_y;
+  intrinsics.cx_px = read.principal_point_x;
+  intrinsics.cy_px = read.principal_point_y;
+  intrinsics.k1 = read.radial_distortion_second_order;
+  intrinsics.k2 = read.radial_distortion_fourth_order;
+  intrinsics.k3 = read.radial_distortion_sixth_order;
+  return true;
+}
+
+bool KinectSource::available() {
+  kinect::Boolean available = 0;
+  return !failed(sensor_->get_IsAvailable(&available)) && available != 0;
+}
+
+std::optional<SourceEvent> KinectSource::next() {
+  if (last_frame_ns_ == 0) last_frame_ns_ = steady_now_ns();
+  while (ready_.empty() && !stopped_) {
+    if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
+    mind_silence();
+  }
+  if (ready_.empty()) return std::nullopt;
+  SourceEvent event = std::move(ready_.front());
+  ready_.pop_front();
+  return event;
+}
+
+// A frame that was replaced before it could be acquired leaves a gap in the numbers.
+void KinectSource::take_frame() {
+  const std::int64_t arrival_ns = steady_now_ns();
+  ComPointer<kinect::IMultiSourceFrameArrivedEventArgs> event;
+  ComPointer<kinect::IMultiSourceFrameReference> reference;
+  ComPointer<kinect::IMultiSourceFrame> frame;
+  if (failed(reader_->GetMultiSourceFrameArrivedEventData(arrived_, event.put())) ||
+      failed(event->get_FrameReference(reference.put())) || failed(reference->AcquireFrame(frame.put())))
+    return;
+  take_depth(*frame, arrival_ns);
+  take_bodies(*frame, arrival_ns);
+}
+
+void KinectSource::take_depth(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns) {
+  ComPointer<kinect::IDepthFrameReference> reference;
+  ComPointer<kinect::IDepthFrame> depth;
+  kinect::Timespan ticks = 0;
+  DepthFrame result;
+  result.depth_mm.resize(kDepthPixels);
+  if (failed(frame.get_DepthFrameReference(reference.put())) ||
+      failed(reference->AcquireFrame(depth.put())) || failed(depth->get_RelativeTime(&ticks)) ||
+      failed(depth->CopyFrameDataToArray(kDepthPixels, result.depth_mm.data())))
+    return;
+  depth.reset();
+  result.stamp = {sequence_.number_of(kDepthStream, ticks), ticks, arrival_ns};
+  ready_.push_back({0, std::move(result)});
+}
+
+void KinectSource::take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns) {
+  ComPointer<kinect::IBodyFrameReference> reference;
+  ComPointer<kinect::IBodyFrame> bodies;
+  kinect::Timespan ticks = 0;
+  if (failed(frame.get_BodyFrameReference(reference.put())) ||
+      failed(reference->AcquireFrame(bodies.put())) || failed(bodies->get_RelativeTime(&ticks)) ||
+      !bodies_.refresh(*bodies))
+    return;
+  BodyFrame result;
+  kinect::Vector4 floor{};
+  if (!failed(bodies->get_FloorClipPlane(&floor))) result.floor_plane = {floor.x, floor.y, floor.z, floor.w};
+  bodies.reset();
+  result.stamp = {sequence_.number_of(kBodyStream, ticks), ticks, arrival_ns};
+  result.bodies = bodies_.tracked();
+  ready_.push_back({0, std::move(result)});
+}
+
+void KinectSource::mind_silence() {
+  const std::int64_t now_ns = steady_now_ns();
+  if (!ready_.empty()) {
+    last_frame_ns_ = now_ns;
+    if (std::exchange(said_, {}).empty()) return;
+    SourceEvent& back = ready_.emplace_front();
+    back.data = SourceNotice{"the Kinect delivers frames again"};
+    return;
+  }
+  if (now_ns - last_frame_ns_ < std::chrono::nanoseconds(options_.silence_limit).count()) return;
+  say(available() ? "the Kinect is available but delivers no frames"
+                  : "the Kinect is not available: unplugged or without power; waiting for it");
+}
+
+// Once, as long as it stays so.
+void KinectSource::say(const std::string& text) {
+  if (text == said_) return;
+  said_ = text;
+  ready_.push_back({0, SourceNotice{text}});
+}
+
+}  // namespace trilat
