@@ -2,7 +2,10 @@
 #include "recorders/network/agent_link.h"
 
 #include <algorithm>
+#include <new>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "datasets/base/error.h"
 #include "recorders/network/agent_state.h"
@@ -13,8 +16,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 bool is_frame(const SourceEvent& event) {
-  return std::holds_alternative<BodyFrame>(event.data) || std::holds_alternative<DepthFrame>(event.data) ||
-         std::holds_alternative<EncodedDepthFrame>(event.data);
+  return std::holds_alternative<BodyFrame>(event.data) ||
+         std::holds_alternative<EncodedDepthFrame>(event.data) ||
+         (std::holds_alternative<DepthFrame>(event.data) && !is_torn(event));
 }
 
 // Under the mutex of the state.
@@ -35,22 +39,37 @@ AgentLink::AgentLink(FrameSource& source, AgentOptions options, ConnectLink conn
 AgentLink::~AgentLink() = default;
 
 AgentReport AgentLink::run() {
-  std::thread pump_thread([this] { pump(); });
-  std::thread compressor([this] { compress(); });
-  std::thread clock([this] { answer_clock_pings(*state_, options_, connect_); });
+  std::vector<std::thread> threads;
   AgentReport report;
   std::exception_ptr error;
   try {
+    threads.emplace_back([this] { guard([this] { pump(); }); });
+    threads.emplace_back([this] { guard([this] { compress(); }); });
+    threads.emplace_back([this] { guard([this] { answer_clock_pings(*state_, options_, connect_); }); });
     report.end = keep_connected();
   } catch (...) {
     error = std::current_exception();
   }
   end_all();
-  for (std::thread* thread : {&pump_thread, &compressor, &clock}) thread->join();
+  for (std::thread& thread : threads) thread.join();
+  if (thread_error_) std::rethrow_exception(thread_error_);
   if (error) std::rethrow_exception(error);
   if (source_error_) std::rethrow_exception(source_error_);
   report.status = status();
   return report;
+}
+
+// A thread that cannot go on ends the link; run() says why.
+void AgentLink::guard(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (...) {
+    {
+      const std::lock_guard lock(state_->mutex);
+      if (!thread_error_) thread_error_ = std::current_exception();
+    }
+    end_all();
+  }
 }
 
 void AgentLink::end_all() {
@@ -123,10 +142,16 @@ void AgentLink::compress() {
       continue;
     }
     lock.unlock();
-    EncodedDepthFrame frame =
-        encode_depth_frame(pixels->second.stamp, pixels->second.depth_mm, options_.compression);
+    std::optional<EncodedDepthFrame> frame;
+    try {
+      frame = encode_depth_frame(pixels->second.stamp, pixels->second.depth_mm, options_.compression);
+    } catch (const std::bad_alloc&) {
+    }
     lock.lock();
-    state_->ring.put_compressed(pixels->first, std::move(frame));
+    if (frame)
+      state_->ring.put_compressed(pixels->first, std::move(*frame));
+    else
+      state_->ring.lose_pixels(pixels->first);
     wake_all(*state_);
   }
 }
@@ -160,8 +185,9 @@ AgentEnd AgentLink::keep_connected() {
 bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
   const auto now = Clock::now();
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait_until(lock, now + delay, [&] { return state_->stopping && !state_->begun; });
-  if (state_->stopping && !state_->begun) return false;
+  state_->changed.wait_until(lock, now + delay,
+                             [&] { return state_->over || (state_->stopping && !state_->begun); });
+  if (state_->over || (state_->stopping && !state_->begun)) return false;
   if (!state_->source_ended) return true;
   return Clock::now() - std::max(*state_->source_ended, state_->last_connected) < options_.farewell_limit;
 }

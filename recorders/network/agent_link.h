@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <memory>
 
 #include "recorders/frame_source.h"
@@ -31,6 +32,7 @@ class AgentLink {
   AgentStatus status() const;
 
  private:
+  void guard(const std::function<void()>& body);
   void pump();
   void take_events();
   void compress();
@@ -44,6 +46,7 @@ class AgentLink {
   ConnectLink connect_;
   std::unique_ptr<AgentState> state_;
   std::exception_ptr source_error_;
+  std::exception_ptr thread_error_;  // under the mutex of the state
 };
 
 }  // namespace trilat

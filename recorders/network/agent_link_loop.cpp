@@ -63,6 +63,7 @@ bool send_some(AgentState& state, MessageLink& link) {
 
 bool all_done(AgentState& state) {
   const std::lock_guard lock(state.mutex);
+  if (state.over) return true;
   if (!state.begun) return state.stopping;
   return state.source_ended && state.ring.empty();
 }

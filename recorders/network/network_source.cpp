@@ -59,9 +59,13 @@ class NetworkSource::Listening {
 
   void accept_all() {
     while (!state.stop) {
-      auto accepted = listener_.accept(kLookPeriod);
-      join_done();
-      if (accepted) serve(std::move(*accepted));
+      try {
+        auto accepted = listener_.accept(kLookPeriod);
+        join_done();
+        if (accepted) serve(std::move(*accepted));
+      } catch (const std::exception& error) {
+        state.refusals.add(std::string("a connection could not be taken: ") + error.what());
+      }
     }
   }
   void join_done() {
@@ -79,7 +83,10 @@ class NetworkSource::Listening {
     try {
       connection.thread =
           std::thread([this, &connection, link = std::move(accepted.link), from = accepted.from]() mutable {
-            serve_connection(state, std::move(link), from);
+            try {
+              serve_connection(state, std::move(link), from);
+            } catch (...) {  // not even the refusal could be told
+            }
             connection.done = true;
           });
     } catch (const std::system_error&) {

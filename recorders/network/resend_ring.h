@@ -14,6 +14,9 @@
 
 namespace trilat {
 
+// True for a depth frame that is not whole.
+bool is_torn(const SourceEvent& event);
+
 // Everything an agent has taken from its source and the recording machine has not yet acknowledged, numbered
 // in the order of arrival. Where it would grow beyond its limit the oldest frames go, and every loss is
 // counted once it is certain: what was sent before it had to go may have arrived. One thread at a time.
@@ -22,7 +25,8 @@ class ResendRing {
   // Without `may_drop` the limit is one that whoever pushes has to mind, by full().
   ResendRing(std::size_t sensors, std::size_t limit_bytes, bool may_drop);
 
-  // Drops from the front what there is no room for; what was added last always stays.
+  // Drops from the front what there is no room for; what was added last always stays. A depth frame that
+  // came in pieces is left out and counted as lost at the source.
   void push(SourceEvent event);
   // Nothing more will be pushed: the last message says so.
   void push_bye() { bye_pending_ = true; }
@@ -31,6 +35,8 @@ class ResendRing {
   std::optional<std::pair<std::uint64_t, DepthFrame>> fetch_pixels();
   // Does nothing where the event has been dropped in the meantime.
   void put_compressed(std::uint64_t number, EncodedDepthFrame frame);
+  // Likewise; these pixels could not be compressed and are lost.
+  void lose_pixels(std::uint64_t number);
 
   using Bytes = std::shared_ptr<const std::vector<std::byte>>;
   // The next message on this connection, null when there is none that is ready.
@@ -58,6 +64,7 @@ class ResendRing {
   };
   struct Totals {
     std::int64_t before_ring = 0;
+    std::int64_t torn = 0;
     std::int64_t in_ring = 0;
     std::optional<std::uint64_t> item;  // that will tell them, not yet offered
   };

@@ -66,6 +66,8 @@ void serve_admitted(ServerState& state, MessageLink& link, AgentSlot& slot) {
     problem = lost.what();
   } catch (const LinkRefused& refused) {
     problem = refused.what();
+  } catch (const std::exception& error) {
+    problem = std::string("its connection met a bug of the program: ") + error.what();
   }
   if (!problem.empty() && !slot.said_bye) tell(state, slot, "connection lost (" + problem + ')');
   state.book.leave(slot);
@@ -106,6 +108,8 @@ void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const 
     state.refusals.add(from + ": " + refused.what());
   } catch (const std::bad_alloc&) {
     state.refusals.add(from + ": no memory for this connection");
+  } catch (const std::exception& error) {
+    state.refusals.add(from + ": this connection met a bug of the program: " + error.what());
   }
 }
 

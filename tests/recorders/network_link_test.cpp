@@ -92,6 +92,24 @@ TEST(NetworkLink, TooFewAgentsAreNamedAndNobodyWaitsForEver) {
   EXPECT_THROW(network.wait_for_agents(2, kGenerous, [] { return true; }), Interrupted);
 }
 
+TEST(NetworkLink, TornDepthFramesAreLostAtTheSourceAndTheRestArrives) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource source("kinect", [](std::size_t number) -> std::optional<SourceEvent> {
+    if (number == 30) return std::nullopt;
+    if (number % 3 == 0)
+      return SourceEvent{0, DepthFrame{made_stamp(number), std::vector<std::uint16_t>(number)}};
+    return made_event(number, 1'000'000);
+  });
+  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  network.wait_for_agents(1, kGenerous);
+  const Received received = receive_all(network);
+  EXPECT_EQ(received.frames.size(), 20u);
+  ASSERT_FALSE(received.drops.empty());
+  EXPECT_EQ(received.drops.back().at_source, 10);
+  EXPECT_EQ(agent.report().status.frames_taken, 20u);
+}
+
 TEST(NetworkLink, ALinkCutTwentyTimesLosesAndRepeatsNothing) {
   const TestKeys keys;
   NetworkSource network(listen_options(keys));
