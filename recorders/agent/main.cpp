@@ -80,6 +80,8 @@ class Watch {
 };
 
 int end_of(const AgentReport& report) {
+  if (!report.source_problem.empty())
+    std::fprintf(stderr, "trilat-agent: the source broke: %s\n", report.source_problem.c_str());
   const auto taken = static_cast<unsigned long long>(report.status.frames_taken);
   const auto lost = static_cast<unsigned long long>(report.status.frames_lost);
   if (report.end == AgentEnd::unacknowledged && taken > 0) {
@@ -90,7 +92,7 @@ int end_of(const AgentReport& report) {
   }
   std::fprintf(stderr, "trilat-agent: %s; %llu frames taken, %llu lost\n",
                report.end == AgentEnd::ended_by_server ? "the recording is over" : "done", taken, lost);
-  return lost > 0 ? kFramesLost : kDone;
+  return lost > 0 || !report.source_problem.empty() ? kFramesLost : kDone;
 }
 
 int run(const RunArguments& arguments) {
@@ -148,7 +150,8 @@ void add_keys(CLI::App& app, KeysArguments& arguments) {
 int guarded_main(int argc, char** argv) {
   CLI::App app(
       "Sends depth and bodies of a sensor on this computer to a recording elsewhere.\n"
-      "Exit codes: 0 done; 1 done, but frames were lost; 2 bad input or usage; 70 a bug of this program.",
+      "Exit codes: 0 done; 1 done, but frames were lost or the source broke; 2 bad input or usage; 70 a bug "
+      "of this program.",
       "trilat-agent");
   app.footer(
       "Example: on the recording machine\n"

@@ -114,8 +114,9 @@ void AgentBook::leave(AgentSlot& slot) {
   changed_.notify_all();
 }
 
-void AgentBook::say_bye(AgentSlot& slot) {
+void AgentBook::say_bye(AgentSlot& slot, const std::string& problem) {
   const std::lock_guard lock(mutex_);
+  if (!problem.empty()) slot.source_problem = problem;
   slot.said_bye = true;
 }
 
@@ -187,6 +188,14 @@ std::vector<std::string> AgentBook::names() {
   std::vector<std::string> names;
   for (const auto& slot : slots_) names.push_back(slot->name);
   return names;
+}
+
+std::vector<AgentBook::BrokenSource> AgentBook::broken_sources() {
+  const std::lock_guard lock(mutex_);
+  std::vector<BrokenSource> broken;
+  for (const auto& slot : slots_)
+    if (!slot->source_problem.empty()) broken.push_back({slot->name, slot->source_problem});
+  return broken;
 }
 
 std::vector<SensorDescription> AgentBook::sensors() {

@@ -54,7 +54,11 @@ AgentReport AgentLink::run() {
   for (std::thread& thread : threads) thread.join();
   if (thread_error_) std::rethrow_exception(thread_error_);
   if (error) std::rethrow_exception(error);
-  if (source_error_) std::rethrow_exception(source_error_);
+  try {
+    if (source_error_) std::rethrow_exception(source_error_);
+  } catch (const InputError& broken) {
+    report.source_problem = broken.what();
+  }
   report.status = status();
   return report;
 }
@@ -105,13 +109,16 @@ void AgentLink::pump() {
     std::unique_lock lock(state_->mutex);
     state_->changed.wait(lock, [&] { return state_->begun || state_->stopping; });
   }
+  std::string problem;
   try {
     take_events();
-  } catch (...) {
+  } catch (const std::exception& error) {
     source_error_ = std::current_exception();
+    problem = *error.what() ? error.what() : "for no stated reason";
   }
   const std::lock_guard lock(state_->mutex);
-  state_->ring.push_bye();
+  if (!problem.empty()) state_->ring.push({0, SourceNotice{"the source broke: " + problem}});
+  state_->ring.push_bye(problem);
   state_->source_ended = Clock::now();
   wake_all(*state_);
 }

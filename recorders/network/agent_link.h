@@ -24,8 +24,8 @@ class AgentLink {
   AgentLink& operator=(const AgentLink&) = delete;
 
   // Until the source has ended and all has arrived, the recording machine ends the recording, or stop().
-  // Once. Throws InputError where the recording machine refuses this agent before the recording begins, and
-  // what the source throws.
+  // Once. Throws InputError where the recording machine refuses this agent before the recording begins. A
+  // source that breaks is told there and in the report; what is no InputError of it is thrown then.
   AgentReport run();
   // Takes no more frames, sends what there is and makes run() return. Any thread.
   void stop();

@@ -40,6 +40,7 @@ enum class AgentEnd {
 
 struct AgentReport {
   AgentEnd end = AgentEnd::unacknowledged;
+  std::string source_problem;  // why the source broke; empty where it ended
   AgentStatus status;
 };
 

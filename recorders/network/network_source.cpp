@@ -5,6 +5,7 @@
 #include <list>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
@@ -26,6 +27,14 @@ std::string utc_text() {
 
 std::uint64_t recording_number() {
   return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+}
+
+void throw_if_broken(const std::vector<AgentBook::BrokenSource>& sources) {
+  if (sources.empty()) return;
+  std::string problem;
+  for (const auto& [agent, why] : sources)
+    problem += (problem.empty() ? "" : "; agent " + agent + ": ") + ("its source broke: " + why);
+  throw InputError("agent " + sources.front().agent, problem);
 }
 
 }  // namespace
@@ -129,7 +138,11 @@ const SessionHeader& NetworkSource::header() const {
   return header_;
 }
 
-std::optional<SourceEvent> NetworkSource::next() { return listening_->state.queue.pop(); }
+std::optional<SourceEvent> NetworkSource::next() {
+  if (auto event = listening_->state.queue.pop()) return event;
+  if (!std::exchange(told_what_broke_, true)) throw_if_broken(listening_->state.book.broken_sources());
+  return std::nullopt;
+}
 
 void NetworkSource::stop() {
   listening_->state.stop = true;

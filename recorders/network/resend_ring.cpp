@@ -125,7 +125,8 @@ void ResendRing::lose_pixels(std::uint64_t number) {
 ResendRing::Bytes ResendRing::content_of(Item& item) {
   if (const auto* bytes = std::get_if<Bytes>(&item.content)) return *bytes;
   if (std::holds_alternative<Bye>(item.content))
-    return std::make_shared<const std::vector<std::byte>>(encode_message(ByeMessage{item.number}));
+    return std::make_shared<const std::vector<std::byte>>(
+        encode_message(ByeMessage{item.number, bye_problem_}));
   if (!std::holds_alternative<DropTotals>(item.content)) return nullptr;
   Totals& totals = totals_[item.sensor];
   if (totals.item == item.number) totals.item.reset();

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,8 +29,11 @@ class ResendRing {
   // Drops from the front what there is no room for; what was added last always stays. A depth frame that
   // came in pieces is left out and counted as lost at the source.
   void push(SourceEvent event);
-  // Nothing more will be pushed: the last message says so.
-  void push_bye() { bye_pending_ = true; }
+  // Nothing more will be pushed: the last message says so, and why the source broke where it did.
+  void push_bye(std::string problem = {}) {
+    bye_problem_ = std::move(problem);
+    bye_pending_ = true;
+  }
 
   // Pixels that are to be compressed: the oldest event that nobody has fetched yet.
   std::optional<std::pair<std::uint64_t, DepthFrame>> fetch_pixels();
@@ -81,6 +85,7 @@ class ResendRing {
   bool may_drop_;
   std::size_t bytes_ = 0;
   bool bye_pending_ = false;  // wanted, but behind what is still to be sent
+  std::string bye_problem_;
   std::uint64_t next_number_ = 0;
   std::uint64_t cursor_ = 0;     // the first number not offered to this connection
   std::uint64_t unfetched_ = 0;  // pixels before this number have been fetched

@@ -58,7 +58,7 @@ class AgentIntake {
     if (bye.number < slot_.next_number) return;
     slot_.next_number = bye.number + 1;
     acknowledge(1);
-    state_.book.say_bye(slot_);
+    state_.book.say_bye(slot_, bye.problem);
     if (state_.book.all_said_bye()) state_.queue.close();
   }
   void operator()(const AliveMessage&) {}

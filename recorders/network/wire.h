@@ -14,7 +14,7 @@ namespace trilat {
 
 // What agents and the recording machine say to each other. On the wire a message is its length (u32), a type
 // byte and its fields, all little-endian; texts carry their length (u16) and hold no control characters.
-inline constexpr std::uint16_t kWireVersion = 1;
+inline constexpr std::uint16_t kWireVersion = 2;
 inline constexpr std::size_t kLengthBytes = 4;
 inline constexpr std::size_t kMaxMessageBytes = 2u << 20;        // without the length
 inline constexpr std::size_t kMaxFirstMessageBytes = 96u << 10;  // holds kMaxSessionSensors descriptions
@@ -74,9 +74,11 @@ struct ClockPongMessage {
   std::int64_t t3_ns = 0;
 };
 
-// From an agent: its last message. From the recording machine: the recording is over.
+// From an agent: its last message, and why its source broke where it did. From the recording machine: the
+// recording is over.
 struct ByeMessage {
   std::uint64_t number = 0;
+  std::string problem{};
 };
 
 using Message = std::variant<HelloMessage, WelcomeMessage, RefusalMessage, ResumeMessage, EventMessage,

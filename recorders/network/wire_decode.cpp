@@ -128,6 +128,13 @@ ClockPongMessage get_pong(ByteReader& in) {
   return pong;
 }
 
+ByeMessage get_bye(ByteReader& in) {
+  ByeMessage bye;
+  bye.number = in.get<std::uint64_t>();
+  bye.problem = in.get_text(kMaxTextBytes);
+  return bye;
+}
+
 RefusalMessage get_refusal(ByteReader& in) {
   RefusalMessage refusal;
   refusal.try_again = get_flag(in);
@@ -159,7 +166,7 @@ Message get_message(ByteReader& in, WireType type) {
     case WireType::clock_pong:
       return get_pong(in);
     case WireType::bye:
-      return ByeMessage{in.get<std::uint64_t>()};
+      return get_bye(in);
   }
   in.refuse();
   return AliveMessage{};

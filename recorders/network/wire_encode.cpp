@@ -109,7 +109,10 @@ struct PutMessage {
     out.put(pong.t2_ns);
     out.put(pong.t3_ns);
   }
-  void operator()(const ByeMessage& bye) { put_number(WireType::bye, bye.number); }
+  void operator()(const ByeMessage& bye) {
+    put_number(WireType::bye, bye.number);
+    out.put_text(bye.problem, kMaxTextBytes);
+  }
 
   void put_number(WireType type, std::uint64_t number) {
     out.put(type);

@@ -110,6 +110,36 @@ TEST(NetworkLink, TornDepthFramesAreLostAtTheSourceAndTheRestArrives) {
   EXPECT_EQ(agent.report().status.frames_taken, 20u);
 }
 
+TEST(NetworkLink, ASourceThatBreaksIsToldAfterEverythingElse) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource broken("kinect",
+                    [](std::size_t number) -> std::optional<SourceEvent> {
+                      if (number == 12) throw InputError("kinect", "is unplugged");
+                      return made_event(number, 8);
+                    }),
+      sound("kinect", made_events(20));
+  RunningAgent first(broken, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  RunningAgent second(sound, agent_options("k2"), connect_as(keys, "k2", network.port()));
+  network.wait_for_agents(2, kGenerous);
+  Received received[2];
+  try {
+    while (auto event = network.next()) put(received[event->sensor], std::move(*event));
+    FAIL() << "a broken source is no clean end";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place(), "agent k1");
+    EXPECT_THAT(error.problem(), HasSubstr("its source broke: kinect: is unplugged"));
+  }
+  EXPECT_FALSE(network.next());
+  expect_made_frames(received[0], 12);
+  expect_made_frames(received[1], 20);
+  EXPECT_THAT(received[0].notices, Contains(HasSubstr("the source broke")));
+  const AgentReport report = first.report();
+  EXPECT_EQ(report.end, AgentEnd::complete);
+  EXPECT_THAT(report.source_problem, HasSubstr("unplugged"));
+  EXPECT_EQ(second.report().source_problem, "");
+}
+
 TEST(NetworkLink, ALinkCutTwentyTimesLosesAndRepeatsNothing) {
   const TestKeys keys;
   NetworkSource network(listen_options(keys));

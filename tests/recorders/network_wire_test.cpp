@@ -32,7 +32,7 @@ std::vector<Message> one_of_each() {
           AliveMessage{},
           ClockPingMessage{4},
           ClockPongMessage{4, -5, 6},
-          ByeMessage{100}};
+          ByeMessage{100, "unplugged"}};
 }
 
 template <class T>
