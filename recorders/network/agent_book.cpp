@@ -69,6 +69,8 @@ AgentSlot* AgentBook::find(const std::string& name) {
 std::optional<RefusalMessage> AgentBook::refuse_known(AgentSlot& slot, const HelloMessage& hello,
                                                       std::unique_lock<std::mutex>& lock) {
   const RefusalMessage taken{"an agent named \"" + hello.agent + "\" is connected already", true};
+  if (slot.incarnation != hello.incarnation && recording_over())
+    return RefusalMessage{"the recording is over", false};
   if (!same_sensors(slot, hello)) return RefusalMessage{"has other sensors than before", false};
   if (slot.connected && (slot.incarnation != hello.incarnation || slot.replaced)) return taken;
   slot.replaced = slot.connected;
@@ -180,6 +182,10 @@ bool AgentBook::begun() {
 
 bool AgentBook::all_said_bye() {
   const std::lock_guard lock(mutex_);
+  return recording_over();
+}
+
+bool AgentBook::recording_over() const {
   return begun_ && std::ranges::all_of(slots_, [](const auto& slot) { return slot->said_bye; });
 }
 

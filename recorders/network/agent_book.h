@@ -73,6 +73,7 @@ class AgentBook {
                                              std::unique_lock<std::mutex>& lock);
   AgentSlot* find(const std::string& name);
   void name_sensors();
+  bool recording_over() const;  // everybody has said bye
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -5,7 +5,6 @@ namespace trilat {
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{200};
-constexpr int kMessagesAtOnce = 64;  // between two looks at what has come in
 
 struct AgentTurn {
   AgentState& state;
@@ -49,7 +48,7 @@ struct AgentTurn {
 
 // True when there may be more to send at once.
 bool send_some(AgentState& state, MessageLink& link) {
-  for (int i = 0; i < kMessagesAtOnce && !link.sending(); ++i) {
+  for (int i = 0; i < kMessagesATurn && !link.sending(); ++i) {
     ResendRing::Bytes bytes;
     {
       const std::lock_guard lock(state.mutex);
@@ -75,7 +74,9 @@ AgentEnd serve_agent_link(AgentState& state, MessageLink& link, const HelloMessa
   link.send(hello);
   for (;;) {
     bool heard = false;
-    while (auto message = link.receive()) {
+    for (int i = 0; i < kMessagesATurn; ++i) {
+      const auto message = link.receive();
+      if (!message) break;
       std::visit(turn, *message);
       heard = true;
     }

@@ -43,9 +43,7 @@ void see_off(MessageLink& link, const Message& last_words) {
   try {
     link.send(last_words);
     while (Clock::now() < deadline) {
-      while (link.receive()) {
-      }
-      link.wait(kLookPeriod);
+      if (!link.receive()) link.wait(kLookPeriod);
     }
   } catch (const LinkLost&) {
   } catch (const LinkRefused&) {
@@ -61,7 +59,7 @@ void serve_admitted(ServerState& state, MessageLink& link, AgentSlot& slot) {
   std::string problem;
   try {
     serve_agent(state, link, slot);
-    if (state.stop) see_off(link, ByeMessage{});
+    if (state.stop || state.queue.closed()) see_off(link, ByeMessage{});
   } catch (const LinkLost& lost) {
     problem = lost.what();
   } catch (const LinkRefused& refused) {

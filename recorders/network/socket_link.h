@@ -18,7 +18,7 @@ struct SocketAddress {
 // InputError naming `text` where it is not HOST:PORT.
 SocketAddress parse_address(const std::string& text);
 
-// True for localhost and addresses that never leave this machine.
+// True for localhost and literal addresses that never leave this machine; no other name is believed.
 bool is_loopback(const SocketAddress& address);
 
 // TCP without delay of small messages. Throws LinkLost where nobody answers in time, InputError where there

@@ -278,6 +278,71 @@ TEST(NetworkSiege, AFullRingIsCountedToTheFrame) {
   }
 }
 
+// Sends the same message as fast as it is taken, until the other side has had enough.
+class Flood {
+ public:
+  Flood(std::unique_ptr<MessageLink> link, const Message& message)
+      : link_(std::move(link)), thread_([this, message] { run(message); }) {}
+  ~Flood() {
+    ended_ = true;
+    thread_.join();
+  }
+  std::size_t sent() const { return sent_; }
+
+ private:
+  void run(const Message& message) {
+    try {
+      while (!ended_) {
+        link_->receive();
+        while (!link_->sending() && !ended_) {
+          link_->send(message);
+          ++sent_;
+        }
+      }
+    } catch (const LinkLost&) {
+    } catch (const LinkRefused&) {
+    }
+  }
+  std::unique_ptr<MessageLink> link_;
+  std::atomic<bool> ended_{false};
+  std::atomic<std::size_t> sent_{0};
+  std::thread thread_;
+};
+
+TEST(NetworkSiege, APeerThatNeverPausesDoesNotKeepTheRecordingMachineFromEnding) {
+  for (const bool begun : {false, true}) {
+    const TestKeys keys;
+    auto network = std::make_unique<NetworkSource>(listen_options(keys));
+    auto link = std::make_unique<MessageLink>(connect_as(keys, "k1", network->port())(), kGenerous);
+    link->send(HelloMessage{LinkRole::data, "k1", 1, false, MadeSource("kinect", {}).header().sensors});
+    if (begun) network->wait_for_agents(1, kGenerous);
+    Flood flood(std::move(link), AliveMessage{});
+    while (flood.sent() < 10'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto start = std::chrono::steady_clock::now();
+    network.reset();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60)) << begun;
+  }
+}
+
+TEST(NetworkSiege, AnAgentStartedAnewWhenAllHaveSaidByeIsRefused) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource source("kinect", made_events(5)), again("kinect", made_events(5));
+  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  network.wait_for_agents(1, kGenerous);
+  EXPECT_EQ(receive_all(network).frames.size(), 5u);
+  EXPECT_EQ(agent.report().end, AgentEnd::complete);
+  AgentOptions options = agent_options("k1");
+  options.incarnation = 2;
+  AgentLink anew(again, options, connect_as(keys, "k1", network.port()));
+  try {
+    anew.run();
+    FAIL() << "the recording is over";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.problem(), HasSubstr("the recording is over"));
+  }
+}
+
 TEST(NetworkSiege, ARefusedAgentSaysWhyAndEnds) {
   Siege siege;
   const TestKeys others;
