@@ -85,22 +85,20 @@ class NetworkSource::Listening {
     });
   }
   void serve(SocketListener::Accepted accepted) {
-    if (state.pending >= state.options.max_pending)
-      return state.refusals.add(accepted.from + ": too many connections that have not said who they are");
-    ++state.pending;
+    const auto stranger = state.strangers.add(accepted.from, kLookPeriod);
     Connection& connection = connections_.emplace_back();
     try {
       connection.thread =
-          std::thread([this, &connection, link = std::move(accepted.link), from = accepted.from]() mutable {
+          std::thread([this, &connection, stranger, link = std::move(accepted.link)]() mutable {
             try {
-              serve_connection(state, std::move(link), from);
+              serve_connection(state, std::move(link), stranger);
             } catch (...) {  // not even the refusal could be told
             }
             connection.done = true;
           });
     } catch (const std::system_error&) {
       connections_.pop_back();
-      --state.pending;
+      state.strangers.remove(stranger);
     }
   }
 

@@ -9,28 +9,34 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::chrono::milliseconds kSeeOffLimit{1000};
 
-// Counts one connection down from those whose owner is unknown, at most once.
+// Takes a connection from among the strangers, at once where it says who it is, else when it ends.
 class Pending {
  public:
-  explicit Pending(std::atomic<std::size_t>& count) : count_(&count) {}
+  Pending(PendingStrangers& strangers, const std::shared_ptr<Stranger>& stranger)
+      : strangers_(strangers), stranger_(stranger) {}
   ~Pending() { done(); }
   Pending(const Pending&) = delete;
   Pending& operator=(const Pending&) = delete;
-  void done() {
-    if (count_) --*count_;
-    count_ = nullptr;
-  }
+  void done() { strangers_.remove(stranger_); }
+  bool evicted() const { return stranger_->evicted; }
 
  private:
-  std::atomic<std::size_t>* count_;
+  PendingStrangers& strangers_;
+  const std::shared_ptr<Stranger>& stranger_;
 };
 
-HelloMessage await_hello(ServerState& state, MessageLink& link, Clock::time_point deadline) {
+void must_not_be_evicted(const Pending& pending) {
+  if (pending.evicted()) throw LinkLost("too many connections that have not said who they are");
+}
+
+HelloMessage await_hello(ServerState& state, MessageLink& link, const Pending& pending,
+                         Clock::time_point deadline) {
   while (!state.stop) {
     if (auto message = link.receive()) {
       if (auto* hello = std::get_if<HelloMessage>(&*message)) return std::move(*hello);
       throw LinkRefused("began with something else than hello");
     }
+    must_not_be_evicted(pending);
     if (Clock::now() >= deadline) throw LinkLost("said nothing in time");
     link.wait(kLookPeriod);
   }
@@ -88,17 +94,27 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
   serve_admitted(state, link, *std::get<AgentSlot*>(admitted));
 }
 
+std::unique_ptr<ByteLink> secure(ServerState& state, std::unique_ptr<ByteLink> link, const Pending& pending) {
+  if (!state.options.identity) return link;
+  try {
+    return secure_link(std::move(link), *state.options.identity, TlsSide::server,
+                       state.options.handshake_limit, [&] { return state.stop || pending.evicted(); });
+  } catch (const LinkLost&) {
+    must_not_be_evicted(pending);
+    throw;
+  }
+}
+
 }  // namespace
 
-void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const std::string& from) {
-  Pending pending(state.pending);
+void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link,
+                      const std::shared_ptr<Stranger>& stranger) {
+  const std::string& from = stranger->from;
+  Pending pending(state.strangers, stranger);
   const auto deadline = Clock::now() + state.options.handshake_limit;
   try {
-    if (state.options.identity)
-      link = secure_link(std::move(link), *state.options.identity, TlsSide::server,
-                         state.options.handshake_limit, [&] { return state.stop.load(); });
-    MessageLink messages(std::move(link), state.options.silence_limit);
-    const HelloMessage hello = await_hello(state, messages, deadline);
+    MessageLink messages(secure(state, std::move(link), pending), state.options.silence_limit);
+    const HelloMessage hello = await_hello(state, messages, pending, deadline);
     serve_hello(state, messages, hello, pending, from);
   } catch (const LinkLost& lost) {
     state.refusals.add(from + ": " + lost.what());

@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "recorders/network/message_link.h"
+#include "recorders/network/pending_strangers.h"
 #include "recorders/network/socket_link.h"
 #include "tests/recorders/network_rig.h"
 
@@ -197,6 +198,52 @@ TEST(NetworkSiege, TwoHundredSilentConnectionsDoNotDisturb) {
   for (int i = 0; i < 200; ++i) links.push_back(siege.plain());
   siege.await_refusal("too many connections");
   siege.expect_nothing_lost();
+}
+
+TEST(NetworkSiege, EightySilentConnectionsDoNotLockAnAgentOut) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  std::atomic<bool> ended{false};
+  std::atomic<int> opened{0};
+  std::thread flooder([&] {
+    std::vector<std::unique_ptr<ByteLink>> links(80);
+    std::byte byte[64];
+    while (!ended) {
+      for (auto& link : links) {
+        try {
+          if (link) link->try_read(byte);
+          if (link) continue;
+          link = connect_socket({"127.0.0.1", network.port()}, std::chrono::seconds(5));
+          ++opened;
+        } catch (const LinkLost&) {
+          link.reset();
+        }
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  while (opened < 80) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  MadeSource source("kinect", made_events(5));
+  AgentOptions options = agent_options("k1");
+  RunningAgent agent(source, options, connect_as(keys, "k1", network.port()));
+  EXPECT_NO_THROW(network.wait_for_agents(1, std::chrono::seconds(60)));
+  ended = true;
+  flooder.join();
+}
+
+TEST(PendingStrangers, TheOldestMakesRoomAndOneAddressCannotPushOutOthers) {
+  PendingStrangers strangers(8, 3);
+  const std::chrono::milliseconds at_once{0};
+  const auto honest = strangers.add("10.0.0.7", at_once);
+  std::vector<std::shared_ptr<Stranger>> flood;
+  for (int i = 0; i < 12; ++i) flood.push_back(strangers.add("10.0.0.66", at_once));
+  EXPECT_FALSE(honest->evicted);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(flood[static_cast<std::size_t>(i)]->evicted, i < 9) << i;
+  for (int i = 0; i < 9; ++i) strangers.remove(flood[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 4; ++i) flood.push_back(strangers.add("127.0.0.1", at_once));
+  EXPECT_FALSE(honest->evicted);
+  flood.push_back(strangers.add("::ffff:127.0.0.1", at_once));
+  EXPECT_TRUE(honest->evicted);
 }
 
 TEST(NetworkSiege, RepeatedMessagesDamagedFramesAndASlowReaderDoNotHurt) {
