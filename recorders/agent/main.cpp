@@ -90,9 +90,16 @@ int end_of(const AgentReport& report) {
                  taken);
     return kFramesLost;
   }
+  if (report.status.recordings_abandoned > 0)
+    std::fprintf(stderr,
+                 "trilat-agent: a recording that it took part in was broken off on the recording machine\n");
   std::fprintf(stderr, "trilat-agent: %s; %llu frames taken, %llu lost\n",
-               report.end == AgentEnd::ended_by_server ? "the recording is over" : "done", taken, lost);
-  return lost > 0 || !report.source_problem.empty() ? kFramesLost : kDone;
+               report.end == AgentEnd::ended_by_server ? "the recording is over"
+               : report.end == AgentEnd::abandoned     ? "nothing left to send"
+                                                       : "done",
+               taken, lost);
+  return lost > 0 || report.status.recordings_abandoned > 0 || !report.source_problem.empty() ? kFramesLost
+                                                                                              : kDone;
 }
 
 int run(const RunArguments& arguments) {
@@ -150,7 +157,8 @@ void add_keys(CLI::App& app, KeysArguments& arguments) {
 int guarded_main(int argc, char** argv) {
   CLI::App app(
       "Sends depth and bodies of a sensor on this computer to a recording elsewhere.\n"
-      "Exit codes: 0 done; 1 done, but frames were lost or the source broke; 2 bad input or usage; 70 a bug "
+      "Exit codes: 0 done; 1 done, but frames were lost, the source broke or a recording was broken off; 2 "
+      "bad input or usage; 70 a bug "
       "of this program.",
       "trilat-agent");
   app.footer(

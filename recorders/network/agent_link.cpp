@@ -99,7 +99,7 @@ AgentStatus AgentLink::status() const {
   AgentStatus status = state_->status;
   status.connected = state_->link != nullptr;
   status.recording = state_->begun;
-  status.frames_lost = state_->ring.lost_frames();
+  status.frames_lost += state_->ring.lost_frames();
   status.buffered_bytes = state_->ring.bytes();
   return status;
 }
@@ -128,12 +128,15 @@ void AgentLink::take_events() {
     {
       std::unique_lock lock(state_->mutex);
       if (!source_.live())
-        state_->changed.wait(lock, [&] { return state_->stopping || !state_->ring.full(); });
+        state_->changed.wait(lock,
+                             [&] { return state_->stopping || (state_->begun && !state_->ring.full()); });
       if (state_->stopping) return;
     }
     auto event = source_.next();
     if (!event) return;
     const std::lock_guard lock(state_->mutex);
+    const bool total = std::holds_alternative<DropCount>(event->data);
+    if (!state_->begun && !total) continue;  // between two recordings
     if (is_frame(*event)) ++state_->status.frames_taken;
     state_->ring.push(std::move(*event));
     wake_all(*state_);
@@ -183,18 +186,24 @@ AgentEnd AgentLink::keep_connected() {
     if (welcomed) delay = options_.first_retry;
     if (welcomed || problem != last_problem) options_.on_news("not connected: " + problem);
     last_problem = problem;
-    if (!wait_to_retry(delay)) return AgentEnd::unacknowledged;
+    if (!wait_to_retry(delay)) return lost_recording() ? AgentEnd::abandoned : AgentEnd::unacknowledged;
     delay = std::min(2 * delay, options_.last_retry);
   }
+}
+
+bool AgentLink::lost_recording() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->status.recordings_abandoned > 0 && !state_->begun;
 }
 
 // False when there is nothing to retry for.
 bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
   const auto now = Clock::now();
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait_until(lock, now + delay,
-                             [&] { return state_->over || (state_->stopping && !state_->begun); });
-  if (state_->over || (state_->stopping && !state_->begun)) return false;
+  const auto in_vain = [&] {
+    return state_->over || (!state_->begun && (state_->stopping || state_->source_ended));
+  };
+  if (state_->changed.wait_until(lock, now + delay, in_vain)) return false;
   if (!state_->source_ended) return true;
   return Clock::now() - std::max(*state_->source_ended, state_->last_connected) < options_.farewell_limit;
 }
@@ -202,9 +211,11 @@ bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
 AgentEnd AgentLink::connect_once(bool& welcomed) {
   MessageLink link(connect_(), options_.silence_limit);
   const SessionHeader& header = source_.header();
+  HelloMessage hello{LinkRole::data, options_.name, options_.incarnation, header.simulated, header.sensors};
   {
     const std::lock_guard lock(state_->mutex);
     state_->link = &link;
+    hello.recording = state_->recording.value_or(0);
   }
   struct Disconnect {
     AgentState& state;
@@ -216,8 +227,6 @@ AgentEnd AgentLink::connect_once(bool& welcomed) {
     }
   };
   const Disconnect at_end{*state_};
-  const HelloMessage hello{LinkRole::data, options_.name, options_.incarnation, header.simulated,
-                           header.sensors};
   try {
     return serve_agent_link(*state_, link, hello);
   } catch (const std::runtime_error&) {

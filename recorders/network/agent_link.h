@@ -38,6 +38,7 @@ class AgentLink {
   void compress();
   AgentEnd keep_connected();
   AgentEnd connect_once(bool& welcomed);
+  bool lost_recording() const;
   bool wait_to_retry(std::chrono::milliseconds delay);
   void end_all();
 

@@ -16,8 +16,12 @@ struct AgentTurn {
     ResumeMessage resume;
     {
       const std::lock_guard lock(state.mutex);
-      ended_by_server = state.recording.value_or(welcome.recording) != welcome.recording;
-      if (ended_by_server) return;
+      if (state.recording && state.recording != welcome.recording) {
+        abandon_recording(state);
+        throw LinkLost("the recording is gone and another one has begun; " +
+                       std::to_string(state.status.frames_lost) + " frames are lost in all");
+      }
+      if (!state.begun) state.ring.start_over();
       state.recording = welcome.recording;
       state.ring.resume(welcome.next_number);
       resume.lost_frames = state.ring.lost_frames();
@@ -40,6 +44,11 @@ struct AgentTurn {
     throw LinkRefused(refusal.reason);
   }
   void operator()(const ByeMessage&) { ended_by_server = true; }
+  // The last recording that this run took part in was abandoned.
+  bool in_vain() {
+    const std::lock_guard lock(state.mutex);
+    return !state.begun && state.status.recordings_abandoned > 0;
+  }
   template <class Other>
   void operator()(const Other&) {
     throw LinkRefused("the recording machine says what only agents say");
@@ -63,11 +72,20 @@ bool send_some(AgentState& state, MessageLink& link) {
 bool all_done(AgentState& state) {
   const std::lock_guard lock(state.mutex);
   if (state.over) return true;
-  if (!state.begun) return state.stopping;
+  if (!state.begun) return state.stopping || state.source_ended;
   return state.source_ended && state.ring.empty();
 }
 
 }  // namespace
+
+void abandon_recording(AgentState& state) {
+  const std::uint64_t lost_before = state.ring.lost_frames();
+  state.status.frames_lost += lost_before + state.ring.start_over();
+  ++state.status.recordings_abandoned;
+  state.recording.reset();
+  state.begun = false;
+  state.changed.notify_all();
+}
 
 AgentEnd serve_agent_link(AgentState& state, MessageLink& link, const HelloMessage& hello) {
   AgentTurn turn{state, link};
@@ -80,7 +98,7 @@ AgentEnd serve_agent_link(AgentState& state, MessageLink& link, const HelloMessa
       std::visit(turn, *message);
       heard = true;
     }
-    if (all_done(state)) return AgentEnd::complete;
+    if (all_done(state)) return turn.in_vain() ? AgentEnd::abandoned : AgentEnd::complete;
     if (turn.ended_by_server) return AgentEnd::ended_by_server;
     const bool more = turn.welcomed && send_some(state, link);
     link.send_sign_of_life(AliveMessage{});

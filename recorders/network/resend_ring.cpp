@@ -131,7 +131,7 @@ ResendRing::Bytes ResendRing::content_of(Item& item) {
   Totals& totals = totals_[item.sensor];
   if (totals.item == item.number) totals.item.reset();
   const EventMessage message{item.number, static_cast<std::uint32_t>(item.sensor),
-                             DropCount{0, totals.before_ring + totals.torn, totals.in_ring}};
+                             DropCount{0, totals.before_ring + totals.torn - totals.earlier, totals.in_ring}};
   return std::make_shared<const std::vector<std::byte>>(encode_message(message));
 }
 
@@ -166,6 +166,21 @@ void ResendRing::resume(std::uint64_t next_number) {
     bye_pending_ = true;
   }
   for (const auto& [number, sensor] : std::exchange(uncertain_, {})) count_lost(sensor);
+}
+
+std::uint64_t ResendRing::start_over() {
+  const auto lost =
+      static_cast<std::uint64_t>(std::ranges::count_if(items_, &Item::frame)) + uncertain_.size();
+  items_.clear();
+  uncertain_.clear();
+  bytes_ = 0;
+  cursor_ = unfetched_ = next_number_;
+  for (Totals& totals : totals_) {
+    totals.earlier = totals.before_ring + totals.torn;
+    totals.in_ring = 0;
+    totals.item.reset();
+  }
+  return lost;
 }
 
 std::uint64_t ResendRing::lost_frames() const {

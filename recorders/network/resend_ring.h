@@ -49,6 +49,10 @@ class ResendRing {
   // A new connection, whose other side has everything before this number: sends the rest again.
   void resume(std::uint64_t next_number);
 
+  // The other side is gone for good: forgets what it lacks and counts anew, for another one. Returns how many
+  // frames it lacked, as far as is known.
+  std::uint64_t start_over();
+
   bool empty() const { return items_.empty() && !bye_pending_; }
   bool full() const { return bytes_ >= limit_bytes_; }
   std::size_t bytes() const { return bytes_; }
@@ -69,6 +73,7 @@ class ResendRing {
   struct Totals {
     std::int64_t before_ring = 0;
     std::int64_t torn = 0;
+    std::int64_t earlier = 0;  // of these two, before it started over
     std::int64_t in_ring = 0;
     std::optional<std::uint64_t> item;  // that will tell them, not yet offered
   };

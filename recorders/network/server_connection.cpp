@@ -85,6 +85,10 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
     if (admitted) return serve_clock(state, link, *admitted->first, admitted->second);
     return see_off(link, RefusalMessage{"this agent does not take part", true});
   }
+  if (hello.recording != 0 && hello.recording != state.recording) {
+    state.refusals.add(from + ": agent \"" + hello.agent + "\" comes from another recording; it is told so");
+    return see_off(link, WelcomeMessage{state.recording, 0});
+  }
   const auto admitted = state.book.admit(hello, link.peer_name());
   if (const auto* refusal = std::get_if<RefusalMessage>(&admitted)) {
     state.refusals.add(from + ": agent \"" + hello.agent + "\": " + refusal->reason);

@@ -31,9 +31,11 @@ struct HelloMessage {
   std::uint64_t incarnation = 0;
   bool simulated = false;
   std::vector<SensorDescription> sensors;
+  std::uint64_t recording = 0;  // that this run takes part in; 0: none yet
 };
 
-// The recording has begun: send from this message number on. `recording` tells one from the next.
+// The recording has begun: send from this message number on. `recording` tells one from the next; another
+// than the agent takes part in means that the one before is gone, and that it has to come anew.
 struct WelcomeMessage {
   std::uint64_t recording = 0;
   std::uint64_t next_number = 0;

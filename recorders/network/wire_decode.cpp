@@ -106,6 +106,7 @@ HelloMessage get_hello(ByteReader& in) {
   hello.role = static_cast<LinkRole>(role);
   hello.agent = in.get_text(kMaxNameBytes);
   hello.incarnation = in.get<std::uint64_t>();
+  hello.recording = in.get<std::uint64_t>();
   hello.simulated = get_flag(in);
   const auto sensors = in.get<std::uint8_t>();
   if (sensors > kMaxSessionSensors) in.refuse();

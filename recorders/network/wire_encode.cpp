@@ -86,6 +86,7 @@ struct PutMessage {
     out.put(hello.role);
     out.put_text(hello.agent, kMaxNameBytes);
     out.put(hello.incarnation);
+    out.put(hello.recording);
     out.put(static_cast<std::uint8_t>(hello.simulated));
     out.put(static_cast<std::uint8_t>(hello.sensors.size()));
     for (const SensorDescription& sensor : hello.sensors) put_sensor(out, sensor);

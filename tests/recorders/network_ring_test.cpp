@@ -179,6 +179,25 @@ TEST(ResendRing, PixelsThatCannotBeCompressedAreCountedAndHoldNothingUp) {
   EXPECT_TRUE(ring.empty());
 }
 
+TEST(ResendRing, StartingOverForgetsWhatTheOtherSideLacksAndCountsAnew) {
+  ResendRing ring(1, 10 * kFrameBytes, true);
+  ring.push({0, DropCount{1, 5, 0}});
+  push_frames(ring, 0, 12);
+  Arrived before;
+  before.take(*ring.next_to_send());
+  const std::uint64_t lost = ring.lost_frames();
+  EXPECT_EQ(lost + ring.start_over(), 12u);
+  EXPECT_TRUE(ring.empty());
+  ring.push({0, DropCount{2, 8, 0}});
+  push_frames(ring, 20, 23);
+  ring.resume(0);
+  Arrived arrived;
+  arrived.take_all(ring);
+  EXPECT_THAT(arrived.sequences, testing::ElementsAre(20, 21, 22));
+  EXPECT_EQ(arrived.drops.at_source, 3);
+  EXPECT_EQ(arrived.drops.in_queue, 0);
+}
+
 TEST(ResendRing, WhatTheSourceLostItselfIsToldBesideWhatTheRingLost) {
   ResendRing ring(1, 10 * kFrameBytes, true);
   ring.push({0, DropCount{1, 5, 2}});
