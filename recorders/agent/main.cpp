@@ -72,7 +72,8 @@ void add_keys(CLI::App& app, KeysArguments& arguments) {
 int agent_main(int argc, char** argv) {
   CLI::App app(
       "Sends depth and bodies of a sensor on this computer to a recording elsewhere.\n"
-      "Exit codes: 0 done; 1 done, but frames were lost; 2 bad input or usage; 70 a bug of this program.",
+      "Exit codes: 0 done; 1 done, but frames were lost, the source broke or a recording was broken off;\n"
+      "2 bad input or usage; 70 a bug of this program.",
       "trilat-agent");
   app.footer(
       "Example: on the recording machine\n"

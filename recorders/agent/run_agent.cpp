@@ -62,6 +62,8 @@ class Watch {
 };
 
 int end_of(const AgentReport& report) {
+  if (!report.source_problem.empty())
+    std::fprintf(stderr, "trilat-agent: the source broke: %s\n", report.source_problem.c_str());
   const auto taken = static_cast<unsigned long long>(report.status.frames_taken);
   const auto lost = static_cast<unsigned long long>(report.status.frames_lost);
   if (report.end == AgentEnd::unacknowledged && taken > 0) {
@@ -70,9 +72,16 @@ int end_of(const AgentReport& report) {
                  taken);
     return kFramesLost;
   }
+  if (report.status.recordings_abandoned > 0)
+    std::fprintf(stderr,
+                 "trilat-agent: a recording that it took part in was broken off on the recording machine\n");
   std::fprintf(stderr, "trilat-agent: %s; %llu frames taken, %llu lost\n",
-               report.end == AgentEnd::ended_by_server ? "the recording is over" : "done", taken, lost);
-  return lost > 0 ? kFramesLost : kDone;
+               report.end == AgentEnd::ended_by_server ? "the recording is over"
+               : report.end == AgentEnd::abandoned     ? "nothing left to send"
+                                                       : "done",
+               taken, lost);
+  const bool whole = lost == 0 && report.status.recordings_abandoned == 0 && report.source_problem.empty();
+  return whole ? kDone : kFramesLost;
 }
 
 }  // namespace

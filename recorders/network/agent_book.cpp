@@ -69,6 +69,8 @@ AgentSlot* AgentBook::find(const std::string& name) {
 std::optional<RefusalMessage> AgentBook::refuse_known(AgentSlot& slot, const HelloMessage& hello,
                                                       std::unique_lock<std::mutex>& lock) {
   const RefusalMessage taken{"an agent named \"" + hello.agent + "\" is connected already", true};
+  if (slot.incarnation != hello.incarnation && recording_over())
+    return RefusalMessage{"the recording is over", false};
   if (!same_sensors(slot, hello)) return RefusalMessage{"has other sensors than before", false};
   if (slot.connected && (slot.incarnation != hello.incarnation || slot.replaced)) return taken;
   slot.replaced = slot.connected;
@@ -114,8 +116,9 @@ void AgentBook::leave(AgentSlot& slot) {
   changed_.notify_all();
 }
 
-void AgentBook::say_bye(AgentSlot& slot) {
+void AgentBook::say_bye(AgentSlot& slot, const std::string& problem) {
   const std::lock_guard lock(mutex_);
+  if (!problem.empty()) slot.source_problem = problem;
   slot.said_bye = true;
 }
 
@@ -179,6 +182,10 @@ bool AgentBook::begun() {
 
 bool AgentBook::all_said_bye() {
   const std::lock_guard lock(mutex_);
+  return recording_over();
+}
+
+bool AgentBook::recording_over() const {
   return begun_ && std::ranges::all_of(slots_, [](const auto& slot) { return slot->said_bye; });
 }
 
@@ -187,6 +194,14 @@ std::vector<std::string> AgentBook::names() {
   std::vector<std::string> names;
   for (const auto& slot : slots_) names.push_back(slot->name);
   return names;
+}
+
+std::vector<AgentBook::BrokenSource> AgentBook::broken_sources() {
+  const std::lock_guard lock(mutex_);
+  std::vector<BrokenSource> broken;
+  for (const auto& slot : slots_)
+    if (!slot->source_problem.empty()) broken.push_back({slot->name, slot->source_problem});
+  return broken;
 }
 
 std::vector<SensorDescription> AgentBook::sensors() {

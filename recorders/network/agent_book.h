@@ -26,6 +26,7 @@ struct AgentSlot {
   bool connected = false;
   bool replaced = false;  // a newer connection of the same run of the agent waits for this one to leave
   bool said_bye = false;
+  std::string source_problem;           // why the source of this or an earlier run broke
   bool restarted = false;               // another run of the agent than the connection before
   std::uint64_t clock_connections = 0;  // the last one counts
   std::optional<std::chrono::steady_clock::time_point> lost_at;
@@ -43,7 +44,8 @@ class AgentBook {
   std::variant<AgentSlot*, RefusalMessage> admit(const HelloMessage& hello, const std::string& proven_name);
   // The data connection has gone.
   void leave(AgentSlot& slot);
-  void say_bye(AgentSlot& slot);
+  // `problem`: why its source broke; empty where it ended.
+  void say_bye(AgentSlot& slot, const std::string& problem);
   // True when the connection that owns the slot has to go.
   bool must_leave(const AgentSlot& slot);
 
@@ -58,6 +60,10 @@ class AgentBook {
   bool begun();
   bool all_said_bye();
   std::vector<std::string> names();
+  struct BrokenSource {
+    std::string agent, problem;
+  };
+  std::vector<BrokenSource> broken_sources();
   // Of the session, once it has begun.
   std::vector<SensorDescription> sensors();
   bool simulated();
@@ -67,6 +73,7 @@ class AgentBook {
                                              std::unique_lock<std::mutex>& lock);
   AgentSlot* find(const std::string& name);
   void name_sensors();
+  bool recording_over() const;  // everybody has said bye
 
   std::mutex mutex_;
   std::condition_variable changed_;

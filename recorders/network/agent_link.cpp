@@ -2,7 +2,10 @@
 #include "recorders/network/agent_link.h"
 
 #include <algorithm>
+#include <new>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "datasets/base/error.h"
 #include "recorders/network/agent_state.h"
@@ -13,8 +16,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 bool is_frame(const SourceEvent& event) {
-  return std::holds_alternative<BodyFrame>(event.data) || std::holds_alternative<DepthFrame>(event.data) ||
-         std::holds_alternative<EncodedDepthFrame>(event.data);
+  return std::holds_alternative<BodyFrame>(event.data) ||
+         std::holds_alternative<EncodedDepthFrame>(event.data) ||
+         (std::holds_alternative<DepthFrame>(event.data) && !is_torn(event));
 }
 
 // Under the mutex of the state.
@@ -35,22 +39,41 @@ AgentLink::AgentLink(FrameSource& source, AgentOptions options, ConnectLink conn
 AgentLink::~AgentLink() = default;
 
 AgentReport AgentLink::run() {
-  std::thread pump_thread([this] { pump(); });
-  std::thread compressor([this] { compress(); });
-  std::thread clock([this] { answer_clock_pings(*state_, options_, connect_); });
+  std::vector<std::thread> threads;
   AgentReport report;
   std::exception_ptr error;
   try {
+    threads.emplace_back([this] { guard([this] { pump(); }); });
+    threads.emplace_back([this] { guard([this] { compress(); }); });
+    threads.emplace_back([this] { guard([this] { answer_clock_pings(*state_, options_, connect_); }); });
     report.end = keep_connected();
   } catch (...) {
     error = std::current_exception();
   }
   end_all();
-  for (std::thread* thread : {&pump_thread, &compressor, &clock}) thread->join();
+  for (std::thread& thread : threads) thread.join();
+  if (thread_error_) std::rethrow_exception(thread_error_);
   if (error) std::rethrow_exception(error);
-  if (source_error_) std::rethrow_exception(source_error_);
+  try {
+    if (source_error_) std::rethrow_exception(source_error_);
+  } catch (const InputError& broken) {
+    report.source_problem = broken.what();
+  }
   report.status = status();
   return report;
+}
+
+// A thread that cannot go on ends the link; run() says why.
+void AgentLink::guard(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (...) {
+    {
+      const std::lock_guard lock(state_->mutex);
+      if (!thread_error_) thread_error_ = std::current_exception();
+    }
+    end_all();
+  }
 }
 
 void AgentLink::end_all() {
@@ -76,7 +99,7 @@ AgentStatus AgentLink::status() const {
   AgentStatus status = state_->status;
   status.connected = state_->link != nullptr;
   status.recording = state_->begun;
-  status.frames_lost = state_->ring.lost_frames();
+  status.frames_lost += state_->ring.lost_frames();
   status.buffered_bytes = state_->ring.bytes();
   return status;
 }
@@ -86,13 +109,16 @@ void AgentLink::pump() {
     std::unique_lock lock(state_->mutex);
     state_->changed.wait(lock, [&] { return state_->begun || state_->stopping; });
   }
+  std::string problem;
   try {
     take_events();
-  } catch (...) {
+  } catch (const std::exception& error) {
     source_error_ = std::current_exception();
+    problem = *error.what() ? error.what() : "for no stated reason";
   }
   const std::lock_guard lock(state_->mutex);
-  state_->ring.push_bye();
+  if (!problem.empty()) state_->ring.push({0, SourceNotice{"the source broke: " + problem}});
+  state_->ring.push_bye(problem);
   state_->source_ended = Clock::now();
   wake_all(*state_);
 }
@@ -102,12 +128,15 @@ void AgentLink::take_events() {
     {
       std::unique_lock lock(state_->mutex);
       if (!source_.live())
-        state_->changed.wait(lock, [&] { return state_->stopping || !state_->ring.full(); });
+        state_->changed.wait(lock,
+                             [&] { return state_->stopping || (state_->begun && !state_->ring.full()); });
       if (state_->stopping) return;
     }
     auto event = source_.next();
     if (!event) return;
     const std::lock_guard lock(state_->mutex);
+    const bool total = std::holds_alternative<DropCount>(event->data);
+    if (!state_->begun && !total) continue;  // between two recordings
     if (is_frame(*event)) ++state_->status.frames_taken;
     state_->ring.push(std::move(*event));
     wake_all(*state_);
@@ -123,10 +152,16 @@ void AgentLink::compress() {
       continue;
     }
     lock.unlock();
-    EncodedDepthFrame frame =
-        encode_depth_frame(pixels->second.stamp, pixels->second.depth_mm, options_.compression);
+    std::optional<EncodedDepthFrame> frame;
+    try {
+      frame = encode_depth_frame(pixels->second.stamp, pixels->second.depth_mm, options_.compression);
+    } catch (const std::bad_alloc&) {
+    }
     lock.lock();
-    state_->ring.put_compressed(pixels->first, std::move(frame));
+    if (frame)
+      state_->ring.put_compressed(pixels->first, std::move(*frame));
+    else
+      state_->ring.lose_pixels(pixels->first);
     wake_all(*state_);
   }
 }
@@ -151,17 +186,24 @@ AgentEnd AgentLink::keep_connected() {
     if (welcomed) delay = options_.first_retry;
     if (welcomed || problem != last_problem) options_.on_news("not connected: " + problem);
     last_problem = problem;
-    if (!wait_to_retry(delay)) return AgentEnd::unacknowledged;
+    if (!wait_to_retry(delay)) return lost_recording() ? AgentEnd::abandoned : AgentEnd::unacknowledged;
     delay = std::min(2 * delay, options_.last_retry);
   }
+}
+
+bool AgentLink::lost_recording() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->status.recordings_abandoned > 0 && !state_->begun;
 }
 
 // False when there is nothing to retry for.
 bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
   const auto now = Clock::now();
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait_until(lock, now + delay, [&] { return state_->stopping && !state_->begun; });
-  if (state_->stopping && !state_->begun) return false;
+  const auto in_vain = [&] {
+    return state_->over || (!state_->begun && (state_->stopping || state_->source_ended));
+  };
+  if (state_->changed.wait_until(lock, now + delay, in_vain)) return false;
   if (!state_->source_ended) return true;
   return Clock::now() - std::max(*state_->source_ended, state_->last_connected) < options_.farewell_limit;
 }
@@ -169,9 +211,11 @@ bool AgentLink::wait_to_retry(std::chrono::milliseconds delay) {
 AgentEnd AgentLink::connect_once(bool& welcomed) {
   MessageLink link(connect_(), options_.silence_limit);
   const SessionHeader& header = source_.header();
+  HelloMessage hello{LinkRole::data, options_.name, options_.incarnation, header.simulated, header.sensors};
   {
     const std::lock_guard lock(state_->mutex);
     state_->link = &link;
+    hello.recording = state_->recording.value_or(0);
   }
   struct Disconnect {
     AgentState& state;
@@ -183,8 +227,6 @@ AgentEnd AgentLink::connect_once(bool& welcomed) {
     }
   };
   const Disconnect at_end{*state_};
-  const HelloMessage hello{LinkRole::data, options_.name, options_.incarnation, header.simulated,
-                           header.sensors};
   try {
     return serve_agent_link(*state_, link, hello);
   } catch (const std::runtime_error&) {

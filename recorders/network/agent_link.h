@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <memory>
 
 #include "recorders/frame_source.h"
@@ -23,19 +24,21 @@ class AgentLink {
   AgentLink& operator=(const AgentLink&) = delete;
 
   // Until the source has ended and all has arrived, the recording machine ends the recording, or stop().
-  // Once. Throws InputError where the recording machine refuses this agent before the recording begins, and
-  // what the source throws.
+  // Once. Throws InputError where the recording machine refuses this agent before the recording begins. A
+  // source that breaks is told there and in the report; what is no InputError of it is thrown then.
   AgentReport run();
   // Takes no more frames, sends what there is and makes run() return. Any thread.
   void stop();
   AgentStatus status() const;
 
  private:
+  void guard(const std::function<void()>& body);
   void pump();
   void take_events();
   void compress();
   AgentEnd keep_connected();
   AgentEnd connect_once(bool& welcomed);
+  bool lost_recording() const;
   bool wait_to_retry(std::chrono::milliseconds delay);
   void end_all();
 
@@ -44,6 +47,7 @@ class AgentLink {
   ConnectLink connect_;
   std::unique_ptr<AgentState> state_;
   std::exception_ptr source_error_;
+  std::exception_ptr thread_error_;  // under the mutex of the state
 };
 
 }  // namespace trilat

@@ -5,7 +5,6 @@ namespace trilat {
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{200};
-constexpr int kMessagesAtOnce = 64;  // between two looks at what has come in
 
 struct AgentTurn {
   AgentState& state;
@@ -17,8 +16,12 @@ struct AgentTurn {
     ResumeMessage resume;
     {
       const std::lock_guard lock(state.mutex);
-      ended_by_server = state.recording.value_or(welcome.recording) != welcome.recording;
-      if (ended_by_server) return;
+      if (state.recording && state.recording != welcome.recording) {
+        abandon_recording(state);
+        throw LinkLost("the recording is gone and another one has begun; " +
+                       std::to_string(state.status.frames_lost) + " frames are lost in all");
+      }
+      if (!state.begun) state.ring.start_over();
       state.recording = welcome.recording;
       state.ring.resume(welcome.next_number);
       resume.lost_frames = state.ring.lost_frames();
@@ -41,6 +44,11 @@ struct AgentTurn {
     throw LinkRefused(refusal.reason);
   }
   void operator()(const ByeMessage&) { ended_by_server = true; }
+  // The last recording that this run took part in was abandoned.
+  bool in_vain() {
+    const std::lock_guard lock(state.mutex);
+    return !state.begun && state.status.recordings_abandoned > 0;
+  }
   template <class Other>
   void operator()(const Other&) {
     throw LinkRefused("the recording machine says what only agents say");
@@ -49,7 +57,7 @@ struct AgentTurn {
 
 // True when there may be more to send at once.
 bool send_some(AgentState& state, MessageLink& link) {
-  for (int i = 0; i < kMessagesAtOnce && !link.sending(); ++i) {
+  for (int i = 0; i < kMessagesATurn && !link.sending(); ++i) {
     ResendRing::Bytes bytes;
     {
       const std::lock_guard lock(state.mutex);
@@ -63,22 +71,34 @@ bool send_some(AgentState& state, MessageLink& link) {
 
 bool all_done(AgentState& state) {
   const std::lock_guard lock(state.mutex);
-  if (!state.begun) return state.stopping;
+  if (state.over) return true;
+  if (!state.begun) return state.stopping || state.source_ended;
   return state.source_ended && state.ring.empty();
 }
 
 }  // namespace
+
+void abandon_recording(AgentState& state) {
+  const std::uint64_t lost_before = state.ring.lost_frames();
+  state.status.frames_lost += lost_before + state.ring.start_over();
+  ++state.status.recordings_abandoned;
+  state.recording.reset();
+  state.begun = false;
+  state.changed.notify_all();
+}
 
 AgentEnd serve_agent_link(AgentState& state, MessageLink& link, const HelloMessage& hello) {
   AgentTurn turn{state, link};
   link.send(hello);
   for (;;) {
     bool heard = false;
-    while (auto message = link.receive()) {
+    for (int i = 0; i < kMessagesATurn; ++i) {
+      const auto message = link.receive();
+      if (!message) break;
       std::visit(turn, *message);
       heard = true;
     }
-    if (all_done(state)) return AgentEnd::complete;
+    if (all_done(state)) return turn.in_vain() ? AgentEnd::abandoned : AgentEnd::complete;
     if (turn.ended_by_server) return AgentEnd::ended_by_server;
     const bool more = turn.welcomed && send_some(state, link);
     link.send_sign_of_life(AliveMessage{});

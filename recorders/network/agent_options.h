@@ -28,6 +28,7 @@ struct AgentStatus {
   bool recording = false;  // the recording machine has asked for frames
   std::uint64_t frames_taken = 0;
   std::uint64_t frames_lost = 0;
+  std::uint64_t recordings_abandoned = 0;  // the recording machine began another one before their end
   std::uint64_t reconnections = 0;
   std::size_t buffered_bytes = 0;
 };
@@ -35,11 +36,13 @@ struct AgentStatus {
 enum class AgentEnd {
   complete,         // the source has ended and everything has arrived, but for what was lost
   ended_by_server,  // the recording is over; what was still buffered is nobody's loss
+  abandoned,        // the recording is gone without an end, and the source has nothing left for another
   unacknowledged,   // the recording machine did not answer for too long
 };
 
 struct AgentReport {
   AgentEnd end = AgentEnd::unacknowledged;
+  std::string source_problem;  // why the source broke; empty where it ended
   AgentStatus status;
 };
 

@@ -21,7 +21,7 @@ struct AgentState {
   std::condition_variable changed;
   ResendRing ring;
   bool welcomed = false;                   // on the present connection
-  bool begun = false;                      // the recording machine has asked for frames
+  bool begun = false;                      // `recording` has asked for frames
   bool stopping = false;                   // no more frames are wanted
   bool over = false;                       // every thread is to end
   std::optional<std::uint64_t> recording;  // that this run belongs to
@@ -30,6 +30,10 @@ struct AgentState {
   MessageLink* link = nullptr;  // to wake, while connected
   AgentStatus status;
 };
+
+// The recording machine has begun another recording than the one that this run took part in: what that one
+// lacks is lost, and what comes until the other one begins is nobody's. Under the mutex.
+void abandon_recording(AgentState& state);
 
 // Sends what the ring holds and takes acknowledgements until there is nothing left to do; throws LinkLost and
 // LinkRefused.

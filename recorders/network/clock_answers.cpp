@@ -33,8 +33,9 @@ void answer_on(AgentState& state, MessageLink& link, const AgentOptions& options
 
 void answer_clock_pings(AgentState& state, const AgentOptions& options, const ConnectLink& connect) {
   std::unique_lock lock(state.mutex);
-  state.changed.wait(lock, [&] { return state.begun || state.over; });
-  while (!state.over) {
+  for (;;) {
+    state.changed.wait(lock, [&] { return state.begun || state.over; });
+    if (state.over) return;
     lock.unlock();
     try {
       MessageLink link(connect(), options.silence_limit);

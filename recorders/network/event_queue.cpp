@@ -45,6 +45,11 @@ std::optional<SourceEvent> EventQueue::pop() {
   return event;
 }
 
+bool EventQueue::closed() const {
+  const std::lock_guard lock(mutex_);
+  return closed_;
+}
+
 void EventQueue::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;

@@ -24,9 +24,10 @@ class EventQueue {
   std::optional<SourceEvent> pop();
   // Takes no more events.
   void close();
+  bool closed() const;
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable not_empty_, not_full_;
   std::deque<SourceEvent> events_;
   std::size_t limit_bytes_;

@@ -18,7 +18,9 @@ struct ListenOptions {
   bool allow_plain_text = false;
   ChunkCompression compression = ChunkCompression::blosc;  // of the frames delivered, whatever agents send
   std::size_t queue_bytes = std::size_t{64} << 20;         // received and not yet taken by next()
-  std::size_t max_pending = 64;                            // connections that have not yet said who they are
+  // Connections that have not yet said who they are; where there are more, the oldest go.
+  std::size_t max_pending = 64;
+  std::size_t max_pending_an_address = 16;  // but for this machine's own
   std::chrono::milliseconds handshake_limit{5000};
   std::chrono::milliseconds silence_limit{5000};
   std::chrono::milliseconds exchange_period{250};

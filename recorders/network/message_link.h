@@ -12,6 +12,9 @@
 
 namespace trilat {
 
+// Whoever receives looks after so many messages whether it is to stop: a peer may never pause.
+inline constexpr int kMessagesATurn = 64;
+
 // Messages over a link of bytes. Nothing but wait() blocks; all but wake() belong to one thread.
 class MessageLink {
  public:

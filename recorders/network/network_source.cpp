@@ -5,6 +5,7 @@
 #include <list>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
@@ -26,6 +27,14 @@ std::string utc_text() {
 
 std::uint64_t recording_number() {
   return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+}
+
+void throw_if_broken(const std::vector<AgentBook::BrokenSource>& sources) {
+  if (sources.empty()) return;
+  std::string problem;
+  for (const auto& [agent, why] : sources)
+    problem += (problem.empty() ? "" : "; agent " + agent + ": ") + ("its source broke: " + why);
+  throw InputError("agent " + sources.front().agent, problem);
 }
 
 }  // namespace
@@ -59,9 +68,13 @@ class NetworkSource::Listening {
 
   void accept_all() {
     while (!state.stop) {
-      auto accepted = listener_.accept(kLookPeriod);
-      join_done();
-      if (accepted) serve(std::move(*accepted));
+      try {
+        auto accepted = listener_.accept(kLookPeriod);
+        join_done();
+        if (accepted) serve(std::move(*accepted));
+      } catch (const std::exception& error) {
+        state.refusals.add(std::string("a connection could not be taken: ") + error.what());
+      }
     }
   }
   void join_done() {
@@ -72,19 +85,20 @@ class NetworkSource::Listening {
     });
   }
   void serve(SocketListener::Accepted accepted) {
-    if (state.pending >= state.options.max_pending)
-      return state.refusals.add(accepted.from + ": too many connections that have not said who they are");
-    ++state.pending;
+    const auto stranger = state.strangers.add(accepted.from, kLookPeriod);
     Connection& connection = connections_.emplace_back();
     try {
       connection.thread =
-          std::thread([this, &connection, link = std::move(accepted.link), from = accepted.from]() mutable {
-            serve_connection(state, std::move(link), from);
+          std::thread([this, &connection, stranger, link = std::move(accepted.link)]() mutable {
+            try {
+              serve_connection(state, std::move(link), stranger);
+            } catch (...) {  // not even the refusal could be told
+            }
             connection.done = true;
           });
     } catch (const std::system_error&) {
       connections_.pop_back();
-      --state.pending;
+      state.strangers.remove(stranger);
     }
   }
 
@@ -122,7 +136,11 @@ const SessionHeader& NetworkSource::header() const {
   return header_;
 }
 
-std::optional<SourceEvent> NetworkSource::next() { return listening_->state.queue.pop(); }
+std::optional<SourceEvent> NetworkSource::next() {
+  if (auto event = listening_->state.queue.pop()) return event;
+  if (!std::exchange(told_what_broke_, true)) throw_if_broken(listening_->state.book.broken_sources());
+  return std::nullopt;
+}
 
 void NetworkSource::stop() {
   listening_->state.stop = true;

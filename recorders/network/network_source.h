@@ -13,7 +13,7 @@ namespace trilat {
 // What agents send, on the recording machine. Events of one agent come in its order, each exactly once,
 // however often its connection breaks; what became of connections comes as notices. Where nobody takes the
 // events the agents wait and buffer, so this is no live source. Ends when every agent has said that it is
-// done.
+// done; where a source of theirs broke, next() then says so once with an InputError.
 class NetworkSource : public FrameSource {
  public:
   // Listens at once. InputError where the address cannot be had, or plain text is not allowed there.
@@ -35,6 +35,7 @@ class NetworkSource : public FrameSource {
   class Listening;
   std::unique_ptr<Listening> listening_;
   SessionHeader header_;
+  bool told_what_broke_ = false;
 };
 
 }  // namespace trilat

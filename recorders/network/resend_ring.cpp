@@ -12,6 +12,11 @@ constexpr std::size_t kItemBytes = 128;  // what an item costs beside its conten
 
 }  // namespace
 
+bool is_torn(const SourceEvent& event) {
+  const auto* depth = std::get_if<DepthFrame>(&event.data);
+  return depth && depth->depth_mm.size() != kDepthPixels;
+}
+
 ResendRing::ResendRing(std::size_t sensors, std::size_t limit_bytes, bool may_drop)
     : limit_bytes_(limit_bytes), may_drop_(may_drop), totals_(sensors) {}
 
@@ -20,6 +25,10 @@ void ResendRing::push(SourceEvent event) {
   if (std::holds_alternative<ClockExchange>(event.data)) return;  // between other clocks than ours
   if (const auto* count = std::get_if<DropCount>(&event.data)) {
     totals_[event.sensor].before_ring = count->at_source + count->in_queue;
+    return tell_totals(event.sensor);
+  }
+  if (is_torn(event)) {
+    ++totals_[event.sensor].torn;
     return tell_totals(event.sensor);
   }
   Item item{next_number_, event.sensor, Bye{}};
@@ -97,23 +106,32 @@ std::optional<std::pair<std::uint64_t, DepthFrame>> ResendRing::fetch_pixels() {
 void ResendRing::put_compressed(std::uint64_t number, EncodedDepthFrame frame) {
   const auto item = find(number);
   if (item == items_.end() || item->number != number) return;
-  bytes_ -= item->bytes;
   const EventMessage message{number, static_cast<std::uint32_t>(item->sensor), std::move(frame)};
   Bytes bytes = std::make_shared<const std::vector<std::byte>>(encode_message(message));
+  bytes_ -= item->bytes;
   item->bytes = kItemBytes + bytes->size();
   item->content = std::move(bytes);
   bytes_ += item->bytes;
 }
 
+void ResendRing::lose_pixels(std::uint64_t number) {
+  const auto item = find(number);
+  if (item == items_.end() || item->number != number) return;
+  const std::size_t sensor = item->sensor;
+  drop(item);
+  count_lost(sensor);
+}
+
 ResendRing::Bytes ResendRing::content_of(Item& item) {
   if (const auto* bytes = std::get_if<Bytes>(&item.content)) return *bytes;
   if (std::holds_alternative<Bye>(item.content))
-    return std::make_shared<const std::vector<std::byte>>(encode_message(ByeMessage{item.number}));
+    return std::make_shared<const std::vector<std::byte>>(
+        encode_message(ByeMessage{item.number, bye_problem_}));
   if (!std::holds_alternative<DropTotals>(item.content)) return nullptr;
   Totals& totals = totals_[item.sensor];
   if (totals.item == item.number) totals.item.reset();
   const EventMessage message{item.number, static_cast<std::uint32_t>(item.sensor),
-                             DropCount{0, totals.before_ring, totals.in_ring}};
+                             DropCount{0, totals.before_ring + totals.torn - totals.earlier, totals.in_ring}};
   return std::make_shared<const std::vector<std::byte>>(encode_message(message));
 }
 
@@ -148,6 +166,21 @@ void ResendRing::resume(std::uint64_t next_number) {
     bye_pending_ = true;
   }
   for (const auto& [number, sensor] : std::exchange(uncertain_, {})) count_lost(sensor);
+}
+
+std::uint64_t ResendRing::start_over() {
+  const auto lost =
+      static_cast<std::uint64_t>(std::ranges::count_if(items_, &Item::frame)) + uncertain_.size();
+  items_.clear();
+  uncertain_.clear();
+  bytes_ = 0;
+  cursor_ = unfetched_ = next_number_;
+  for (Totals& totals : totals_) {
+    totals.earlier = totals.before_ring + totals.torn;
+    totals.in_ring = 0;
+    totals.item.reset();
+  }
+  return lost;
 }
 
 std::uint64_t ResendRing::lost_frames() const {

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,9 @@
 #include "recorders/network/wire.h"
 
 namespace trilat {
+
+// True for a depth frame that is not whole.
+bool is_torn(const SourceEvent& event);
 
 // Everything an agent has taken from its source and the recording machine has not yet acknowledged, numbered
 // in the order of arrival. Where it would grow beyond its limit the oldest frames go, and every loss is
@@ -22,15 +26,21 @@ class ResendRing {
   // Without `may_drop` the limit is one that whoever pushes has to mind, by full().
   ResendRing(std::size_t sensors, std::size_t limit_bytes, bool may_drop);
 
-  // Drops from the front what there is no room for; what was added last always stays.
+  // Drops from the front what there is no room for; what was added last always stays. A depth frame that
+  // came in pieces is left out and counted as lost at the source.
   void push(SourceEvent event);
-  // Nothing more will be pushed: the last message says so.
-  void push_bye() { bye_pending_ = true; }
+  // Nothing more will be pushed: the last message says so, and why the source broke where it did.
+  void push_bye(std::string problem = {}) {
+    bye_problem_ = std::move(problem);
+    bye_pending_ = true;
+  }
 
   // Pixels that are to be compressed: the oldest event that nobody has fetched yet.
   std::optional<std::pair<std::uint64_t, DepthFrame>> fetch_pixels();
   // Does nothing where the event has been dropped in the meantime.
   void put_compressed(std::uint64_t number, EncodedDepthFrame frame);
+  // Likewise; these pixels could not be compressed and are lost.
+  void lose_pixels(std::uint64_t number);
 
   using Bytes = std::shared_ptr<const std::vector<std::byte>>;
   // The next message on this connection, null when there is none that is ready.
@@ -38,6 +48,10 @@ class ResendRing {
   void acknowledge(std::uint64_t next_number);
   // A new connection, whose other side has everything before this number: sends the rest again.
   void resume(std::uint64_t next_number);
+
+  // The other side is gone for good: forgets what it lacks and counts anew, for another one. Returns how many
+  // frames it lacked, as far as is known.
+  std::uint64_t start_over();
 
   bool empty() const { return items_.empty() && !bye_pending_; }
   bool full() const { return bytes_ >= limit_bytes_; }
@@ -58,6 +72,8 @@ class ResendRing {
   };
   struct Totals {
     std::int64_t before_ring = 0;
+    std::int64_t torn = 0;
+    std::int64_t earlier = 0;  // of these two, before it started over
     std::int64_t in_ring = 0;
     std::optional<std::uint64_t> item;  // that will tell them, not yet offered
   };
@@ -74,6 +90,7 @@ class ResendRing {
   bool may_drop_;
   std::size_t bytes_ = 0;
   bool bye_pending_ = false;  // wanted, but behind what is still to be sent
+  std::string bye_problem_;
   std::uint64_t next_number_ = 0;
   std::uint64_t cursor_ = 0;     // the first number not offered to this connection
   std::uint64_t unfetched_ = 0;  // pixels before this number have been fetched

@@ -58,7 +58,7 @@ class AgentIntake {
     if (bye.number < slot_.next_number) return;
     slot_.next_number = bye.number + 1;
     acknowledge(1);
-    state_.book.say_bye(slot_);
+    state_.book.say_bye(slot_, bye.problem);
     if (state_.book.all_said_bye()) state_.queue.close();
   }
   void operator()(const AliveMessage&) {}
@@ -108,7 +108,7 @@ class AgentIntake {
   // Waits for room as long as it takes, and goes on telling the agent that we are there.
   void put(SourceEvent event) {
     while (!state_.queue.push_for(event, kLookPeriod)) {
-      ended_ = !go_on();
+      ended_ = !go_on() || state_.queue.closed();
       if (ended_) return;
       link_.send_sign_of_life(AckMessage{slot_.next_number});
     }
@@ -127,11 +127,12 @@ class AgentIntake {
 // Until the recording begins an agent has nothing to say.
 bool await_begin(ServerState& state, MessageLink& link, AgentSlot& slot) {
   while (!state.stop && !state.book.must_leave(slot)) {
-    while (auto message = link.receive())
-      if (!std::holds_alternative<AliveMessage>(*message)) throw LinkRefused("spoke before it was asked");
+    const auto message = link.receive();
+    if (message && !std::holds_alternative<AliveMessage>(*message))
+      throw LinkRefused("spoke before it was asked");
     if (state.book.begun()) return true;
     link.send_sign_of_life(AckMessage{0});
-    link.wait(kLookPeriod);
+    if (!message) link.wait(kLookPeriod);
   }
   return false;
 }
@@ -144,7 +145,7 @@ void serve_agent(ServerState& state, MessageLink& link, AgentSlot& slot) {
   intake.begin();
   while (intake.go_on() && !intake.ended()) {
     bool heard = false;
-    while (!intake.ended()) {
+    for (int i = 0; i < kMessagesATurn && !intake.ended(); ++i) {
       auto message = link.receive();
       if (!message) break;
       std::visit(intake, *message);

@@ -37,12 +37,14 @@ void take_answer(ServerState& state, const AgentSlot& slot, const Message& messa
 void serve_clock(ServerState& state, MessageLink& link, const AgentSlot& slot, std::uint64_t connection) {
   Ping ping;
   while (!state.stop && state.book.clock_wanted(slot, connection)) {
-    while (auto message = link.receive()) take_answer(state, slot, *message, ping);
+    const auto message = link.receive();
+    if (message) take_answer(state, slot, *message, ping);
     const auto now = Clock::now();
     if (ping.answered && now >= ping.next) {
       ping = {ping.id + 1, steady_now_ns(), false, std::max(ping.next + state.options.exchange_period, now)};
       link.send(ClockPingMessage{ping.id});
     }
+    if (message) continue;
     const auto until_next = std::chrono::ceil<std::chrono::milliseconds>(ping.next - now);
     link.wait(
         std::clamp(ping.answered ? until_next : kLookPeriod, std::chrono::milliseconds(1), kLookPeriod));

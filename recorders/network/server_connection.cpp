@@ -9,28 +9,34 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::chrono::milliseconds kSeeOffLimit{1000};
 
-// Counts one connection down from those whose owner is unknown, at most once.
+// Takes a connection from among the strangers, at once where it says who it is, else when it ends.
 class Pending {
  public:
-  explicit Pending(std::atomic<std::size_t>& count) : count_(&count) {}
+  Pending(PendingStrangers& strangers, const std::shared_ptr<Stranger>& stranger)
+      : strangers_(strangers), stranger_(stranger) {}
   ~Pending() { done(); }
   Pending(const Pending&) = delete;
   Pending& operator=(const Pending&) = delete;
-  void done() {
-    if (count_) --*count_;
-    count_ = nullptr;
-  }
+  void done() { strangers_.remove(stranger_); }
+  bool evicted() const { return stranger_->evicted; }
 
  private:
-  std::atomic<std::size_t>* count_;
+  PendingStrangers& strangers_;
+  const std::shared_ptr<Stranger>& stranger_;
 };
 
-HelloMessage await_hello(ServerState& state, MessageLink& link, Clock::time_point deadline) {
+void must_not_be_evicted(const Pending& pending) {
+  if (pending.evicted()) throw LinkLost("too many connections that have not said who they are");
+}
+
+HelloMessage await_hello(ServerState& state, MessageLink& link, const Pending& pending,
+                         Clock::time_point deadline) {
   while (!state.stop) {
     if (auto message = link.receive()) {
       if (auto* hello = std::get_if<HelloMessage>(&*message)) return std::move(*hello);
       throw LinkRefused("began with something else than hello");
     }
+    must_not_be_evicted(pending);
     if (Clock::now() >= deadline) throw LinkLost("said nothing in time");
     link.wait(kLookPeriod);
   }
@@ -43,9 +49,7 @@ void see_off(MessageLink& link, const Message& last_words) {
   try {
     link.send(last_words);
     while (Clock::now() < deadline) {
-      while (link.receive()) {
-      }
-      link.wait(kLookPeriod);
+      if (!link.receive()) link.wait(kLookPeriod);
     }
   } catch (const LinkLost&) {
   } catch (const LinkRefused&) {
@@ -61,11 +65,13 @@ void serve_admitted(ServerState& state, MessageLink& link, AgentSlot& slot) {
   std::string problem;
   try {
     serve_agent(state, link, slot);
-    if (state.stop) see_off(link, ByeMessage{});
+    if (state.stop || state.queue.closed()) see_off(link, ByeMessage{});
   } catch (const LinkLost& lost) {
     problem = lost.what();
   } catch (const LinkRefused& refused) {
     problem = refused.what();
+  } catch (const std::exception& error) {
+    problem = std::string("its connection met a bug of the program: ") + error.what();
   }
   if (!problem.empty() && !slot.said_bye) tell(state, slot, "connection lost (" + problem + ')');
   state.book.leave(slot);
@@ -79,6 +85,10 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
     if (admitted) return serve_clock(state, link, *admitted->first, admitted->second);
     return see_off(link, RefusalMessage{"this agent does not take part", true});
   }
+  if (hello.recording != 0 && hello.recording != state.recording) {
+    state.refusals.add(from + ": agent \"" + hello.agent + "\" comes from another recording; it is told so");
+    return see_off(link, WelcomeMessage{state.recording, 0});
+  }
   const auto admitted = state.book.admit(hello, link.peer_name());
   if (const auto* refusal = std::get_if<RefusalMessage>(&admitted)) {
     state.refusals.add(from + ": agent \"" + hello.agent + "\": " + refusal->reason);
@@ -88,17 +98,27 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
   serve_admitted(state, link, *std::get<AgentSlot*>(admitted));
 }
 
+std::unique_ptr<ByteLink> secure(ServerState& state, std::unique_ptr<ByteLink> link, const Pending& pending) {
+  if (!state.options.identity) return link;
+  try {
+    return secure_link(std::move(link), *state.options.identity, TlsSide::server,
+                       state.options.handshake_limit, [&] { return state.stop || pending.evicted(); });
+  } catch (const LinkLost&) {
+    must_not_be_evicted(pending);
+    throw;
+  }
+}
+
 }  // namespace
 
-void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const std::string& from) {
-  Pending pending(state.pending);
+void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link,
+                      const std::shared_ptr<Stranger>& stranger) {
+  const std::string& from = stranger->from;
+  Pending pending(state.strangers, stranger);
   const auto deadline = Clock::now() + state.options.handshake_limit;
   try {
-    if (state.options.identity)
-      link = secure_link(std::move(link), *state.options.identity, TlsSide::server,
-                         state.options.handshake_limit, [&] { return state.stop.load(); });
-    MessageLink messages(std::move(link), state.options.silence_limit);
-    const HelloMessage hello = await_hello(state, messages, deadline);
+    MessageLink messages(secure(state, std::move(link), pending), state.options.silence_limit);
+    const HelloMessage hello = await_hello(state, messages, pending, deadline);
     serve_hello(state, messages, hello, pending, from);
   } catch (const LinkLost& lost) {
     state.refusals.add(from + ": " + lost.what());
@@ -106,6 +126,8 @@ void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const 
     state.refusals.add(from + ": " + refused.what());
   } catch (const std::bad_alloc&) {
     state.refusals.add(from + ": no memory for this connection");
+  } catch (const std::exception& error) {
+    state.refusals.add(from + ": this connection met a bug of the program: " + error.what());
   }
 }
 

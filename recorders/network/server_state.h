@@ -7,6 +7,7 @@
 #include "recorders/network/event_queue.h"
 #include "recorders/network/listen_options.h"
 #include "recorders/network/message_link.h"
+#include "recorders/network/pending_strangers.h"
 #include "recorders/network/refusal_log.h"
 
 namespace trilat {
@@ -14,20 +15,24 @@ namespace trilat {
 // What all connections of the recording machine share.
 struct ServerState {
   explicit ServerState(ListenOptions given)
-      : options(std::move(given)), queue(options.queue_bytes), refusals(options.on_refusal) {}
+      : options(std::move(given)),
+        queue(options.queue_bytes),
+        refusals(options.on_refusal),
+        strangers(options.max_pending, options.max_pending_an_address) {}
 
   const ListenOptions options;
   std::uint64_t recording = 0;
   AgentBook book;
   EventQueue queue;
   RefusalLog refusals;
-  std::atomic<std::size_t> pending{0};  // connections that have not yet said who they are
+  PendingStrangers strangers;
   std::atomic<bool> stop{false};
 };
 
-// Everything one connection goes through, until it ends. `from` is the peer's address, for people. Counts
-// down state.pending once.
-void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link, const std::string& from);
+// Everything one connection goes through, until it ends. It is no stranger any more when it has said who it
+// is.
+void serve_connection(ServerState& state, std::unique_ptr<ByteLink> link,
+                      const std::shared_ptr<Stranger>& stranger);
 
 // The data connection of an agent that has been admitted; throws LinkLost and LinkRefused.
 void serve_agent(ServerState& state, MessageLink& link, AgentSlot& slot);

@@ -24,7 +24,10 @@ SocketAddress parse_address(const std::string& text) {
 }
 
 bool is_loopback(const SocketAddress& address) {
-  return address.host == "localhost" || address.host == "::1" || address.host.starts_with("127.");
+  // a name that only begins so could be anybody's
+  const bool literal = address.host.find_first_not_of("0123456789.") == std::string::npos;
+  return address.host == "localhost" || address.host == "::1" ||
+         (literal && address.host.starts_with("127."));
 }
 
 std::string text_of(const SocketAddress& address) {

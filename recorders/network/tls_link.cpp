@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::size_t kBlockBytes = 32u << 10;
+constexpr int kBlocksATurn = 16;  // that may hold nothing for us; a record of TLS is shorter
 constexpr std::size_t kMaxUnsentBytes = 128u << 10;
 constexpr std::size_t kMaxPemBytes = 64u << 10;
 
@@ -109,7 +110,7 @@ class TlsLink : public ByteLink {
   }
 
   std::size_t try_read(std::span<std::byte> into) override {
-    for (;;) {
+    for (int i = 0; i < kBlocksATurn; ++i) {
       ERR_clear_error();
       std::size_t count = 0;
       const int result = SSL_read_ex(tls_.get(), into.data(), into.size(), &count);
@@ -118,6 +119,7 @@ class TlsLink : public ByteLink {
       must_want_bytes(result);
       if (!take_bytes()) return 0;
     }
+    return 0;
   }
   std::size_t try_write(std::span<const std::byte> from) override {
     flush();

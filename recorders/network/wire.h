@@ -14,7 +14,7 @@ namespace trilat {
 
 // What agents and the recording machine say to each other. On the wire a message is its length (u32), a type
 // byte and its fields, all little-endian; texts carry their length (u16) and hold no control characters.
-inline constexpr std::uint16_t kWireVersion = 1;
+inline constexpr std::uint16_t kWireVersion = 2;
 inline constexpr std::size_t kLengthBytes = 4;
 inline constexpr std::size_t kMaxMessageBytes = 2u << 20;        // without the length
 inline constexpr std::size_t kMaxFirstMessageBytes = 96u << 10;  // holds kMaxSessionSensors descriptions
@@ -31,9 +31,11 @@ struct HelloMessage {
   std::uint64_t incarnation = 0;
   bool simulated = false;
   std::vector<SensorDescription> sensors;
+  std::uint64_t recording = 0;  // that this run takes part in; 0: none yet
 };
 
-// The recording has begun: send from this message number on. `recording` tells one from the next.
+// The recording has begun: send from this message number on. `recording` tells one from the next; another
+// than the agent takes part in means that the one before is gone, and that it has to come anew.
 struct WelcomeMessage {
   std::uint64_t recording = 0;
   std::uint64_t next_number = 0;
@@ -74,9 +76,11 @@ struct ClockPongMessage {
   std::int64_t t3_ns = 0;
 };
 
-// From an agent: its last message. From the recording machine: the recording is over.
+// From an agent: its last message, and why its source broke where it did. From the recording machine: the
+// recording is over.
 struct ByeMessage {
   std::uint64_t number = 0;
+  std::string problem{};
 };
 
 using Message = std::variant<HelloMessage, WelcomeMessage, RefusalMessage, ResumeMessage, EventMessage,

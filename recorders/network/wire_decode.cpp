@@ -106,6 +106,7 @@ HelloMessage get_hello(ByteReader& in) {
   hello.role = static_cast<LinkRole>(role);
   hello.agent = in.get_text(kMaxNameBytes);
   hello.incarnation = in.get<std::uint64_t>();
+  hello.recording = in.get<std::uint64_t>();
   hello.simulated = get_flag(in);
   const auto sensors = in.get<std::uint8_t>();
   if (sensors > kMaxSessionSensors) in.refuse();
@@ -126,6 +127,13 @@ ClockPongMessage get_pong(ByteReader& in) {
   pong.t2_ns = in.get<std::int64_t>();
   pong.t3_ns = in.get<std::int64_t>();
   return pong;
+}
+
+ByeMessage get_bye(ByteReader& in) {
+  ByeMessage bye;
+  bye.number = in.get<std::uint64_t>();
+  bye.problem = in.get_text(kMaxTextBytes);
+  return bye;
 }
 
 RefusalMessage get_refusal(ByteReader& in) {
@@ -159,7 +167,7 @@ Message get_message(ByteReader& in, WireType type) {
     case WireType::clock_pong:
       return get_pong(in);
     case WireType::bye:
-      return ByeMessage{in.get<std::uint64_t>()};
+      return get_bye(in);
   }
   in.refuse();
   return AliveMessage{};

@@ -86,6 +86,7 @@ struct PutMessage {
     out.put(hello.role);
     out.put_text(hello.agent, kMaxNameBytes);
     out.put(hello.incarnation);
+    out.put(hello.recording);
     out.put(static_cast<std::uint8_t>(hello.simulated));
     out.put(static_cast<std::uint8_t>(hello.sensors.size()));
     for (const SensorDescription& sensor : hello.sensors) put_sensor(out, sensor);
@@ -109,7 +110,10 @@ struct PutMessage {
     out.put(pong.t2_ns);
     out.put(pong.t3_ns);
   }
-  void operator()(const ByeMessage& bye) { put_number(WireType::bye, bye.number); }
+  void operator()(const ByeMessage& bye) {
+    put_number(WireType::bye, bye.number);
+    out.put_text(bye.problem, kMaxTextBytes);
+  }
 
   void put_number(WireType type, std::uint64_t number) {
     out.put(type);

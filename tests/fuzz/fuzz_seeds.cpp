@@ -9,6 +9,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/session/session_writer.h"
+#include "recorders/network/wire.h"
 #include "tests/datasets/import/made_up_xef.h"
 
 namespace trilat {
@@ -79,6 +80,17 @@ std::string png_seed() {
   return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", shape) + png_chunk("IDAT", deflated) + png_chunk("IEND", "");
 }
 
+std::string wire_seed() {
+  HelloMessage hello;
+  hello.agent = "k1";
+  hello.sensors.resize(1);
+  std::string bytes;
+  for (const Message& message :
+       {Message(hello), Message(EventMessage{0, 0, BodyFrame{}}), Message(ByeMessage{1})})
+    for (const std::byte byte : encode_message(message)) bytes.push_back(static_cast<char>(byte));
+  return bytes;
+}
+
 void write_session(const std::filesystem::path& path) {
   SessionHeader header;
   header.sensors.resize(1);
@@ -109,6 +121,7 @@ void write_seeds(const std::filesystem::path& folder) {
   write_file(seed("png", "zeros"), png_seed());
   write_file(seed("xef", "plain"), xef_seed(false));
   write_file(seed("xef", "archived"), xef_seed(true));
+  write_file(seed("wire", "hello_and_bye"), wire_seed());
   write_session(seed("session", "three_frames"));
 }
 

@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "recorders/network/message_link.h"
+#include "recorders/network/pending_strangers.h"
 #include "recorders/network/socket_link.h"
 #include "tests/recorders/network_rig.h"
 
@@ -199,6 +200,52 @@ TEST(NetworkSiege, TwoHundredSilentConnectionsDoNotDisturb) {
   siege.expect_nothing_lost();
 }
 
+TEST(NetworkSiege, EightySilentConnectionsDoNotLockAnAgentOut) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  std::atomic<bool> ended{false};
+  std::atomic<int> opened{0};
+  std::thread flooder([&] {
+    std::vector<std::unique_ptr<ByteLink>> links(80);
+    std::byte byte[64];
+    while (!ended) {
+      for (auto& link : links) {
+        try {
+          if (link) link->try_read(byte);
+          if (link) continue;
+          link = connect_socket({"127.0.0.1", network.port()}, std::chrono::seconds(5));
+          ++opened;
+        } catch (const LinkLost&) {
+          link.reset();
+        }
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  while (opened < 80) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  MadeSource source("kinect", made_events(5));
+  AgentOptions options = agent_options("k1");
+  RunningAgent agent(source, options, connect_as(keys, "k1", network.port()));
+  EXPECT_NO_THROW(network.wait_for_agents(1, std::chrono::seconds(60)));
+  ended = true;
+  flooder.join();
+}
+
+TEST(PendingStrangers, TheOldestMakesRoomAndOneAddressCannotPushOutOthers) {
+  PendingStrangers strangers(8, 3);
+  const std::chrono::milliseconds at_once{0};
+  const auto honest = strangers.add("10.0.0.7", at_once);
+  std::vector<std::shared_ptr<Stranger>> flood;
+  for (int i = 0; i < 12; ++i) flood.push_back(strangers.add("10.0.0.66", at_once));
+  EXPECT_FALSE(honest->evicted);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(flood[static_cast<std::size_t>(i)]->evicted, i < 9) << i;
+  for (int i = 0; i < 9; ++i) strangers.remove(flood[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 4; ++i) flood.push_back(strangers.add("127.0.0.1", at_once));
+  EXPECT_FALSE(honest->evicted);
+  flood.push_back(strangers.add("::ffff:127.0.0.1", at_once));
+  EXPECT_TRUE(honest->evicted);
+}
+
 TEST(NetworkSiege, RepeatedMessagesDamagedFramesAndASlowReaderDoNotHurt) {
   const TestKeys keys;
   NetworkSource network(listen_options(keys));
@@ -275,6 +322,71 @@ TEST(NetworkSiege, AFullRingIsCountedToTheFrame) {
   for (const SourceEvent& event : received.frames) {
     EXPECT_GT(stamp_of(event).sequence, before);
     before = stamp_of(event).sequence;
+  }
+}
+
+// Sends the same message as fast as it is taken, until the other side has had enough.
+class Flood {
+ public:
+  Flood(std::unique_ptr<MessageLink> link, const Message& message)
+      : link_(std::move(link)), thread_([this, message] { run(message); }) {}
+  ~Flood() {
+    ended_ = true;
+    thread_.join();
+  }
+  std::size_t sent() const { return sent_; }
+
+ private:
+  void run(const Message& message) {
+    try {
+      while (!ended_) {
+        link_->receive();
+        while (!link_->sending() && !ended_) {
+          link_->send(message);
+          ++sent_;
+        }
+      }
+    } catch (const LinkLost&) {
+    } catch (const LinkRefused&) {
+    }
+  }
+  std::unique_ptr<MessageLink> link_;
+  std::atomic<bool> ended_{false};
+  std::atomic<std::size_t> sent_{0};
+  std::thread thread_;
+};
+
+TEST(NetworkSiege, APeerThatNeverPausesDoesNotKeepTheRecordingMachineFromEnding) {
+  for (const bool begun : {false, true}) {
+    const TestKeys keys;
+    auto network = std::make_unique<NetworkSource>(listen_options(keys));
+    auto link = std::make_unique<MessageLink>(connect_as(keys, "k1", network->port())(), kGenerous);
+    link->send(HelloMessage{LinkRole::data, "k1", 1, false, MadeSource("kinect", {}).header().sensors});
+    if (begun) network->wait_for_agents(1, kGenerous);
+    Flood flood(std::move(link), AliveMessage{});
+    while (flood.sent() < 10'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto start = std::chrono::steady_clock::now();
+    network.reset();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60)) << begun;
+  }
+}
+
+TEST(NetworkSiege, AnAgentStartedAnewWhenAllHaveSaidByeIsRefused) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource source("kinect", made_events(5)), again("kinect", made_events(5));
+  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  network.wait_for_agents(1, kGenerous);
+  EXPECT_EQ(receive_all(network).frames.size(), 5u);
+  EXPECT_EQ(agent.report().end, AgentEnd::complete);
+  AgentOptions options = agent_options("k1");
+  options.incarnation = 2;
+  AgentLink anew(again, options, connect_as(keys, "k1", network.port()));
+  try {
+    anew.run();
+    FAIL() << "the recording is over";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.problem(), HasSubstr("the recording is over"));
   }
 }
 

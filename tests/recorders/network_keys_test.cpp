@@ -90,6 +90,14 @@ TEST(SocketAddress, IsHostAndPort) {
     EXPECT_THROW(parse_address(text), InputError) << text;
 }
 
+TEST(SocketAddress, OnlyLiteralAddressesAndLocalhostAreThisMachine) {
+  for (const char* host : {"localhost", "127.0.0.1", "127.9.8.7", "::1", "::ffff:127.0.0.1"})
+    EXPECT_TRUE(is_loopback({host, 1})) << host;
+  for (const char* host :
+       {"127.example.org", "127.0.0.1.nip.io", "", "10.0.0.1", "::", "127.", "::ffff:10.0.0.1"})
+    EXPECT_FALSE(is_loopback({host, 1})) << host;
+}
+
 TEST(SocketAddress, PlainTextStaysOnThisMachineUnlessAllowed) {
   EXPECT_THROW(connect_to_server({"192.0.2.1", 1}, nullptr, false), InputError);
   EXPECT_NO_THROW(connect_to_server({"192.0.2.1", 1}, nullptr, true));

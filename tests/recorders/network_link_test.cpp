@@ -92,6 +92,54 @@ TEST(NetworkLink, TooFewAgentsAreNamedAndNobodyWaitsForEver) {
   EXPECT_THROW(network.wait_for_agents(2, kGenerous, [] { return true; }), Interrupted);
 }
 
+TEST(NetworkLink, TornDepthFramesAreLostAtTheSourceAndTheRestArrives) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource source("kinect", [](std::size_t number) -> std::optional<SourceEvent> {
+    if (number == 30) return std::nullopt;
+    if (number % 3 == 0)
+      return SourceEvent{0, DepthFrame{made_stamp(number), std::vector<std::uint16_t>(number)}};
+    return made_event(number, 1'000'000);
+  });
+  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  network.wait_for_agents(1, kGenerous);
+  const Received received = receive_all(network);
+  EXPECT_EQ(received.frames.size(), 20u);
+  ASSERT_FALSE(received.drops.empty());
+  EXPECT_EQ(received.drops.back().at_source, 10);
+  EXPECT_EQ(agent.report().status.frames_taken, 20u);
+}
+
+TEST(NetworkLink, ASourceThatBreaksIsToldAfterEverythingElse) {
+  const TestKeys keys;
+  NetworkSource network(listen_options(keys));
+  MadeSource broken("kinect",
+                    [](std::size_t number) -> std::optional<SourceEvent> {
+                      if (number == 12) throw InputError("kinect", "is unplugged");
+                      return made_event(number, 8);
+                    }),
+      sound("kinect", made_events(20));
+  RunningAgent first(broken, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  RunningAgent second(sound, agent_options("k2"), connect_as(keys, "k2", network.port()));
+  network.wait_for_agents(2, kGenerous);
+  Received received[2];
+  try {
+    while (auto event = network.next()) put(received[event->sensor], std::move(*event));
+    FAIL() << "a broken source is no clean end";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place(), "agent k1");
+    EXPECT_THAT(error.problem(), HasSubstr("its source broke: kinect: is unplugged"));
+  }
+  EXPECT_FALSE(network.next());
+  expect_made_frames(received[0], 12);
+  expect_made_frames(received[1], 20);
+  EXPECT_THAT(received[0].notices, Contains(HasSubstr("the source broke")));
+  const AgentReport report = first.report();
+  EXPECT_EQ(report.end, AgentEnd::complete);
+  EXPECT_THAT(report.source_problem, HasSubstr("unplugged"));
+  EXPECT_EQ(second.report().source_problem, "");
+}
+
 TEST(NetworkLink, ALinkCutTwentyTimesLosesAndRepeatsNothing) {
   const TestKeys keys;
   NetworkSource network(listen_options(keys));
@@ -246,6 +294,83 @@ TEST(NetworkLink, AnAgentStartedAnewGoesOnInTheSameRecording) {
   }
   expect_made_frames(received, 30);
   EXPECT_THAT(notices, Contains(HasSubstr("started anew")));
+}
+
+// An agent's way to the recording machine: through a proxy, until that machine is replaced by another.
+struct ReplaceableServer {
+  TestKeys keys;
+  NetworkSource first{listen_options(keys)};
+  CuttingProxy proxy{first.port(), {}};
+  NetworkSource second{listen_options(keys)};
+  std::atomic<std::uint16_t> port{proxy.port()};
+
+  ConnectLink connect() {
+    return [this] { return connect_as(keys, "k1", port)(); };
+  }
+  void replace() {
+    port = second.port();
+    proxy.refuse(true);
+    proxy.cut_all();
+  }
+};
+
+TEST(NetworkLink, AnAgentWhoseRecordingIsGoneStartsOverInTheNextOne) {
+  ReplaceableServer server;
+  std::atomic<std::size_t> made{0};
+  std::atomic<bool> enough{false};
+  MadeSource source(
+      "kinect",
+      [&](std::size_t number) -> std::optional<SourceEvent> {
+        if (enough) return std::nullopt;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        made = number;
+        return made_event(number, 1'000'000);
+      },
+      true);
+  RunningAgent agent(source, agent_options("k1"), server.connect());
+  server.first.wait_for_agents(1, kGenerous);
+  Received received;
+  while (received.frames.size() < 20) put(received, *server.first.next());
+  server.replace();
+  while (agent.link().status().recordings_abandoned == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const std::size_t made_before = made;
+  server.second.wait_for_agents(1, kGenerous);
+  Received anew;
+  while (auto event = server.second.next()) {
+    put(anew, std::move(*event));
+    enough = anew.frames.size() >= 20;
+  }
+  const auto first = static_cast<std::size_t>(stamp_of(anew.frames.at(0)).sequence);
+  EXPECT_GE(first, made_before);
+  for (std::size_t i = 0; i < anew.frames.size(); ++i)
+    ASSERT_TRUE(same_frame(anew.frames[i], made_event(first + i, 1'000'000))) << i;
+  EXPECT_TRUE(anew.drops.empty());
+  const AgentReport report = agent.report();
+  EXPECT_EQ(report.end, AgentEnd::complete);
+  EXPECT_EQ(report.status.recordings_abandoned, 1u);
+}
+
+TEST(NetworkLink, AnAgentWhoseSourceHasEndedDoesNotTakePartInTheNextRecording) {
+  ReplaceableServer server;
+  std::atomic<bool> stalled{false};
+  MadeSource source("kinect", [&](std::size_t number) -> std::optional<SourceEvent> {
+    while (!stalled) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return made_events(20)(number);
+  });
+  RunningAgent agent(source, agent_options("k1"), server.connect());
+  server.first.wait_for_agents(1, kGenerous);
+  while (!agent.link().status().recording) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  server.proxy.stall(true);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  stalled = true;
+  while (agent.link().status().frames_taken < 20) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  server.replace();
+  server.proxy.stall(false);
+  const AgentReport report = agent.report();
+  EXPECT_EQ(report.end, AgentEnd::abandoned);
+  EXPECT_EQ(report.status.frames_lost, 20u);
+  EXPECT_THROW(server.second.wait_for_agents(1, std::chrono::milliseconds(300)), InputError);
 }
 
 }  // namespace

@@ -153,6 +153,51 @@ TEST(ResendRing, PixelsDroppedWhileTheyWereCompressedAreCountedOnce) {
   EXPECT_FALSE(ring.empty());
 }
 
+TEST(ResendRing, ATornDepthFrameIsLeftOutAndCountedAsLostAtTheSource) {
+  ResendRing ring(1, 100 << 20, true);
+  ring.push({0, DropCount{1, 5, 0}});
+  ring.push({0, DepthFrame{made_stamp(0), std::vector<std::uint16_t>(kDepthPixels - 1)}});
+  ring.push({0, DepthFrame{made_stamp(1), {}}});
+  EXPECT_FALSE(ring.fetch_pixels());
+  Arrived arrived;
+  arrived.take_all(ring);
+  EXPECT_TRUE(arrived.sequences.empty());
+  EXPECT_EQ(arrived.drops.at_source, 7);
+  EXPECT_EQ(ring.lost_frames(), 0u);
+}
+
+TEST(ResendRing, PixelsThatCannotBeCompressedAreCountedAndHoldNothingUp) {
+  ResendRing ring(1, 100 << 20, true);
+  ring.push({0, made_depth(0)});
+  push_frames(ring, 1, 2);
+  ring.lose_pixels(ring.fetch_pixels()->first);
+  Arrived arrived;
+  arrived.take_all(ring);
+  EXPECT_THAT(arrived.sequences, testing::ElementsAre(1));
+  EXPECT_EQ(arrived.drops.in_queue, 1);
+  ring.acknowledge(arrived.next_number);
+  EXPECT_TRUE(ring.empty());
+}
+
+TEST(ResendRing, StartingOverForgetsWhatTheOtherSideLacksAndCountsAnew) {
+  ResendRing ring(1, 10 * kFrameBytes, true);
+  ring.push({0, DropCount{1, 5, 0}});
+  push_frames(ring, 0, 12);
+  Arrived before;
+  before.take(*ring.next_to_send());
+  const std::uint64_t lost = ring.lost_frames();
+  EXPECT_EQ(lost + ring.start_over(), 12u);
+  EXPECT_TRUE(ring.empty());
+  ring.push({0, DropCount{2, 8, 0}});
+  push_frames(ring, 20, 23);
+  ring.resume(0);
+  Arrived arrived;
+  arrived.take_all(ring);
+  EXPECT_THAT(arrived.sequences, testing::ElementsAre(20, 21, 22));
+  EXPECT_EQ(arrived.drops.at_source, 3);
+  EXPECT_EQ(arrived.drops.in_queue, 0);
+}
+
 TEST(ResendRing, WhatTheSourceLostItselfIsToldBesideWhatTheRingLost) {
   ResendRing ring(1, 10 * kFrameBytes, true);
   ring.push({0, DropCount{1, 5, 2}});

@@ -16,8 +16,8 @@ std::span<const std::byte> body_of(const std::vector<std::byte>& encoded) {
 }
 
 std::vector<Message> one_of_each() {
-  HelloMessage hello{LinkRole::data, "k1", 0xfedcba9876543210u, true,
-                     MadeSource("kinect", {}).header().sensors};
+  HelloMessage hello{
+      LinkRole::data, "k1", 0xfedcba9876543210u, true, MadeSource("kinect", {}).header().sensors, 31};
   EncodedDepthFrame depth{made_stamp(9), std::vector<std::byte>(300, std::byte{0xa5}),
                           ChunkCompression::deflate};
   return {hello,
@@ -32,7 +32,7 @@ std::vector<Message> one_of_each() {
           AliveMessage{},
           ClockPingMessage{4},
           ClockPongMessage{4, -5, 6},
-          ByeMessage{100}};
+          ByeMessage{100, "unplugged"}};
 }
 
 template <class T>
