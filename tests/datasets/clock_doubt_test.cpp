@@ -67,6 +67,13 @@ TEST(ClockDoubt, TheLatenessOfArrivalsIsTold) {
   EXPECT_NEAR(evidence.lateness_p99_s, 0.003 * std::log(100.0), 1e-3);
 }
 
+TEST(ClockDoubt, ADriftThatIsLeftOutIsTold) {
+  const ClockErrors errors =
+      clock_errors({.seconds = 4.0, .sensor_drift_ppm = 5000.0, .arrival_jitter_ms = 0.1});
+  EXPECT_NEAR(errors.evidence.drift_left_out_ppm, -5000.0, 200.0);
+  EXPECT_EQ(clock_errors({}).evidence.drift_left_out_ppm, 0.0);
+}
+
 EachStamp each_of(const std::vector<SimulatedClocks::Frame>& frames) {
   return [&frames](const std::function<void(const FrameStamp&)>& take) {
     for (const auto& frame : frames) take(frame.stamp);
