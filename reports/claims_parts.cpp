@@ -163,7 +163,8 @@ ClaimVerdict real_time(const ClaimEvidence& e) {
                         100.0 * share_of(stage.time.n - stage.time.bins.back(), stage.time.n), stage.time.n,
                         1e6 * stage.time.median_s),
             kCannotTest,
-            "the paper's time also holds body tracking and the network, which are not timed here"};
+            "the paper's time also holds body tracking, which is not timed here, and its network; capture to "
+            "stored, where it is timed, is on loopback on this machine"};
   }
   return not_run("Table IV");
 }

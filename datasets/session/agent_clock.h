@@ -6,13 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "datasets/base/piecewise_clock.h"
-#include "datasets/session/session_types.h"
+#include "datasets/session/offset_doubt.h"
 
 namespace trilat {
-
-struct AgentTag {};
-using AgentTime = Instant<AgentTag>;
 
 // One setting of an agent's clock, from its first exchange to its last: the clock runs on, at a rate of its
 // own that may wander.
@@ -20,10 +16,10 @@ struct AgentSegment {
   AgentTime first, last;
   ClockMap<HostClock, AgentTag> line;
   PiecewiseClock<HostClock, AgentTag> host_from_agent;
-  bool has_drift = false;              // long enough to tell it
-  std::int64_t offset_sigma_ns = 0;    // standard deviation where it is largest, of delays alike both ways
-  std::int64_t offset_bound_ns = 0;    // half the least delay: the most that unlike delays can do to it
-  std::int64_t worst_residual_ns = 0;  // of the exchanges used
+  bool has_drift = false;  // long enough to tell it
+  OffsetSpread spread;
+  std::int64_t offset_sigma_ns = 0;  // the largest from `first` to `last`
+  std::int64_t offset_bound_ns = 0;  // likewise
 };
 
 // How the clock of the machine that stamps arrivals relates to the recording's host clock. Without exchanges
@@ -37,12 +33,15 @@ struct AgentClock {
 
   // By the segment that holds `t`, or lies nearest.
   HostTime operator()(AgentTime t) const;
+  // Of that segment; nothing where there is none.
+  OffsetDoubt doubt(AgentTime t) const;
 };
 
 // From four-stamp exchanges: per segment a straight line through the exchanges of least delay (Theil and
 // Sen's median slope; no drift of its own when they span less than 10 s), or, where that leaves more than 0.3
-// ms in the medians of two neighbouring 10 s, straight pieces through those medians. A constant difference
-// between the delays of both ways moves the clock by half of it, which no exchange can show.
+// ms in the medians of two neighbouring 10 s, straight pieces through those medians. Where one way queues and
+// the other does not, the same midway between the least delays of each way. A constant difference between the
+// delays of both ways moves the clock by half of it, which no exchange can show.
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
 
 }  // namespace trilat

@@ -66,8 +66,13 @@ bool is_straight(const std::vector<LeastLate>& windows) {
 
 SensorLine envelope_line(const TickEpoch& epoch) {
   SensorLine line = whole_envelope(epoch).line();
-  if (std::abs(line.drift) > kMaxDrift && epoch.last - epoch.first < kShortest) line.drift = 0.0;
+  if (drift_left_out(epoch) != 0.0) line.drift = 0.0;
   return line;
+}
+
+double drift_left_out(const TickEpoch& epoch) {
+  const double drift = whole_envelope(epoch).line().drift;
+  return std::abs(drift) > kMaxDrift && epoch.last - epoch.first < kShortest ? drift : 0.0;
 }
 
 SensorLine envelope_line(const TickEpoch& epoch, double drift_of_short) {

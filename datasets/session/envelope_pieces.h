@@ -10,6 +10,9 @@ namespace trilat {
 // be beyond 1000 ppm: in so short a time jitter of the arrivals looks like drift.
 ClockMap<HostClock, SensorClock> envelope_line(const TickEpoch& epoch);
 
+// The drift that `envelope_line` does not take from so short an epoch, or 0.
+double drift_left_out(const TickEpoch& epoch);
+
 // The same with the drift given when the epoch is shorter than 10 s: through its least late frame.
 ClockMap<HostClock, SensorClock> envelope_line(const TickEpoch& epoch, double drift_of_short);
 

@@ -15,6 +15,8 @@ constexpr std::size_t kFewestUsed = 3;
 constexpr double kStraight_ns = 300'000.0;
 constexpr double kCertain_sigmas = 4.0;
 
+}  // namespace
+
 std::vector<std::vector<ClockExchange>> in_windows(const std::vector<ClockExchange>& exchanges) {
   std::vector<std::vector<ClockExchange>> windows;
   for (auto first = exchanges.begin(); first != exchanges.end();) {
@@ -27,8 +29,6 @@ std::vector<std::vector<ClockExchange>> in_windows(const std::vector<ClockExchan
   }
   return windows;
 }
-
-}  // namespace
 
 std::vector<WanderWindow> wander_windows(const std::vector<ClockExchange>& exchanges, std::int64_t base_ns,
                                          const OffsetLine& line, std::int64_t usual_delay_ns) {

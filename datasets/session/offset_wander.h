@@ -16,8 +16,11 @@ struct WanderWindow {
   std::size_t exchanges = 0;
 };
 
-// Windows of 10 s, longer where these hold fewer than twelve exchanges. Exchanges with more than twice
-// `usual_delay_ns` are left out, and windows that keep fewer than three. `exchanges` by t1.
+// 10 s each, longer where these hold fewer than twelve exchanges. `exchanges` by t1.
+std::vector<std::vector<ClockExchange>> in_windows(const std::vector<ClockExchange>& exchanges);
+
+// Of each of these windows. Exchanges with more than twice
+// `usual_delay_ns` are left out, and windows that keep fewer than three.
 std::vector<WanderWindow> wander_windows(const std::vector<ClockExchange>& exchanges, std::int64_t base_ns,
                                          const OffsetLine& line, std::int64_t usual_delay_ns);
 

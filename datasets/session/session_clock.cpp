@@ -55,16 +55,19 @@ SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorCl
   return {ticks.first, ticks.last, ticks.wraps, ticks.frames, line.drift, envelope_pieces(ticks, line)};
 }
 
+const TickEpoch& longest_of(const std::vector<TickEpoch>& ticks) {
+  return *std::max_element(ticks.begin(), ticks.end(),
+                           [](const auto& a, const auto& b) { return a.last - a.first < b.last - b.first; });
+}
+
 // A sensor keeps its crystal when it is restarted: short epochs take the longest one's drift.
 std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks, const std::string& place) {
-  const auto longest = std::max_element(ticks.begin(), ticks.end(), [](const auto& a, const auto& b) {
-    return a.last - a.first < b.last - b.first;
-  });
-  const ClockMap<HostClock, SensorClock> line = checked(envelope_line(*longest), place);
+  const TickEpoch& longest = longest_of(ticks);
+  const ClockMap<HostClock, SensorClock> line = checked(envelope_line(longest), place);
   std::vector<SensorEpoch> epochs;
-  for (auto epoch = ticks.begin(); epoch != ticks.end(); ++epoch)
+  for (const TickEpoch& epoch : ticks)
     epochs.push_back(
-        fit_epoch(*epoch, epoch == longest ? line : checked(envelope_line(*epoch, line.drift), place)));
+        fit_epoch(epoch, &epoch == &longest ? line : checked(envelope_line(epoch, line.drift), place)));
   return epochs;
 }
 
@@ -79,6 +82,31 @@ std::int64_t arrival_distance_ns(const AgentClock& agent, AgentTime arrival, Hos
   for (const AgentSegment& segment : agent.segments)
     least_ns = std::min(least_ns, std::abs((segment.host_from_agent(arrival) - expected).ns));
   return least_ns;
+}
+
+struct PlacedStamp {
+  FrameStamp stamp;
+  HostTime arrival;
+};
+
+StampEvidence evidence_of_stamps(const SensorClockMap& map, const std::vector<PlacedStamp>& placed) {
+  StampEvidence evidence;
+  std::vector<Duration> lateness;
+  for (const auto& [stamp, arrival] : placed) {
+    const OffsetDoubt doubt = map.agent.doubt({stamp.arrival_ns});
+    evidence.doubt = {std::max(evidence.doubt.sigma_ns, doubt.sigma_ns),
+                      std::max(evidence.doubt.bound_ns, doubt.bound_ns),
+                      std::max(evidence.doubt.outside, doubt.outside)};
+    lateness.push_back(arrival - (map(stamp) + map.latency));
+  }
+  const auto quantile = [&](std::size_t percent) {
+    const auto at = lateness.begin() + static_cast<std::ptrdiff_t>((lateness.size() - 1) * percent / 100);
+    std::nth_element(lateness.begin(), at, lateness.end());
+    return *at;
+  };
+  evidence.lateness_median = quantile(50);
+  evidence.lateness_p99 = quantile(99);
+  return evidence;
 }
 
 }  // namespace
@@ -121,15 +149,19 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
   map.agent = checked_agent_clock(exchanges, place + "/clock_exchanges_ns");
   HostArrivals arrivals(map.agent);
   TickEpochs ticks(sensor.tick_ns);
+  std::vector<PlacedStamp> placed;
   each_stamp([&](const FrameStamp& stamp) {
     check_time(stamp.arrival_ns, place);
     if (std::abs(stamp.device_ticks) > kMostNs / sensor.tick_ns) check_time(kMostNs + 1, place);
     const HostArrival arrival = arrivals.place(device_time(sensor, stamp), {stamp.arrival_ns});
     ticks.add(stamp.device_ticks, arrival.time, arrival.certain);
+    placed.push_back({stamp, arrival.time});
   });
   const std::vector<TickEpoch> epochs = ticks.finish();
   if (epochs.empty()) throw InputError(place, "has no frames, so its clock cannot be placed");
   map.epochs = fit_epochs(epochs, place);
+  map.stamps = evidence_of_stamps(map, placed);
+  map.stamps.drift_left_out = drift_left_out(longest_of(epochs));
   return map;
 }
 
@@ -162,9 +194,13 @@ ClockEvidence evidence_of(const SensorClockMap& map) {
     evidence.agent_pieces += segment.host_from_agent.pieces.size();
     if (segment.last - segment.first >= longest) evidence.agent_drift_ppm = segment.line.drift * kPpm;
     longest = std::max(longest, segment.last - segment.first);
-    evidence.offset_sigma_ns = std::max(evidence.offset_sigma_ns, segment.offset_sigma_ns);
-    evidence.offset_bound_ns = std::max(evidence.offset_bound_ns, segment.offset_bound_ns);
   }
+  evidence.offset_sigma_ns = map.stamps.doubt.sigma_ns;
+  evidence.offset_bound_ns = map.stamps.doubt.bound_ns;
+  evidence.outside_exchanges_s = map.stamps.doubt.outside.seconds();
+  evidence.lateness_median_s = map.stamps.lateness_median.seconds();
+  evidence.lateness_p99_s = map.stamps.lateness_p99.seconds();
+  evidence.drift_left_out_ppm = map.stamps.drift_left_out * kPpm;
   evidence.exchanges = map.agent.exchanges;
   evidence.exchanges_used = map.agent.exchanges_used;
   evidence.exchanges_backwards = map.agent.exchanges_backwards;

@@ -23,12 +23,20 @@ struct SensorEpoch {
   PiecewiseClock<HostClock, SensorClock> host_from_sensor;
 };
 
+// What the frames themselves say of the fit, at their worst.
+struct StampEvidence {
+  OffsetDoubt doubt;  // each number's own worst
+  Duration lateness_median, lateness_p99;
+  double drift_left_out = 0.0;
+};
+
 // From a frame's stamps to its exposure on the host clock of the session, the stated latency taken off.
 struct SensorClockMap {
   std::int64_t tick_ns = 100;
   Duration latency;
   AgentClock agent;
   std::vector<SensorEpoch> epochs;  // in the order of the recording
+  StampEvidence stamps;
 
   // Of several epochs that which the stamps fit best.
   HostTime operator()(const FrameStamp& stamp) const;
@@ -56,8 +64,11 @@ struct ClockEvidence {
   double sensor_drift_ppm = 0.0;  // host against sensor, of the epoch with most frames
   double agent_drift_ppm = 0.0;   // host against agent, of the longest segment
   std::size_t exchanges = 0, exchanges_used = 0, exchanges_backwards = 0, exchanges_contradicting = 0;
-  std::int64_t offset_sigma_ns = 0;  // between agent and host, the worst segment's
+  std::int64_t offset_sigma_ns = 0;  // between agent and host, of the frame where it is worst
   std::int64_t offset_bound_ns = 0;  // what unlike delays can add, at most
+  double outside_exchanges_s = 0.0;  // of the frame that is farthest from any exchange
+  double lateness_median_s = 0.0, lateness_p99_s = 0.0;  // of arrivals, above the least late ones
+  double drift_left_out_ppm = 0.0;  // of a sensor, beyond 1000 ppm in less than 5 s; taken as none
 };
 ClockEvidence evidence_of(const SensorClockMap& map);
 

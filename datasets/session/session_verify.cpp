@@ -9,12 +9,14 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/session/arrival_lag.h"
 #include "datasets/session/session_clock.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::uint64_t kBlock = 1024;
+constexpr double kRestart_s = 1.0;  // by so much ticks or arrivals jump at least
 
 struct Place {
   std::string sensor;  // file.h5:/sensors/NAME
@@ -35,18 +37,20 @@ constexpr const char* kDepthUses = "wand calibration, and methods with \"occlusi
 
 // What the stamps of one stream show; counted first, said once.
 struct StampCounts {
-  std::uint64_t sequence_missing = 0, sequence_backward = 0, ticks_backward = 0, arrival_backward = 0,
-                gaps = 0;
+  std::uint64_t sequence_missing = 0, sequence_backward = 0, restarts = 0, ticks_backward = 0,
+                arrival_backward = 0, gaps = 0;
   double longest_gap_s = 0.0;
 
   void add(const FrameStamp& a, const FrameStamp& b, const SensorDescription& sensor, double gap_periods) {
+    const double step_s = (device_time(sensor, b) - device_time(sensor, a)).seconds();
+    const double arrival_step_s = Duration{b.arrival_ns - a.arrival_ns}.seconds();
+    const bool jumps = std::max(std::abs(step_s), std::abs(arrival_step_s)) > kRestart_s;
     if (b.sequence <= a.sequence)
-      ++sequence_backward;
+      ++(jumps ? restarts : sequence_backward);
     else
       sequence_missing += static_cast<std::uint64_t>(b.sequence - a.sequence - 1);
     if (b.device_ticks <= a.device_ticks) ++ticks_backward;
     if (b.arrival_ns < a.arrival_ns) ++arrival_backward;
-    const double step_s = (device_time(sensor, b) - device_time(sensor, a)).seconds();
     if (step_s > gap_periods / sensor.nominal_rate_hz) {
       ++gaps;
       longest_gap_s = std::max(longest_gap_s, step_s);
@@ -57,6 +61,12 @@ struct StampCounts {
     if (sequence_missing > 0)
       place.say(Severity::warning, part,
                 fmt::format("{} frames are missing by their sequence numbers", sequence_missing), kAnswers);
+    if (restarts > 0)
+      place.say(Severity::warning, part,
+                fmt::format("sequence numbers begin anew at {} places, where ticks or arrivals jump: the "
+                            "sensor or its agent was restarted",
+                            restarts),
+                kAnswers);
     if (sequence_backward > 0)
       place.say(Severity::error, part,
                 fmt::format("sequence numbers do not rise at {} places", sequence_backward), kTimes);
@@ -79,14 +89,22 @@ struct StampCounts {
 void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream stream, std::uint64_t frames,
                    double gap_periods, const Place& place, const std::string& part) {
   StampCounts counts;
+  ArrivalLagFinder lag(session.header().sensors[sensor].tick_ns);
   std::optional<FrameStamp> last;
   for (std::uint64_t first = 0; first < frames; first += kBlock) {
     for (const FrameStamp& stamp : session.stamps(sensor, stream, first, std::min(kBlock, frames - first))) {
       if (last) counts.add(*last, stamp, session.header().sensors[sensor], gap_periods);
+      lag.add(stamp);
       last = stamp;
     }
   }
   counts.say(place, part);
+  if (const double behind_s = lag.finish().behind_s; behind_s > 0.0)
+    place.say(
+        Severity::warning, part,
+        fmt::format("arrivals fall behind the sensor's ticks by {:.1f} s: the computer could not keep up",
+                    behind_s),
+        kTimes);
 }
 
 struct BodyCounts {
@@ -211,13 +229,27 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
   constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
   const double sigma_ms = 1e-6 * static_cast<double>(clock.offset_sigma_ns);
   const double bound_ms = 1e-6 * static_cast<double>(clock.offset_bound_ns);
-  if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
+  constexpr double kNear_s = 10.0;
+  if (clock.outside_exchanges_s > kNear_s)
+    place.say(Severity::warning, "/clock_exchanges_ns",
+              fmt::format("frames lie up to {:.1f} s from any exchange; there the clock of the sensor's "
+                          "computer is known to {:.1f} ms (one standard deviation), and unlike delays could "
+                          "add {:.1f} ms",
+                          clock.outside_exchanges_s, sigma_ms, bound_ms),
+              kTimes);
+  else if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
     place.say(
         Severity::warning, "/clock_exchanges_ns",
         fmt::format("the clock of the sensor's computer is known to {:.1f} ms (one standard deviation), and "
                     "unlike delays could add {:.1f} ms",
                     sigma_ms, bound_ms),
         kTimes);
+  if (clock.drift_left_out_ppm != 0.0)
+    place.say(Severity::warning, "",
+              fmt::format("ticks drift by {:.0f} ppm against arrivals, which no clock does; taken as none, "
+                          "since the recording is short",
+                          clock.drift_left_out_ppm),
+              kTimes);
   if (clock.sensor_epochs > 1 || clock.agent_segments > 1)
     place.say(Severity::note, "",
               fmt::format("its clocks were set {} times while recording; each stretch is fitted by itself",

@@ -19,6 +19,9 @@ Json clock_json(const SessionReader& session, std::size_t sensor) {
             {"agent_drift_ppm", e.agent_drift_ppm},
             {"offset_sigma_s", 1e-9 * static_cast<double>(e.offset_sigma_ns)},
             {"offset_bound_s", 1e-9 * static_cast<double>(e.offset_bound_ns)},
+            {"outside_exchanges_s", e.outside_exchanges_s},
+            {"lateness_median_s", e.lateness_median_s},
+            {"lateness_p99_s", e.lateness_p99_s},
             {"exchanges_used", e.exchanges_used},
             {"exchanges_backwards", e.exchanges_backwards},
             {"exchanges_contradicting", e.exchanges_contradicting}};

@@ -56,13 +56,14 @@ ClockTrial simulate_clocks(const RecordingSpec& spec, const NetworkSpec& network
   const double duration_s = static_cast<double>(spec.frames) / spec.rate_hz;
   const Duration there = duration_from_s(network.wire_s + network.asymmetry_s),
                  back = duration_from_s(network.wire_s);
+  const double jitter_back_s = network.jitter_back_s.value_or(network.jitter_s);
   for (std::uint64_t e = 0; static_cast<double>(e) * spec.exchange_period_s <= duration_s; ++e) {
     const RandomStream random = draws.of(Purpose::clock_exchange, e);
     if (random.uniform(0) < network.lost_share) continue;
     const HostTime t1 = kStart + duration_from_s(static_cast<double>(e) * spec.exchange_period_s);
     const HostTime t2 = t1 + there + exponential(random, 1, network.jitter_s);
     const HostTime t3 = t2 + duration_from_s(kAnswer_s);
-    const HostTime t4 = t3 + back + exponential(random, 2, network.jitter_s);
+    const HostTime t4 = t3 + back + exponential(random, 2, jitter_back_s);
     trial.exchanges.push_back({t1.ns, clocks.agent_from_host(t2).ns, clocks.agent_from_host(t3).ns, t4.ns});
   }
   for (std::uint64_t f = 0; f < spec.frames; ++f) {
@@ -71,7 +72,7 @@ ClockTrial simulate_clocks(const RecordingSpec& spec, const NetworkSpec& network
     frame.exposure = kStart + duration_from_s((static_cast<double>(f) + clocks.phase) / spec.rate_hz);
     frame.sent =
         frame.exposure + duration_from_s(spec.latency_s) + exponential(random, 0, spec.arrival_jitter_s);
-    frame.received = frame.sent + back + exponential(random, 1, network.jitter_s);
+    frame.received = frame.sent + back + exponential(random, 1, jitter_back_s);
     frame.stamp = {static_cast<std::int64_t>(f),
                    clocks.sensor_from_host(frame.exposure).ns / trial.sensor.tick_ns,
                    clocks.agent_from_host(frame.sent).ns};

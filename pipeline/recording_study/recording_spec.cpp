@@ -25,6 +25,8 @@ NetworkSpec read_network(JsonObject& object) {
   if (network.wire_s + network.asymmetry_s < 0.0)
     object.refuse("asymmetry_s", "makes messages arrive before they are sent; \"wire_s\" must outweigh it");
   network.jitter_s = number_within(object, "jitter_s", network.jitter_s, 0.0, 1.0);
+  if (object.has("jitter_back_s"))
+    network.jitter_back_s = number_within(object, "jitter_back_s", network.jitter_s, 0.0, 1.0);
   network.lost_share = share_within(object, "lost_share", network.lost_share);
   object.finish();
   return network;
@@ -72,7 +74,14 @@ Json json_of(const NetworkSpec& n) {
           {"wire_s", n.wire_s},
           {"asymmetry_s", n.asymmetry_s},
           {"jitter_s", n.jitter_s},
+          {"jitter_back_s", n.jitter_back_s.value_or(n.jitter_s)},
           {"lost_share", n.lost_share}};
+}
+
+std::string delays_text(const NetworkSpec& n) {
+  const std::string back = n.jitter_back_s ? fmt::format(", {:g} on the way back", *n.jitter_back_s) : "";
+  return fmt::format("{:g} + exponential of mean {:g}{}; {:g} more one way; {:g} of exchanges lost", n.wire_s,
+                     n.jitter_s, back, n.asymmetry_s, n.lost_share);
 }
 
 }  // namespace
@@ -138,10 +147,7 @@ std::vector<DeclaredParameter> recording_parameters(const RecordingSpec& s) {
       {"latency", text(s.latency_s), "s", "at least 20 ms by the sensor's makers; taken as known"},
       {"arrival jitter", text(s.arrival_jitter_s), "s, mean of exponential", kAssumption}};
   for (const NetworkSpec& n : s.networks)
-    list.push_back({n.name,
-                    fmt::format("{:g} + exponential of mean {:g}; {:g} more one way; {:g} of exchanges lost",
-                                n.wire_s, n.jitter_s, n.asymmetry_s, n.lost_share),
-                    "s a message", kAssumption});
+    list.push_back({n.name, delays_text(n), "s a message", kAssumption});
   return list;
 }
 

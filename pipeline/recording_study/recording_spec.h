@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,10 @@ namespace trilat {
 struct NetworkSpec {
   std::string name = "local network";
   double wire_s = 0.0002;
-  double asymmetry_s = 0.0;  // more on the way to the sensor's machine
-  double jitter_s = 0.0005;  // mean of the exponential part
-  double lost_share = 0.01;  // of exchanges
+  double asymmetry_s = 0.0;             // more on the way to the sensor's machine
+  double jitter_s = 0.0005;             // mean of the exponential part
+  std::optional<double> jitter_back_s;  // of messages to the server, where they differ
+  double lost_share = 0.01;             // of exchanges
   bool operator==(const NetworkSpec&) const = default;
 };
 

@@ -276,6 +276,67 @@ TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
   EXPECT_THAT(said, HasSubstr("note the recorder said: unplugged | \n"));
 }
 
+std::vector<std::string> said_of(const std::filesystem::path& path) {
+  std::vector<std::string> said;
+  for (const Finding& f : verify_session(SessionReader(path), {}))
+    said.push_back(std::string(name_of(f.severity)) + " " + f.text);
+  return said;
+}
+
+// The sequence begins anew after ten frames, and ticks go on from `ticks`.
+std::filesystem::path session_with_restart(const std::string& name, std::int64_t ticks) {
+  const auto path = scratch(name);
+  SessionWriter writer(path, header_of(1));
+  for (std::int64_t i = 0; i < 20; ++i) {
+    BodyFrame frame = frame_of(i + 1000, 1);
+    if (i >= 10) {
+      frame.stamp.sequence = i - 10;
+      frame.stamp.device_ticks = ticks + (i - 10) * 333'333;
+    }
+    writer.add_body_frame(0, frame);
+  }
+  writer.finish();
+  return path;
+}
+
+TEST(Session, VerifyKnowsARestartFromDisorder) {
+  EXPECT_THAT(said_of(session_with_restart("restart.h5", 500)),
+              testing::Contains(HasSubstr("warning sequence numbers begin anew at 1 places")));
+  const auto disorder = said_of(session_with_restart("disorder.h5", 1000 + 1010 * 333'333));
+  EXPECT_THAT(disorder, testing::Contains("error sequence numbers do not rise at 1 places"));
+  EXPECT_THAT(disorder, testing::Not(testing::Contains(HasSubstr("begin anew"))));
+}
+
+TEST(Session, VerifySaysThatAComputerCouldNotKeepUp) {
+  const auto path = scratch("behind.h5");
+  {
+    SessionWriter writer(path, header_of(1));
+    for (std::int64_t i = 0; i < 600; ++i) {
+      BodyFrame frame = frame_of(i, 1);
+      frame.stamp.arrival_ns += i * 10'700'000;
+      writer.add_body_frame(0, frame);
+    }
+    writer.finish();
+  }
+  EXPECT_THAT(said_of(path),
+              testing::Contains(HasSubstr("warning arrivals fall behind the sensor's ticks by 6.")));
+}
+
+TEST(Session, VerifySaysHowFarFramesLieFromExchanges) {
+  const auto path = scratch("outside.h5");
+  {
+    SessionWriter writer(path, header_of(1));
+    for (std::int64_t i = 0; i < 900; ++i) writer.add_body_frame(0, frame_of(i, 1));
+    for (std::int64_t i = 0; i < 20; ++i) {
+      const std::int64_t t_ns = 5'000'000'000 + i * 250'000'000;
+      writer.add_clock_exchange(0, {t_ns, t_ns + 200'000, t_ns + 250'000, t_ns + 450'000});
+    }
+    writer.finish();
+  }
+  EXPECT_THAT(said_of(path),
+              testing::Contains(HasSubstr("warning frames lie up to 25.2 s from any exchange")));
+}
+
 // A flush that came half way: rows of some columns and depth without its chunk lie behind what was flushed.
 TEST(Session, ReadersOfAnUnfinishedFileGoByWhatWasFlushed) {
   const auto path = scratch("half.h5");

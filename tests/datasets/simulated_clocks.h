@@ -21,7 +21,8 @@ struct SimulatedClocks {
   double agent_drift_ppm = 30.0, sensor_drift_ppm = -30.0;
   double wander_ms = 0.0, wander_period_s = 300.0;            // of both clocks
   double wire_ms = 0.2, asymmetry_ms = 0.0, jitter_ms = 0.5;  // asymmetry: more on the way to the agent
-  double exchange_every_s = 0.25, lost_share = 0.0;
+  double jitter_back_ms = -1.0;  // on the way to the host; below 0: as the other way
+  double exchange_every_s = 0.25, exchanges_until_s = 1e9, lost_share = 0.0;
   double burst_every_s = 0.0, burst_length_s = 0.0, burst_ms = 0.0;  // of delay, on both ways and of frames
   double agent_step_at_s = 1e9, agent_step_s = 0.0;
   double sensor_restart_at_s = 1e9;
@@ -55,14 +56,15 @@ struct SimulatedClocks {
 
   std::vector<ClockExchange> exchanges() const {
     std::vector<ClockExchange> all;
-    const auto count = static_cast<std::uint64_t>(seconds / exchange_every_s);
+    const auto count = static_cast<std::uint64_t>(std::min(seconds, exchanges_until_s) / exchange_every_s);
+    const double back_ms = jitter_back_ms < 0.0 ? jitter_ms : jitter_back_ms;
     for (std::uint64_t i = 0; i <= count; ++i) {
       if (uniform(3, i) < lost_share) continue;
       const double sent_s = static_cast<double>(i) * exchange_every_s;
       const double more_s = in_burst(sent_s) ? 1e-3 * burst_ms : 0.0;
       const double out_s =
           1e-3 * (wire_ms + asymmetry_ms) + jitter_s(jitter_ms, 1, i) + more_s * uniform(4, i);
-      const double back_s = 1e-3 * wire_ms + jitter_s(jitter_ms, 2, i) + more_s * uniform(5, i);
+      const double back_s = 1e-3 * wire_ms + jitter_s(back_ms, 2, i) + more_s * uniform(5, i);
       const double there_s = sent_s + out_s, answered_s = there_s + 50e-6;
       all.push_back({kStart_ns + std::llround(sent_s * 1e9), agent_ns(there_s), agent_ns(answered_s),
                      kStart_ns + std::llround((answered_s + back_s) * 1e9)});

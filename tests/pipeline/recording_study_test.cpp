@@ -123,6 +123,19 @@ TEST(ClockTrial, NetworksAreComparedOnTheSameDraws) {
   EXPECT_NE(a.frames[10].stamp.arrival_ns, simulate_clocks(spec, {}, 1, 1).frames[10].stamp.arrival_ns);
 }
 
+TEST(ClockTrial, ALoadedWayBackLeavesTheWayThereAlone) {
+  const RecordingSpec spec = spec_of(R"(, "frames": 60, "networks": [{"name": "a", "jitter_back_s": 0.02}])");
+  ASSERT_EQ(spec.networks[0].jitter_back_s, 0.02);
+  const ClockTrial a = simulate_clocks(spec, {}, 0, 1), b = simulate_clocks(spec, spec.networks[0], 0, 1);
+  double there_ns = 0.0, back_ns = 0.0;
+  for (std::size_t i = 0; i < a.exchanges.size(); ++i) {
+    there_ns = std::max(there_ns, std::abs(static_cast<double>(b.exchanges[i].t2_ns - a.exchanges[i].t2_ns)));
+    back_ns = std::max(back_ns, static_cast<double>(b.exchanges[i].t4_ns - a.exchanges[i].t4_ns));
+  }
+  EXPECT_EQ(there_ns, 0.0);
+  EXPECT_GT(back_ns, 1e7);
+}
+
 const ClockErrorRow& row_of(const RecordingSummary& summary, ClockMethod method) {
   return summary.clocks.at(static_cast<std::size_t>(method));
 }

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "datasets/session/arrival_lag.h"
+#include "tests/datasets/simulated_clocks.h"
+
+namespace trilat {
+namespace {
+
+struct Hardship {
+  std::string name;
+  SimulatedClocks clocks;
+};
+
+std::vector<Hardship> hardships() {
+  return {{"none", {}},
+          {"exchanges in the first 9 s", {.exchanges_until_s = 9.0}},
+          {"exchanges in the first 60 s", {.exchanges_until_s = 60.0}},
+          {"one exchange", {.exchanges_until_s = 0.0}},
+          {"two exchanges", {.exchanges_until_s = 0.25}},
+          {"a queue on the way back", {.jitter_back_ms = 20.0}},
+          {"a queue on the way there", {.jitter_ms = 20.0, .jitter_back_ms = 0.5}},
+          {"a queue and a wandering clock", {.wander_ms = 2.0, .jitter_back_ms = 20.0}},
+          {"a queue, exchanges in the first 60 s", {.jitter_back_ms = 20.0, .exchanges_until_s = 60.0}},
+          {"2 ms more one way", {.asymmetry_ms = 2.0}},
+          {"bursts", {.burst_every_s = 120.0, .burst_length_s = 40.0, .burst_ms = 50.0}},
+          {"a step of 2.5 ms", {.agent_step_at_s = 301.7, .agent_step_s = 0.0025}},
+          {"a step of 3.4 ms", {.agent_step_at_s = 301.7, .agent_step_s = 0.0034}}};
+}
+
+TEST(ClockDoubt, NinetyNineFramesOfAHundredLieWithinWhatIsStated) {
+  for (const Hardship& hardship : hardships())
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      SimulatedClocks clocks = hardship.clocks;
+      clocks.seed = seed;
+      const ClockErrors errors = clock_errors(clocks);
+      const double bound_ms = 1e-6 * static_cast<double>(errors.evidence.offset_bound_ns);
+      const double sigma_ms = 1e-6 * static_cast<double>(errors.evidence.offset_sigma_ns);
+      EXPECT_GT(errors.share_within(bound_ms + 4.0 * sigma_ms), 0.99) << hardship.name << ", seed " << seed;
+      EXPECT_GT(sigma_ms, 0.0) << hardship.name;
+    }
+}
+
+TEST(ClockDoubt, AFullRecordingIsNotCalledUncertain) {
+  const ClockEvidence evidence = clock_errors({}).evidence;
+  EXPECT_LT(evidence.offset_sigma_ns, 100'000);
+  EXPECT_LT(evidence.offset_bound_ns, 600'000);
+}
+
+TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinAMillisecond) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_LE(clock_errors({.seed = seed, .jitter_back_ms = 20.0}).max_ms(), 1.0) << seed;
+    EXPECT_LE(clock_errors({.seed = seed, .jitter_ms = 20.0, .jitter_back_ms = 0.5}).max_ms(), 1.0) << seed;
+  }
+}
+
+TEST(ClockDoubt, FramesOutsideTheExchangesAreTold) {
+  EXPECT_NEAR(clock_errors({.exchanges_until_s = 60.0}).evidence.outside_exchanges_s, 540.0, 0.5);
+  EXPECT_LT(clock_errors({}).evidence.outside_exchanges_s, 0.5);
+}
+
+TEST(ClockDoubt, TheLatenessOfArrivalsIsTold) {
+  const ClockEvidence evidence = clock_errors({.arrival_jitter_ms = 3.0}).evidence;
+  EXPECT_NEAR(evidence.lateness_median_s, 0.003 * std::log(2.0), 2e-4);
+  EXPECT_NEAR(evidence.lateness_p99_s, 0.003 * std::log(100.0), 1e-3);
+}
+
+TEST(ClockDoubt, ADriftThatIsLeftOutIsTold) {
+  const ClockErrors errors =
+      clock_errors({.seconds = 4.0, .sensor_drift_ppm = 5000.0, .arrival_jitter_ms = 0.1});
+  EXPECT_NEAR(errors.evidence.drift_left_out_ppm, -5000.0, 200.0);
+  EXPECT_EQ(clock_errors({}).evidence.drift_left_out_ppm, 0.0);
+}
+
+EachStamp each_of(const std::vector<SimulatedClocks::Frame>& frames) {
+  return [&frames](const std::function<void(const FrameStamp&)>& take) {
+    for (const auto& frame : frames) take(frame.stamp);
+  };
+}
+
+ArrivalLag lag_of(const std::vector<SimulatedClocks::Frame>& frames) {
+  SensorDescription sensor;
+  ArrivalLagFinder finder(sensor.tick_ns);
+  each_of(frames)([&](const FrameStamp& stamp) { finder.add(stamp); });
+  return finder.finish();
+}
+
+TEST(ArrivalLag, AComputerThatCannotKeepUpIsTold) {
+  auto frames = SimulatedClocks{.seconds = 20.0}.frames();
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].stamp.arrival_ns += static_cast<std::int64_t>(i) * 10'700'000;
+  EXPECT_NEAR(lag_of(frames).behind_s, 6.4, 0.4);
+  // in leaps, as a queue is emptied
+  frames = SimulatedClocks{.seconds = 20.0}.frames();
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].stamp.arrival_ns += static_cast<std::int64_t>(i / 60) * 640'000'000;
+  EXPECT_NEAR(lag_of(frames).behind_s, 5.8, 0.4);
+}
+
+TEST(ArrivalLag, ClocksThatAreSetOnceOrDriftOrFramesLateForAWhileAreNone) {
+  EXPECT_EQ(lag_of(SimulatedClocks{}.frames()).behind_s, 0.0);
+  EXPECT_EQ(lag_of(SimulatedClocks{.agent_drift_ppm = 300.0}.frames()).behind_s, 0.0);
+  EXPECT_EQ(lag_of(SimulatedClocks{.agent_step_at_s = 301.7, .agent_step_s = 3.0}.frames()).behind_s, 0.0);
+  EXPECT_EQ(lag_of(SimulatedClocks{.sensor_restart_at_s = 250.0}.frames()).behind_s, 0.0);
+  EXPECT_EQ(lag_of(SimulatedClocks{.burst_every_s = 120.0, .burst_length_s = 40.0, .burst_ms = 50.0}.frames())
+                .behind_s,
+            0.0);
+  EXPECT_EQ(lag_of({}).behind_s, 0.0);
+}
+
+}  // namespace
+}  // namespace trilat
