@@ -6,6 +6,7 @@
 #include <set>
 
 #include "datasets/base/error.h"
+#include "datasets/session/session_limits.h"
 
 namespace trilat {
 namespace {
@@ -23,7 +24,7 @@ std::string problem_of(const HelloMessage& hello, const std::string& proven_name
     if (sensor.name.empty() || sensor.name == "." || sensor.name.find('/') != std::string::npos)
       return "its sensor \"" + sensor.name + "\" must have a name, without '/' and not .";
     if (!names.insert(sensor.name).second) return "has two sensors named \"" + sensor.name + '"';
-    const std::string implausible = implausibility_of(sensor.intrinsics);
+    const std::string implausible = refusal_of(sensor);
     if (!implausible.empty()) return "its sensor \"" + sensor.name + "\": " + implausible;
   }
   return {};

@@ -30,7 +30,6 @@ SensorDescription get_sensor(ByteReader& in) {
   sensor.nominal_rate_hz = in.get<double>();
   sensor.latency_ns = in.get<std::int64_t>();
   sensor.has_depth = get_flag(in);
-  if (sensor.tick_ns <= 0 || !(sensor.nominal_rate_hz > 0.0 && sensor.nominal_rate_hz < 1e6)) in.refuse();
   return sensor;
 }
 

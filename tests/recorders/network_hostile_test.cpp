@@ -176,6 +176,12 @@ TEST(NetworkSiege, LateAgentsForeignNamesAndDoublesAreToldWhy) {
   HelloMessage other = hello_of(siege, "k1");
   other.sensors[0].has_depth = false;
   EXPECT_THAT(answer_to(*siege.secured("k1"), {other}), HasSubstr("other sensors"));
+  HelloMessage slow = hello_of(siege, "k2");
+  slow.sensors[0].tick_ns = 2'000'000'000;
+  EXPECT_THAT(answer_to(*siege.secured("k2"), {slow}), HasSubstr("device tick"));
+  slow.sensors[0].tick_ns = 100;
+  slow.sensors[0].nominal_rate_hz = 1e5;
+  EXPECT_THAT(answer_to(*siege.secured("k2"), {slow}), HasSubstr("frame rate"));
   EXPECT_EQ(answer_to(*siege.secured("k2"), {AckMessage{}}), "hung up");
   HelloMessage clock = hello_of(siege, "k2");
   clock.role = LinkRole::clock;

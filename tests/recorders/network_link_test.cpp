@@ -366,7 +366,6 @@ TEST(NetworkLink, AnAgentWhoseSourceHasEndedDoesNotTakePartInTheNextRecording) {
   stalled = true;
   while (agent.link().status().frames_taken < 20) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   server.replace();
-  server.proxy.stall(false);
   const AgentReport report = agent.report();
   EXPECT_EQ(report.end, AgentEnd::abandoned);
   EXPECT_EQ(report.status.frames_lost, 20u);
