@@ -2,6 +2,7 @@
 #include "recorders/network/socket_address.h"
 
 #include <charconv>
+#include <string_view>
 
 #include "datasets/base/error.h"
 
@@ -23,11 +24,29 @@ SocketAddress parse_address(const std::string& text) {
   return address;
 }
 
+namespace {
+
+// 127.0.0.0 to 127.255.255.255, written out; a name that only begins so could be anybody's.
+bool is_loopback_v4(const std::string& text) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int part = 0; part < 4; ++part) {
+    std::uint8_t value = 0;
+    const auto [stop, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (part == 0 && value != 127)) return false;
+    at = stop;
+    if (part < 3 && (at == end || *at++ != '.')) return false;
+  }
+  return at == end;
+}
+
+}  // namespace
+
 bool is_loopback(const SocketAddress& address) {
-  // a name that only begins so could be anybody's
-  const bool literal = address.host.find_first_not_of("0123456789.") == std::string::npos;
-  return address.host == "localhost" || address.host == "::1" ||
-         (literal && address.host.starts_with("127."));
+  constexpr std::string_view kMapped = "::ffff:";
+  const std::string& host = address.host;
+  return host == "localhost" || host == "::1" || is_loopback_v4(host) ||
+         (host.starts_with(kMapped) && is_loopback_v4(host.substr(kMapped.size())));
 }
 
 std::string text_of(const SocketAddress& address) {
