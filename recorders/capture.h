@@ -16,7 +16,7 @@ namespace trilat {
 struct SensorStatus {
   std::string name;
   std::uint64_t body_frames = 0, depth_frames = 0;     // stored
-  std::int64_t lost_at_source = 0, lost_in_queue = 0;  // the latter also those that came in pieces
+  std::int64_t lost_at_source = 0, lost_in_queue = 0;  // the latter also torn ones and impossible times
   double rate_hz = 0.0;  // frames stored a second, of the stream that has more, since the last status
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/base/error.h"
+#include "datasets/session/session_limits.h"
 #include "datasets/session/session_reader.h"
 
 namespace trilat {
@@ -29,6 +30,18 @@ void make_ready(SourceEvent& event, ChunkCompression compression, std::vector<st
 bool is_torn(const SourceEvent& event) {
   const auto* depth = std::get_if<DepthFrame>(&event.data);
   return depth && depth->depth_mm.size() != kDepthPixels;
+}
+
+// False for what would make the whole session unreadable: a time that no clock shows.
+bool is_believable(const SourceEvent& event, const SensorDescription& sensor) {
+  if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) return is_plausible(*exchange);
+  if (const auto* frame = std::get_if<BodyFrame>(&event.data))
+    return is_plausible(frame->stamp, sensor.tick_ns);
+  if (const auto* frame = std::get_if<DepthFrame>(&event.data))
+    return is_plausible(frame->stamp, sensor.tick_ns);
+  if (const auto* frame = std::get_if<EncodedDepthFrame>(&event.data))
+    return is_plausible(frame->stamp, sensor.tick_ns);
+  return true;
 }
 
 }  // namespace
@@ -58,8 +71,9 @@ void CaptureIntake::stop() {
 void CaptureIntake::carry(FrameSource& source, std::size_t first_sensor) {
   try {
     while (auto event = source.next()) {
+      const bool believable = is_believable(*event, source.header().sensors.at(event->sensor));
       event->sensor += first_sensor;
-      if (is_torn(*event)) {
+      if (is_torn(*event) || !believable) {
         queue_.drop(event->sensor);
         continue;
       }

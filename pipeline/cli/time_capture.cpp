@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/time_capture.h"
 
+#include <exception>
 #include <memory>
 #include <thread>
 
@@ -47,8 +48,8 @@ class Machine {
   void run() {
     try {
       link_.run();
-    } catch (const InputError&) {
-      // a refusal; the recorder then waits in vain and says so
+    } catch (const std::exception&) {
+      // the recorder then waits in vain for this machine, or says what it lost
     }
   }
   LoopedSource source_;
@@ -56,8 +57,13 @@ class Machine {
   std::thread thread_;
 };
 
-std::vector<double> record_over_tls(const RecordingSpec& spec, const std::filesystem::path& folder,
-                                    const RecordingHooks& hooks) {
+struct CaptureTimes {
+  std::vector<double> stored_s;
+  std::int64_t lost = 0;
+};
+
+CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::path& folder,
+                             const RecordingHooks& hooks) {
   std::vector<std::string> names;
   for (std::uint64_t s = 0; s < spec.sensors; ++s) names.push_back(fmt::format("k{}", s + 1));
   make_tls_keys(folder, names);
@@ -72,11 +78,11 @@ std::vector<double> record_over_tls(const RecordingSpec& spec, const std::filesy
     machines.push_back(std::make_unique<Machine>(std::make_shared<const SensorFrames>(rendered[s]),
                                                  folder / (names[s] + ".pem"), source->port(), spec));
   source->wait_for_agents(spec.sensors, std::chrono::seconds(60), hooks.stop_requested);
-  std::vector<double> times_s;
+  CaptureTimes times;
   CaptureOptions options;
   options.stop_requested = hooks.stop_requested;
   options.on_depth_stored = [&](const FrameStamp& stamp) {
-    times_s.push_back(1e-9 * static_cast<double>(host_now_ns() - stamp.arrival_ns));
+    times.stored_s.push_back(1e-9 * static_cast<double>(host_now_ns() - stamp.arrival_ns));
   };
   if (hooks.progress)
     options.on_status = [&](const CaptureStatus& s) {
@@ -87,8 +93,11 @@ std::vector<double> record_over_tls(const RecordingSpec& spec, const std::filesy
   const CaptureSummary summary = capture(sources, folder / "session.h5", options);
   if (summary.end == CaptureEnd::stop_requested) throw Interrupted();
   if (summary.end != CaptureEnd::source_ended)
-    throw OutputError((folder / "session.h5").string(), summary.problem);
-  return times_s;
+    throw OutputError(
+        (folder / "session.h5").string(),
+        summary.problem.empty() ? "was not recorded to its end: the disk is nearly full" : summary.problem);
+  for (const SensorStatus& s : summary.last.sensors) times.lost += s.lost_at_source + s.lost_in_queue;
+  return times;
 }
 
 }  // namespace
@@ -97,15 +106,17 @@ std::vector<StageTiming> time_capture(const RecordingSpec& spec, const std::file
                                       const RecordingHooks& hooks) {
   if (spec.capture_s <= 0.0) return {};
   make_folder(folder);
-  std::vector<double> times_s;
+  CaptureTimes times;
   try {
-    times_s = record_over_tls(spec, folder, hooks);
+    times = record_over_tls(spec, folder, hooks);
   } catch (...) {
     std::filesystem::remove_all(folder);
     throw;
   }
   std::filesystem::remove_all(folder);
-  return {{"capture to stored", "compressed, over TLS on loopback", spread_times(std::move(times_s))}};
+  std::string how = "compressed, over TLS on loopback";
+  if (times.lost > 0) how += fmt::format("; {} frames more were lost", times.lost);
+  return {{"capture to stored", how, spread_times(std::move(times.stored_s))}};
 }
 
 }  // namespace trilat

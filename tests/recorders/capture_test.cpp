@@ -188,6 +188,31 @@ TEST(Capture, TornFramesAreLeftOutAndCounted) {
   EXPECT_EQ(summary.last.sensors[0].lost_in_queue, 3);
 }
 
+// One of them in the file would keep a reader from opening it.
+class ImpossibleSource : public PatternSource {
+ public:
+  ImpossibleSource() : PatternSource(1, 10) {}
+  std::optional<SourceEvent> next() override {
+    auto event = PatternSource::next();
+    if (!event) return event;
+    if (auto* frame = std::get_if<BodyFrame>(&event->data); frame && frame->stamp.sequence == 4)
+      frame->stamp.device_ticks = std::int64_t{1} << 62;
+    if (auto* exchange = std::get_if<ClockExchange>(&event->data); exchange && exchange->t1_ns == 5)
+      exchange->t2_ns = -(std::int64_t{1} << 61);
+    return event;
+  }
+};
+
+TEST(Capture, TimesThatNoClockShowsAreLeftOutAndCounted) {
+  const ScratchFolder folder;
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<ImpossibleSource>()), folder / "session.h5", {});
+  EXPECT_EQ(summary.last.sensors[0].lost_in_queue, 2);
+  const SessionReader session(folder / "session.h5");
+  EXPECT_EQ(session.body_frames(0, 0, session.counts(0).body_frames).size(), 9u);
+  EXPECT_EQ(session.clock_exchanges(0).size(), 9u);
+}
+
 TEST(Capture, TwoSensorsOfOneNameAreRefused) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of([&] {
