@@ -6,14 +6,9 @@
 #include <fmt/format.h>
 
 #include "datasets/base/check.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
-
-std::int64_t host_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 CaptureStore::CaptureStore(SessionWriter& writer, const SessionHeader& header, const CaptureOptions& options)
     : writer_(writer),
@@ -53,7 +48,7 @@ void CaptureStore::add(const SourceEvent& event) {
 }
 
 void CaptureStore::notice(std::size_t sensor, const std::string& text) {
-  writer_.add_notice(sensor, {host_now_ns(), text});
+  writer_.add_notice(sensor, {steady_now_ns(), text});
   if (options_.on_notice) options_.on_notice(status_.at(sensor).name, text);
 }
 
@@ -78,7 +73,7 @@ void CaptureStore::note_drops(const CaptureQueue& queue) {
     const std::int64_t dropped = queue.dropped(s) + lost_on_the_way_[s];
     if (dropped == status_[s].lost_in_queue) continue;
     status_[s].lost_in_queue = dropped;
-    writer_.add_drop_count(s, {host_now_ns(), status_[s].lost_at_source, dropped});
+    writer_.add_drop_count(s, {steady_now_ns(), status_[s].lost_at_source, dropped});
   }
 }
 

@@ -39,7 +39,4 @@ class CaptureStore {
   std::vector<std::uint64_t> at_last_status_;
 };
 
-// Now, on the clock that arrivals are stamped with.
-std::int64_t host_now_ns();
-
 }  // namespace trilat

@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/time.h"
-#include "recorders/capture_store.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {
@@ -30,7 +30,7 @@ LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& op
 std::int64_t LiveSource::start() {
   if (!start_ns_) {
     look_ahead();  // what is due first is made before the clock starts
-    start_ns_ = host_now_ns();
+    start_ns_ = steady_now_ns();
   }
   return *start_ns_;
 }
@@ -82,7 +82,7 @@ bool LiveSource::spoiled(SourceEvent& event, std::int64_t due_ns) {
 void LiveSource::move_to_now(SourceEvent& event) const {
   const std::int64_t by_ns = *start_ns_ - options_.origin_ns;
   if (FrameStamp* stamp = stamp_of(event))
-    stamp->arrival_ns = options_.stamp_arrivals ? host_now_ns() : stamp->arrival_ns + by_ns;
+    stamp->arrival_ns = options_.stamp_arrivals ? steady_now_ns() : stamp->arrival_ns + by_ns;
   if (auto* e = std::get_if<ClockExchange>(&event.data))
     for (std::int64_t* t : {&e->t1_ns, &e->t2_ns, &e->t3_ns, &e->t4_ns}) *t += by_ns;
   if (auto* count = std::get_if<DropCount>(&event.data)) count->host_ns += by_ns;
@@ -111,7 +111,7 @@ std::optional<std::pair<std::int64_t, SourceEvent>> LiveSource::earliest() {
 bool LiveSource::too_late(const SourceEvent& event, std::int64_t due_host_ns) const {
   constexpr std::int64_t kLate_ns = 200'000'000;  // six frames
   return options_.stamp_arrivals && stamp_of(const_cast<SourceEvent&>(event)) &&
-         host_now_ns() - due_host_ns > kLate_ns;
+         steady_now_ns() - due_host_ns > kLate_ns;
 }
 
 // A frame whose bodies and depth are both lost is lost once.
@@ -120,7 +120,7 @@ SourceEvent LiveSource::lost(const SourceEvent& event) {
   const std::int64_t number = stamp_of(const_cast<SourceEvent&>(event))->sequence;
   if (number != last_lost_[s]) ++lost_[s];
   last_lost_[s] = number;
-  return {s, DropCount{host_now_ns(), lost_[s], 0}};
+  return {s, DropCount{steady_now_ns(), lost_[s], 0}};
 }
 
 std::optional<SourceEvent> LiveSource::next() {

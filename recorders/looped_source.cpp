@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "datasets/base/check.h"
-#include "recorders/capture_store.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 
@@ -43,7 +43,7 @@ LoopedSource::LoopedSource(std::vector<std::shared_ptr<const SensorFrames>> sens
 FrameStamp LoopedSource::stamp() const {
   const double tick_ns = static_cast<double>(header_.sensors[sensor_].tick_ns);
   return {frame_, static_cast<std::int64_t>(1e9 * static_cast<double>(frame_) / (rate_hz_ * tick_ns)),
-          host_now_ns()};
+          steady_now_ns()};
 }
 
 std::optional<SourceEvent> LoopedSource::next() {

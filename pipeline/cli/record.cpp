@@ -16,9 +16,9 @@
 #include "pipeline/cli/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
-#include "recorders/capture_store.h"
 #include "recorders/network/network_source.h"
 #include "recorders/open_source.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {
@@ -33,7 +33,7 @@ ChunkCompression compression_named(const std::string& name) {
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z at host clock {} ns",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), host_now_ns());
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), steady_now_ns());
 }
 
 std::string_view name_of(CaptureEnd end) {

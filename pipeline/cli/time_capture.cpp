@@ -11,13 +11,13 @@
 #include "datasets/base/files.h"
 #include "pipeline/recording_study/spread_times.h"
 #include "recorders/capture.h"
-#include "recorders/capture_store.h"
 #include "recorders/looped_source.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/agent_link.h"
 #include "recorders/network/network_source.h"
 #include "recorders/network/tls_keys.h"
 #include "recorders/open_source.h"
+#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {
@@ -82,7 +82,7 @@ CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::p
   CaptureOptions options;
   options.stop_requested = hooks.stop_requested;
   options.on_depth_stored = [&](const FrameStamp& stamp) {
-    times.stored_s.push_back(1e-9 * static_cast<double>(host_now_ns() - stamp.arrival_ns));
+    times.stored_s.push_back(1e-9 * static_cast<double>(steady_now_ns() - stamp.arrival_ns));
   };
   if (hooks.progress)
     options.on_status = [&](const CaptureStatus& s) {
