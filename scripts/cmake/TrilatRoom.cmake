@@ -11,7 +11,9 @@ endif()
 
 find_program(TRILAT_CCACHE ccache)
 if(TRILAT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${TRILAT_CCACHE})
+  # What one clone compiled serves another: the cache knows files by their paths inside the project.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${TRILAT_CCACHE})
 endif()
 
 add_library(trilat_flags INTERFACE)

@@ -27,16 +27,30 @@ void wait_for(const std::function<bool()>& condition) {
 
 TEST(Record, WritesASessionAndSaysWhatIsInIt) {
   const ScratchFolder folder;
-  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,drop=0", "--duration-s", "1",
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,drop=0,duration=0.5,speed=max",
                                           "-o", in(folder, "s.h5"), "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const Json json = only_json(ended);
-  EXPECT_EQ(json["end"], "duration_over");
+  EXPECT_EQ(json["end"], "source_ended");
   ASSERT_EQ(json["sensors"].size(), 2u);
   const SessionReader session(folder / "s.h5");
   EXPECT_TRUE(session.complete());
-  EXPECT_EQ(json["sensors"][0]["depth_frames"], session.counts(0).depth_frames);
-  EXPECT_GT(session.counts(0).depth_frames, 5u);
+  for (std::size_t s = 0; s < 2; ++s) {
+    EXPECT_EQ(session.counts(s).depth_frames, 15u);
+    EXPECT_EQ(session.counts(s).body_frames, 15u);
+    EXPECT_EQ(json["sensors"][s]["depth_frames"], 15);
+  }
+}
+
+TEST(Record, EndsWhenItsDurationIsOver) {
+  const ScratchFolder folder;
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,depth=no", "--duration-s", "1",
+                                          "-o", in(folder, "s.h5"), "--json"});
+  EXPECT_EQ(only_json(ended)["end"], "duration_over") << ended.err;
+  const SessionReader session(folder / "s.h5");
+  EXPECT_TRUE(session.complete());
+  EXPECT_GT(session.counts(0).body_frames, 0u);
+  EXPECT_LE(session.counts(0).body_frames, 35u);
   EXPECT_THAT(session.header().started_utc, HasSubstr("at host clock"));
 }
 
