@@ -7,6 +7,7 @@
 #include "pipeline/manifest.h"
 #include "pipeline/plan.h"
 #include "pipeline/results_folder.h"
+#include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
 #include "pipeline/summarise.h"
 
@@ -39,6 +40,7 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   write_manifest(folder, plan, options.stop_requested);
   write_summary(folder, summary);
   write_tracking_summary(folder, outcome.tracking);
+  if (const auto map = rig_gdop(plan)) write_gdop_map(folder, *map);
   if (const auto parameters = read_declared_parameters(campaign.folder); !parameters.empty())
     write_declared_parameters(folder, parameters);
   write_run_record(folder, outcome.times, seconds_since(start), threads);

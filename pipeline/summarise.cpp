@@ -169,7 +169,10 @@ SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelect
   result.mae_m = s.mae_m;
   result.axis_mae_m = {s.axis_mae_m.x(), s.axis_mae_m.y(), s.axis_mae_m.z()};
   result.rmse_m = s.rmse_m;
+  result.p05_m = s.p05_m;
+  result.p25_m = s.p25_m;
   result.median_m = s.median_m;
+  result.p75_m = s.p75_m;
   result.p90_m = s.p90_m;
   result.p95_m = s.p95_m;
   result.max_m = s.max_m;

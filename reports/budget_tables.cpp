@@ -2,10 +2,10 @@
 #include "reports/budget_tables.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
+#include "reports/budget_parts.h"
 #include "reports/table_cells.h"
 
 namespace trilat {
@@ -13,28 +13,6 @@ namespace {
 
 void add_once(std::vector<std::string>& list, const std::string& text) {
   if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
-}
-
-const BudgetRow* find_row(const BudgetSummary& s, const BudgetRow& like, const std::string& source) {
-  for (const BudgetRow& row : s.rows)
-    if (row.source == source && row.method == like.method && row.condition == like.condition &&
-        row.group == like.group && row.alignment == like.alignment)
-      return &row;
-  return nullptr;
-}
-
-double rmse_m(const BudgetSummary& s, const BudgetRow& like, const std::string& source) {
-  const BudgetRow* row = find_row(s, like, source);
-  return row ? row->rmse_m : kNoNumber;
-}
-
-// "none" is in every other source, so it is counted once and taken off the others. NaN when one is not known.
-double sum_m(const BudgetSummary& s, const BudgetRow& like) {
-  const double floor_m2 = std::pow(rmse_m(s, like, "none"), 2);
-  double sum_m2 = floor_m2;
-  for (const std::string& source : s.sources)
-    if (source != "none" && source != "all") sum_m2 += std::pow(rmse_m(s, like, source), 2) - floor_m2;
-  return sum_m2 < 0.0 ? 0.0 : std::sqrt(sum_m2);
 }
 
 Table budget_table(const BudgetSummary& s, const std::string& condition, const std::string& alignment) {
@@ -56,9 +34,9 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
     std::vector<TableValue> cells{TableValue::of(all.group), TableValue::of(all.method)};
     for (const std::string& source : s.sources) {
       if (source == "all") continue;
-      cells.push_back(cm_cell(rmse_m(s, all, source)));
+      cells.push_back(cm_cell(rmse_of_source_m(s, all, source)));
     }
-    const double sum = sum_m(s, all);
+    const double sum = sum_of_sources_m(s, all);
     cells.push_back(cm_cell(sum));
     cells.push_back(cm_cell(all.rmse_m));
     cells.push_back(TableValue::of(sum / all.rmse_m, 2));

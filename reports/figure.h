@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace trilat {
 
+// Its numbers are NaN where there is nothing: a point without x or y is not drawn and ends a line.
 struct FigurePoint {
-  double x = 0.0, y = 0.0;  // NaN, or not above zero on a log axis: not drawn; it ends a line
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double x = 0.0, y = 0.0;
+  double low = kNone, high = kNone;    // an interval about y, what a bar spans, or the ends of a box
+  double least = kNone, most = kNone;  // the whiskers of a box
 };
 
 struct FigureSeries {
-  enum class Style { dots, line };
+  // Intervals are drawn where points have them. A bar spans low to high; a box also has a line at y.
+  enum class Style { dots, line, line_and_dots, bars, boxes };
   std::string name;  // of the numbers
   Style style = Style::dots;
   std::vector<FigurePoint> points;
-  std::string group;  // series of one group share a colour and a legend entry; empty: its own name
+  std::string group{};   // series of one group share a look and a legend entry; empty: its own name
+  std::string method{};  // whose colour it has, the same in every figure; empty: as the group comes
+  double width = 0.8;    // of bars and boxes, in units of x
 };
 
 // A part of the x axis, shaded; those of one name share a legend entry.
@@ -30,23 +39,33 @@ struct FigureLine {
   std::string label;
 };
 
-// A figure of points over x as data; renderings are made from it and never compute.
+// Values over a plane, drawn as colours: values[r * x.size() + c] at (x[c], y[r]).
+struct FigureMap {
+  std::vector<double> x, y, values;
+  std::string label;               // of the colours, with unit
+  double least = 0.0, most = 1.0;  // of the colours; what lies beyond has the colour of the end
+};
+
+// A figure as data, defined once; pictures are drawn from it and never compute.
 struct Figure {
   std::string id;     // usable_id(): a file name
   std::string title;  // says "simulated" where it is
   std::string caption;
   std::string x_label, y_label;  // with units
-  bool log_y = false;
-  std::vector<FigureSeries> series;
-  std::vector<FigureBand> bands;
-  std::vector<FigureLine> lines;
+  bool log_x = false, log_y = false;
+  bool equal_scales = false;           // a unit of x is as long as one of y
+  std::vector<std::string> x_names{};  // what stands at x = 0, 1, …; empty: numbers
+  std::vector<FigureSeries> series{};
+  std::vector<FigureBand> bands{};
+  std::vector<FigureLine> lines{};
+  std::optional<FigureMap> map{};
 };
 
-// A picture that needs nothing else. Axes span the series and lines; a band beyond them is cut. Equal figures
-// give equal bytes.
-std::string svg_of(const Figure& figure);
+// Under which name a series stands in the legend.
+const std::string& group_of(const FigureSeries& series);
 
-// series,x,y with full precision (RFC 4180); what is not a number is an empty field.
+// series,x,y and, where any point has them, low,high and least,most; of a map value too. Full precision (RFC
+// 4180); what is not a number is an empty field, and x is the name that stands there where there are names.
 std::string csv_of(const Figure& figure);
 
 }  // namespace trilat

@@ -85,16 +85,20 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
       auto series = std::find_if(figure.series.begin(), figure.series.end(),
                                  [&](const FigureSeries& other) { return other.name == m.method; });
       if (series == figure.series.end())
-        series = figure.series.insert(figure.series.end(), {m.method, FigureSeries::Style::line, {}, {}});
-      series->points.push_back({static_cast<double>(m.sensors), m.cell->mae_m * kCentimetresPerMetre});
+        series = figure.series.insert(figure.series.end(),
+                                      {m.method, FigureSeries::Style::line_and_dots, {}, {}, m.method});
+      series->points.push_back({static_cast<double>(m.sensors), m.cell->mae_m * kCentimetresPerMetre,
+                                m.cell->mae_low_m * kCentimetresPerMetre,
+                                m.cell->mae_high_m * kCentimetresPerMetre});
     }
     if (figure.series.empty()) continue;
     figure.id = usable_id(fmt::format("sensors-{}", condition));
     figure.title =
         fmt::format("Number of sensors, {}, {}{}", s.campaign, condition, s.simulated ? ", simulated" : "");
     figure.caption = fmt::format(
-        "{}Mean absolute error, average over the joint groups, alignment {}; the table has the intervals and "
-        "how many samples each method answers.",
+        "{}Mean absolute error with its interval, average over the joint groups, alignment {}; the table has "
+        "how "
+        "many samples each method answers.",
         s.simulated ? "Simulated. " : "", alignment);
     figure.x_label = "sensors";
     figure.y_label = "mean absolute error (cm)";

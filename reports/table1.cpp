@@ -1,75 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
-#include <map>
-#include <set>
-
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "reports/sweep_tables.h"
+#include "reports/table1_readings.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostTables = 6;
 constexpr double kNsPerUs = 1e3;
-constexpr double kSameNumber = 1e-9;  // relative
-
-// The readings of one table: alike in all but gradient and stop rule.
-struct Family {
-  std::optional<std::size_t> as_printed;  // eq. 17 and eq. 19 as they stand: errata E7 and E8
-  std::optional<std::size_t> printed;     // eq. 17 as it stands, |F_k - F_{k-1}| < C
-  std::optional<std::size_t> corrected;   // J^T f, |F_k - F_{k-1}| < C
-  bool axis_mean = false;  // the search found that the mean over the axes is what the paper reports
-  bool complete() const { return printed && corrected; }
-};
-
-std::string family_name(const SweepInterpretation& i) {
-  return fmt::format("{}, joint {}, error {}, C in {}, start {}, damping {}, {}", i.rig, i.joint,
-                     i.error_model, i.threshold_unit, i.start, i.damping, i.curvature);
-}
-
-bool reports_axis_mean(const SweepSummary& s, std::size_t reading) {
-  if (!s.search || s.search->errors.best.empty()) return false;
-  const SweepFit& best = s.search->errors.best.front();
-  return best.interpretation == reading && best.reported == "axis_mean";
-}
-
-std::map<std::string, Family> families_of(const SweepSummary& s) {
-  std::map<std::string, Family> families;
-  for (std::size_t k = 0; k < s.interpretations.size(); ++k) {
-    const SweepInterpretation& i = s.interpretations[k];
-    Family& family = families[family_name(i)];
-    family.axis_mean |= reports_axis_mean(s, k);
-    if (i.gradient == "printed" && i.stop == "printed") family.as_printed = k;
-    if (i.gradient == "printed" && i.stop == "objective") family.printed = k;
-    if (i.gradient == "corrected" && i.stop == "objective") family.corrected = k;
-  }
-  return families;
-}
-
-// Of many families, those that a ranking or a comparison names.
-bool is_worth_a_table(const SweepSummary& s, const Family& family, std::size_t families) {
-  if (!family.complete()) return false;
-  if (families <= kMostTables) return true;
-  if (!s.search) return false;
-  for (const SweepCompromise& c : s.search->compromises)
-    if (c.printed == *family.printed || c.corrected == *family.corrected) return true;
-  return false;
-}
-
-bool same(double a, double b) { return std::abs(a - b) <= kSameNumber * std::abs(b); }
-
-bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
-  if (s.thresholds.size() != paper.rows.size() || s.ranges.size() != paper.ranges_cm.size()) return false;
-  bool all = true;
-  for (std::size_t t = 0; t < paper.rows.size(); ++t) all &= same(s.thresholds[t], paper.rows[t].threshold);
-  for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r)
-    all &= same(s.ranges[r].low_m * kCentimetresPerMetre, paper.ranges_cm[r][0]) &&
-           same(s.ranges[r].high_m * kCentimetresPerMetre, paper.ranges_cm[r][1]);
-  return all;
-}
 
 class Column {
  public:
@@ -112,10 +52,10 @@ class Column {
 };
 
 void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimings>& timings,
-              const PrintedTable1& paper, const Family& family) {
-  const bool axis_mean = family.axis_mean;
-  const Column as_printed(s, timings, family.as_printed), printed(s, timings, family.printed),
-      corrected(s, timings, family.corrected);
+              const PrintedTable1& paper, const Table1Readings& readings) {
+  const bool axis_mean = readings.axis_mean;
+  const Column as_printed(s, timings, readings.as_printed), printed(s, timings, readings.printed),
+      corrected(s, timings, readings.corrected);
   for (std::size_t r = 0; r < s.ranges.size(); ++r)
     for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
       const PrintedTable1::Row& row = paper.rows[t];
@@ -173,12 +113,9 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
 std::vector<Table> table1(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   const PrintedTable1 paper = printed_table1();
   std::vector<Table> tables;
-  if (!is_the_papers_grid(s, paper)) return tables;
-  const std::map<std::string, Family> families = families_of(s);
-  for (const auto& [name, family] : families) {
-    if (!is_worth_a_table(s, family, families.size())) continue;
-    Table table = empty_table1(s, name, family.axis_mean, tables.size());
-    add_rows(table, s, timings, paper, family);
+  for (const Table1Readings& readings : table1_readings(s, paper)) {
+    Table table = empty_table1(s, readings.name, readings.axis_mean, tables.size());
+    add_rows(table, s, timings, paper, readings);
     tables.push_back(std::move(table));
   }
   return tables;

@@ -85,7 +85,7 @@ std::vector<std::size_t> shown_methods(const SamplesHeader& header) {
 // Adds `shift` and turns metres into centimetres.
 FigureSeries series_of(const std::string& name, const Path& path, const std::vector<double>& height_m,
                        double shift_m) {
-  FigureSeries series{name, FigureSeries::Style::line, {}, {}};
+  FigureSeries series{name, FigureSeries::Style::line, {}, {}, name};
   for (std::size_t i = 0; i < path.time_s.size() && path.time_s[i] <= kShown_s; ++i)
     series.points.push_back({path.time_s[i], (height_m[i] + shift_m) * kCentimetresPerMetre});
   return series;

@@ -9,16 +9,23 @@
 #include "datasets/base/files.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
+#include "reports/accuracy_figures.h"
 #include "reports/accuracy_tables.h"
+#include "reports/audit.h"
+#include "reports/budget_figures.h"
 #include "reports/budget_tables.h"
 #include "reports/calibration_figures.h"
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
 #include "reports/claims.h"
+#include "reports/clock_figures.h"
+#include "reports/draw_figures.h"
 #include "reports/efficiency.h"
+#include "reports/gdop_figure.h"
 #include "reports/parameters_table.h"
 #include "reports/render.h"
 #include "reports/sensor_counts.h"
+#include "reports/sweep_figures.h"
 #include "reports/sweep_tables.h"
 #include "reports/table4.h"
 #include "reports/tracking_tables.h"
@@ -73,15 +80,18 @@ struct Chapter {
   std::vector<Figure> figures = {};
 };
 
-void append(std::vector<Table>& tables, std::vector<Table> more) {
-  for (Table& table : more) tables.push_back(std::move(table));
+template <class T>
+void append(std::vector<T>& all, std::vector<T> more) {
+  for (T& one : more) all.push_back(std::move(one));
 }
 
 Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
   const ResultsSummary summary = read_summary(path);
   evidence.add(summary);
   Chapter chapter{summary.study, heading_of(summary), table3(summary), sensor_counts_figure(summary)};
-  for (Figure& figure : trajectory_figures(path, summary)) chapter.figures.push_back(std::move(figure));
+  append(chapter.figures, error_box_figures(summary));
+  append(chapter.figures, trajectory_figures(path, summary));
+  if (const auto map = read_gdop_map(path)) chapter.figures.push_back(gdop_figure(*map, summary));
   append(chapter.tables, table2(summary));
   append(chapter.tables, sensor_counts_table(summary));
   append(chapter.tables, accuracy_tables(summary));
@@ -96,7 +106,8 @@ Chapter sweep_chapter(const std::filesystem::path& path, ClaimEvidence& evidence
   const SweepSummary summary = read_sweep_summary(path);
   if (summary.search && !evidence.sweep) evidence.sweep = summary;
   const std::optional<SweepTimings> timings = read_sweep_timings(path);
-  Chapter chapter{summary.study, heading_of(summary), table1(summary, timings)};
+  Chapter chapter{summary.study, heading_of(summary), table1(summary, timings),
+                  sweep_figures(summary, timings)};
   append(chapter.tables, search_tables(summary));
   append(chapter.tables, sweep_tables(summary, timings));
   return chapter;
@@ -113,7 +124,7 @@ Chapter budget_chapter(const std::filesystem::path& path) {
   return {summary.study,
           fmt::format("## {}\n\nError budget of {}, **simulated**: {} participants, seed {}.\n",
                       summary.study, summary.campaign, summary.participants, summary.seed),
-          budget_tables(summary)};
+          budget_tables(summary), budget_figures(summary)};
 }
 
 Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
@@ -126,7 +137,7 @@ Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evid
                       "that frames take are measured.\n",
                       summary.study, summary.seed,
                       summary.interrupted ? "; interrupted: some parts are missing" : ""),
-          table4(summary, timings)};
+          table4(summary, timings), clock_figures(summary)};
 }
 
 Chapter chapter_of(const std::filesystem::path& path, ClaimEvidence& evidence) {
@@ -194,7 +205,11 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   std::vector<Chapter> chapters;
   ClaimEvidence evidence;
   for (const auto& path : results) chapters.push_back(chapter_of(path, evidence));
-  if (evidence.is_of_the_paper()) add_table(claims_table(evidence), "report");
+  if (evidence.is_of_the_paper()) {
+    add_table(claims_table(evidence), "report");
+    add_table(audit_table(), "report");
+    add_table(errata_table(evidence), "report");
+  }
   for (Chapter& chapter : chapters) {
     markdown += "\n" + chapter.heading;
     for (Table& table : chapter.tables) add_table(std::move(table), chapter.study);
@@ -216,9 +231,10 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
     write(table.id + ".csv", csv_of(table));
     write(table.id + ".tex", latex_of(table));
   }
-  for (const Figure& figure : report.figures) {
-    write(figure.id + ".svg", svg_of(figure));
-    write(figure.id + ".csv", csv_of(figure));
+  for (const DrawnFigure& drawn : draw_figures(report.figures)) {
+    write(drawn.figure.id + ".svg", drawn.svg);
+    write(drawn.figure.id + ".pdf", drawn.pdf);
+    write(drawn.figure.id + ".csv", csv_of(drawn.figure));
   }
   return report;
 }

@@ -17,8 +17,8 @@ struct ReportFiles {
 };
 
 // Reads results folders and writes report.md, report.tex (compiles as it is, without figures), per table
-// ID.csv and ID.tex, and per figure ID.svg and ID.csv into `folder`. Nothing is computed again: the same
-// results give the same bytes.
+// ID.csv and ID.tex, and per figure ID.svg, ID.pdf and ID.csv into `folder`. Nothing is computed again: the
+// same results give the same bytes on one machine.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                          const std::filesystem::path& folder);
 

@@ -100,4 +100,27 @@ PrintedClaims printed_claims() {
   return paper;
 }
 
+PrintedErrata printed_errata() {
+  const Json json = parse_json(embedded::errata_json, "datasets/paper/errata.json");
+  JsonObject object(json, "datasets/paper/errata.json", "");
+  PrintedErrata errata;
+  errata.source = object.text("source");
+  for (JsonObject& e : object.objects("errata"))
+    errata.errata.push_back(
+        {e.text("id"), e.text("where"), e.text("printed"), e.text("problem"), e.text("corrected")});
+  JsonObject improvement = object.object("improvement_percent");
+  for (const std::string& where : improvement.keys()) {
+    JsonObject by_method = improvement.object(where);
+    for (const std::string& method : by_method.keys())
+      errata.improvements.push_back({where, method, by_method.number(method)});
+  }
+  errata.largest_wrist_deviation_cm = object.number("largest_wrist_deviation_cm");
+  const std::vector<double> cycles = object.numbers("gait_cycles", 2);
+  errata.gait_cycles = {cycles[0], cycles[1]};
+  JsonObject systems = object.object("systems");
+  errata.systems_named = systems.number("named");
+  errata.systems_shown = systems.number("shown");
+  return errata;
+}
+
 }  // namespace trilat

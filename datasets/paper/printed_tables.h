@@ -99,4 +99,24 @@ struct PrintedClaims {
 
 PrintedClaims printed_claims();
 
+// What the paper prints that cannot be so, in our words, with the numbers of its text that its tables
+// contradict.
+struct PrintedErrata {
+  struct Erratum {
+    std::string id, where, printed, problem, corrected;
+  };
+  struct Improvement {
+    std::string where, method;  // of the abstract or the text; better than which method
+    double percent = 0.0;
+  };
+  std::string source;
+  std::vector<Erratum> errata;
+  std::vector<Improvement> improvements;
+  double largest_wrist_deviation_cm = 0.0;
+  std::array<double, 2> gait_cycles{};
+  double systems_named = 0.0, systems_shown = 0.0;
+};
+
+PrintedErrata printed_errata();
+
 }  // namespace trilat

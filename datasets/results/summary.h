@@ -34,7 +34,10 @@ struct SummaryCell {
   double mae_m = kNoNumber;                       // mean Euclidean distance
   std::array<double, 3> axis_mae_m{kNoNumber, kNoNumber, kNoNumber};  // world x, y, z
   double rmse_m = kNoNumber;
+  double p05_m = kNoNumber;
+  double p25_m = kNoNumber;
   double median_m = kNoNumber;
+  double p75_m = kNoNumber;
   double p90_m = kNoNumber;
   double p95_m = kNoNumber;
   double max_m = kNoNumber;
@@ -147,7 +150,7 @@ struct ResultsSummary {
   std::optional<CrossCheck> cross_check;
 };
 
-// summary.json (results format 2, kind accuracy). NaN is written as null.
+// summary.json (results format 3, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
 // not one.

@@ -34,7 +34,10 @@ Json json_of(const SummaryCell& cell) {
           {"mae_m", cell.mae_m},
           {"axis_mae_m", cell.axis_mae_m},
           {"rmse_m", cell.rmse_m},
+          {"p05_m", cell.p05_m},
+          {"p25_m", cell.p25_m},
           {"median_m", cell.median_m},
+          {"p75_m", cell.p75_m},
           {"p90_m", cell.p90_m},
           {"p95_m", cell.p95_m},
           {"max_m", cell.max_m},
@@ -59,7 +62,10 @@ SummaryCell read_cell(JsonObject& object) {
   cell.mae_m = number_or_nan(object, "mae_m");
   cell.axis_mae_m = read_three(object, "axis_mae_m");
   cell.rmse_m = number_or_nan(object, "rmse_m");
+  cell.p05_m = number_or_nan(object, "p05_m");
+  cell.p25_m = number_or_nan(object, "p25_m");
   cell.median_m = number_or_nan(object, "median_m");
+  cell.p75_m = number_or_nan(object, "p75_m");
   cell.p90_m = number_or_nan(object, "p90_m");
   cell.p95_m = number_or_nan(object, "p95_m");
   cell.max_m = number_or_nan(object, "max_m");

@@ -57,9 +57,12 @@ ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, const QuantileSelecti
   result.mae_m = sums.distance_m_.value() / n;
   for (int axis = 0; axis < 3; ++axis) result.axis_mae_m[axis] = sums.axis_distance_m_[axis].value() / n;
   result.rmse_m = std::sqrt(sums.squared_m2_.value() / n);
-  result.median_m = quantiles[0];
-  result.p90_m = quantiles[1];
-  result.p95_m = quantiles[2];
+  result.p05_m = quantiles[0];
+  result.p25_m = quantiles[1];
+  result.median_m = quantiles[2];
+  result.p75_m = quantiles[3];
+  result.p90_m = quantiles[4];
+  result.p95_m = quantiles[5];
   result.max_m = sums.max_m_;
   return result;
 }

@@ -51,7 +51,7 @@ class ErrorSums {
 };
 
 // The quantiles a cell needs, in this order; values are |error| of the answered items.
-inline const std::vector<double> kErrorQuantiles{0.5, 0.9, 0.95};
+inline const std::vector<double> kErrorQuantiles{0.05, 0.25, 0.5, 0.75, 0.9, 0.95};
 
 // Everything but the counts is NaN when nothing was answered; coverage is NaN when nothing was
 // asked.
@@ -63,7 +63,10 @@ struct ErrorStatistics {
   double mae_m = kNaN;                                           // mean of |error|, as in the paper
   Eigen::Vector3d axis_mae_m = Eigen::Vector3d::Constant(kNaN);  // mean of |x|, |y|, |z|
   double rmse_m = kNaN;                                          // sqrt(mean of |error|^2)
+  double p05_m = kNaN;
+  double p25_m = kNaN;
   double median_m = kNaN;
+  double p75_m = kNaN;
   double p90_m = kNaN;
   double p95_m = kNaN;
   double max_m = kNaN;

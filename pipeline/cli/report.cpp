@@ -3,13 +3,47 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
 #include "pipeline/cli/verbs.h"
+#include "reports/audit.h"
+#include "reports/render.h"
 #include "reports/write_report.h"
 
 namespace trilat {
 
+namespace {
+
+Json json_of(const Table& table) {
+  Json rows = Json::array();
+  for (const auto& row : table.rows) {
+    Json object = Json::object();
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (row[c].number)
+        object[table.columns[c].key] = *row[c].number;
+      else
+        object[table.columns[c].key] = row[c].text;
+    }
+    rows.push_back(std::move(object));
+  }
+  return rows;
+}
+
+int print_audit(bool json) {
+  const Table table = audit_table();
+  fmt::print("{}\n",
+             json ? json_text({{"title", table.title}, {"rows", json_of(table)}}, 2) : markdown_of(table));
+  return kDone;
+}
+
+}  // namespace
+
 int report(const ReportArguments& arguments) {
+  if (arguments.audit && arguments.results.empty()) return print_audit(arguments.json);
+  if (arguments.results.empty())
+    throw InputError("trilat report",
+                     "needs results folders, or --audit for what the paper's own numbers imply");
+  if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
   const ReportFiles files = write_report(arguments.results, arguments.output);
   if (arguments.json) {
     Json list = Json::array();

@@ -113,6 +113,7 @@ int run_recording_study(const RunArguments& arguments, const Json& study);
 struct ReportArguments {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
+  bool audit = false;  // of the paper alone; needs no results
   bool json = false;
 };
 int report(const ReportArguments& arguments);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "datasets/results/gdop_map.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "tests/support/scratch.h"
@@ -26,7 +27,10 @@ SummaryCell full_cell() {
   cell.mae_m = 0.1 + 0.2;  // no short decimal
   cell.axis_mae_m = {1.0 / 3.0, 0.0, 1e-17};
   cell.rmse_m = 0.4;
+  cell.p05_m = 0.1;
+  cell.p25_m = 0.2;
   cell.median_m = 0.25;
+  cell.p75_m = 0.5;
   cell.p90_m = 0.6;
   cell.p95_m = 0.7;
   cell.max_m = 1e3;
@@ -85,7 +89,10 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
                                                {a.axis_mae_m[1], b.axis_mae_m[1]},
                                                {a.axis_mae_m[2], b.axis_mae_m[2]},
                                                {a.rmse_m, b.rmse_m},
+                                               {a.p05_m, b.p05_m},
+                                               {a.p25_m, b.p25_m},
                                                {a.median_m, b.median_m},
+                                               {a.p75_m, b.p75_m},
                                                {a.p90_m, b.p90_m},
                                                {a.p95_m, b.p95_m},
                                                {a.max_m, b.max_m},
@@ -199,7 +206,7 @@ TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 1})");
   EXPECT_THAT(
       message_of([&] { read_summary(folder.path()); }),
-      HasSubstr("summary.json /version: is another version; this program reads version 2 of results of "
+      HasSubstr("summary.json /version: is another version; this program reads version 3 of results of "
                 "kind \"accuracy\""));
   write_file(folder / "summary.json", R"({"format": "coverage.py", "version": 1})");
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
@@ -267,6 +274,24 @@ TEST(Samples, OtherFilesAreRefusedWithTheReason) {
     EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "cut.h5").read(0, 0, 10); }),
                 HasSubstr("cut.h5"));
   }
+}
+
+TEST(GdopMap, ComesBackWithItsGapsAndInfinities) {
+  const ScratchFolder folder;
+  const double infinity = std::numeric_limits<double>::infinity();
+  write_gdop_map(folder.path(),
+                 {"t1", 1.0, {0.0, 1.0}, {2.0}, {kNoNumber, infinity}, {"k1"}, {{1.0, 2.0, 3.0}}});
+  const auto map = read_gdop_map(folder.path());
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->take, "t1");
+  EXPECT_TRUE(std::isnan(map->gdop.at(0)));
+  EXPECT_EQ(map->gdop.at(1), infinity);
+  EXPECT_EQ(map->position_m.at(0)[2], 3.0);
+  write_file(folder / "gdop_map.json",
+             R"({"format": "trilat.gdop_map", "version": 1, "take": "t", "height_m": 1,
+      "x_m": [0, 1], "z_m": [0], "gdop": [1], "sensors": []})");
+  EXPECT_THAT(message_of([&] { read_gdop_map(folder.path()); }),
+              HasSubstr("/gdop: must have a number for each"));
 }
 
 }  // namespace

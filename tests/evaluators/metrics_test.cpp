@@ -139,6 +139,9 @@ TEST(ErrorStatistics, ByPencil) {
   EXPECT_NEAR(s.mae_m, (5.0 + 1.0 + 3.0) / 3.0, 1e-15);
   EXPECT_LT((s.axis_mae_m - Vector3d(5, 5, 3) / 3.0).norm(), 1e-15);
   EXPECT_NEAR(s.rmse_m, std::sqrt((25.0 + 1.0 + 9.0) / 3.0), 1e-15);
+  EXPECT_NEAR(s.p05_m, 1.0 + 0.1 * 2.0, 1e-15);  // position 0.1
+  EXPECT_NEAR(s.p25_m, 1.0 + 0.5 * 2.0, 1e-15);
+  EXPECT_NEAR(s.p75_m, 3.0 + 0.5 * 2.0, 1e-15);
   EXPECT_EQ(s.median_m, 3.0);
   EXPECT_NEAR(s.p90_m, 3.0 + 0.8 * 2.0, 1e-15);  // position 1.8
   EXPECT_NEAR(s.p95_m, 3.0 + 0.9 * 2.0, 1e-15);

@@ -8,6 +8,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
+#include "reports/budget_figures.h"
 #include "reports/render.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
@@ -129,6 +130,22 @@ TEST(BudgetTables, TheReportOfABudgetHoldsThem) {
   EXPECT_THAT(markdown, HasSubstr("Error budget of paper, **simulated**: 2 participants, seed 9."));
   EXPECT_THAT(markdown, HasSubstr("5.00"));
   EXPECT_THAT(markdown, HasSubstr("what is systematic"));
+}
+
+// Parts are in square centimetres: 1 always, 9 of jitter and 15 of bias; observed are 16.
+TEST(BudgetFigures, TheBarsOfAJointEndWhereTheNextBeginAndAtTheSum) {
+  const std::vector<Figure> figures = budget_figures(pencil_budget());
+  ASSERT_EQ(figures.size(), 1u);
+  const Figure& figure = figures[0];
+  ASSERT_EQ(figure.series.size(), 4u);
+  EXPECT_THAT(figure.x_names, testing::ElementsAre("wrist"));
+  const double edges_cm2[] = {0.0, 1.0, 10.0, 25.0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(figure.series[k].points.at(0).low, edges_cm2[k], 1e-9);
+    EXPECT_NEAR(figure.series[k].points.at(0).high, edges_cm2[k + 1], 1e-9);
+  }
+  EXPECT_NEAR(figure.series[3].points.at(0).y, 16.0, 1e-9);
+  EXPECT_THAT(figure.title, HasSubstr("simulated"));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST(CalibrationTables, WhatIsNotKnownIsADashAndNotANan) {
   }
   for (const std::string& sentence : calibration_sentences(s)) EXPECT_THAT(sentence, Not(HasSubstr("nan")));
   for (const Figure& figure : calibration_figures(s)) {
-    EXPECT_THAT(svg_of(figure), Not(HasSubstr("nan")));
+    EXPECT_THAT(csv_of(figure), Not(HasSubstr("nan")));
     EXPECT_THAT(figure.caption, Not(HasSubstr("nan")));
   }
 }

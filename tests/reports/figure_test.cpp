@@ -3,10 +3,13 @@
 
 #include <cmath>
 #include <limits>
+#include <regex>
 
 #include <gmock/gmock.h>
 
-#include "reports/figure_axis.h"
+#include "reports/draw_figures.h"
+#include "reports/figure_look.h"
+#include "reports/figure_script.h"
 
 namespace trilat {
 namespace {
@@ -14,25 +17,24 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::Not;
+using testing::StartsWith;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<std::string> labels_of(const FigureAxis& axis) {
-  std::vector<std::string> labels;
-  for (const AxisTick& tick : axis.ticks)
-    if (!tick.label.empty()) labels.push_back(tick.label);
-  return labels;
-}
-
 Figure small_figure() {
   Figure figure;
-  figure.id = "small";
+  figure.id = "small-figure_1.5";
   figure.title = "A title";
   figure.x_label = "x (m)";
   figure.y_label = "y (cm)";
-  figure.series = {{"dots", FigureSeries::Style::dots, {{0.0, 0.0}, {100.0, 6.0}}, {}}};
+  figure.series = {{"dots", FigureSeries::Style::dots, {{0.0, 0.0}, {100.0, 6.0}}}};
   return figure;
+}
+
+FigureSeries line_of(const std::string& name, std::vector<FigurePoint> points) {
+  return {name, FigureSeries::Style::line, std::move(points)};
 }
 
 std::size_t count_of(const std::string& text, const std::string& part) {
@@ -41,134 +43,174 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return n;
 }
 
-TEST(FigureAxis, TicksAreOneTwoOrFiveApart) {
-  EXPECT_THAT(labels_of(linear_axis({0.0, 6.0})), ElementsAre("0", "1", "2", "3", "4", "5", "6"));
-  EXPECT_THAT(labels_of(linear_axis({0.0, 7.0})), ElementsAre("0", "2", "4", "6", "8"));
-  EXPECT_THAT(labels_of(linear_axis({0.0, 30.0})), ElementsAre("0", "5", "10", "15", "20", "25", "30"));
-  EXPECT_THAT(labels_of(linear_axis({-0.1, 0.5})),
-              ElementsAre("-0.1", "0.0", "0.1", "0.2", "0.3", "0.4", "0.5"));
+// The rows of the first data block.
+std::vector<std::string> rows_of(const std::string& script) {
+  std::vector<std::string> rows;
+  const std::size_t begin = script.find("<< EOD\n") + 7;
+  for (std::size_t at = begin; script.compare(at, 4, "EOD\n") != 0;) {
+    const std::size_t end = script.find('\n', at);
+    rows.push_back(script.substr(at, end - at));
+    at = end + 1;
+  }
+  return rows;
 }
 
-TEST(FigureAxis, ATightAxisEndsAFiftiethBeyondTheValues) {
-  const FigureAxis axis = linear_axis_tight({0.0, 100.0});
-  EXPECT_DOUBLE_EQ(axis.low, -2.0);
-  EXPECT_DOUBLE_EQ(axis.high, 102.0);
-  EXPECT_THAT(labels_of(axis), ElementsAre("0", "20", "40", "60", "80", "100"));
+DrawnFigure drawn(const Figure& figure) { return draw_figures({figure}).at(0); }
+
+TEST(FigureScript, TheAxisEndsAFiftiethBeyondThePoints) {
+  EXPECT_THAT(gnuplot_script(small_figure()), HasSubstr("set xrange [-2:102]"));
 }
 
-TEST(FigureAxis, ALogAxisEndsAtOneTwoOrFive) {
-  const FigureAxis axis = log_axis({0.3, 40.0, 0.0, -1.0, kNan});
-  EXPECT_DOUBLE_EQ(axis.low, 0.2);
-  EXPECT_DOUBLE_EQ(axis.high, 50.0);
-  EXPECT_THAT(labels_of(axis), ElementsAre("0.2", "0.5", "1", "2", "5", "10", "20", "50"));
-  EXPECT_NEAR(axis.at(std::sqrt(0.2 * 50.0)), 0.5, 1e-12);
-}
-
-TEST(FigureAxis, ALogAxisOfManyDecadesLabelsPowersOfTenOnly) {
-  EXPECT_THAT(labels_of(log_axis({0.01, 10000.0})),
-              ElementsAre("0.01", "0.1", "1", "10", "100", "1000", "10000"));
-}
-
-TEST(FigureAxis, OneValueOrNoneStillSpansSomething) {
-  for (const std::vector<double>& values :
-       {std::vector<double>{}, {kNan}, {0.0}, {5.0}, {-3.0}, {10.0, 10.0}})
-    for (const FigureAxis& axis : {linear_axis(values), linear_axis_tight(values), log_axis(values)}) {
-      EXPECT_LT(axis.low, axis.high);
-      EXPECT_GE(axis.ticks.size(), 2u);
-      for (const AxisTick& tick : axis.ticks) {
-        EXPECT_GE(axis.at(tick.value), -1e-9);
-        EXPECT_LE(axis.at(tick.value), 1.0 + 1e-9);
-      }
-    }
-}
-
-// The axis spans -2 to 102 over 664 px from 72 px on; a title line and a legend row lie above 65 px.
-TEST(Figure, ABandLiesWhereItsEndsAre) {
+TEST(FigureScript, NothingInATextIsACommand) {
   Figure figure = small_figure();
-  figure.bands = {{10.0, 60.0, "a band"}};
-  EXPECT_THAT(svg_of(figure), HasSubstr("<rect x=\"148.62\" y=\"65.00\" width=\"319.23\" height=\"360.00\""));
+  figure.title = "it's `date` and \"x\"\n; system 'y'";
+  figure.series[0].name = "a'; set output 'b";
+  figure.lines = {{1.0, "`c`"}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_THAT(script, AllOf(HasSubstr("set title 'it''s `date` and \"x\" ; system ''y''' "),
+                            HasSubstr("title 'a''; set output ''b'"), HasSubstr("title '`c`'")));
 }
 
-TEST(Figure, ABandBeyondTheAxisIsCutAndOneOutsideIsLeftOut) {
+TEST(FigureScript, ALongTitleIsBrokenIntoLines) {
   Figure figure = small_figure();
-  figure.bands = {{50.0, 1e9, "a band"}};
-  EXPECT_THAT(svg_of(figure), HasSubstr("<rect x=\"404.00\" y=\"65.00\" width=\"332.00\" height=\"360.00\""));
-  const std::size_t plain = count_of(svg_of(figure), "<rect");
-  figure.bands = {{200.0, 300.0, "a band"}};
-  EXPECT_EQ(count_of(svg_of(figure), "<rect"), plain - 1);
+  figure.title = std::string(60, 'a') + ' ' + std::string(60, 'b');
+  EXPECT_THAT(gnuplot_script(figure),
+              HasSubstr('\'' + std::string(60, 'a') + "'.\"\\n\".'" + std::string(60, 'b') + '\''));
 }
 
-// y spans 0 to 6 over 360 px that end at 425 px.
-TEST(Figure, AReferenceLineLiesAtItsValueAndWidensTheAxis) {
+TEST(FigureScript, WhatIsNoNumberIsNotDrawnAndEndsALine) {
   Figure figure = small_figure();
-  figure.lines = {{3.0, "limit"}};
-  EXPECT_THAT(svg_of(figure), AllOf(HasSubstr("M72.00 245.00h664.00\" fill=\"none\" stroke=\"#222222\""),
-                                    HasSubstr(">limit</text>")));
-  figure.lines = {{12.0, "limit"}};
-  EXPECT_THAT(svg_of(figure), HasSubstr(">12</text>"));
+  figure.series = {line_of("line", {{0.0, 1.0}, {1.0, kNan}, {2.0, kNan}, {3.0, 4.0}, {kNan, 5.0}})};
+  EXPECT_THAT(rows_of(gnuplot_script(figure)), ElementsAre("0 1 1 1", "", "3 4 4 4", ""));
 }
 
-TEST(Figure, TextIsEscaped) {
-  Figure figure = small_figure();
-  figure.title = "a < b & \"c\" > d\n";
-  figure.series[0].name = "<script>";
-  const std::string svg = svg_of(figure);
-  EXPECT_THAT(svg, AllOf(HasSubstr("a &lt; b &amp; &quot;c&quot; &gt; d"), HasSubstr("&lt;script&gt;"),
-                         Not(HasSubstr("<script"))));
-}
-
-TEST(Figure, WhatIsNoNumberIsNotDrawn) {
-  Figure figure = small_figure();
-  figure.series[0].points.push_back({50.0, kNan});
-  figure.series[0].points.push_back({kNan, 5.0});
-  figure.series[0].points.push_back({std::numeric_limits<double>::infinity(), 5.0});
-  const std::string svg = svg_of(figure);
-  EXPECT_THAT(svg, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf\""))));
-  EXPECT_EQ(svg, svg_of(small_figure()));
-}
-
-TEST(Figure, ALogAxisLeavesOutWhatIsNotAboveZero) {
+TEST(FigureScript, ALogAxisLeavesOutWhatIsNotAboveZero) {
   Figure figure = small_figure();
   figure.log_y = true;
-  figure.series[0].points.push_back({50.0, -1.0});
-  const std::string svg = svg_of(figure);
-  EXPECT_THAT(svg, Not(HasSubstr("nan")));
-  EXPECT_EQ(count_of(svg, "<circle"), 2u);  // one in the legend
+  figure.series[0].points = {{0.0, 0.0}, {50.0, -1.0}, {100.0, 6.0, -1.0, 7.0}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_THAT(rows_of(script), ElementsAre("100 6 6 6"));  // an interval that goes below zero has no place
+  EXPECT_THAT(script, Not(HasSubstr("yerrorbars")));
 }
 
-TEST(Figure, AMissingPointEndsALine) {
+TEST(FigureScript, SeriesOfOneGroupAreOneEntryOfTheLegend) {
   Figure figure = small_figure();
-  figure.series = {
-      {"line", FigureSeries::Style::line, {{0.0, 1.0}, {1.0, 2.0}, {2.0, kNan}, {3.0, 4.0}, {4.0, 5.0}}, {}}};
-  const std::string svg = svg_of(figure);
-  EXPECT_EQ(count_of(svg, "h0L"), 2u);
+  figure.series = {line_of("unit 0", {{0.0, 1.0}, {1.0, 2.0}}), line_of("unit 1", {{0.0, 2.0}, {1.0, 3.0}})};
+  figure.series[0].group = figure.series[1].group = "depth";
+  const std::string script = gnuplot_script(figure);
+  EXPECT_EQ(count_of(script, "title 'depth'"), 1u);
+  EXPECT_THAT(rows_of(script), ElementsAre("0 1 1 1", "1 2 2 2", "", "0 2 2 2", "1 3 3 3"));
 }
 
-TEST(Figure, SeriesOfOneGroupShareColourAndLegend) {
+TEST(FigureScript, BandsOfOneNameAreOneEntryOfTheLegend) {
   Figure figure = small_figure();
-  figure.series = {{"unit 0", FigureSeries::Style::line, {{0.0, 1.0}, {1.0, 2.0}}, "depth"},
-                   {"unit 1", FigureSeries::Style::line, {{0.0, 2.0}, {1.0, 3.0}}, "depth"}};
-  const std::string svg = svg_of(figure);
-  EXPECT_EQ(count_of(svg, ">depth</text>"), 1u);
-  EXPECT_EQ(count_of(svg, "stroke=\"#0072b2\""), 3u);
-  EXPECT_THAT(csv_of(figure), HasSubstr("unit 1,0,2\r\n"));
+  figure.bands = {{0.0, 10.0, "worse"}, {50.0, 60.0, "worse"}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_EQ(count_of(script, "rectangle from"), 2u);
+  EXPECT_EQ(count_of(script, "title 'worse'"), 1u);
 }
 
-TEST(Figure, AnEmptyFigureIsDrawnWithItsAxes) {
-  EXPECT_THAT(svg_of(Figure{}), AllOf(HasSubstr("<svg"), HasSubstr("</svg>"), Not(HasSubstr("nan"))));
+TEST(FigureScript, ABarSpansItsIntervalAndABoxHasItsMedian) {
   Figure figure = small_figure();
-  figure.series = {{"nothing", FigureSeries::Style::line, {}, {}},
-                   {"no dots", FigureSeries::Style::dots, {}, {}}};
-  figure.log_y = true;
-  EXPECT_THAT(svg_of(figure), AllOf(HasSubstr("nothing"), Not(HasSubstr("nan"))));
+  figure.x_names = {"head", "wrist"};
+  figure.series = {{"bars", FigureSeries::Style::bars, {{0.0, 3.0, 1.0, 4.0}}, {}, {}, 0.5},
+                   {"boxes", FigureSeries::Style::boxes, {{1.0, 3.0, 2.0, 4.0, 1.0, 9.0}}, {}, {}, 0.5}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_THAT(script, AllOf(HasSubstr("\n0 3 -0.25 0.25 1 4\n"), HasSubstr("\n1 2 1 9 4 0.5 3\n"),
+                            HasSubstr("set xtics ('head' 0, 'wrist' 1)")));
 }
 
-TEST(Figure, EqualFiguresGiveEqualBytes) { EXPECT_EQ(svg_of(small_figure()), svg_of(small_figure())); }
+TEST(FigureScript, AMapCutsWhatLiesBeyondItsColours) {
+  Figure figure = small_figure();
+  figure.map =
+      FigureMap{{0.0, 1.0}, {5.0}, {std::numeric_limits<double>::infinity(), kNan}, "GDOP", 1.0, 10.0};
+  EXPECT_THAT(rows_of(gnuplot_script(figure)), ElementsAre("0 5 10", "1 5 NaN", ""));
+}
+
+TEST(FigureLook, AMethodLooksTheSameInEveryFigure) {
+  Figure one = small_figure(), other = small_figure();
+  one.series = {line_of("truth", {}), line_of("linear", {}), line_of("nonlinear", {})};
+  other.series = {line_of("something", {}), line_of("nonlinear", {})};
+  for (Figure* figure : {&one, &other})
+    for (FigureSeries& s : figure->series)
+      if (s.name != "something") s.method = s.name;
+  const auto a = looks_of(one), b = looks_of(other);
+  EXPECT_EQ(a[2].colour, b[1].colour);
+  EXPECT_EQ(a[0].colour, "#000000");
+  EXPECT_NE(b[0].colour, b[1].colour);
+}
+
+TEST(FigureLook, VariantsShareAColourAndDifferInTheirDash) {
+  const FigureLook plain = look_of_method("nonlinear");
+  for (const char* variant : {"nonlinear as printed", "nonlinear, occlusion corrected"}) {
+    EXPECT_EQ(look_of_method(variant).colour, plain.colour) << variant;
+    EXPECT_NE(look_of_method(variant).dash, plain.dash) << variant;
+  }
+  EXPECT_NE(look_of_method("linear").colour, plain.colour);
+  EXPECT_EQ(look_of_method("tracked_mean").dash, look_of_method("tracked mean").dash);
+  EXPECT_NE(look_of_method("meander").colour, look_of_method("mean").colour);  // whole words only
+}
 
 TEST(Figure, ItsNumbersAreUnroundedAndMissingOnesEmpty) {
   Figure figure = small_figure();
-  figure.series = {{"a, b", FigureSeries::Style::dots, {{1.0 / 3.0, 2.0}, {1.0, kNan}}, {}}};
+  figure.series = {{"a, b", FigureSeries::Style::dots, {{1.0 / 3.0, 2.0}, {1.0, kNan}}}};
   EXPECT_EQ(csv_of(figure), "series,x,y\r\n\"a, b\",0.3333333333333333,2\r\n\"a, b\",1,\r\n");
+}
+
+TEST(Figure, NumbersOfIntervalsBoxesNamesAndMapsAreThereToo) {
+  Figure figure = small_figure();
+  figure.x_names = {"head", "wrist"};
+  figure.series = {{"a", FigureSeries::Style::boxes, {{1.2, 3.0, 2.0, 4.0, 1.0, 9.0}}}};
+  EXPECT_EQ(csv_of(figure), "series,x,y,low,high,least,most\r\na,wrist,3,2,4,1,9\r\n");
+  figure = small_figure();
+  figure.map = FigureMap{{0.5}, {5.0}, {2.0}, "GDOP"};
+  EXPECT_EQ(csv_of(figure), "series,x,y,value\r\ndots,0,0,\r\ndots,100,6,\r\nGDOP,0.5,5,2\r\n");
+}
+
+TEST(DrawFigures, EveryStyleIsDrawnAsSvgThatTogglesAndAsPdf) {
+  Figure figure = small_figure();
+  figure.x_names = {"head", "wrist"};
+  figure.lines = {{3.0, "limit"}};
+  figure.bands = {{0.2, 0.4, "good"}};
+  figure.series = {{"bars", FigureSeries::Style::bars, {{0.0, 3.0, 1.0, 4.0}}},
+                   {"boxes", FigureSeries::Style::boxes, {{1.0, 3.0, 2.0, 4.0, 1.0, 9.0}}},
+                   {"dots", FigureSeries::Style::dots, {{1.0, 3.0, 2.0, 4.0}}},
+                   line_of("line", {{0.0, 1.0}, {1.0, 2.0}}),
+                   {"both", FigureSeries::Style::line_and_dots, {{0.0, 1.0}, {1.0, 2.0}}}};
+  const DrawnFigure picture = drawn(figure);
+  for (const char* name : {"bars", "boxes", "dots", "line", "both", "limit", "good", "head", "A title"})
+    EXPECT_THAT(picture.svg, HasSubstr(std::string(">") + name)) << name;
+  EXPECT_THAT(picture.svg, HasSubstr("toggle"));
+  EXPECT_THAT(picture.pdf, StartsWith("%PDF"));
+}
+
+TEST(DrawFigures, EqualFiguresGiveEqualBytes) {
+  const auto first = draw_figures({small_figure(), small_figure()}), second = draw_figures({small_figure()});
+  EXPECT_EQ(first[0].svg, second[0].svg);
+  EXPECT_EQ(first[0].pdf, second[0].pdf);
+  EXPECT_EQ(first[0].svg, first[1].svg);  // nothing is left over from one to the next
+}
+
+TEST(DrawFigures, AFigureWithoutNumbersIsDrawnWithItsAxes) {
+  Figure figure = small_figure();
+  figure.log_y = figure.log_x = true;
+  figure.series = {line_of("nothing", {}), {"no dots", FigureSeries::Style::dots, {}}};
+  EXPECT_THAT(drawn(Figure{}).svg, HasSubstr("</svg>"));
+  EXPECT_THAT(drawn(figure).svg, HasSubstr("nothing"));
+  EXPECT_THAT(draw_figures({}), IsEmpty());
+}
+
+TEST(DrawFigures, TextIsEscaped) {
+  Figure figure = small_figure();
+  figure.title = "a < b & c > d `touch x`";
+  figure.series[0].name = "<b>_{x}";
+  const std::string svg = drawn(figure).svg;
+  EXPECT_THAT(svg, AllOf(HasSubstr("a &lt; b &amp; c &gt; d `touch x`"), HasSubstr("&lt;b&gt;_{x}")));
+}
+
+TEST(DrawFigures, NothingIsFetchedFromElsewhere) {
+  const std::string svg = drawn(small_figure()).svg;
+  EXPECT_FALSE(std::regex_search(svg, std::regex("(xlink:href|src|href)\\s*=\\s*[\"']?(http|file|//)")));
 }
 
 }  // namespace

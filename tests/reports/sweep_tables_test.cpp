@@ -9,6 +9,7 @@
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
 #include "reports/render.h"
+#include "reports/sweep_figures.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
 
@@ -180,6 +181,19 @@ TEST(WriteReport, TellsASweepFromAnAccuracyStudy) {
   const std::string text = read_file(folder / "report/report.md");
   EXPECT_THAT(text, HasSubstr("Threshold sweep, **simulated**"));
   EXPECT_THAT(text, HasSubstr("Of 3 readings tried"));
+}
+
+TEST(SweepFigures, HaveThePapersErrorsBesideOursAndTheSteps) {
+  const std::vector<Figure> figures = sweep_figures(hand_made_sweep(), std::nullopt);
+  ASSERT_EQ(figures.size(), 2u);  // nothing was timed
+  const Figure &errors = figures[0], &steps = figures[1];
+  ASSERT_EQ(errors.series.size(), 9u);
+  EXPECT_EQ(errors.series[0].points[1].x, 1e-2);
+  EXPECT_EQ(errors.series[0].points[1].y, 15.7);  // printed for 15 to 30 cm
+  EXPECT_NEAR(errors.series[8].points[3].y, 232.0, 1e-9);
+  ASSERT_EQ(steps.series.size(), 6u);
+  EXPECT_EQ(steps.series[0].points[2].y, 1020.0);
+  EXPECT_THAT(errors.title, HasSubstr("simulated"));
 }
 
 }  // namespace

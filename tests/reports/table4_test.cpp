@@ -5,6 +5,7 @@
 
 #include "datasets/paper/printed_tables.h"
 #include "reports/claims.h"
+#include "reports/clock_figures.h"
 #include "reports/render.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
@@ -108,6 +109,17 @@ TEST(Table4, SaysWhatOfTheProcessingTimeIsMeasured) {
   const auto row = claim(evidence, "real_time");
   EXPECT_THAT(row[3].text, HasSubstr("99.60 % of 1000 frames, half of them within 28 us"));
   EXPECT_EQ(row[4].text, "cannot be tested here");
+}
+
+TEST(ClockFigures, HaveTheSharesOfThePaperAndOfEveryMethod) {
+  const std::vector<Figure> figures = clock_figures(summary_of(990, 10));
+  ASSERT_EQ(figures.size(), 1u);
+  ASSERT_EQ(figures[0].series.size(), 3u);
+  EXPECT_NEAR(figures[0].series[0].points.at(0).y, 100.0 * 71740.0 / 71998.0, 1e-9);
+  ASSERT_EQ(figures[0].series[1].points.size(), 2u);  // nothing is drawn of ranges without any
+  EXPECT_NEAR(figures[0].series[1].points[0].y, 99.0, 1e-9);
+  EXPECT_NEAR(figures[0].series[1].points[1].y, 1.0, 1e-9);
+  EXPECT_THAT(figures[0].title, HasSubstr("simulated"));
 }
 
 }  // namespace

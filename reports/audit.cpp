@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "reports/audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/paper/printed_tables.h"
+#include "datasets/results/summary.h"
+#include "reports/calibration_findings.h"
+#include "reports/claim_evidence.h"
+#include "reports/table_cells.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kAgrees = "agrees";
+constexpr const char* kDiffers = "differs";
+
+// A printed number and what follows from the others, compared as it is printed.
+void compare(Table& table, const char* erratum, const std::string& what, double printed, double recomputed,
+             int decimals, const std::string& how) {
+  const double step = std::pow(10.0, -decimals);
+  const bool agrees = std::abs(printed - std::round(recomputed / step) * step) < 0.5 * step;
+  table.rows.push_back({TableValue::of(erratum), TableValue::of(what), TableValue::of(printed, decimals),
+                        TableValue::of(recomputed, decimals + 1), TableValue::of(agrees ? kAgrees : kDiffers),
+                        TableValue::of(how)});
+}
+
+const std::vector<double>& printed_row(const PrintedTable3& table, const std::string& group) {
+  const auto row =
+      std::find_if(table.rows.begin(), table.rows.end(), [&](const auto& r) { return r.group == group; });
+  return row->mae_cm;
+}
+
+void audit_averages(Table& table, const PrintedTable3& paper) {
+  const std::vector<double>& printed = printed_row(paper, kAverageGroup);
+  for (std::size_t m = 0; m < paper.methods.size(); ++m) {
+    double sum_cm = 0.0, rows = 0.0;
+    for (const auto& row : paper.rows)
+      if (row.group != kAverageGroup) {
+        sum_cm += row.mae_cm[m];
+        rows += 1.0;
+      }
+    compare(table, "E13", fmt::format("Table III, average of {} (cm)", paper.methods[m]), printed[m],
+            sum_cm / rows, 1, "mean of the four printed rows");
+  }
+}
+
+void audit_improvements(Table& table, const PrintedTable3& paper, const PrintedErrata& errata) {
+  const std::vector<double>& average_cm = printed_row(paper, kAverageGroup);
+  const double ours_cm = average_cm.back();
+  for (const PrintedErrata::Improvement& i : errata.improvements) {
+    const auto m = static_cast<std::size_t>(std::find(paper.methods.begin(), paper.methods.end(), i.method) -
+                                            paper.methods.begin());
+    const double gain_cm = average_cm.at(m) - ours_cm;
+    for (const auto& [of, base_cm] :
+         {std::pair{i.method, average_cm[m]}, std::pair{paper.methods.back(), ours_cm}})
+      compare(
+          table, "E12", fmt::format("{}, better than {} (%)", i.where, i.method), i.percent,
+          100.0 * gain_cm / base_cm, 1,
+          fmt::format("({:g} - {:g}) / {:g} cm: of the error of {}", average_cm[m], ours_cm, base_cm, of));
+  }
+}
+
+void audit_times(Table& table, const PrintedTable4& paper) {
+  std::uint64_t frames = 0, samples = 0, in_time = 0;
+  for (const PrintedTable4::Row& row : paper.rows) {
+    frames += row.frames;
+    samples += row.clock_samples;
+    if (std::isfinite(row.to_ms)) in_time += row.frames;
+  }
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  compare(table, "E14", "Table IV, clock errors below 2 ms (%)", paper.below_2ms_percent,
+          100.0 * share_of(paper.rows.back().clock_samples, samples), 2,
+          fmt::format("{} of {} printed samples", paper.rows.back().clock_samples, samples));
+  compare(
+      table, "E14", "Table IV, clock samples", number(paper.frames * paper.clients), number(samples), 0,
+      fmt::format("sum of the printed ranges, against {} frames of {} clients", paper.frames, paper.clients));
+  compare(table, "none", "Table IV, frames and lost frames", number(paper.frames),
+          number(frames + paper.lost_frames), 0,
+          fmt::format("sum of the printed ranges and {} lost", paper.lost_frames));
+  compare(table, "none", "Table IV, frames in real time (%)", paper.real_time_percent,
+          100.0 * share_of(in_time, paper.frames), 2,
+          fmt::format("{} below 33 ms of {}", in_time, paper.frames));
+}
+
+void audit_words(Table& table, const PrintedTable3& paper, const PrintedErrata& errata) {
+  const std::vector<double>& wrist_cm = printed_row(paper, "wrist");
+  for (std::size_t m = 0; m < paper.methods.size(); ++m) {
+    const bool possible = wrist_cm[m] <= errata.largest_wrist_deviation_cm;
+    table.rows.push_back({TableValue::of("E15"), TableValue::of("largest deviation of the wrist (cm)"),
+                          TableValue::of(errata.largest_wrist_deviation_cm, 1),
+                          TableValue::of(wrist_cm[m], 1), TableValue::of(possible ? kAgrees : kDiffers),
+                          TableValue::of(fmt::format("the printed mean of {}: no maximum is below its mean",
+                                                     paper.methods[m]))});
+  }
+  compare(table, "E15", "gait cycles of a participant", errata.gait_cycles[1], errata.gait_cycles[0], 0,
+          "stated twice");
+  compare(table, "E15", "trilateration systems compared", errata.systems_named, errata.systems_shown, 0,
+          "named, and shown");
+}
+
+// What one method does against another of the same study, in the paper's metric.
+std::string beside(const std::optional<ResultsSummary>& s, const std::string& condition,
+                   const std::string& printed, const std::string& corrected) {
+  if (!s) return {};
+  const SummaryCell* a = find_cell(*s, printed, condition, kAverageGroup, "mean");
+  const SummaryCell* b = find_cell(*s, corrected, condition, kAverageGroup, "mean");
+  if (!a || !b || !std::isfinite(a->mae_m) || !std::isfinite(b->mae_m)) return {};
+  return fmt::format("{} {} against {} of {}, answering {:.0f} and {:.0f} %", printed, cell_text(a),
+                     cell_text(b), corrected, 100.0 * a->coverage(), 100.0 * b->coverage());
+}
+
+std::string wand_effect(const ClaimEvidence& e, const std::string& erratum) {
+  if (!e.calibration) return {};
+  for (const std::string& sentence : wand_errata_sentences(*e.calibration))
+    if (const std::string start = erratum + ": "; sentence.starts_with(start)) {
+      const auto measured = sentence.rfind("; inside the recommended range, ");
+      return measured == std::string::npos ? std::string() : sentence.substr(measured + 2);
+    }
+  return {};
+}
+
+std::string pose_effect(const ClaimEvidence& e) {
+  if (!e.calibration) return {};
+  const RigRow* printed = rig_row(*e.calibration, "two positions, eq. 6 and 7 as printed");
+  const RigRow* corrected = rig_row(*e.calibration, "two positions, corrected");
+  if (!printed || !corrected) return {};
+  return fmt::format("sensors off by {} ({} of {} without a pose) against {} corrected",
+                     mean_text(printed->position), printed->position.asked - printed->position.answered,
+                     printed->position.asked, mean_text(corrected->position));
+}
+
+std::string clock_effect(const ClaimEvidence& e) {
+  if (!e.recording || e.recording->clocks.empty()) return {};
+  const auto median_ms = [&](const std::string& method) {
+    for (const ClockErrorRow& row : e.recording->clocks)
+      if (row.method == method) return 1e3 * row.error.median_s;
+    return kNoNumber;
+  };
+  return fmt::format("taken for the server's clock, a median error of {:.3g} ms; corrected {:.3g} ms ({})",
+                     median_ms("as printed, for the server's clock"), median_ms("corrected"),
+                     e.recording->clocks.front().network);
+}
+
+std::string steps_effect(const ClaimEvidence& e) {
+  if (!e.sweep || !e.sweep->search || e.sweep->search->compromises.empty()) return {};
+  const SweepCompromise& c = e.sweep->search->compromises.front();
+  const auto most = [](const std::vector<double>& factors) {
+    return *std::max_element(factors.begin(), factors.end());
+  };
+  return fmt::format(
+      "from C = 1 to 1e-6 a solve takes up to {:.3g} times the steps as printed, {:.2g} times corrected",
+      most(c.printed_iterations_factor), most(c.corrected_iterations_factor));
+}
+
+std::string both(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + "; " + b;
+}
+
+std::string effect_of(const std::string& erratum, const ClaimEvidence& e) {
+  constexpr const char* kWalking = "walking";
+  if (erratum == "E1" || erratum == "E2" || erratum == "E3") return wand_effect(e, erratum);
+  if (erratum == "E4" || erratum == "E5") return pose_effect(e);
+  if (erratum == "E6")
+    return beside(e.occluded, occluded_condition("arm_swing"), "nonlinear, occlusion printed",
+                  "nonlinear, occlusion corrected");
+  if (erratum == "E7")
+    return both(steps_effect(e), beside(e.walking, kWalking, "nonlinear printed gradient", "nonlinear"));
+  if (erratum == "E8") return beside(e.walking, kWalking, "nonlinear printed stop", "nonlinear");
+  if (erratum == "E11") return clock_effect(e);
+  if (erratum == "E16") return beside(e.walking, kWalking, "geometric", "nonlinear, 3 sensors");
+  return {};
+}
+
+bool is_of_the_text(const std::string& erratum) {
+  for (const char* id : {"E9", "E10", "E12", "E13", "E14", "E15"})
+    if (erratum == id) return true;
+  return false;
+}
+
+}  // namespace
+
+Table audit_table() {
+  const PrintedTable3 table3 = printed_table3();
+  const PrintedErrata errata = printed_errata();
+  Table table;
+  table.id = "audit";
+  table.title = "The paper's printed numbers, recomputed from its own tables";
+  table.columns = {{"erratum", "erratum", true}, {"number", "number", true},   {"printed", "printed"},
+                   {"recomputed", "recomputed"}, {"verdict", "verdict", true}, {"how", "how", true}};
+  audit_improvements(table, table3, errata);
+  audit_averages(table, table3);
+  audit_times(table, printed_table4());
+  audit_words(table, table3, errata);
+  table.notes = {"Nothing here is measured or simulated: every number is the paper's or follows from it (" +
+                     errata.source + ").",
+                 "Agrees: the recomputed number, rounded as the printed one is, is the printed one."};
+  return table;
+}
+
+Table errata_table(const ClaimEvidence& evidence) {
+  Table table;
+  table.id = "errata";
+  table.title = "What is printed that cannot be so, and what the difference does (simulated)";
+  table.columns = {{"erratum", "erratum", true},     {"where", "where", true},
+                   {"printed", "printed", true},     {"why not", "problem", true},
+                   {"corrected", "corrected", true}, {"effect in these results", "effect", true}};
+  for (const PrintedErrata::Erratum& e : printed_errata().errata) {
+    std::string effect = effect_of(e.id, evidence);
+    if (effect.empty())
+      effect = is_of_the_text(e.id) ? "none on a result" : "its study is not among these results";
+    table.rows.push_back({TableValue::of(e.id), TableValue::of(e.where), TableValue::of(e.printed),
+                          TableValue::of(e.problem), TableValue::of(e.corrected), TableValue::of(effect)});
+  }
+  table.notes = {
+      "Every erratum that changes a number is a setting (printed or corrected), so both can be run.",
+      "Errors are means over head, shoulder, elbow and wrist with their 95 % interval."};
+  return table;
+}
+
+}  // namespace trilat

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "reports/audit.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "reports/render.h"
+#include "tests/reports/summaries.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// The row whose number is called so, and whose "how" ends so.
+const std::vector<TableValue>& row_of(const Table& table, const std::string& number,
+                                      const std::string& how = "") {
+  for (const auto& row : table.rows)
+    if (row[1].text == number && row[5].text.find(how) != std::string::npos) return row;
+  ADD_FAILURE() << number << ", " << how;
+  return table.rows.front();
+}
+
+TEST(Audit, AveragesOfThePrintedRowsByPencil) {
+  const Table table = audit_table();
+  const auto& linear = row_of(table, "Table III, average of linear (cm)");
+  EXPECT_NEAR(*linear[3].number, (5.3 + 10.5 + 8.6 + 18.3) / 4.0,
+              1e-12);  // 10.675, which is 10.7 and not 10.8
+  EXPECT_EQ(linear[4].text, "differs");
+  const auto& geometric = row_of(table, "Table III, average of geometric (cm)");
+  EXPECT_NEAR(*geometric[3].number, 14.05, 1e-12);
+  const auto& nonlinear = row_of(table, "Table III, average of nonlinear (cm)");
+  EXPECT_NEAR(*nonlinear[3].number, 8.6, 1e-12);
+  EXPECT_EQ(nonlinear[4].text, "differs");
+}
+
+TEST(Audit, TheAbstractsPercentagesAreThoseOfTheOtherMethodAndOfTwoConventions) {
+  const Table table = audit_table();
+  const auto& abstract = row_of(table, "abstract, better than linear (%)", "of the error of linear");
+  EXPECT_NEAR(*abstract[3].number, 100.0 * (10.8 - 8.7) / 10.8, 1e-9);
+  EXPECT_EQ(abstract[4].text, "differs");
+  EXPECT_EQ(row_of(table, "text, better than linear (%)", "of the error of linear")[4].text, "differs");
+  EXPECT_EQ(row_of(table, "text, better than linear (%)", "of the error of nonlinear")[4].text, "agrees");
+  EXPECT_EQ(row_of(table, "text, better than geometric (%)", "of the error of geometric")[4].text, "agrees");
+}
+
+TEST(Audit, SharesAndSumsOfTableIvByPencil) {
+  const Table table = audit_table();
+  const auto& below = row_of(table, "Table IV, clock errors below 2 ms (%)");
+  EXPECT_NEAR(*below[3].number, 100.0 * 71740.0 / 71998.0, 1e-9);
+  EXPECT_EQ(below[4].text, "differs");
+  EXPECT_EQ(*row_of(table, "Table IV, clock samples")[3].number, 71998.0);
+  EXPECT_EQ(row_of(table, "Table IV, frames and lost frames")[4].text, "agrees");
+  EXPECT_EQ(row_of(table, "Table IV, frames in real time (%)")[4].text, "agrees");
+}
+
+TEST(Audit, NothingIsLeftEmpty) {
+  for (const Table& table : {audit_table(), errata_table({})})
+    for (const auto& row : table.rows) {
+      ASSERT_EQ(row.size(), table.columns.size());
+      for (const TableValue& value : row)
+        EXPECT_THAT(printed(value), Not(testing::AnyOf("", "–"))) << row[1].text;
+    }
+}
+
+TEST(Errata, AllSixteenAreListedAndWithoutAStudyNoEffectIsClaimed) {
+  const Table table = errata_table({});
+  ASSERT_EQ(table.rows.size(), 16u);
+  for (std::size_t k = 0; k < 16; ++k) EXPECT_EQ(table.rows[k][0].text, "E" + std::to_string(k + 1));
+  EXPECT_EQ(table.rows[6][5].text, "its study is not among these results");
+  EXPECT_EQ(table.rows[8][5].text, "none on a result");
+}
+
+TEST(Errata, TheEffectIsPrintedBesideCorrected) {
+  ClaimEvidence evidence;
+  ResultsSummary walking = hand_made_summary();
+  walking.cells.clear();
+  for (const auto& [method, mae_m] :
+       {std::pair{"nonlinear printed stop", 0.08}, std::pair{"nonlinear", 0.06}}) {
+    SummaryCell cell;
+    cell.method = method;
+    cell.condition = "walking";
+    cell.group = kAverageGroup;
+    cell.alignment = "mean";
+    cell.asked = cell.answered = 10;
+    cell.mae_m = mae_m;
+    walking.cells.push_back(cell);
+  }
+  evidence.walking = walking;
+  EXPECT_THAT(
+      errata_table(evidence).rows[7][5].text,
+      HasSubstr("nonlinear printed stop 8.00 cm against 6.00 cm of nonlinear, answering 100 and 100 %"));
+}
+
+}  // namespace
+}  // namespace trilat
