@@ -125,7 +125,7 @@ TEST(BudgetTables, TheReportOfABudgetHoldsThem) {
   write_budget_summary(folder / "results", pencil_budget());
   const ReportFiles report = write_report({folder / "results"}, folder / "report");
   EXPECT_EQ(report.tables.size(), 2u);
-  EXPECT_TRUE(report.figures.empty());
+  EXPECT_EQ(report.figures.size(), 1u);
   const std::string markdown = read_file(folder / "report/report.md");
   EXPECT_THAT(markdown, HasSubstr("Error budget of paper, **simulated**: 2 participants, seed 9."));
   EXPECT_THAT(markdown, HasSubstr("5.00"));

@@ -179,8 +179,8 @@ TEST(DrawFigures, EveryStyleIsDrawnAsSvgThatTogglesAndAsPdf) {
                    {"both", FigureSeries::Style::line_and_dots, {{0.0, 1.0}, {1.0, 2.0}}}};
   const DrawnFigure picture = drawn(figure);
   for (const char* name : {"bars", "boxes", "dots", "line", "both", "limit", "good", "head", "A title"})
-    EXPECT_THAT(picture.svg, HasSubstr(std::string(">") + name)) << name;
-  EXPECT_THAT(picture.svg, HasSubstr("toggle"));
+    EXPECT_NE(picture.svg.find(std::string(">") + name + "<"), std::string::npos) << name;
+  EXPECT_NE(picture.svg.find("toggleVisibility"), std::string::npos);
   EXPECT_THAT(picture.pdf, StartsWith("%PDF"));
 }
 
@@ -205,7 +205,8 @@ TEST(DrawFigures, TextIsEscaped) {
   figure.title = "a < b & c > d `touch x`";
   figure.series[0].name = "<b>_{x}";
   const std::string svg = drawn(figure).svg;
-  EXPECT_THAT(svg, AllOf(HasSubstr("a &lt; b &amp; c &gt; d `touch x`"), HasSubstr("&lt;b&gt;_{x}")));
+  for (const char* text : {">a &lt; b &amp; c > d `touch x`<", ">&lt;b>_{x}<"})
+    EXPECT_NE(svg.find(text), std::string::npos) << text;
 }
 
 TEST(DrawFigures, NothingIsFetchedFromElsewhere) {

@@ -60,7 +60,7 @@ TEST(Report, HoldsEveryTableInEveryForm) {
   const ScratchFolder folder;
   const ReportFiles report =
       write_report({results_in(folder, "results", hand_made_summary())}, folder / "report");
-  ASSERT_EQ(report.tables.size(), 3u);
+  ASSERT_EQ(report.tables.size(), 5u);
   const std::string markdown = read_file(folder / "report/report.md");
   for (const Table& table : report.tables) {
     EXPECT_THAT(markdown, HasSubstr(table.title));
@@ -119,7 +119,7 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({first, second, second}, folder / "report");
   std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.tables.size(), 7u);
+  EXPECT_EQ(report.tables.size(), 9u);
 }
 
 TEST(Report, ItsDocumentCompiles) {
