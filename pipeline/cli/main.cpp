@@ -117,9 +117,11 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   });
 
   auto* report_verb =
-      app.add_subcommand("report", "results to Markdown, CSV and LaTeX; nothing is computed again");
+      app.add_subcommand("report", "results to a page, Markdown, CSV and LaTeX; nothing is computed again");
   report_verb->add_option("results", a.report.results, "results folders")->required();
   report_verb->add_option("-o,--output", a.report.output, "folder of the report")->required();
+  report_verb->add_option("--time", a.report.time,
+                          "the time stamp of the page, any text; without it the time of the day");
   add_json(*report_verb, a.report.json);
   report_verb->callback([&] { code = report(a.report); });
 

@@ -113,6 +113,7 @@ int run_recording_study(const RunArguments& arguments, const Json& study);
 struct ReportArguments {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
+  std::string time;  // the page's time stamp; empty: now
   bool json = false;
 };
 int report(const ReportArguments& arguments);

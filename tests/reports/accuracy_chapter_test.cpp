@@ -84,7 +84,7 @@ TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
     std::filesystem::remove(results / file);
   const ReportFiles report = write_report({results}, folder / "report");
   EXPECT_TRUE(report.figures.empty());
-  EXPECT_EQ(report.tables.size(), 3u);
+  EXPECT_EQ(report.tables.size(), 4u);
   EXPECT_THAT(read_file(folder / "report/report.md"), Not(HasSubstr("What the simulation behind")));
 }
 
