@@ -17,7 +17,8 @@ struct ExecuteOptions {
   std::function<void(double)> progress = {};
 };
 
-// Plans and runs a study and writes the results folder: manifest.json, summary.json, samples.h5, run.json.
+// Plans and runs a study and writes the results folder: manifest.json, summary.json, samples.h5,
+// replay.h5, run.json.
 // All is written beside and put in place at the end; an older results folder of that name is replaced, any
 // other folder is refused. Interrupted leaves what was computed in `output`.partial.
 ResultsSummary execute_study(const StudySpec& study, const Campaign& campaign,

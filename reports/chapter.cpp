@@ -58,6 +58,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evide
   }
   draw(chapter, sensor_counts_figure(s));
   draw(chapter, trajectory_figures(path, s));
+  chapter.replays = packed_replays(path, s);
   return chapter;
 }
 

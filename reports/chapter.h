@@ -8,6 +8,7 @@
 #include "reports/claims.h"
 #include "reports/drawn_figure.h"
 #include "reports/provenance.h"
+#include "reports/replay_data.h"
 #include "reports/table.h"
 
 namespace trilat {
@@ -24,6 +25,7 @@ struct Chapter {
   std::vector<Table> tables = {};           // those that answer the study's question first
   std::size_t first_tables = 0;             // how many those are; the others are details
   std::vector<DrawnFigure> figures = {};
+  std::vector<PackedReplay> replays = {};
 };
 
 // Reads a results folder of any kind and adds it to the evidence on the paper's claims. InputError with the

@@ -84,7 +84,8 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   const ReportContent content = read_report(results, [&](double share) { advance(kReadShare * share); });
   ReportFiles report{tables_of(content), figures_of(content), {}};
   const std::string page =
-      page_of(content, {options.made.empty() ? time_of_day() : options.made, citation_bibtex()});
+      page_of(content, {options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
+                        std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""});
   advance(kReadShare + kPageShare);
   make_folder(folder);
   Writer write(folder, report);

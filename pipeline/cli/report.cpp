@@ -15,7 +15,7 @@ int report(const ReportArguments& arguments) {
   {
     Progress progress("writing the report");
     files = write_report(arguments.results, arguments.output,
-                         {arguments.time, [&](double share) { progress.set(share); }});
+                         {.made = arguments.time, .progress = [&](double share) { progress.set(share); }});
   }
   if (arguments.json) {
     Json list = Json::array();

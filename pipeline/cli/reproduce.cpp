@@ -176,7 +176,8 @@ std::vector<std::filesystem::path> results_in(const std::filesystem::path& folde
 
 ReportFiles report_into(const std::filesystem::path& folder) {
   Progress progress("writing the report");
-  return write_report(results_in(folder), folder / "report", {{}, [&](double s) { progress.set(s); }});
+  return write_report(results_in(folder), folder / "report",
+                      {.progress = [&](double s) { progress.set(s); }});
 }
 
 std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {

@@ -6,6 +6,7 @@
 #include "datasets/base/version.h"
 #include "reports/page/embedded_page.h"
 #include "reports/page/html_text.h"
+#include "reports/page/page_replay.h"
 #include "reports/page/page_sections.h"
 
 namespace trilat {
@@ -82,6 +83,7 @@ std::string page_of(const ReportContent& content, const PageOptions& options) {
   std::set<std::string> shown;
   std::vector<PageSection> sections{runs_section(content), claims_section(content),
                                     paper_section(content, shown)};
+  sections.push_back(replay_section(content, options.three_js));
   for (PageSection& section : chapter_sections(content, shown)) sections.push_back(std::move(section));
   sections.push_back(parameters_section(content));
   sections.push_back(provenance_section(content));

@@ -10,6 +10,7 @@ namespace trilat {
 struct PageOptions {
   std::string made;      // when, as the page says it
   std::string citation;  // BibTeX
+  std::string three_js;  // the library that draws the replay; empty: there is none
 };
 
 // report.html: one document that needs no other file and no network. Equal content and options give equal
