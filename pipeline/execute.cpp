@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/replay.h"
 #include "pipeline/manifest.h"
 #include "pipeline/plan.h"
 #include "pipeline/results_folder.h"
@@ -41,6 +42,7 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
   write_summary(folder, summary);
   write_tracking_summary(folder, outcome.tracking);
   if (const auto map = rig_gdop(plan)) write_gdop_map(folder, *map);
+  if (!outcome.replays.empty()) write_replay(folder, outcome.replays);
   if (const auto parameters = read_declared_parameters(campaign.folder); !parameters.empty())
     write_declared_parameters(folder, parameters);
   write_run_record(folder, outcome.times, seconds_since(start), threads);

@@ -17,10 +17,10 @@ struct ExecuteOptions {
   std::function<void(double)> progress = {};
 };
 
-// Plans and runs a study and writes the results folder: manifest.json, summary.json, samples.h5, gdop_map.json,
-// run.json.
-// All is written beside and put in place at the end; an older results folder of that name is replaced, any
-// other folder is refused. Interrupted leaves what was computed in `output`.partial.
+// Plans and runs a study and writes the results folder: manifest.json, summary.json, samples.h5,
+// gdop_map.json, replay.h5, run.json. All is written beside and put in place at the end; an older results
+// folder of that name is replaced, any other folder is refused. Interrupted leaves what was computed in
+// `output`.partial.
 ResultsSummary execute_study(const StudySpec& study, const Campaign& campaign,
                              const std::filesystem::path& output, const ExecuteOptions& options);
 

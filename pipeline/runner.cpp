@@ -12,6 +12,7 @@
 #include "datasets/results/samples.h"
 #include "pipeline/over_time.h"
 #include "pipeline/parallel.h"
+#include "pipeline/replay_take.h"
 #include "pipeline/take_data.h"
 #include "pipeline/tracking_check.h"
 
@@ -196,6 +197,7 @@ struct TakeOutcome {
   std::vector<TakeNote> notes;
   TakeCheck check;
   TakeTracking tracking;
+  std::optional<ReplayTake> replay;
   bool evaluated = false;
 };
 
@@ -242,6 +244,7 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
     shared.advance(count);
   }
   outcome.tracking = check_tracking(plan, planned, data);
+  if (is_replayed(plan, index)) outcome.replay = replay_of(plan, index, data);
   outcome.notes = std::move(data.notes);
   outcome.evaluated = true;
 }
@@ -306,6 +309,7 @@ RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& op
     tracking.push_back(std::move(outcome.tracking));
     for (const TakeNote& note : outcome.notes) result.notes.push_back(within_campaign(note, plan.campaign));
     result.evaluated.push_back(outcome.evaluated);
+    if (outcome.replay) result.replays.push_back(std::move(*outcome.replay));
     check.merge(outcome.check);
   }
   result.tracking = sum_tracking(plan, tracking);

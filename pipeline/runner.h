@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/tracking_summary.h"
@@ -30,6 +31,7 @@ struct RunOutcome {
   std::vector<bool> evaluated;  // by take
   std::optional<CrossCheck> cross_check;
   TrackingSummary tracking;
+  std::vector<ReplayTake> replays;  // of the first take of each condition, when it was evaluated
   StageTimes times;
 };
 

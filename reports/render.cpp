@@ -82,14 +82,14 @@ std::string printed(const TableValue& value) {
 std::string markdown_of(const Table& table) {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    std::size_t width = std::max<std::size_t>(3, width_of(table.columns[c].name));
+    std::size_t width = std::max<std::size_t>(3, width_of(header_of(table.columns[c])));
     for (const auto& row : table.rows) width = std::max(width, width_of(markdown_cell(printed(row[c]))));
     widths.push_back(width);
   }
   std::string text = "**" + one_line(table.title) + "**\n\n|", rule = "|";
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const bool left = table.columns[c].is_text;
-    text += ' ' + padded(table.columns[c].name, widths[c], left) + " |";
+    text += ' ' + padded(header_of(table.columns[c]), widths[c], left) + " |";
     rule += ' ' + std::string(widths[c] - 1, '-') + (left ? "-" : ":") + " |";
   }
   text += '\n' + rule + '\n';
@@ -147,7 +147,7 @@ std::vector<double> wrapped_shares(const Table& table) {
   }
   double sum = 0.0, left = 0.92;
   for (std::size_t c = 0; c < columns; ++c) {
-    std::size_t longest = width_of(table.columns[c].name);
+    std::size_t longest = width_of(header_of(table.columns[c]));
     for (const auto& row : table.rows) longest = std::max(longest, width_of(printed(row[c])));
     if (table.columns[c].is_text && longest > kLong)
       sum += weight[c] = std::sqrt(static_cast<double>(longest));
@@ -169,7 +169,7 @@ std::string latex_of(const Table& table) {
     alignment += share[c] > 0.0             ? fmt::format("p{{{:.3f}\\linewidth}}", share[c])
                  : table.columns[c].is_text ? "l"
                                             : "r";
-    head += (c ? " & " : "") + latex_text(table.columns[c].name);
+    head += (c ? " & " : "") + latex_text(header_of(table.columns[c]));
   }
   head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
   const bool widest = table.columns.size() > 16;

@@ -24,6 +24,9 @@ struct TableColumn {
   bool is_text = false;
 };
 
+// The name with its unit: that of the key where the name has none, as for the ends of an interval.
+std::string header_of(const TableColumn& column);
+
 // Letters, digits, '.', '_' and '-' stay, anything else becomes '-'.
 std::string usable_id(std::string text);
 

@@ -2,12 +2,21 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "reports/figure.h"
 #include "reports/table.h"
 
 namespace trilat {
+
+struct ReportOptions {
+  std::string made = {};  // the page's time stamp; empty: the time of the day, UTC
+  // three.js, as Debian's libjs-three has it; where it is not, the page has no replay
+  std::filesystem::path three_js = "/usr/share/javascript/three/three.min.js";
+  std::function<void(double)> progress = {};  // share of the work that is done
+};
 
 // What a report is made of.
 struct ReportFiles {
@@ -16,10 +25,11 @@ struct ReportFiles {
   std::vector<std::filesystem::path> written;
 };
 
-// Reads results folders and writes report.md, report.tex (compiles as it is, without figures), per table
-// ID.csv and ID.tex, and per figure ID.svg, ID.pdf and ID.csv into `folder`. Nothing is computed again: the
-// same results give the same bytes on one machine.
+// Reads results folders and writes into `folder`: report.html (the page, needs nothing else), report.md,
+// report.tex (compiles as it is, without figures), numbers.tex (a macro for every number), citation.bib, the
+// resolved studies, per table ID.csv and ID.tex, and per figure ID.svg, ID.pdf and ID.csv. Nothing is
+// computed again: the same results give the same bytes on one machine, the page's time stamp apart.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
-                         const std::filesystem::path& folder);
+                         const std::filesystem::path& folder, const ReportOptions& options = {});
 
 }  // namespace trilat

@@ -117,9 +117,11 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   });
 
   auto* report_verb =
-      app.add_subcommand("report", "results to Markdown, CSV and LaTeX; nothing is computed again");
+      app.add_subcommand("report", "results to a page, Markdown, CSV and LaTeX; nothing is computed again");
   report_verb->add_option("results", a.report.results, "results folders");
   report_verb->add_option("-o,--output", a.report.output, "folder of the report");
+  report_verb->add_option("--time", a.report.time,
+                          "the time stamp of the page, any text; without it the time of the day");
   report_verb->add_flag("--audit", a.report.audit,
                         "print what the paper's own tables imply against what it says; needs no results");
   add_json(*report_verb, a.report.json);

@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/audit.h"
 #include "reports/render.h"
@@ -44,7 +45,12 @@ int report(const ReportArguments& arguments) {
     throw InputError("trilat report",
                      "needs results folders, or --audit for what the paper's own numbers imply");
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
-  const ReportFiles files = write_report(arguments.results, arguments.output);
+  ReportFiles files;
+  {
+    Progress progress("writing the report");
+    files = write_report(arguments.results, arguments.output,
+                         {.made = arguments.time, .progress = [&](double share) { progress.set(share); }});
+  }
   if (arguments.json) {
     Json list = Json::array();
     for (const auto& path : files.written) list.push_back(path.string());
@@ -53,7 +59,7 @@ int report(const ReportArguments& arguments) {
         json_text({{"tables", files.tables.size()}, {"figures", files.figures.size()}, {"files", list}}, 2));
   } else {
     fmt::print("{} tables, {} figures: {}\n", files.tables.size(), files.figures.size(),
-               (arguments.output / "report.md").string());
+               (arguments.output / "report.html").string());
   }
   return kDone;
 }

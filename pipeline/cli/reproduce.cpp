@@ -174,6 +174,12 @@ std::vector<std::filesystem::path> results_in(const std::filesystem::path& folde
   return results;
 }
 
+ReportFiles report_into(const std::filesystem::path& folder) {
+  Progress progress("writing the report");
+  return write_report(results_in(folder), folder / "report",
+                      {.progress = [&](double s) { progress.set(s); }});
+}
+
 std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {
   std::vector<std::string> texts;
   for (const auto& path : paths) texts.push_back(path.string());
@@ -184,6 +190,7 @@ void print_json(const std::filesystem::path& folder, const ResultsSummary& summa
   const Json json{{"campaign", (folder / "campaign").string()},
                   {"results", texts_of(results_in(folder))},
                   {"report", (folder / "report" / "report.md").string()},
+                  {"page", (folder / "report" / "report.html").string()},
                   {"takes_failed", summary.takes_failed},
                   {"cross_check_passed", summary.cross_check && summary.cross_check->passed()}};
   fmt::print("{}\n", json_text(json, 2));
@@ -210,8 +217,8 @@ void print_tables(const std::filesystem::path& folder, const ReportFiles& report
   for (const std::string& sentence : search_sentences(search)) fmt::print("{}\n", sentence);
   fmt::print("\ncross-check with Ceres: worst difference {:.3g} m on {} samples\n",
              summary.cross_check->worst_m, summary.cross_check->samples);
-  fmt::print("report:   {}\nresults:  {}\ncampaign: {}\n", (folder / "report" / "report.md").string(),
-             folder.string(), (folder / "campaign").string());
+  fmt::print("results:  {}\ncampaign: {}\npage:     {}\n", folder.string(), (folder / "campaign").string(),
+             (folder / "report" / "report.html").string());
 }
 
 }  // namespace
@@ -249,7 +256,7 @@ int reproduce(const ReproduceArguments& arguments) {
   begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");
   recording_into(folder / "table4", arguments);
   begin_stage(10, "writing the report");
-  const ReportFiles report = write_report(results_in(folder), folder / "report");
+  const ReportFiles report = report_into(folder);
   const bool passed = table3.takes_failed + table2.takes_failed + sensors_failed == 0 &&
                       (!table3.cross_check || table3.cross_check->passed());
   if (arguments.json)

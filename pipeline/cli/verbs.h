@@ -114,6 +114,7 @@ struct ReportArguments {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
   bool audit = false;  // of the paper alone; needs no results
+  std::string time;    // the page's time stamp; empty: now
   bool json = false;
 };
 int report(const ReportArguments& arguments);

@@ -8,6 +8,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
@@ -98,11 +99,32 @@ TEST(Run, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
   const StudySpec study = study_with(R"(["mean", "none", "rigid"])");
   for (const int threads : {1, 2, 8})
     execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads});
-  for (const char* file : {"samples.h5", "summary.json", "manifest.json"}) {
+  for (const char* file : {"samples.h5", "summary.json", "manifest.json", "replay.h5"}) {
     const std::string one = read_file(folder / "1" / file);
     EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
     EXPECT_EQ(one, read_file(folder / "8" / file)) << file;
   }
+}
+
+TEST(Run, TheFirstTakeOfAConditionCanBeReplayed) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  execute_study(study_of(R"("methods": [{"method": "mean"}])"), campaign, folder / "results", {});
+  const std::vector<ReplayTake> replays = read_replay(folder / "results");
+  ASSERT_EQ(replays.size(), 1u);
+  const ReplayTake& replay = replays.front();
+  EXPECT_EQ(replay.id, campaign.takes.front().id);
+  EXPECT_EQ(replay.condition, "walking");
+  EXPECT_EQ(replay.sensors.size(), replay.world_from_sensor.size());
+  const SamplesFile samples = SamplesFile::open(folder / "results/samples.h5");
+  EXPECT_EQ(replay.instants, samples.header().takes[replay.take].instants);
+  // the mean of what the sensors give is near the truth
+  const SampleBlock block = samples.read(replay.take, 0, 1, SampleColumns::positions);
+  const auto head = static_cast<std::size_t>(Joint::head);
+  for (std::size_t s = 0; s < replay.sensors.size(); ++s)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const float x = replay.joint_m[(s * kJointCount + head) * 3 + axis]; std::isfinite(x))
+        EXPECT_NEAR(double{x}, block.truth_m[axis], 0.5) << s;
 }
 
 TEST(Run, EqualSeedsGiveEqualCampaignsAndOtherSeedsOthers) {

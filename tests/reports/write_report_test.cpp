@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reports/write_report.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 
@@ -15,7 +16,6 @@ namespace trilat {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 constexpr const char* kPdflatex = "/usr/bin/pdflatex";
 
@@ -60,7 +60,7 @@ TEST(Report, HoldsEveryTableInEveryForm) {
   const ScratchFolder folder;
   const ReportFiles report =
       write_report({results_in(folder, "results", hand_made_summary())}, folder / "report");
-  ASSERT_EQ(report.tables.size(), 5u);
+  ASSERT_EQ(report.tables.size(), 6u);
   const std::string markdown = read_file(folder / "report/report.md");
   for (const Table& table : report.tables) {
     EXPECT_THAT(markdown, HasSubstr(table.title));
@@ -76,10 +76,33 @@ TEST(Report, EqualResultsGiveEqualBytes) {
   const std::vector<std::filesystem::path> results{
       results_in(folder, "results", hand_made_summary()),
       results_in(folder, "calibration", hand_made_calibration())};
-  const ReportFiles first = write_report(results, folder / "first");
-  write_report(results, folder / "second");
+  const ReportFiles first = write_report(results, folder / "first", {.made = "then"});
+  write_report(results, folder / "second", {.made = "then"});
   for (const auto& path : first.written)
-    EXPECT_EQ(read_file(path), read_file(folder / "second" / path.filename())) << path;
+    EXPECT_TRUE(read_file(path) == read_file(folder / "second" / path.filename())) << path;
+}
+
+TEST(Report, WithoutAFixedTimeOnlyThePageTellsWhenItWasMade) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_summary());
+  const ReportFiles first = write_report({results}, folder / "first", {.made = "once"});
+  write_report({results}, folder / "second", {.made = "later"});
+  for (const auto& path : first.written) {
+    std::string later = read_file(folder / "second" / path.filename());
+    if (const auto at = later.find("later."); path.filename() == "report.html" && at != std::string::npos)
+      later.replace(at, 6, "once.");
+    EXPECT_TRUE(read_file(path) == later) << path;
+  }
+}
+
+TEST(Report, ProgressEndsWithAllOfIt) {
+  const ScratchFolder folder;
+  std::vector<double> shares;
+  write_report({results_in(folder, "results", hand_made_summary())}, folder / "report",
+               {.progress = [&](double share) { shares.push_back(share); }});
+  ASSERT_FALSE(shares.empty());
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_DOUBLE_EQ(shares.back(), 1.0);
 }
 
 TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
@@ -94,8 +117,10 @@ TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
   EXPECT_THAT(markdown, HasSubstr("2.00 cm (95 % interval 1.00 to 3.00 cm), 3 of 4 answered"));
   for (const Figure& figure : report.figures) {
     EXPECT_THAT(markdown, HasSubstr("![" + figure.title + "](" + figure.id + ".svg)"));
-    EXPECT_THAT(read_file(folder / ("report/" + figure.id + ".svg")), HasSubstr("</svg>"));
-    EXPECT_THAT(read_file(folder / ("report/" + figure.id + ".pdf")), StartsWith("%PDF"));
+    const std::string svg = read_file(folder / ("report/" + figure.id + ".svg")),
+                      pdf = read_file(folder / ("report/" + figure.id + ".pdf"));
+    EXPECT_TRUE(svg.ends_with("</svg>\n\n")) << figure.id;
+    EXPECT_TRUE(pdf.starts_with("%PDF")) << figure.id;
     EXPECT_EQ(read_file(folder / ("report/" + figure.id + ".csv")), csv_of(figure));
   }
   EXPECT_THAT(read_file(folder / "report/report.tex"), HasSubstr("Figures are left out here"));
@@ -119,7 +144,7 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({first, second, second}, folder / "report");
   std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.tables.size(), 9u);
+  EXPECT_EQ(report.tables.size(), 12u);
 }
 
 TEST(Report, ItsDocumentCompiles) {
@@ -131,6 +156,10 @@ TEST(Report, ItsDocumentCompiles) {
   calibration.rigs.front().method = "50 % & $1 #2 a_b {c} ~d ^e \\f";
   write_report({plain, nasty, results_in(folder, "calibration", calibration)}, folder / "report");
   EXPECT_TRUE(compiles(folder / "report/report.tex")) << read_file(folder / "report/pdflatex.txt");
+  write_file(folder / "report/article.tex",
+             "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\input{numbers}\n\\begin{document}\n"
+             "\\trilatCoverageTableThreeWalkingNonlinearCoveragePercent\n\\end{document}\n");
+  EXPECT_TRUE(compiles(folder / "report/article.tex")) << read_file(folder / "report/pdflatex.txt");
 }
 
 TEST(Report, AFolderThatHoldsNoResultsIsNamed) {

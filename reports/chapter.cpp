@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "reports/chapter.h"
+
+#include <fmt/format.h>
+
+#include "datasets/results/results_file.h"
+#include "reports/accuracy_figures.h"
+#include "reports/accuracy_tables.h"
+#include "reports/budget_figures.h"
+#include "reports/budget_tables.h"
+#include "reports/calibration_figures.h"
+#include "reports/calibration_findings.h"
+#include "reports/calibration_tables.h"
+#include "reports/clock_figures.h"
+#include "reports/coverage_table.h"
+#include "reports/efficiency.h"
+#include "reports/gdop_figure.h"
+#include "reports/sensor_counts.h"
+#include "reports/sweep_figures.h"
+#include "reports/sweep_tables.h"
+#include "reports/table4.h"
+#include "reports/tracking_tables.h"
+#include "reports/trajectories.h"
+
+namespace trilat {
+namespace {
+
+void append(Chapter& chapter, std::vector<Table> more) {
+  for (Table& table : more) chapter.tables.push_back(std::move(table));
+}
+
+void append(Chapter& chapter, std::vector<Figure> figures) {
+  for (Figure& figure : figures) chapter.figures.push_back({std::move(figure), {}, {}});
+}
+
+Chapter new_chapter(const std::filesystem::path& path, const std::string& study,
+                    const std::string& campaign = {}) {
+  return {.provenance = read_provenance(path, study, campaign), .results = path, .title = study, .about = {}};
+}
+
+Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  const ResultsSummary s = read_summary(path);
+  evidence.add(s);
+  Chapter chapter = new_chapter(path, s.study, s.campaign);
+  chapter.title = s.study + " on " + s.campaign;
+  chapter.simulated = s.simulated;
+  chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
+                              s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
+  if (s.cross_check)
+    chapter.sentences.push_back(fmt::format(
+        "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
+        s.cross_check->method, s.cross_check->samples, s.cross_check->worst_m, s.cross_check->limit_m,
+        s.cross_check->passed() ? "agrees" : "**disagrees**"));
+  append(chapter, table3(s));
+  append(chapter, table2(s));
+  append(chapter, sensor_counts_table(s));
+  if (Table coverage = coverage_table(s); !coverage.rows.empty())
+    append(chapter, std::vector{std::move(coverage)});
+  chapter.first_tables = chapter.tables.size();
+  append(chapter, accuracy_tables(s));
+  if (const auto tracking = read_tracking_summary(path)) {
+    append(chapter, efficiency_tables(s, *tracking));
+    append(chapter, tracking_tables(*tracking));
+  }
+  append(chapter, error_box_figures(s));
+  append(chapter, sensor_counts_figure(s));
+  append(chapter, trajectory_figures(path, s));
+  if (const auto map = read_gdop_map(path)) append(chapter, std::vector{gdop_figure(*map, s)});
+  chapter.replays = packed_replays(path, s);
+  return chapter;
+}
+
+Chapter sweep_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  const SweepSummary s = read_sweep_summary(path);
+  if (s.search && !evidence.sweep) evidence.sweep = s;
+  const std::optional<SweepTimings> timings = read_sweep_timings(path);
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format(
+      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell{}.",
+      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials,
+      s.interrupted ? " (interrupted: some cells hold fewer)" : "");
+  chapter.sentences = search_sentences(s);
+  append(chapter, table1(s, timings));
+  append(chapter, search_tables(s));
+  chapter.first_tables = chapter.tables.size();
+  append(chapter, sweep_tables(s, timings));
+  append(chapter, sweep_figures(s, timings));
+  return chapter;
+}
+
+Chapter calibration_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  const CalibrationSummary s = read_calibration_summary(path);
+  if (!evidence.calibration) evidence.calibration = s;
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format(
+      "Calibration, **simulated** (seed {}{}): every number here is one of simulated depth images and "
+      "sensors, except those that are called the paper's.",
+      s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
+  chapter.sentences = calibration_sentences(s);
+  append(chapter, calibration_tables(s));
+  chapter.first_tables = chapter.tables.size();
+  append(chapter, calibration_figures(s));
+  return chapter;
+}
+
+Chapter budget_chapter(const std::filesystem::path& path) {
+  const BudgetSummary s = read_budget_summary(path);
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format("Error budget of {}, **simulated**: {} participants, seed {}.", s.campaign,
+                              s.participants, s.seed);
+  append(chapter, budget_tables(s));
+  append(chapter, budget_figures(s));
+  chapter.first_tables = chapter.tables.size();
+  return chapter;
+}
+
+Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  const RecordingSummary s = read_recording_summary(path);
+  const std::optional<StageTimings> timings = read_stage_timings(path);
+  if (!evidence.recording) evidence.recording = s;
+  if (!evidence.stages) evidence.stages = timings;
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format(
+      "Clocks and processing times, **simulated** recordings (seed {}{}); the times that frames take are "
+      "measured.",
+      s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
+  append(chapter, table4(s, timings));
+  append(chapter, clock_figures(s));
+  chapter.first_tables = chapter.tables.size();
+  return chapter;
+}
+
+}  // namespace
+
+Chapter read_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+  switch (results_kind(path)) {
+    case ResultsKind::threshold_sweep:
+      return sweep_chapter(path, evidence);
+    case ResultsKind::calibration:
+      return calibration_chapter(path, evidence);
+    case ResultsKind::error_budget:
+      return budget_chapter(path);
+    case ResultsKind::recording:
+      return recording_chapter(path, evidence);
+    case ResultsKind::accuracy:
+      break;
+  }
+  return accuracy_chapter(path, evidence);
+}
+
+}  // namespace trilat

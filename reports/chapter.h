@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "reports/claims.h"
+#include "reports/draw_figures.h"
+#include "reports/provenance.h"
+#include "reports/replay_data.h"
+#include "reports/table.h"
+
+namespace trilat {
+
+// What one results folder becomes.
+struct Chapter {
+  Provenance provenance;
+  std::filesystem::path results;
+  std::string title;  // "table3 on paper campaign"
+  std::string
+      about;  // one sentence: how much of what, simulated or recorded; **bold** and `code` as in Markdown
+  bool simulated = true;
+  std::vector<std::string> sentences = {};  // what it says, marked up alike
+  std::vector<Table> tables = {};           // those that answer the study's question first
+  std::size_t first_tables = 0;             // how many those are; the others are details
+  std::vector<DrawnFigure> figures = {};    // not drawn yet
+  std::vector<PackedReplay> replays = {};
+};
+
+// Reads a results folder of any kind and adds it to the evidence on the paper's claims. InputError with the
+// place when it holds no results of this version.
+Chapter read_chapter(const std::filesystem::path& results, ClaimEvidence& evidence);
+
+}  // namespace trilat

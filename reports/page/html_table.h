@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "reports/table.h"
+
+namespace trilat {
+
+// A table that page.js sorts by the unrounded numbers, filters and copies as CSV, with its notes, links to
+// its files beside the page and the commands that make its numbers (none: empty).
+std::string html_of(const Table& table, const std::string& commands);
+
+// "holds" as a coloured word; other verdicts alike.
+std::string verdict_badge(const std::string& verdict);
+
+// A title's first part, and what stands in brackets at its end more softly.
+std::string html_title(const std::string& title);
+
+}  // namespace trilat

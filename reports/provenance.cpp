@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "reports/provenance.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "reports/table.h"
+
+namespace trilat {
+namespace {
+
+std::string scalar_text(const Json& json, const std::string& key) {
+  const auto found = json.find(key);
+  if (found == json.end() || found->is_null()) return {};
+  if (found->is_string()) return found->get<std::string>();
+  return found->is_number_float() ? fmt::format("{:.1f}", found->get<double>()) : found->dump();
+}
+
+// The study as it can be run again. That of an error budget stands in the manifest as the accuracy study that
+// all its campaigns are sent through, with what they share beside it.
+Json runnable_study(const Json& manifest, ResultsKind kind) {
+  Json study = manifest.at("study");
+  if (kind != ResultsKind::error_budget) return study;
+  study["kind"] = name_of(kind);
+  for (const char* key : {"seed", "participants", "calibration_sigma_m", "calibration_sigma_deg"})
+    if (manifest.contains(key)) study[key] = manifest.at(key);
+  return study;
+}
+
+void read_inputs(JsonObject& manifest, Provenance& provenance) {
+  if (!manifest.has("inputs")) return;
+  for (JsonObject& input : manifest.objects("inputs")) {
+    InputFile file{input.text("take"), input.text("role"), input.text("file"), {}};
+    if (!input.value("sha256").is_null()) file.sha256 = input.text("sha256");
+    provenance.inputs.push_back(std::move(file));
+  }
+}
+
+void read_manifest(const std::filesystem::path& path, const std::string& campaign, Provenance& p) {
+  const Json json = read_json(path);
+  JsonObject manifest(json, path.string(), "");
+  check_format(manifest, "trilat.manifest", 1);
+  p.program = manifest.text("program");
+  JsonObject study = manifest.object("study");
+  const auto same = [&](JsonObject& object, const std::string& key, const std::string& wanted) {
+    if (const std::string found = object.text(key); found != wanted)
+      object.refuse(key, fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
+                                     "parts of two runs; run the study again",
+                                     found, wanted));
+  };
+  same(study, "kind", name_of(p.kind == ResultsKind::error_budget ? ResultsKind::accuracy : p.kind));
+  same(study, "name", p.study);
+  if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
+  p.campaign = campaign;
+  const Json again = runnable_study(json, p.kind);
+  p.config = json_text(again, 1);
+  p.seed = scalar_text(again, "seed");
+  p.study_sha256 = scalar_text(json, "study_sha256");
+  if (manifest.has("rig")) p.rig = manifest.texts("rig");
+  read_inputs(manifest, p);
+}
+
+void read_run_record(const std::filesystem::path& path, Provenance& p) {
+  const Json json = read_json(path);
+  JsonObject run(json, path.string(), "");
+  check_format(run, "trilat.run", 1);
+  p.processor = run.text("processor");
+  p.compiler = run.text("compiler", "");
+  p.threads = scalar_text(json, "threads");
+  p.wall_s = scalar_text(json, "wall_s");
+}
+
+}  // namespace
+
+std::string folder_name(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+Provenance read_provenance(const std::filesystem::path& results, const std::string& study,
+                           const std::string& campaign) {
+  Provenance provenance;
+  provenance.folder = folder_name(results);
+  provenance.kind = results_kind(results);
+  provenance.study = study;
+  provenance.campaign = campaign;
+  if (const auto path = results / "manifest.json"; std::filesystem::exists(path))
+    read_manifest(path, campaign, provenance);
+  if (const auto path = results / "run.json"; std::filesystem::exists(path))
+    read_run_record(path, provenance);
+  return provenance;
+}
+
+std::string study_file(const Provenance& provenance) {
+  return "studies/" + usable_id(provenance.folder) + ".json";
+}
+
+std::string commands_of(const Provenance& p) {
+  const bool wants_campaign = p.kind == ResultsKind::accuracy;
+  const std::string folder = usable_id(p.folder);
+  return fmt::format("trilat run {}{} -o {}\ntrilat report {} -o report", study_file(p),
+                     wants_campaign ? " --campaign CAMPAIGN" : "", folder, folder);
+}
+
+}  // namespace trilat

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/results/results_file.h"
+
+namespace trilat {
+
+// A file that went into results.
+struct InputFile {
+  std::string take, role, file, sha256;  // sha256 is empty when it could not be read
+};
+
+// What went into a results folder, as its manifest.json has it, and where it was computed, as run.json has
+// it. Texts are empty where those files do not say.
+struct Provenance {
+  std::string folder;  // the name of the results folder
+  ResultsKind kind = ResultsKind::accuracy;
+  std::string study;  // its name
+  std::string program, campaign, seed, study_sha256;
+  std::string config;  // the resolved study as JSON
+  std::vector<std::string> rig;
+  std::vector<InputFile> inputs;
+  std::string processor, threads, compiler, wall_s;
+};
+
+// Reads both files. InputError when one is of another version, and when the manifest is not of the run that
+// summary.json is of: another kind, or a study or campaign of another name. What is not there stays empty.
+Provenance read_provenance(const std::filesystem::path& results, const std::string& study,
+                           const std::string& campaign);
+
+// The name of a folder, also when it is written with a slash behind.
+std::string folder_name(const std::filesystem::path& folder);
+
+// The commands that make these results and this report again. The study is the file that the report writes
+// beside the page.
+std::string commands_of(const Provenance& provenance);
+std::string study_file(const Provenance& provenance);  // "studies/table3.json"
+
+}  // namespace trilat

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "reports/report_content.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "datasets/results/declared_parameters.h"
+#include "reports/audit.h"
+#include "reports/parameters_table.h"
+
+namespace trilat {
+namespace {
+
+// Ids become file names, so two results of one kind must not share them.
+void make_unique(std::string& id, std::set<std::string>& ids, const std::string& study) {
+  if (ids.insert(id).second) return;
+  const std::string base = usable_id(study + "-" + id);
+  id = base;
+  for (int n = 2; !ids.insert(id).second; ++n) id = fmt::format("{}-{}", base, n);
+}
+
+std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
+  std::vector<std::pair<std::vector<DeclaredParameter>, std::string>> seen;
+  for (const auto& path : results) {
+    const std::vector<DeclaredParameter> parameters = read_declared_parameters(path);
+    if (parameters.empty()) continue;
+    const auto same =
+        std::find_if(seen.begin(), seen.end(), [&](const auto& other) { return other.first == parameters; });
+    if (same == seen.end())
+      seen.emplace_back(parameters, folder_name(path));
+    else
+      same->second += ", " + folder_name(path);
+  }
+  std::vector<Table> tables;
+  for (const auto& [parameters, studies] : seen) tables.push_back(parameters_table(parameters, studies));
+  return tables;
+}
+
+void draw_all(ReportContent& content) {
+  std::vector<DrawnFigure> drawn = draw_figures(figures_of(content));
+  auto next = drawn.begin();
+  for (Chapter& chapter : content.chapters)
+    for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
+}
+
+}  // namespace
+
+ReportContent read_report(const std::vector<std::filesystem::path>& results,
+                          const std::function<void(double)>& progress) {
+  ReportContent content;
+  ClaimEvidence evidence;
+  for (const auto& path : results) {
+    content.chapters.push_back(read_chapter(path, evidence));
+    if (progress)
+      progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
+  }
+  std::set<std::string> ids;
+  if (evidence.is_of_the_paper()) {
+    content.claims = claims_table(evidence);
+    content.audit = {audit_table(), errata_table(evidence)};
+    for (const Table& table : content.audit) ids.insert(table.id);
+    ids.insert(content.claims->id);
+  }
+  for (Chapter& chapter : content.chapters) {
+    const std::string& study = chapter.provenance.study;
+    for (Table& table : chapter.tables) make_unique(table.id, ids, study);
+    for (DrawnFigure& figure : chapter.figures) make_unique(figure.figure.id, ids, study);
+  }
+  content.parameters = parameter_tables(results);
+  for (Table& table : content.parameters) make_unique(table.id, ids, "report");
+  draw_all(content);
+  return content;
+}
+
+std::vector<Table> tables_of(const ReportContent& content) {
+  std::vector<Table> tables;
+  if (content.claims) tables.push_back(*content.claims);
+  tables.insert(tables.end(), content.audit.begin(), content.audit.end());
+  for (const Chapter& chapter : content.chapters)
+    tables.insert(tables.end(), chapter.tables.begin(), chapter.tables.end());
+  tables.insert(tables.end(), content.parameters.begin(), content.parameters.end());
+  return tables;
+}
+
+std::vector<Figure> figures_of(const ReportContent& content) {
+  std::vector<Figure> figures;
+  for (const Chapter& chapter : content.chapters)
+    for (const DrawnFigure& figure : chapter.figures) figures.push_back(figure.figure);
+  return figures;
+}
+
+}  // namespace trilat

@@ -1,0 +1,225 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Opens report.html in headless chromium and sorts, filters, toggles and scrubs; fails on any error of the console
+and any request to the network. Usage: use_page.py REPORT.html PICTURES"""
+import base64
+import json
+import pathlib
+import sys
+import time
+
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+WAIT_S = 60
+
+
+def open_browser(width, height, dark=False):
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--hide-scrollbars", "--disable-dev-shm-usage",
+                     f"--window-size={width},{height}"):
+        options.add_argument(argument)
+    if dark:
+        options.add_argument("--blink-settings=preferredColorScheme=0")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options=options)
+    driver.set_script_timeout(WAIT_S)
+    return driver
+
+
+def open_page(driver, page):
+    driver.get(page)
+    driver.execute_script("document.documentElement.style.scrollBehavior = 'auto'")
+
+
+def column(driver, table, number):
+    return driver.execute_script(
+        "return [...arguments[0].tBodies[0].rows].filter(r => r.offsetParent).map(r => r.cells[arguments[1]])"
+        ".map(c => c.dataset.v ?? c.textContent.trim())", table, number)
+
+
+def largest_table(driver):
+    """Of those in view without unfolding anything, with a column of methods and one of numbers."""
+    return driver.execute_script("""
+        const seen = [...document.querySelectorAll('section[id^=chapter] table, #paper table')].filter(t => t.checkVisibility({contentVisibilityAuto: false}) && !t.closest('details:not([open])'));
+        const fit = seen.filter(t => t.querySelector('th[data-key=method]') && t.closest('section[id^=chapter]'));
+        return (fit.length ? fit : seen).sort((a, b) => b.rows.length - a.rows.length)[0];""")
+
+
+def check_sorting(driver, table):
+    heads = table.find_elements(By.CSS_SELECTOR, "thead th")
+    number = next(i for i, head in enumerate(heads) if "n" in head.get_attribute("class").split())
+    before = column(driver, table, number)
+    button = heads[number].find_element(By.TAG_NAME, "button")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+    for press, state in ((button.click, "ascending"), (lambda: button.send_keys(Keys.ENTER), "descending")):
+        press()
+        assert heads[number].get_attribute("aria-sort") == state, heads[number].get_attribute("aria-sort")
+        values = [float(v) for v in column(driver, table, number) if v != "–"]
+        assert values == sorted(values, reverse=state == "descending"), (state, values)
+    button.click()
+    assert column(driver, table, number) == before, "the third press gives the order of the report"
+
+
+def check_filter(driver, table):
+    box = table.find_element(By.XPATH, "ancestor::div[contains(@class, 'table')][1]")
+    word = column(driver, table, 0)[-1]
+    field = box.find_element(By.CSS_SELECTOR, "input[type=search]")
+    whole = len(column(driver, table, 0))
+    field.send_keys(word)
+    rows = driver.execute_script("return [...arguments[0].tBodies[0].rows].filter(r => r.offsetParent)"
+                                 ".map(r => r.textContent.toLowerCase())", table)
+    assert rows and all(all(part in row for part in word.lower().split()) for row in rows), rows
+    assert f"{len(rows)} of {whole}" in box.find_element(By.CSS_SELECTOR, ".shown").text or len(rows) == whole
+    field.send_keys(Keys.CONTROL, "a")
+    field.send_keys(Keys.BACKSPACE)
+    assert len(column(driver, table, 0)) == whole
+
+
+def check_methods(driver, table):
+    panel = table.find_element(By.XPATH, "ancestor::section").find_element(By.CSS_SELECTOR, "details.methods")
+    panel.find_element(By.TAG_NAME, "summary").click()
+    WebDriverWait(driver, WAIT_S).until(lambda _: panel.find_elements(By.CSS_SELECTOR, "input"))
+    check = panel.find_element(By.CSS_SELECTOR, "input")
+    name, whole = check.get_attribute("value"), len(column(driver, table, 0))
+    text = "return [...arguments[0].tBodies[0].rows].filter(r => r.offsetParent).map(r => r.textContent).join('\\n')"
+    check.click()
+    assert len(column(driver, table, 0)) < whole, name
+    assert "1 of" in panel.find_element(By.TAG_NAME, "summary").text
+    assert driver.execute_script(text, table)
+    check.click()
+    assert len(column(driver, table, 0)) == whole
+    panel.find_element(By.TAG_NAME, "summary").click()
+
+
+def check_theme(driver):
+    theme = lambda: driver.execute_script("return [document.documentElement.dataset.theme, "
+                                          "getComputedStyle(document.body).backgroundColor]")
+    before = theme()
+    driver.find_element(By.ID, "theme").click()
+    after = theme()
+    assert before[0] != after[0] and before[1] != after[1], (before, after)
+    driver.find_element(By.ID, "theme").click()
+    assert theme() == before
+
+
+def check_replay(driver):
+    view = driver.find_element(By.ID, "replay-view")
+    driver.execute_script("arguments[0].scrollIntoView()", view)
+    WebDriverWait(driver, WAIT_S).until(lambda _: view.get_attribute("data-ready") == "true", "the replay starts")
+    overlay = lambda: view.find_element(By.CSS_SELECTOR, ".overlay").text
+    assert overlay().startswith(("simulated", "recorded")), overlay()
+    start = overlay()
+    slider = view.find_element(By.CSS_SELECTOR, "input[type=range]")
+    driver.execute_script("arguments[0].value = Math.floor(arguments[0].max / 2);"
+                          "arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", slider)
+    assert overlay() != start, "scrubbing changes the instant"
+    assert " cm" in overlay(), overlay()
+    jump = view.find_element(By.CSS_SELECTOR, "ol button")
+    driver.execute_script("arguments[0].click()", jump)
+    assert jump.text.split(" s")[0] in overlay(), (jump.text, overlay())
+    # frames that a minute of playing shows, on this machine without a graphics card
+    view.find_element(By.XPATH, ".//button[text()='Play']").click()
+    frames = driver.execute_async_script("""
+        const done = arguments[0], start = performance.now();
+        let frames = 0;
+        const count = () => { ++frames; performance.now() - start < 3000 ? requestAnimationFrame(count) : done(frames / 3); };
+        requestAnimationFrame(count);""")
+    print(f"replay: {frames:.0f} frames a second in software")
+    view.find_element(By.XPATH, ".//button[text()='Pause' or text()='Play']").click()
+
+
+def check_silence(driver):
+    errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")
+              and "GPU stall" not in entry["message"] and "GL Driver" not in entry["message"]]
+    assert not errors, errors
+    requests = []
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            url = message["params"]["request"]["url"]
+            if not url.startswith(("data:", "blob:")):
+                requests.append(url)
+    assert all(url.startswith("file:") and url.split("#")[0].endswith(".html") for url in requests), requests
+
+
+def wide(page, pictures):
+    driver = open_browser(1400, 1000)
+    try:
+        began = time.monotonic()
+        open_page(driver, page)
+        milliseconds = float(driver.execute_script("return document.documentElement.dataset.interactiveMs"))
+        print(f"interactive after {milliseconds:.0f} ms, loaded after {1e3 * (time.monotonic() - began):.0f} ms")
+        driver.save_screenshot(str(pictures / "light.png"))
+        table = largest_table(driver)
+        check_sorting(driver, table)
+        check_filter(driver, table)
+        check_methods(driver, table)
+        driver.save_screenshot(str(pictures / "table.png"))
+        check_theme(driver)
+        check_replay(driver)
+        driver.save_screenshot(str(pictures / "replay.png"))
+        pictured = driver.find_elements(By.CSS_SELECTOR, "figure.picture")
+        if pictured:
+            driver.execute_script("arguments[0].scrollIntoView()", pictured[0])
+            time.sleep(0.5)
+            driver.save_screenshot(str(pictures / "figure.png"))
+        check_silence(driver)
+        pdf = driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True, "printBackground": True})
+        (pictures / "print.pdf").write_bytes(base64.b64decode(pdf["data"]))
+    finally:
+        driver.quit()
+
+
+def dark(page, pictures):
+    driver = open_browser(1400, 1000, dark=True)
+    try:
+        open_page(driver, page)
+        if driver.execute_script("return document.documentElement.dataset.theme") != "dark":
+            driver.find_element(By.ID, "theme").click()
+        driver.save_screenshot(str(pictures / "dark.png"))
+        for name, selector in (("dark-figure", "figure.picture"), ("dark-table", "section[id^=chapter] .table")):
+            found = driver.find_elements(By.CSS_SELECTOR, selector)
+            if found:
+                driver.execute_script("arguments[0].scrollIntoView()", found[0])
+                time.sleep(0.5)
+                driver.save_screenshot(str(pictures / f"{name}.png"))
+        check_silence(driver)
+    finally:
+        driver.quit()
+
+
+def phone(page, pictures):
+    driver = open_browser(500, 844)
+    try:
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                               {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+        open_page(driver, page)
+        widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+        assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
+        driver.save_screenshot(str(pictures / "phone.png"))
+        for name, selector in (("phone-table", "section[id^=chapter] .table"), ("phone-replay", "#replay")):
+            driver.execute_script("document.querySelector(arguments[0]).scrollIntoView()", selector)
+            time.sleep(1.5)
+            driver.save_screenshot(str(pictures / f"{name}.png"))
+        widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+        assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
+        check_silence(driver)
+    finally:
+        driver.quit()
+
+
+def main():
+    page, pictures = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+    print(f"{page.name}: {page.stat().st_size / 1e6:.1f} MB")
+    assert page.stat().st_size < 15e6
+    for use in (wide, dark, phone):
+        use(page.as_uri(), pictures)
+    print("sorted, filtered, toggled, scrubbed and printed; no error and no request")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "reports/page/page.h"
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "reports/page/html_table.h"
+#include "reports/page/html_text.h"
+#include "reports/write_report.h"
+#include "tests/reports/calibration_summaries.h"
+#include "tests/reports/summaries.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string page_with(const ScratchFolder& folder, ResultsSummary summary) {
+  std::filesystem::create_directories(folder / "results");
+  write_summary(folder / "results", summary);
+  write_report({folder / "results"}, folder / "report", {.made = "then"});
+  return read_file(folder / "report/report.html");
+}
+
+Table one_row(TableValue value) {
+  Table table;
+  table.id = "t";
+  table.title = "A title (with settings)";
+  table.columns = {{"method", "method", true}, {"from", "mae_from_cm", false}};
+  table.rows = {{TableValue::of("a<b"), std::move(value)}};
+  return table;
+}
+
+TEST(HtmlText, IsEscaped) {
+  EXPECT_EQ(html_text("<a href=\"x\">&\x01"), "&lt;a href=&quot;x&quot;&gt;&amp; ");
+  EXPECT_EQ(html_sentence("**a<** `b**` c"), "<strong>a&lt;</strong> <code>b**</code> c");
+  EXPECT_EQ(html_sentence("left `open"), "left <code>open</code>");
+}
+
+TEST(HtmlText, Base64HasTheVectorsOfRfc4648) {
+  EXPECT_EQ(base64_of(""), "");
+  EXPECT_EQ(base64_of("f"), "Zg==");
+  EXPECT_EQ(base64_of("fo"), "Zm8=");
+  EXPECT_EQ(base64_of("foo"), "Zm9v");
+  EXPECT_EQ(base64_of("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64_of(std::string("\xff\xfe\xfd", 3)), "//79");
+}
+
+TEST(HtmlTable, NumbersCarryTheirUnroundedValueAndHeadersTheirUnit) {
+  const std::string html = html_of(one_row(TableValue::of(1.0 / 3.0, 2)), "");
+  EXPECT_THAT(html, HasSubstr("<td class=\"n\" data-v=\"0.3333333333333333\">0.33</td>"));
+  EXPECT_THAT(html,
+              HasSubstr("data-key=\"mae_from_cm\" class=\"n\"><button type=\"button\">from (cm)</button>"));
+  EXPECT_THAT(html, HasSubstr("<th scope=\"row\">a&lt;b</th>"));
+  EXPECT_THAT(html, HasSubstr("<caption>A title (with settings)</caption>"));
+}
+
+TEST(HtmlTable, WhatIsNoNumberIsADashWithoutAValue) {
+  EXPECT_THAT(html_of(one_row(TableValue::of(kNoNumber, 2)), ""), HasSubstr("<td class=\"n\">–</td>"));
+}
+
+TEST(HtmlTable, CommandsStandUnderTheTableTheyMake) {
+  EXPECT_THAT(html_of(one_row(TableValue::of(1.0, 0)), "trilat run \"x\""),
+              HasSubstr("<pre>trilat run &quot;x&quot;</pre>"));
+}
+
+TEST(Page, SaysFirstWhetherItsNumbersAreSimulated) {
+  const ScratchFolder folder;
+  ResultsSummary summary = hand_made_summary();
+  const std::string simulated = page_with(folder, summary);
+  EXPECT_LT(simulated.find("<p class=\"origin\">Simulated data</p>"), simulated.find("<h1>"));
+  summary.simulated = false;
+  const std::string recorded = page_with(folder, summary);
+  EXPECT_THAT(recorded, HasSubstr("<p class=\"origin\">Recorded data</p>"));
+  EXPECT_THAT(recorded, Not(HasSubstr("no camera was used")));
+}
+
+TEST(Page, HoldsEveryTableOnceWithLinksToItsFiles) {
+  const ScratchFolder folder;
+  const std::string page = page_with(folder, hand_made_summary());
+  for (const Table& table : write_report({folder / "results"}, folder / "report", {.made = "then"}).tables) {
+    const std::string id = "id=\"table-" + table.id + "\"";
+    EXPECT_THAT(page, HasSubstr(id));
+    EXPECT_EQ(page.find(id), page.rfind(id)) << table.id;
+    EXPECT_THAT(page, HasSubstr("href=\"" + table.id + ".csv\""));
+  }
+}
+
+TEST(Page, LoadsNothing) {
+  const ScratchFolder folder;
+  const std::string page = page_with(folder, hand_made_summary());
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  for (const char* loads : {"src=\"http", "href=\"http", "url(", "@import", "fetch("})
+    EXPECT_THAT(page, Not(HasSubstr(loads)));
+}
+
+TEST(Page, TextsFromOutsideStayText) {
+  const ScratchFolder folder;
+  ResultsSummary summary = hand_made_summary();
+  summary.campaign = "<script>alert(1)</script>";
+  EXPECT_THAT(page_with(folder, summary), Not(HasSubstr("<script>alert")));
+}
+
+TEST(Page, FiguresAreDocumentsOfTheirOwn) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "results");
+  write_calibration_summary(folder / "results", hand_made_calibration());
+  const ReportFiles files = write_report({folder / "results"}, folder / "report", {.made = "then"});
+  const std::string page = read_file(folder / "report/report.html");
+  ASSERT_FALSE(files.figures.empty());
+  for (const Figure& figure : files.figures)
+    EXPECT_THAT(page, HasSubstr("data:image/svg+xml;base64," +
+                                base64_of(read_file(folder / ("report/" + figure.id + ".svg")))));
+}
+
+}  // namespace
+}  // namespace trilat
