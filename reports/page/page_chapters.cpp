@@ -34,15 +34,10 @@ bool has_methods(const Chapter& chapter) {
   return false;
 }
 
-constexpr const char* kMethodPanel =
-    "<details class=\"methods script\"><summary>Methods <small>all shown</small></summary><fieldset><legend "
-    "class=\"soft\">Rows of these methods are shown in every table of this "
-    "chapter</legend></fieldset></details>\n";
-
 std::string chapter_html(const Chapter& chapter, const std::set<std::string>& shown) {
   std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
   for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
-  if (has_methods(chapter)) html += kMethodPanel;
+  if (has_methods(chapter)) html += method_panel();
   const std::string commands = commands_of(chapter.provenance);
   std::string details;
   for (std::size_t t = 0; t < chapter.tables.size(); ++t) {
@@ -117,6 +112,13 @@ std::string provenance_html(const Provenance& p) {
 }
 
 }  // namespace
+
+std::string method_panel() {
+  return "<details class=\"methods script\"><summary>Methods <small>all "
+         "shown</small></summary><fieldset><legend "
+         "class=\"soft\">Rows of these methods are shown in the tables of this "
+         "section</legend></fieldset></details>\n";
+}
 
 std::string origin_of(const ReportContent& content) {
   bool simulated = false, recorded = false;

@@ -81,6 +81,8 @@ PageSection paper_section(const ReportContent& content, std::set<std::string>& s
                                     html_of(table, commands_of(chapter.provenance)));
         shown.insert(table.id);
       }
+  if (section.html.find("data-key=\"method\"") != std::string::npos)
+    section.html = method_panel() + section.html;
   return section;
 }
 

@@ -31,6 +31,10 @@ PageSection parameters_section(const ReportContent& content);
 // Resolved configurations, hashes, versions, seeds, machines, and the commands that make it all again.
 PageSection provenance_section(const ReportContent& content);
 
+// Boxes that hide and show the rows of methods in the tables of the section that it stands in; page.js fills
+// it.
+std::string method_panel();
+
 // What every number of the report comes from: "simulated", "recorded", or both.
 std::string origin_of(const ReportContent& content);
 
