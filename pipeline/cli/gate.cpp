@@ -117,7 +117,7 @@ void judge_and_append(const GateArguments& arguments, const GateLimits& limits, 
   report.findings.insert(report.findings.end(), judgement.drifts.begin(), judgement.drifts.end());
   sort_findings(report.findings);
   tonight.quiet = report.quiet();
-  report.notes.push_back(fmt::format("history: {} nights since the last accepted change", judgement.nights));
+  report.notes.push_back(fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
   append_history(arguments.history, tonight);
 }
 
