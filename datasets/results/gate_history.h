@@ -19,7 +19,7 @@ struct HistoryEntry {
   std::vector<std::string> alarms;        // what each was about, one name a thing
   std::map<std::string, double> error_m;  // mean absolute error by cell
   std::map<std::string, double> coverage;
-  std::map<std::string, double> speed;  // median ratio to the reference by solver
+  std::map<std::string, double> speed;  // lower quartile of the ratios to the reference, by solver
 };
 
 struct History {

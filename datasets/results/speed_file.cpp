@@ -7,6 +7,20 @@
 #include "datasets/results/results_file.h"
 
 namespace trilat {
+namespace {
+
+std::vector<double> read_ratios(JsonObject& entry, const std::string& key) {
+  const Json& list = entry.value(key);
+  if (!list.is_array() || list.empty()) entry.refuse(key, "must be a list of numbers");
+  std::vector<double> ratios;
+  for (const Json& ratio : list) {
+    if (!ratio.is_number() || !(ratio.get<double>() > 0.0)) entry.refuse(key, "must hold positive numbers");
+    ratios.push_back(ratio.get<double>());
+  }
+  return ratios;
+}
+
+}  // namespace
 
 void write_speed(const std::filesystem::path& folder, const SpeedFile& speed) {
   Json json{{"format", "trilat.speed"},     {"version", 1},
@@ -33,13 +47,7 @@ std::optional<SpeedFile> read_speed(const std::filesystem::path& folder) {
     SolverSpeed solver;
     solver.solver = entry.text("solver");
     solver.median_ns = entry.positive("median_ns");
-    const Json& ratios = entry.value("ratios");
-    if (!ratios.is_array() || ratios.empty()) entry.refuse("ratios", "must be a list of numbers");
-    for (const Json& ratio : ratios) {
-      if (!ratio.is_number() || !(ratio.get<double>() > 0.0))
-        entry.refuse("ratios", "must hold positive numbers");
-      solver.ratios.push_back(ratio.get<double>());
-    }
+    solver.ratios = read_ratios(entry, "ratios");
     entry.finish();
     speed.solvers.push_back(std::move(solver));
   }

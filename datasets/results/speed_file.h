@@ -9,7 +9,7 @@
 
 namespace trilat {
 
-// One solver's time as multiples of the reference's, a round each.
+// One solver's time as multiples of the reference's, a round each, in the order they were measured.
 struct SolverSpeed {
   std::string solver;
   std::vector<double> ratios;

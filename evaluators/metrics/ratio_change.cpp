@@ -11,91 +11,72 @@ namespace trilat {
 namespace {
 
 bool can_be_used(std::span<const double> ratios) {
-  return ratios.size() >= 2 &&
-         std::all_of(ratios.begin(), ratios.end(), [](double r) { return std::isfinite(r) && r > 0.0; });
+  return std::all_of(ratios.begin(), ratios.end(), [](double r) { return std::isfinite(r) && r > 0.0; });
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+using Blocks = std::vector<std::span<const double>>;
+
+Blocks blocks_of(std::span<const double> ratios, std::size_t block) {
+  const std::size_t size = std::max<std::size_t>(1, block), count = ratios.size() / size;
+  Blocks blocks;
+  for (std::size_t b = 0; b < count; ++b)
+    blocks.push_back(b + 1 == count ? ratios.subspan(b * size) : ratios.subspan(b * size, size));
+  return blocks;
 }
 
-double median_of(std::span<const double> values) {
-  std::vector<double> copy(values.begin(), values.end());
-  return median(copy);
-}
-
-class Redrawn {
- public:
-  Redrawn(std::span<const double> values, const RandomStream& random) : values_(values), random_(random) {}
-  double median_once(std::uint32_t& draw) {
-    drawn_.clear();
-    for (std::size_t i = 0; i < values_.size(); ++i)
-      drawn_.push_back(values_[std::min(
-          values_.size() - 1,
-          static_cast<std::size_t>(random_.uniform(draw++) * static_cast<double>(values_.size())))]);
-    return median(drawn_);
+double redrawn_quantile(const Blocks& blocks, double quantile, const RandomStream& random,
+                        std::uint32_t& draw) {
+  std::vector<double> values;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const auto picked = static_cast<std::size_t>(random.uniform(draw++) * static_cast<double>(blocks.size()));
+    const auto& block = blocks[std::min(picked, blocks.size() - 1)];
+    values.insert(values.end(), block.begin(), block.end());
   }
+  return quantile_of(std::move(values), quantile);
+}
 
- private:
-  std::span<const double> values_;
-  const RandomStream& random_;
-  std::vector<double> drawn_;
-};
-
-double rank_sum_chance(std::span<const double> now, std::span<const double> before) {
-  struct Value {
-    double value;
-    bool is_now;
-  };
-  std::vector<Value> all;
-  for (const double r : now) all.push_back({r, true});
-  for (const double r : before) all.push_back({r, false});
-  std::sort(all.begin(), all.end(), [](const Value& a, const Value& b) { return a.value < b.value; });
-  double rank_sum = 0.0, ties = 0.0;
-  for (std::size_t first = 0; first < all.size();) {
-    std::size_t end = first;
-    while (end < all.size() && all[end].value == all[first].value) ++end;
-    const double rank = 0.5 * static_cast<double>(first + end + 1);
-    for (std::size_t i = first; i < end; ++i) rank_sum += all[i].is_now ? rank : 0.0;
-    const auto t = static_cast<double>(end - first);
-    ties += t * t * t - t;
-    first = end;
-  }
-  const auto a = static_cast<double>(now.size()), b = static_cast<double>(before.size()), n = a + b;
-  const double u = rank_sum - a * (a + 1.0) / 2.0 - a * b / 2.0;
-  const double variance = a * b / 12.0 * (n + 1.0 - ties / (n * (n - 1.0)));
-  if (variance <= 0.0) return 1.0;
-  const double z = std::max(0.0, std::abs(u) - 0.5) / std::sqrt(variance);  // with continuity correction
-  return std::erfc(z / std::sqrt(2.0));
+// That a logarithm of such a spread is so far from 0.
+double normal_chance(double log_change, const std::vector<double>& logs) {
+  double sum = 0.0, squares = 0.0;
+  for (const double x : logs) sum += x;
+  const double mean = sum / static_cast<double>(logs.size());
+  for (const double x : logs) squares += (x - mean) * (x - mean);
+  const double sigma = std::sqrt(squares / static_cast<double>(logs.size() - 1));
+  if (log_change == 0.0) return 1.0;
+  return sigma > 0.0 ? std::erfc(std::abs(log_change) / sigma / std::sqrt(2.0)) : 0.0;
 }
 
 }  // namespace
 
+double quantile_of(std::vector<double> values, double quantile) {
+  if (values.empty()) return kNaN;
+  const double position = quantile * static_cast<double>(values.size() - 1);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(position);
+  std::nth_element(values.begin(), below, values.end());
+  const double share = position - std::floor(position);
+  return share == 0.0 ? *below : *below + share * (*std::min_element(below + 1, values.end()) - *below);
+}
+
 RatioChange solve_ratio_change(std::span<const double> now, std::span<const double> before,
                                const RatioChangeOptions& options) {
   RatioChange result;
-  if (!can_be_used(now) || !can_be_used(before)) return result;
-  result.now = median_of(now);
-  result.before = median_of(before);
+  const Blocks here = blocks_of(now, options.block), there = blocks_of(before, options.block);
+  if (here.size() < 2 || there.size() < 2 || !can_be_used(now) || !can_be_used(before)) return result;
+  result.now = quantile_of({now.begin(), now.end()}, options.quantile);
+  result.before = quantile_of({before.begin(), before.end()}, options.quantile);
   result.change = result.now / result.before - 1.0;
-  result.chance = rank_sum_chance(now, before);
-  std::vector<double> changes;
+  if (options.resamples < 2) return result;
+  std::vector<double> changes, logs;
   for (std::size_t r = 0; r < options.resamples; ++r) {
     const RandomStream random{options.seed, Purpose::bootstrap, r};
     std::uint32_t draw = 0;
-    const double here = Redrawn(now, random).median_once(draw);
-    changes.push_back(here / Redrawn(before, random).median_once(draw) - 1.0);
+    const double drawn = redrawn_quantile(here, options.quantile, random, draw);
+    changes.push_back(drawn / redrawn_quantile(there, options.quantile, random, draw) - 1.0);
+    logs.push_back(std::log1p(changes.back()));
   }
-  if (changes.empty()) return result;
-  std::sort(changes.begin(), changes.end());
-  const auto at = [&](double q) {
-    return changes[static_cast<std::size_t>(q * static_cast<double>(changes.size() - 1))];
-  };
-  result.low = at(0.025);
-  result.high = at(0.975);
+  result.chance = normal_chance(std::log1p(result.change), logs);
+  result.low = quantile_of(changes, 0.025);
+  result.high = quantile_of(std::move(changes), 0.975);
   return result;
 }
 

@@ -64,8 +64,7 @@ void add_speed(const GateArguments& arguments, const GateLimits& limits, const S
 }
 
 void add_speed_series(const SpeedFile& speed, HistoryEntry& entry) {
-  for (const SolverSpeed& s : speed.solvers)
-    entry.speed[s.solver] = solve_ratio_change(s.ratios, s.ratios, {0, 1}).now;
+  for (const SolverSpeed& s : speed.solvers) entry.speed[s.solver] = quantile_of(s.ratios, 0.25);
 }
 
 int accept(const GateArguments& arguments, const std::string& time) {
@@ -117,7 +116,8 @@ void judge_and_append(const GateArguments& arguments, const GateLimits& limits, 
   report.findings.insert(report.findings.end(), judgement.drifts.begin(), judgement.drifts.end());
   sort_findings(report.findings);
   tonight.quiet = report.quiet();
-  report.notes.push_back(fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
+  report.notes.push_back(
+      fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
   append_history(arguments.history, tonight);
 }
 

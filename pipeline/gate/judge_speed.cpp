@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,8 @@
 
 namespace trilat {
 namespace {
+
+constexpr RatioChangeOptions kRatios{0.25, 24, 400, 1};
 
 struct Judged {
   std::string solver;
@@ -33,7 +34,7 @@ std::vector<Judged> changes_of(const SpeedFile& now, const SpeedFile& before) {
     const SolverSpeed* older = find_solver(before, s.solver);
     if (!older) continue;
     all.push_back(
-        {s.solver, solve_ratio_change(s.ratios, older->ratios, {}), Finding::kNone, s.ratios.size()});
+        {s.solver, solve_ratio_change(s.ratios, older->ratios, kRatios), Finding::kNone, s.ratios.size()});
     chances.push_back(all.back().change.chance);
   }
   const auto adjusted = holm_adjusted(chances);
@@ -64,6 +65,25 @@ Finding finding_of(const Judged& j) {
   return f;
 }
 
+constexpr const char* kNotConfirmed = "not confirmed";
+
+// Adds to each slower finding what another measurement says; whether one is left that all confirm.
+bool confirm(std::vector<Finding>& findings, const std::vector<Judged>& again, double alpha) {
+  bool left = false;
+  for (Finding& f : findings) {
+    if (f.direction != Direction::worse || f.note.find(kNotConfirmed) != std::string::npos) continue;
+    for (const Judged& j : again) {
+      if (j.solver != f.method) continue;
+      f.note +=
+          fmt::format("{}{:+.1f} %", f.note.empty() ? "measured again: " : ", ", 100.0 * j.change.change);
+      const bool confirmed = is_large(j, alpha) && j.change.change > 0.0;
+      if (!confirmed) f.note += fmt::format(", {}", kNotConfirmed);
+      left |= confirmed;
+    }
+  }
+  return left;
+}
+
 }  // namespace
 
 SpeedJudgement judge_speed(const SpeedFile& now, const SpeedFile& before, const GateLimits& limits,
@@ -89,21 +109,14 @@ SpeedJudgement judge_speed(const SpeedFile& now, const SpeedFile& before, const 
   result.verdict.note =
       fmt::format("{} solvers, each against \"{}\" of the same run", now.solvers.size(), now.reference);
   if (!slower) return result;
-  std::map<std::string, Judged> again;
-  if (measure_again) {
+  for (int rerun = 0; measure_again && rerun < kSpeedReruns; ++rerun) {
     result.verdict.rerun = true;
-    result.measured = measure_again();
-    for (const Judged& j : changes_of(*result.measured, before))
-      if (is_large(j, alpha) && j.change.change > 0.0) again.emplace(j.solver, j);
+    if (!confirm(result.findings, changes_of(measure_again(), before), alpha)) break;
   }
   for (Finding& f : result.findings) {
     if (f.direction != Direction::worse) continue;
-    const auto confirmed = again.find(f.method);
-    f.alarm = confirmed != again.end();
-    if (f.alarm)
-      f.note = fmt::format("measured again: {:+.1f} %", 100.0 * confirmed->second.change.change);
-    else
-      f.note = measure_again ? "not confirmed by a second measurement" : "not measured again (--speed does)";
+    f.alarm = measure_again && f.note.find(kNotConfirmed) == std::string::npos;
+    if (!measure_again) f.note = "not measured again (--speed does)";
   }
   return result;
 }

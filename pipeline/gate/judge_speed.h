@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,14 +19,16 @@ inline constexpr double kSmallestSpeed_percent = 5.0;
 struct SpeedJudgement {
   SpeedVerdict verdict;
   std::vector<Finding> findings;
-  std::optional<SpeedFile> measured;  // the rerun, where there was one
 };
 
-// Ratios of tonight against the baseline's: a finding where the medians differ by more than the smallest
-// effect, the interval leaves no change out, and chance by Holm over the solvers is at most half of
-// limits.chance. What is slower is measured again by `measure_again` and is an alarm only when that says so
-// too; without a way to measure again it is told and no alarm. On another processor or with another reference
-// nothing is judged.
+// Measurements that must say so too before a slower solver is an alarm.
+inline constexpr int kSpeedReruns = 2;
+
+// Ratios of tonight against the baseline's, by their lower quartiles: a finding where they differ by more
+// than the smallest effect, the interval leaves no change out, and chance by Holm over the solvers is at most
+// half of limits.chance. What is slower is measured again by `measure_again`, kSpeedReruns times, and is an
+// alarm only when all say so; without a way to measure again it is told and no alarm. On another processor or
+// with another reference nothing is judged.
 SpeedJudgement judge_speed(const SpeedFile& now, const SpeedFile& before, const GateLimits& limits,
                            const std::function<SpeedFile()>& measure_again);
 

@@ -2,8 +2,10 @@
 #include "pipeline/gate/measure_speed.h"
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
 #include <string>
+#include <thread>
 
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
@@ -99,6 +101,15 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+struct Times {
+  std::vector<double> ratios, solver_ns, reference_ns;
+  void add(double here_ns, double before_ns, double after_ns) {
+    ratios.push_back(2.0 * here_ns / (before_ns + after_ns));
+    solver_ns.push_back(here_ns);
+    reference_ns.push_back(before_ns);
+  }
+};
+
 }  // namespace
 
 SpeedFile measure_speed(const MeasureOptions& options) {
@@ -106,34 +117,33 @@ SpeedFile measure_speed(const MeasureOptions& options) {
   std::vector<PointEstimate> estimates(options.problems);
   const std::vector<Contestant> solvers = contestants(problems, estimates);
   volatile double kept = 0.0;
-  const auto time_of = [&](const std::function<void()>& work) {
+  const auto time_of = [](const auto& work) {
     const double start = thread_ns();
     work();
     return std::max(1.0, thread_ns() - start);
   };
-  const auto reference = [&] { kept = solve_reference(problems.plain); };
-  std::vector<std::vector<double>> ratios(solvers.size()), times(solvers.size());
-  std::vector<double> reference_times;
+  const auto time_reference = [&] { return time_of([&] { kept = solve_reference(problems.plain); }); };
+  std::vector<Times> times(solvers.size());
+  const std::size_t tenth = std::max<std::size_t>(1, options.rounds / 10);
   for (std::size_t round = 0; round < kWarmUpRounds + options.rounds; ++round) {
     if (options.stop_requested && options.stop_requested()) throw Interrupted();
-    double before = time_of(reference);
+    double before_ns = time_reference();
     for (std::size_t k = 0; k < solvers.size(); ++k) {
       const std::size_t s = (k + round) % solvers.size();
-      const double here = time_of(solvers[s].solve), after = time_of(reference);
-      if (round >= kWarmUpRounds) {
-        ratios[s].push_back(2.0 * here / (before + after));
-        times[s].push_back(here);
-        reference_times.push_back(after);
-      }
-      before = after;
+      const double here_ns = time_of(solvers[s].solve);
+      const double after_ns = time_reference();
+      if (round >= kWarmUpRounds) times[s].add(here_ns, before_ns, after_ns);
+      before_ns = after_ns;
     }
     if (options.progress)
       options.progress(static_cast<double>(round + 1) / static_cast<double>(kWarmUpRounds + options.rounds));
+    if (round % tenth == 0) std::this_thread::sleep_for(std::chrono::duration<double>(options.pause_s));
   }
   const auto n = static_cast<double>(options.problems);
-  SpeedFile speed{processor_name(), kReferenceKernel, options.problems, median(reference_times) / n, {}};
+  SpeedFile speed{
+      processor_name(), kReferenceKernel, options.problems, median(times[0].reference_ns) / n, {}};
   for (std::size_t s = 0; s < solvers.size(); ++s)
-    speed.solvers.push_back({solvers[s].name, ratios[s], median(times[s]) / n});
+    speed.solvers.push_back({solvers[s].name, times[s].ratios, median(times[s].solver_ns) / n});
   return speed;
 }
 

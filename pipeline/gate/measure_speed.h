@@ -8,8 +8,9 @@
 namespace trilat {
 
 struct MeasureOptions {
-  std::size_t rounds = 60;
-  std::size_t problems = 1024;
+  std::size_t rounds = 480;
+  std::size_t problems = 512;
+  double pause_s = 0.1;  // after every tenth of the rounds: a disturbance shall not last through all
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
 };

@@ -2,50 +2,58 @@
 #include "pipeline/gate/reference_kernel.h"
 
 #include <cmath>
+#include <cstddef>
 
 namespace trilat {
 namespace {
 
-double determinant(const double (&a)[3][3]) {
-  return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
-         a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
-         a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
-}
+constexpr int kSteps = 6;
+constexpr std::size_t kTogether = 8;
+using Lanes = double[kTogether];
 
-void step(const ReferenceProblem& p, double (&x)[3]) {
-  double normal[3][3] = {}, right[3] = {};
-  for (int s = 0; s < 4; ++s) {
-    double away[3], squared = 0.0;
-    for (int i = 0; i < 3; ++i) {
-      away[i] = x[i] - p.sensor_m[s][i];
-      squared += away[i] * away[i];
+// One step of eight problems, all of them at every line.
+void step_together(const ReferenceProblem* p, Lanes (&x)[3]) {
+  Lanes normal[6] = {}, right[3] = {};  // xx, yy, zz, yz, xz, xy
+  for (int s = 0; s < 4; ++s)
+    for (std::size_t l = 0; l < kTogether; ++l) {
+      const double a = x[0][l] - p[l].sensor_m[s][0], b = x[1][l] - p[l].sensor_m[s][1],
+                   c = x[2][l] - p[l].sensor_m[s][2];
+      const double squared = a * a + b * b + c * c, distance = std::sqrt(squared);
+      const double pull = (p[l].range_m[s] - distance) / distance;
+      normal[0][l] += a * a / squared;
+      normal[1][l] += b * b / squared;
+      normal[2][l] += c * c / squared;
+      normal[3][l] += b * c / squared;
+      normal[4][l] += a * c / squared;
+      normal[5][l] += a * b / squared;
+      right[0][l] += a * pull;
+      right[1][l] += b * pull;
+      right[2][l] += c * pull;
     }
-    const double distance = std::sqrt(squared), residual = distance - p.range_m[s];
-    for (int i = 0; i < 3; ++i) {
-      right[i] -= away[i] / distance * residual;
-      for (int j = 0; j < 3; ++j) normal[i][j] += away[i] * away[j] / squared;
-    }
-  }
-  const double whole = determinant(normal);
-  for (int i = 0; i < 3; ++i) {
-    double replaced[3][3];
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) replaced[r][c] = c == i ? right[r] : normal[r][c];
-    x[i] += determinant(replaced) / whole;
+  for (std::size_t l = 0; l < kTogether; ++l) {
+    const double xx = normal[0][l], yy = normal[1][l], zz = normal[2][l];
+    const double yz = normal[3][l], xz = normal[4][l], xy = normal[5][l];
+    const double cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
+    const double cyy = xx * zz - xz * xz, cyz = xy * xz - xx * yz, czz = xx * yy - xy * xy;
+    const double whole = xx * cxx + xy * cxy + xz * cxz;
+    x[0][l] += (cxx * right[0][l] + cxy * right[1][l] + cxz * right[2][l]) / whole;
+    x[1][l] += (cxy * right[0][l] + cyy * right[1][l] + cyz * right[2][l]) / whole;
+    x[2][l] += (cxz * right[0][l] + cyz * right[1][l] + czz * right[2][l]) / whole;
   }
 }
 
 }  // namespace
 
 double solve_reference(std::span<const ReferenceProblem> problems) {
-  constexpr int kSteps = 6;
   double sum = 0.0;
-  for (const ReferenceProblem& p : problems) {
-    double x[3] = {};
-    for (const auto& sensor : p.sensor_m)
-      for (int i = 0; i < 3; ++i) x[i] += 0.25 * sensor[i];
-    for (int k = 0; k < kSteps; ++k) step(p, x);
-    sum += x[0] + x[1] + x[2];
+  for (std::size_t first = 0; first + kTogether <= problems.size(); first += kTogether) {
+    Lanes x[3] = {};
+    for (std::size_t l = 0; l < kTogether; ++l)
+      for (const auto& sensor : problems[first + l].sensor_m)
+        for (int i = 0; i < 3; ++i) x[i][l] += 0.25 * sensor[i];
+    for (int k = 0; k < kSteps; ++k) step_together(&problems[first], x);
+    for (const Lanes& axis : x)
+      for (const double value : axis) sum += value;
   }
   return sum;
 }

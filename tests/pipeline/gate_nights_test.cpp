@@ -19,7 +19,7 @@ std::uint64_t nights_asked(std::uint64_t few) {
 }
 
 std::vector<Finding> judged(const SimulatedNights& nights, std::uint64_t number, const NightModel& model) {
-  const auto cells = compared_cells(nights.night(number, model), {500, model.same_inputs});
+  const auto cells = compared_cells(nights.night(number, model), {300, model.same_inputs});
   const std::vector<std::string> same =
       model.same_inputs ? std::vector<std::string>{"simulated"} : std::vector<std::string>{};
   return judge_cells(cells, {}, same);

@@ -29,7 +29,7 @@ struct NightModel {
 class SimulatedNights {
  public:
   static constexpr std::size_t kMethods = 5, kGroups = 4, kAxes = 3;
-  static constexpr double kRate_hz = 30.0, kWander_s = 1.0;
+  static constexpr double kRate_hz = 10.0, kWander_s = 1.0;
 
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
@@ -54,7 +54,12 @@ class SimulatedNights {
     void step(const RandomStream& random, std::uint32_t& draw, double keep) {
       const double fresh = std::sqrt(1.0 - keep * keep);
       for (Vector& v : value)
-        for (double& x : v) x = keep * x + fresh * random.normal(draw++);
+        for (double& x : v) x = keep * x;
+      for (std::size_t k = 0; k < (kMethods + 1) * kAxes; k += 2) {
+        const auto pair = random.normal_pair(draw++);
+        value[k / kAxes][k % kAxes] += fresh * pair[0];
+        value[(k + 1) / kAxes][(k + 1) % kAxes] += fresh * pair[1];
+      }
     }
   };
 
@@ -84,7 +89,7 @@ class SimulatedNights {
                   const PairedAxes& axes) const {
     PairedTake result{"p" + std::to_string(p), "p" + std::to_string(p), "walking", {}, {}};
     const auto instants = static_cast<std::uint64_t>(model.duration_s * kRate_hz);
-    PairedTakeSums sums(axes, (instants + 29) / 30);
+    PairedTakeSums sums(axes, (instants + 9) / 10);
     const double keep = std::exp(-1.0 / (kRate_hz * kWander_s));
     for (std::size_t g = 0; g < kGroups; ++g) {
       const RandomStream random{seed_, Purpose::test, (number * 64 + p) * kGroups + g};
@@ -108,7 +113,7 @@ class SimulatedNights {
           const double u = random.uniform(draw++);
           if (u < model.flipped_share / 2.0) before_m[0] = Finding::kNone;
           if (u > 1.0 - model.flipped_share / 2.0 - (bad ? model.lost_share : 0.0)) now_m[0] = Finding::kNone;
-          sums.add(i / 30, g, m, 1, before_m, now_m);
+          sums.add(i / 10, g, m, 1, before_m, now_m);
         }
       }
     }
