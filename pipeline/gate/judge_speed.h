@@ -14,7 +14,7 @@ namespace trilat {
 
 // Changes of a solver's ratio to the reference that are smaller are not told: a build that only places its
 // code elsewhere can do that much.
-inline constexpr double kSmallestSpeed_percent = 5.0;
+inline constexpr double kSmallestSpeed_percent = 6.0;
 
 struct SpeedJudgement {
   SpeedVerdict verdict;
