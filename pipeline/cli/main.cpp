@@ -34,6 +34,7 @@ struct AllArguments {
   RunArguments run;
   ReportArguments report;
   ReproduceArguments reproduce;
+  GateArguments gate;
 };
 
 void add_inspection(CLI::App& app, AllArguments& a, int& code) {
@@ -146,6 +147,38 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   });
 }
 
+void add_gate(CLI::App& app, AllArguments& a, int& code) {
+  auto* verb = app.add_subcommand("gate", "nightly: is anything worse than the baseline, beyond noise");
+  GateArguments& g = a.gate;
+  verb->add_option("results", g.results, "a results folder, or a folder that holds several")->required();
+  verb->add_option("--baseline", g.baseline, "what to compare with: a folder of the same shape")->required();
+  verb->add_option("--history", g.history,
+                   "history.jsonl: says since when, finds slow drifts, and gets one line more");
+  verb->add_option("--smallest-effect", g.smallest_percent, "percent; smaller changes are not told")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--resamples", g.resamples, "of the bootstrap intervals")
+      ->check(CLI::Range(100, 100'000))
+      ->capture_default_str();
+  verb->add_flag(
+      "--speed", g.speed,
+      "time the solvers now, into RESULTS/speed.json, and once more before a slower one is an alarm");
+  verb->add_option("--junit", g.junit, "also write the verdict as JUnit XML to this file");
+  verb->add_option("--method", g.method, "list every cell of this method that is not identical");
+  auto* accept = verb->add_option(
+      "--accept", g.reason, "make these results the baseline, for the reason given, and compare nothing");
+  verb->add_option("--threads", g.threads, "how many threads; 0: one a processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_json(*verb, g.json);
+  verb->footer("Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place.");
+  verb->callback([&a, &code, accept] {
+    end_in_order();
+    a.gate.accepts = accept->count() > 0;
+    code = gate(a.gate);
+  });
+}
+
 int guarded_main(int argc, char** argv) {
   CLI::App app(
       "Offline evaluation of trilateration with several Kinect v2 sensors against OptiTrack.\n"
@@ -158,6 +191,7 @@ int guarded_main(int argc, char** argv) {
   int code = kDone;
   add_work(app, arguments, code);
   add_calibrate(app, arguments, code);
+  add_gate(app, arguments, code);
   RecordingArguments recording;
   add_recording_verbs(app, recording, code);
   ExchangeArguments exchange;

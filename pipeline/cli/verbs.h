@@ -128,4 +128,18 @@ struct ReproduceArguments {
 };
 int reproduce(const ReproduceArguments& arguments);
 
+struct GateArguments {
+  std::filesystem::path results, baseline;
+  std::filesystem::path history, junit;  // or empty
+  double smallest_percent = 1.0;
+  std::uint64_t resamples = 2000;
+  std::string method;  // whose cells are listed instead of the verdict
+  bool accepts = false;
+  std::string reason;
+  bool speed = false;
+  int threads = 0;
+  bool json = false;
+};
+int gate(const GateArguments& arguments);
+
 }  // namespace trilat

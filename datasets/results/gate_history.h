@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// One line of a history: what a gate saw in one night, or that a change was accepted.
+struct HistoryEntry {
+  std::string time;  // UTC, ISO 8601
+  std::string program;
+  bool accepted = false;  // these results became the baseline: whatever changed is meant to be so
+  std::string reason;     // of an acceptance
+  bool quiet = true;
+  std::vector<std::string> alarms;        // what each was about, one name a thing
+  std::map<std::string, double> error_m;  // mean absolute error by cell
+  std::map<std::string, double> coverage;
+  std::map<std::string, double> speed;  // lower quartile of the ratios to the reference, by solver
+};
+
+struct History {
+  std::vector<HistoryEntry> entries;  // oldest first
+  std::string torn;                   // which line was torn and left out; empty when none was
+};
+
+// history.jsonl (trilat.history, version 1): one JSON document a line. A last line that is torn is left out
+// and told; any other line that cannot be read is an InputError with its number. Empty when there is no file.
+History read_history(const std::filesystem::path& path);
+
+// Adds one line. The file is written aside and put in place: it never shows half a line, and one that was
+// torn is gone.
+void append_history(const std::filesystem::path& path, const HistoryEntry& entry);
+
+}  // namespace trilat

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// `trilat gate`.
+#include <chrono>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/version.h"
+#include "datasets/results/speed_file.h"
+#include "evaluators/metrics/ratio_change.h"
+#include "pipeline/cli/progress.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/gate/accept_results.h"
+#include "pipeline/gate/compare_results.h"
+#include "pipeline/gate/judge_history.h"
+#include "pipeline/gate/judge_speed.h"
+#include "pipeline/gate/measure_speed.h"
+#include "pipeline/results_folder.h"
+
+namespace trilat {
+namespace {
+
+std::string time_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+SpeedFile measured_speed(const char* label) {
+  Progress progress(label);
+  MeasureOptions options;
+  options.stop_requested = stop_requested;
+  options.progress = [&](double share) { progress.set(share); };
+  return measure_speed(options);
+}
+
+// Tonight's, measured when asked for.
+std::optional<SpeedFile> speed_of(const GateArguments& arguments) {
+  if (!arguments.speed) return read_speed(arguments.results);
+  find_results(arguments.results);  // refuses before the time is spent
+  const SpeedFile speed = measured_speed("timing the solvers");
+  write_speed(arguments.results, speed);
+  return speed;
+}
+
+void add_speed(const GateArguments& arguments, const GateLimits& limits, const SpeedFile& now,
+               GateReport& report) {
+  const auto before = read_speed(arguments.baseline);
+  if (!before) {
+    report.speed.note =
+        "not judged: the baseline has no speed.json; it gets one by --accept together with --speed";
+    return;
+  }
+  const std::function<SpeedFile()> again = [] { return measured_speed("timing the solvers once more"); };
+  SpeedJudgement judged =
+      judge_speed(now, *before, limits, arguments.speed ? again : std::function<SpeedFile()>{});
+  report.speed = judged.verdict;
+  for (Finding& f : judged.findings) {
+    f.command = "trilat gate " + report.results + " --baseline " + report.baseline + " --speed";
+    report.findings.push_back(std::move(f));
+  }
+}
+
+void add_speed_series(const SpeedFile& speed, HistoryEntry& entry) {
+  for (const SolverSpeed& s : speed.solvers) entry.speed[s.solver] = quantile_of(s.ratios, 0.25);
+}
+
+int accept(const GateArguments& arguments, const std::string& time) {
+  // read first: a history that cannot be read must not be found out behind a new baseline
+  if (!arguments.history.empty()) read_history(arguments.history);
+  const auto speed = speed_of(arguments);
+  const AcceptedBaseline accepted =
+      accept_results(arguments.results, arguments.baseline, arguments.reason, time);
+  if (!arguments.history.empty()) {
+    HistoryEntry entry;
+    entry.time = time;
+    entry.program = kProgramVersion;
+    entry.accepted = true;
+    entry.reason = arguments.reason;
+    add_series(find_results(arguments.results), entry);
+    if (speed) add_speed_series(*speed, entry);
+    append_history(arguments.history, entry);
+  }
+  if (arguments.json) {
+    fmt::print("{}\n", json_text({{"format", "trilat.gate"},
+                                  {"version", 1},
+                                  {"time", time},
+                                  {"verdict", "accepted"},
+                                  {"baseline", arguments.baseline.string()},
+                                  {"reason", accepted.reason},
+                                  {"sha256", accepted.sha256},
+                                  {"replaces_sha256", accepted.replaces_sha256}},
+                                 2));
+    return kDone;
+  }
+  fmt::print("ACCEPTED: {} is the baseline now, {}\n", arguments.results.string(),
+             arguments.baseline.string());
+  fmt::print("because: {}\n", accepted.reason);
+  if (!accepted.replaces_sha256.empty())
+    fmt::print("it replaces {} {}\n", accepted.replaces_sha256.substr(0, 12),
+               accepted.replaces_time.empty() ? "" : "of " + accepted.replaces_time);
+  return kDone;
+}
+
+void judge_and_append(const GateArguments& arguments, const GateLimits& limits, HistoryEntry tonight,
+                      GateReport& report) {
+  if (arguments.history.empty()) return;
+  const History history = read_history(arguments.history);
+  if (!history.torn.empty())
+    report.notes.push_back(history.torn + ": is torn, was left out and will be replaced");
+  for (const Finding& f : report.findings)
+    if (f.alarm) tonight.alarms.push_back(key_of(f));
+  const HistoryJudgement judgement = judge_history(history, tonight, limits, report.findings);
+  report.findings.insert(report.findings.end(), judgement.drifts.begin(), judgement.drifts.end());
+  sort_findings(report.findings);
+  tonight.quiet = report.quiet();
+  report.notes.push_back(
+      fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
+  append_history(arguments.history, tonight);
+}
+
+}  // namespace
+
+int gate(const GateArguments& arguments) {
+  const std::string time = time_now();
+  if (arguments.accepts) return accept(arguments, time);
+  GateLimits limits;
+  limits.smallest_percent = arguments.smallest_percent;
+  GateReport report;
+  on_threads(arguments.threads, [&](int) {
+    report =
+        compare_results(arguments.results, arguments.baseline, {limits, arguments.resamples, stop_requested});
+  });
+  report.time = time;
+  HistoryEntry tonight;
+  tonight.time = time;
+  tonight.program = kProgramVersion;
+  if (const auto speed = speed_of(arguments)) {
+    add_speed(arguments, limits, *speed, report);
+    add_speed_series(*speed, tonight);
+  }
+  sort_findings(report.findings);
+  add_series(find_results(arguments.results), tonight);
+  judge_and_append(arguments, limits, std::move(tonight), report);
+  if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit(report));
+  if (arguments.json)
+    fmt::print("{}\n", json_text(gate_json(report), 1));
+  else
+    fmt::print("{}", arguments.method.empty() ? morning_text(report) : cell_table(report, arguments.method));
+  return report.quiet() ? kDone : kItemsFailed;
+}
+
+}  // namespace trilat

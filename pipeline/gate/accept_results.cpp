@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/gate/accept_results.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/version.h"
+#include "pipeline/gate/found_results.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Over names and contents of all files but accepted.json itself.
+std::string content_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path() != folder / "accepted.json")
+      files.push_back(fs::relative(entry.path(), folder));
+  std::sort(files.begin(), files.end());
+  std::string list;
+  for (const fs::path& file : files)
+    list += hash_of_file(folder / file) + "  " + file.generic_string() + "\n";
+  return hash_of_text(list);
+}
+
+void copy_folder(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::remove_all(to, error);
+  fs::copy(from, to, fs::copy_options::recursive, error);
+  if (error)
+    throw OutputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
+}
+
+bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
+
+void put_in_place(const fs::path& partial, const fs::path& baseline) {
+  const fs::path old = baseline.string() + ".old";
+  std::error_code error;
+  fs::remove_all(old, error);
+  if (fs::exists(baseline)) fs::rename(baseline, old, error);
+  if (!error) fs::rename(partial, baseline, error);
+  if (error) throw OutputError(baseline.string(), "cannot be put in place: " + error.message());
+  fs::remove_all(old, error);
+}
+
+}  // namespace
+
+AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, const std::string& reason,
+                                const std::string& time) {
+  if (is_blank(reason))
+    throw InputError("--accept", "needs a reason: why are these results right and the baseline is not?");
+  const ResultsSet set = find_results(results);
+  const fs::path baseline = given.has_filename() ? given : given.parent_path();
+  AcceptedBaseline accepted{reason, time, kProgramVersion, "", "", ""};
+  bool keeps_others = false;
+  if (fs::exists(baseline) && !(fs::is_directory(baseline) && fs::is_empty(baseline))) {
+    const ResultsSet before = find_results(baseline);  // never anything else's folder
+    accepted.replaces_sha256 = content_of(baseline);
+    if (const auto older = read_accepted(baseline)) accepted.replaces_time = older->time;
+    keeps_others = set.single && !before.single;
+  }
+  const fs::path partial = partial_name(baseline);
+  std::error_code ignored;
+  fs::remove_all(partial, ignored);
+  if (keeps_others) {
+    copy_folder(baseline, partial);
+    std::string name = set.results[0].name;
+    for (const FoundResults& other : find_results(baseline).results)
+      if (other.study == set.results[0].study) name = other.name;
+    copy_folder(set.results[0].folder, partial / name);
+  } else if (set.single) {
+    copy_folder(set.results[0].folder, partial);
+  } else {
+    make_folder(partial);
+    for (const FoundResults& found : set.results) copy_folder(found.folder, partial / found.name);
+    for (const char* beside : {"speed.json"})
+      if (const fs::path folder = set.results[0].folder.parent_path(); fs::exists(folder / beside))
+        fs::copy_file(folder / beside, partial / beside);
+  }
+  accepted.sha256 = content_of(partial);
+  write_accepted(partial, accepted);
+  put_in_place(partial, baseline);
+  return accepted;
+}
+
+}  // namespace trilat

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace trilat {
+
+// What is looked at.
+enum class FindingKind : std::uint8_t {
+  accuracy,  // mean absolute error of a cell, on the samples that both nights answered
+  coverage,  // how many samples of a cell are answered
+  failure,   // takes that could not be evaluated, cross-checks that fail
+  number,    // a number of a deterministic study
+  speed,     // a solver's time against the reference of the same run
+  drift,     // a level that moved away over many nights
+};
+const char* name_of(FindingKind kind);
+
+enum class Direction : std::uint8_t { worse, better, changed };
+const char* name_of(Direction direction);
+
+// One thing that is not as it was. Numbers that there are not are NaN.
+struct Finding {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  FindingKind kind = FindingKind::number;
+  Direction direction = Direction::changed;
+  bool alarm = false;
+  std::string study;
+  std::string method, condition, group, alignment;  // of a cell
+  std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
+  double before = kNone, now = kNone;
+  double percent = kNone;                            // 100 (now - before) / before
+  double percent_low = kNone, percent_high = kNone;  // its 95 % interval
+  double chance = kNone;  // that so much is chance, corrected for all that was looked at
+  std::uint64_t n = 0, clusters = 0;
+  std::string note;   // a sentence more: exact counts, which take
+  std::string since;  // the night from which on the history shows it; empty when not known
+  std::string command;
+};
+
+// One cell that was compared and is not identical, whether or not it is a finding.
+struct ComparedCell {
+  std::string study, method, condition, group, alignment;
+  double before_m = Finding::kNone, now_m = Finding::kNone;  // on the samples that both answered
+  double percent = Finding::kNone, percent_low = Finding::kNone, percent_high = Finding::kNone;
+  double standard_error_percent = Finding::kNone;
+  std::uint64_t both = 0, clusters = 0;
+  double chance = Finding::kNone;  // by itself, not corrected
+  std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost = 0, gained = 0;
+  double lost_percent = Finding::kNone;  // 100 (lost - gained) / asked, with its 95 % interval
+  double lost_low = Finding::kNone, lost_high = Finding::kNone;
+  double lost_chance = Finding::kNone;
+  // The take that lost the largest share of its answers.
+  std::string worst_take;
+  std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;
+};
+
+}  // namespace trilat

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
+
+namespace trilat {
+
+// One results folder that a gate may read: finished, of this version, not empty.
+struct FoundResults {
+  std::string name;  // its folder's, inside a folder that holds several; else the study's
+  std::filesystem::path folder;
+  ResultsKind kind = ResultsKind::accuracy;
+  std::string study;
+  Json manifest, summary;
+};
+
+struct ResultsSet {
+  bool single = false;  // the folder itself is the results
+  std::vector<FoundResults> results;
+};
+
+// A results folder, or all that are directly inside a folder, in the order of their names. InputError, with
+// the place, for results that are not finished (NAME.partial, interrupted), of another version, empty or
+// damaged, and when there are none.
+ResultsSet find_results(const std::filesystem::path& folder);
+
+struct ResultsPair {
+  FoundResults now, before;
+};
+struct PairedSet {
+  std::vector<ResultsPair> pairs;
+  std::vector<std::string> only_now, only_before;
+};
+
+// The studies that both nights have: by folder name, or by the study's own where one side is a single one.
+PairedSet pair_results(ResultsSet now, ResultsSet before);
+
+}  // namespace trilat

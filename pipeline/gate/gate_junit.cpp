@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/gate/gate_report.h"
+
+namespace trilat {
+namespace {
+
+// Text as XML: markup escaped, what XML 1.0 cannot hold replaced, bytes that are not UTF-8 too.
+std::string xml(const std::string& text) {
+  const std::string valid = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string result;
+  for (const char c : Json::parse(valid).get<std::string>()) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '"')
+      result += "&quot;";
+    else if (c == '\n' || c == '\t')
+      result += c == '\n' ? "&#10;" : "&#9;";
+    else if (static_cast<unsigned char>(c) < 0x20)
+      result += "\uFFFD";
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::string name_of_case(const Finding& f) {
+  std::string name = name_of(f.kind);
+  for (const std::string* part : {&f.method, &f.condition, &f.group, &f.alignment})
+    if (!part->empty()) name += " / " + *part;
+  if (f.method.empty() && !f.what.empty()) name += " / " + f.what;
+  return name;
+}
+
+std::string failure_text(const Finding& f) {
+  std::string text = f.what;
+  if (!std::isnan(f.percent)) text += fmt::format(" {:+.2f} %", f.percent);
+  if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.2f} to {:+.2f})", f.percent_low, f.percent_high);
+  if (!std::isnan(f.before) || !std::isnan(f.now)) text += fmt::format(": {:.6g} -> {:.6g}", f.before, f.now);
+  if (!f.note.empty()) text += "; " + f.note;
+  if (!f.since.empty()) text += "; since " + f.since;
+  return text;
+}
+
+}  // namespace
+
+std::string gate_junit(const GateReport& report) {
+  std::string cases;
+  std::size_t tests = 0, skipped = 0;
+  for (const StudyVerdict& s : report.studies) {
+    const bool not_compared = s.state == StudyState::only_now || s.state == StudyState::only_before;
+    cases += fmt::format("    <testcase classname=\"trilat.gate.{}\" name=\"compared with the baseline\"",
+                         xml(s.study));
+    cases += not_compared ? fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n",
+                                        s.state == StudyState::only_now ? "not in the baseline"
+                                                                        : "only in the baseline")
+                          : "/>\n";
+    ++tests;
+    skipped += not_compared;
+  }
+  for (const Finding& f : report.findings) {
+    if (!f.alarm) continue;
+    cases += fmt::format(
+        "    <testcase classname=\"trilat.gate.{}\" name=\"{}\">\n      <failure type=\"{}\" "
+        "message=\"{}\">{}</failure>\n    </testcase>\n",
+        xml(f.study), xml(name_of_case(f)), name_of(f.direction), xml(failure_text(f)), xml(f.command));
+    ++tests;
+  }
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{0}\" failures=\"{1}\">\n  <testsuite "
+      "name=\"trilat gate\" timestamp=\"{3}\" tests=\"{0}\" failures=\"{1}\" errors=\"0\" "
+      "skipped=\"{2}\">\n{4}  </testsuite>\n</testsuites>\n",
+      tests, report.alarms(), skipped, xml(report.time), cases);
+}
+
+}  // namespace trilat

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/gate/gate_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+namespace trilat {
+namespace {
+
+Json json_of(const Finding& f) {
+  return {{"kind", name_of(f.kind)},
+          {"direction", name_of(f.direction)},
+          {"alarm", f.alarm},
+          {"study", f.study},
+          {"method", f.method},
+          {"condition", f.condition},
+          {"group", f.group},
+          {"alignment", f.alignment},
+          {"what", f.what},
+          {"before", f.before},
+          {"now", f.now},
+          {"change_percent", f.percent},
+          {"change_low_percent", f.percent_low},
+          {"change_high_percent", f.percent_high},
+          {"chance", f.chance},
+          {"n", f.n},
+          {"clusters", f.clusters},
+          {"note", f.note},
+          {"since", f.since},
+          {"command", f.command}};
+}
+
+Json json_of(const ComparedCell& c) {
+  return {{"study", c.study},
+          {"method", c.method},
+          {"condition", c.condition},
+          {"group", c.group},
+          {"alignment", c.alignment},
+          {"before_m", c.before_m},
+          {"now_m", c.now_m},
+          {"change_percent", c.percent},
+          {"change_low_percent", c.percent_low},
+          {"change_high_percent", c.percent_high},
+          {"n", c.both},
+          {"clusters", c.clusters},
+          {"asked", c.asked},
+          {"answered_before", c.answered_before},
+          {"answered_now", c.answered_now},
+          {"lost", c.lost},
+          {"gained", c.gained}};
+}
+
+}  // namespace
+
+const char* name_of(StudyState state) {
+  constexpr std::array<const char*, 5> kNames{"identical", "same_values", "compared", "only_now",
+                                              "only_before"};
+  return kNames.at(static_cast<std::size_t>(state));
+}
+
+std::uint64_t GateReport::alarms() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.alarm; }));
+}
+
+bool GateReport::quiet() const { return alarms() == 0; }
+
+void sort_findings(std::vector<Finding>& findings) {
+  const auto size = [](const Finding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
+  std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) {
+    if (a.alarm != b.alarm) return a.alarm;
+    if (a.study != b.study || a.kind != b.kind) return false;
+    return size(a) > size(b);
+  });
+}
+
+Json gate_json(const GateReport& report) {
+  Json json{{"format", "trilat.gate"},
+            {"version", 1},
+            {"time", report.time},
+            {"verdict", report.quiet() ? "quiet" : "regression"},
+            {"alarms", report.alarms()},
+            {"results", report.results},
+            {"baseline", report.baseline},
+            {"baseline_accepted", report.baseline_time},
+            {"baseline_reason", report.baseline_reason},
+            {"smallest_effect_percent", report.smallest_percent},
+            {"looked_at", report.looked_at},
+            {"studies", Json::array()},
+            {"findings", Json::array()},
+            {"cells", Json::array()},
+            {"speed",
+             {{"judged", report.speed.judged}, {"rerun", report.speed.rerun}, {"note", report.speed.note}}},
+            {"notes", report.notes}};
+  for (const StudyVerdict& s : report.studies)
+    json["studies"].push_back(
+        {{"study", s.study}, {"kind", s.kind}, {"state", name_of(s.state)}, {"note", s.note}});
+  for (const Finding& f : report.findings) json["findings"].push_back(json_of(f));
+  for (const ComparedCell& c : report.cells) json["cells"].push_back(json_of(c));
+  return json;
+}
+
+}  // namespace trilat

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "pipeline/gate/finding.h"
+
+namespace trilat {
+
+// How one study stands against the baseline.
+enum class StudyState : std::uint8_t {
+  identical,    // equal to the byte
+  same_values,  // other bytes, the same numbers
+  compared,     // numbers differ and were judged
+  only_now,     // not in the baseline
+  only_before,  // in the baseline alone
+};
+const char* name_of(StudyState state);
+
+struct StudyVerdict {
+  std::string study, kind;
+  StudyState state = StudyState::compared;
+  std::string note;  // what else is to be known of the comparison
+};
+
+// How the speed was judged.
+struct SpeedVerdict {
+  bool judged = false;
+  bool rerun = false;  // measured once more because something looked slower
+  std::string note;    // why it was not judged; else on what
+};
+
+struct GateReport {
+  std::string time;  // UTC, ISO 8601
+  std::string results, baseline;
+  std::string baseline_time, baseline_reason;  // when and why it was accepted; empty when not known
+  double smallest_percent = 0.0;
+  std::vector<StudyVerdict> studies;
+  std::vector<ComparedCell> cells;  // that are not identical
+  std::vector<Finding> findings;    // alarms first
+  std::uint64_t looked_at = 0;      // cells and numbers that were compared
+  SpeedVerdict speed;
+  std::vector<std::string> notes;
+  bool quiet() const;  // no alarm
+  std::uint64_t alarms() const;
+};
+
+// Alarms before the rest, the worst of a study first; otherwise as they were.
+void sort_findings(std::vector<Finding>& findings);
+
+// What somebody reads in the morning: a verdict, then each alarm in a few lines, then what is better or to be
+// known. Ends with a newline.
+std::string morning_text(const GateReport& report);
+
+// Every compared cell of the methods whose name is `method`, as a plain table.
+std::string cell_table(const GateReport& report, const std::string& method);
+
+Json gate_json(const GateReport& report);
+
+// JUnit XML as CI services read it: one test case a study and one a finding that is an alarm.
+std::string gate_junit(const GateReport& report);
+
+}  // namespace trilat

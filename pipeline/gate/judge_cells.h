@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pipeline/gate/finding.h"
+
+namespace trilat {
+
+struct GateLimits {
+  double smallest_percent = 1.0;       // of an error or a number; less is not worth a word
+  double smallest_loss_percent = 0.5;  // of the samples asked
+  double take_loss_percent = 10.0;     // of one take's answers, where both nights saw the same recordings
+  double chance = 0.01;  // of a false alarm in the whole night, at most; half of it is for speed
+};
+
+// Which compared cells of a whole night are findings. A cell is worse or better when its 95 % interval leaves
+// no change out, the probability of chance by Holm over all cells of the night is at most half of `chance`,
+// and the change is larger than the smallest. Coverage is judged in the same way, of the first alignment's
+// cells, as samples lost; and with the same recordings also take by take, without chance: there is none. Only
+// what is worse is an alarm. `same_inputs` is asked for each cell's study.
+std::vector<Finding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
+                                 const std::vector<std::string>& studies_with_same_inputs);
+
+}  // namespace trilat

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/results/gate_history.h"
+#include "pipeline/gate/finding.h"
+#include "pipeline/gate/judge_cells.h"
+
+namespace trilat {
+
+// The name of what a finding is about, the same every night.
+std::string key_of(const Finding& finding);
+// And of the series that shows it, as in HistoryEntry::error_m.
+std::string series_of(const std::string& study, const std::string& method, const std::string& condition,
+                      const std::string& group);
+
+struct HistoryJudgement {
+  std::vector<Finding> drifts;
+  std::uint64_t nights = 0;  // since the last accepted change, without tonight
+};
+
+// Sets "since when" of tonight's findings, and finds levels that moved away slowly: by change points of each
+// series since the last accepted change, tonight at its end. A drift is a last stretch of at least
+// kFewestDriftNights whose level is further from the first stretch's than the smallest effect (of speed
+// kSmallestSpeedDrift_percent), of what is not an alarm tonight anyway. Slower and less accurate is an alarm.
+inline constexpr std::size_t kFewestDriftNights = 4;
+inline constexpr double kSmallestSpeedDrift_percent = 3.0;
+HistoryJudgement judge_history(const History& history, const HistoryEntry& tonight, const GateLimits& limits,
+                               std::vector<Finding>& findings);
+
+}  // namespace trilat

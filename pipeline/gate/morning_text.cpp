@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "pipeline/gate/gate_report.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kMostPlaces = 4;    // of one method or study that are told in full
+constexpr std::size_t kMostMethods = 12;  // entries of a list
+
+std::string value_text(const Finding& f, double value) {
+  if (std::isnan(value)) return "nothing";
+  if (f.kind == FindingKind::accuracy || f.kind == FindingKind::drift)
+    return fmt::format("{:.2f} cm", 100.0 * value);
+  return fmt::format("{:.6g}", value);
+}
+
+std::string chance_text(double chance) {
+  if (std::isnan(chance) || chance == 0.0) return "";
+  return chance < 1e-6 ? ", chance below 1 in a million" : fmt::format(", chance {:.1g}", chance);
+}
+
+std::string size_text(const Finding& f) {
+  std::string text;
+  if (!std::isnan(f.percent)) text = fmt::format("{:+.1f} %", f.percent);
+  if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.1f} to {:+.1f})", f.percent_low, f.percent_high);
+  const std::string values = fmt::format("{} -> {}", value_text(f, f.before), value_text(f, f.now));
+  if (!std::isnan(f.before) || !std::isnan(f.now)) text += (text.empty() ? "" : ", ") + values;
+  return text + chance_text(f.chance);
+}
+
+std::string place_text(const Finding& f) {
+  std::string text = f.condition;
+  if (!f.group.empty()) text += (text.empty() ? "" : ", ") + f.group;
+  if (!f.alignment.empty()) text += fmt::format(" (alignment {})", f.alignment);
+  return text;
+}
+
+std::string line_of(const Finding& f) {
+  std::string text = place_text(f);
+  if (f.method.empty() || f.kind == FindingKind::number) text = f.what;
+  text += (text.empty() ? "" : ": ") + size_text(f);
+  if (!f.note.empty()) text += (text.empty() || text.ends_with(": ") ? "" : "; ") + f.note;
+  return text;
+}
+
+std::string heading_of(const Finding& f) {
+  std::string text = f.study.empty() ? "" : f.study + ", ";
+  if (!f.method.empty()) text += f.method + ": ";
+  const std::string how = name_of(f.direction);
+  switch (f.kind) {
+    case FindingKind::accuracy:
+      return text + (f.direction == Direction::worse ? "larger errors" : "smaller errors");
+    case FindingKind::coverage:
+      return text + (f.direction == Direction::worse ? "answers less often" : "answers more often");
+    case FindingKind::failure:
+      return text + "fails";
+    case FindingKind::number:
+      return text + "numbers " + how;
+    case FindingKind::speed:
+      return text + (f.direction == Direction::worse ? "slower" : "faster");
+    case FindingKind::drift:
+      return text + "drifted, " + how;
+  }
+  return text;
+}
+
+// Findings of one study, method and kind belong together: several places, one cause.
+std::vector<std::vector<const Finding*>> together(const std::vector<Finding>& findings, bool alarms) {
+  std::vector<std::vector<const Finding*>> lists;
+  std::map<std::string, std::size_t> known;
+  for (const Finding& f : findings) {
+    if (f.alarm != alarms) continue;
+    const auto [place, is_new] = known.try_emplace(heading_of(f), lists.size());
+    if (is_new) lists.emplace_back();
+    lists[place->second].push_back(&f);
+  }
+  return lists;
+}
+
+void add_list(const GateReport& report, bool alarms, std::string& text) {
+  const auto lists = together(report.findings, alarms);
+  for (std::size_t l = 0; l < std::min(lists.size(), kMostMethods); ++l) {
+    const Finding& first = *lists[l].front();
+    text += fmt::format("\n{}\n", heading_of(first));
+    for (std::size_t i = 0; i < std::min(lists[l].size(), kMostPlaces); ++i)
+      text += fmt::format("  {}\n", line_of(*lists[l][i]));
+    if (lists[l].size() > kMostPlaces)
+      text += fmt::format("  and {} places more\n", lists[l].size() - kMostPlaces);
+    if (!first.since.empty()) text += fmt::format("  since {}\n", first.since);
+    if (!first.command.empty()) text += fmt::format("  see: {}\n", first.command);
+  }
+  if (lists.size() > kMostMethods)
+    text += fmt::format("\nand {} more; --json lists all\n", lists.size() - kMostMethods);
+}
+
+std::string studies_text(const GateReport& report) {
+  std::map<StudyState, std::string> names;
+  for (const StudyVerdict& s : report.studies) {
+    std::string& list = names[s.state];
+    list += (list.empty() ? "" : ", ") + s.study;
+  }
+  std::string text;
+  const auto add = [&](StudyState state, const char* what) {
+    if (names.contains(state)) text += fmt::format("{}: {}\n", what, names[state]);
+  };
+  add(StudyState::identical, "identical to the byte");
+  add(StudyState::same_values, "the same numbers");
+  add(StudyState::compared, "numbers differ");
+  add(StudyState::only_now, "new, not in the baseline");
+  add(StudyState::only_before, "only in the baseline");
+  return text;
+}
+
+}  // namespace
+
+std::string morning_text(const GateReport& report) {
+  const bool quiet = report.quiet();
+  std::string text = quiet ? "QUIET" : fmt::format("REGRESSION: {}", together(report.findings, true).size());
+  text += quiet ? ": nothing is worse than the baseline" : " thing(s) are worse than the baseline";
+  text += fmt::format(" ({}", report.baseline);
+  if (!report.baseline_time.empty()) text += ", of " + report.baseline_time;
+  text += ")\n";
+  add_list(report, true, text);
+  const auto better = together(report.findings, false);
+  if (!better.empty()) {
+    text += "\nBetter, or to be known; no alarm:\n";
+    add_list(report, false, text);
+  }
+  text += "\n" + studies_text(report);
+  for (const StudyVerdict& s : report.studies)
+    if (!s.note.empty()) text += fmt::format("{}: {}\n", s.study, s.note);
+  if (!report.speed.note.empty()) text += fmt::format("speed: {}\n", report.speed.note);
+  for (const std::string& note : report.notes) text += note + "\n";
+  if (!quiet)
+    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {} --accept \"why\"\n",
+                        report.results, report.baseline);
+  return text;
+}
+
+std::string cell_table(const GateReport& report, const std::string& method) {
+  std::string text =
+      fmt::format("{:<20} {:<22} {:<10} {:<8} {:>9} {:>9} {:>8} {:>18} {:>15}\n", "study", "condition",
+                  "group", "aligned", "before cm", "now cm", "change %", "95 % interval", "answered");
+  bool any = false;
+  for (const ComparedCell& c : report.cells) {
+    if (c.method != method) continue;
+    any = true;
+    text += fmt::format("{:<20} {:<22} {:<10} {:<8} {:>9.3f} {:>9.3f} {:>+8.2f} {:>18} {:>15}\n", c.study,
+                        c.condition, c.group, c.alignment, 100.0 * c.before_m, 100.0 * c.now_m, c.percent,
+                        fmt::format("{:+.2f} to {:+.2f}", c.percent_low, c.percent_high),
+                        fmt::format("{} -> {}", c.answered_before, c.answered_now));
+  }
+  return any ? text : fmt::format("no cell of the method \"{}\" differs from the baseline\n", method);
+}
+
+}  // namespace trilat

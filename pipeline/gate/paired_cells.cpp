@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/gate/paired_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "datasets/results/summary.h"
+#include "evaluators/metrics/block_bootstrap.h"
+#include "evaluators/metrics/student_tail.h"
+#include "pipeline/parallel.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Index;
+
+Index as_index(std::size_t i) { return static_cast<Index>(i); }
+
+// The takes of one condition, those of one participant together, and the cluster of each of their blocks.
+struct ConditionPairs {
+  std::vector<const PairedTake*> takes;
+  std::vector<std::size_t> clusters;
+  BlockResamples resamples;
+};
+
+std::vector<std::size_t> by_participant(const std::vector<const PairedTake*>& takes) {
+  std::vector<std::size_t> clusters;
+  for (std::size_t t = 0; t < takes.size(); ++t) {
+    const bool same = t > 0 && takes[t]->participant == takes[t - 1]->participant;
+    const std::size_t cluster = clusters.empty() ? 0 : clusters.back() + (same ? 0 : 1);
+    clusters.insert(clusters.end(), static_cast<std::size_t>(takes[t]->sums.rows()), cluster);
+  }
+  return clusters;
+}
+
+std::vector<std::size_t> by_long_block(const std::vector<const PairedTake*>& takes) {
+  constexpr auto kBlocks = static_cast<std::size_t>(static_cast<double>(kLongBlock_s) / kPairedBlock_s);
+  std::vector<std::size_t> clusters;
+  std::size_t next = 0;
+  for (const PairedTake* take : takes) {
+    const auto rows = static_cast<std::size_t>(take->sums.rows());
+    const std::size_t whole = std::max<std::size_t>(1, rows / kBlocks);  // the last takes what is left over
+    for (std::size_t b = 0; b < rows; ++b) clusters.push_back(next + std::min(b / kBlocks, whole - 1));
+    if (rows > 0) next += whole;
+  }
+  return clusters;
+}
+
+ConditionPairs pairs_of(const PairedStudy& study, const std::string& condition,
+                        const PairedOptions& options) {
+  ConditionPairs pairs;
+  for (const PairedTake& take : study.takes)
+    if (take.condition == condition && take.sums.rows() > 0) pairs.takes.push_back(&take);
+  std::stable_sort(pairs.takes.begin(), pairs.takes.end(),
+                   [](const PairedTake* a, const PairedTake* b) { return a->participant < b->participant; });
+  pairs.clusters = by_participant(pairs.takes);
+  const std::size_t participants = pairs.clusters.empty() ? 0 : pairs.clusters.back() + 1;
+  if (participants < kFewestParticipants && options.same_inputs) pairs.clusters = by_long_block(pairs.takes);
+  pairs.resamples = draw_resamples(pairs.clusters, {options.resamples, 1});
+  return pairs;
+}
+
+// Whether anything of a cell is not as it was.
+bool differs(const ConditionPairs& pairs, std::size_t cell) {
+  for (const PairedTake* take : pairs.takes) {
+    if (take->cells[cell].lost + take->cells[cell].gained > 0) return true;
+    const Index column = as_index(cell * PairedColumns::count + PairedColumns::difference);
+    if ((take->sums.col(column).array() != 0.0).any()) return true;
+  }
+  return false;
+}
+
+Eigen::MatrixXd gathered(const ConditionPairs& pairs, const std::vector<std::size_t>& cells) {
+  Eigen::MatrixXd sums(as_index(pairs.clusters.size()), as_index(cells.size() * PairedColumns::count));
+  Index first = 0;
+  for (const PairedTake* take : pairs.takes) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      sums.block(first, as_index(c * PairedColumns::count), take->sums.rows(),
+                 as_index(PairedColumns::count)) =
+          take->sums.middleCols(as_index(cells[c] * PairedColumns::count), as_index(PairedColumns::count));
+    first += take->sums.rows();
+  }
+  return sums;
+}
+
+// Of every cell and, when there are two or more, of their mean: the share that the error grew by, the mean
+// before, and the share of samples lost.
+struct Wanted {
+  std::vector<RatioColumns> ratios;
+  std::vector<BootstrapQuantity> quantities;
+};
+
+Wanted wanted_of(std::size_t cells) {
+  Wanted wanted;
+  const auto add = [&](std::size_t numerator, std::size_t denominator) {
+    for (std::size_t c = 0; c < cells; ++c)
+      wanted.ratios.push_back({c * PairedColumns::count + numerator, c * PairedColumns::count + denominator});
+  };
+  add(PairedColumns::difference, PairedColumns::both);
+  add(PairedColumns::before, PairedColumns::both);
+  add(PairedColumns::net_lost, PairedColumns::asked);
+  const auto add_quantities = [&](std::size_t first, std::size_t count) {
+    wanted.quantities.push_back({{first, count}, RatioRange{cells + first, count}});
+    wanted.quantities.push_back({{cells + first, count}});
+    wanted.quantities.push_back({{2 * cells + first, count}});
+  };
+  for (std::size_t c = 0; c < cells; ++c) add_quantities(c, 1);
+  if (cells >= 2) add_quantities(0, cells);
+  return wanted;
+}
+
+double chance_of(const IntervalEstimate& e) {
+  if (!std::isfinite(e.value) || e.value == 0.0) return 1.0;
+  if (e.clusters < 2 || std::isnan(e.standard_error)) return Finding::kNone;
+  return student_two_sided(e.value / e.standard_error, e.clusters - 1);
+}
+
+void set_numbers(ComparedCell& cell, const IntervalEstimate& share, const IntervalEstimate& before,
+                 const IntervalEstimate& lost) {
+  cell.before_m = before.value;
+  cell.now_m = before.value * (1.0 + share.value);
+  cell.percent = 100.0 * share.value;
+  cell.percent_low = 100.0 * share.low;
+  cell.percent_high = 100.0 * share.high;
+  cell.standard_error_percent = 100.0 * share.standard_error;
+  cell.clusters = share.clusters;
+  cell.chance = chance_of(share);
+  cell.lost_percent = 100.0 * lost.value;
+  cell.lost_low = 100.0 * lost.low;
+  cell.lost_high = 100.0 * lost.high;
+  cell.lost_chance = chance_of(lost);
+}
+
+void set_counts(ComparedCell& result, const ConditionPairs& pairs, const std::vector<std::size_t>& cells) {
+  PairedCounts all;
+  double worst_share = 0.0;
+  for (const PairedTake* take : pairs.takes) {
+    PairedCounts here;
+    for (const std::size_t cell : cells) here.merge(take->cells[cell]);
+    all.merge(here);
+    const auto before = static_cast<double>(here.answered_before());
+    const double share = before > 0.0 ? (before - static_cast<double>(here.answered_now())) / before : 0.0;
+    if (share <= worst_share) continue;
+    worst_share = share;
+    result.worst_take = take->id;
+    result.worst_take_answered_before = here.answered_before();
+    result.worst_take_answered_now = here.answered_now();
+  }
+  result.asked = all.asked;
+  result.both = all.both;
+  result.lost = all.lost;
+  result.gained = all.gained;
+  result.answered_before = all.answered_before();
+  result.answered_now = all.answered_now();
+}
+
+// The cells of one method under one alignment and set.
+std::vector<ComparedCell> method_cells(const PairedStudy& study, const ConditionPairs& pairs,
+                                       std::size_t alignment, std::size_t set, std::size_t method) {
+  std::vector<std::size_t> cells, groups;
+  bool any = false;
+  for (std::size_t g = 0; g < study.axes.groups; ++g) {
+    const std::size_t cell = study.axes.cell(alignment, set, g, method);
+    const auto asked = [&](const PairedTake* take) { return take->cells[cell].asked > 0; };
+    if (std::none_of(pairs.takes.begin(), pairs.takes.end(), asked)) continue;
+    any |= differs(pairs, cell);
+    cells.push_back(cell);
+    groups.push_back(g);
+  }
+  if (!any) return {};
+  const Wanted wanted = wanted_of(cells.size());
+  const auto found =
+      solve_intervals(gathered(pairs, cells), pairs.resamples, wanted.ratios, wanted.quantities);
+  std::vector<ComparedCell> result;
+  for (std::size_t k = 0; 3 * k < found.size(); ++k) {
+    const bool is_average = k == cells.size();
+    if (!is_average && !differs(pairs, cells[k])) continue;
+    ComparedCell cell;
+    cell.study = study.study;
+    cell.method = study.methods[method];
+    cell.group = is_average ? kAverageGroup : study.groups[groups[k]];
+    cell.alignment = study.alignments[alignment];
+    cell.condition = pairs.takes.front()->condition;
+    if (set > 0) cell.condition = occluded_condition(cell.condition);
+    set_numbers(cell, found[3 * k], found[3 * k + 1], found[3 * k + 2]);
+    set_counts(cell, pairs, is_average ? cells : std::vector{cells[k]});
+    result.push_back(std::move(cell));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<ComparedCell> compared_cells(const PairedStudy& study, const PairedOptions& options) {
+  std::vector<std::string> conditions;
+  for (const PairedTake& take : study.takes)
+    if (std::find(conditions.begin(), conditions.end(), take.condition) == conditions.end())
+      conditions.push_back(take.condition);
+  std::vector<ComparedCell> all;
+  const PairedAxes& axes = study.axes;
+  for (const std::string& condition : conditions) {
+    const ConditionPairs pairs = pairs_of(study, condition, options);
+    if (pairs.takes.empty()) continue;
+    std::vector<std::vector<ComparedCell>> found(axes.alignments * axes.sets * axes.methods);
+    parallel_for_index(found.size(), 1, [&](std::size_t k) {
+      found[k] = method_cells(study, pairs, k / (axes.sets * axes.methods), k / axes.methods % axes.sets,
+                              k % axes.methods);
+    });
+    for (auto& cells : found) std::move(cells.begin(), cells.end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+}  // namespace trilat

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Whether the gate cries wolf, and whether it sees the wolf: over many simulated nights. TRILAT_NIGHTS says
+// how many (1000 takes some minutes).
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+
+#include "pipeline/gate/judge_cells.h"
+#include "tests/pipeline/simulated_nights.h"
+
+namespace trilat {
+namespace {
+
+std::uint64_t nights_asked(std::uint64_t few) {
+  const char* more = std::getenv("TRILAT_NIGHTS");
+  return more ? std::max<std::uint64_t>(few, std::strtoull(more, nullptr, 10)) : few;
+}
+
+std::vector<Finding> judged(const SimulatedNights& nights, std::uint64_t number, const NightModel& model) {
+  const auto cells = compared_cells(nights.night(number, model), {300, model.same_inputs});
+  const std::vector<std::string> same =
+      model.same_inputs ? std::vector<std::string>{"simulated"} : std::vector<std::string>{};
+  return judge_cells(cells, {}, same);
+}
+
+std::uint64_t nights_with_alarm(std::uint64_t seed, std::uint64_t nights, const NightModel& model) {
+  const SimulatedNights simulated(seed);
+  std::uint64_t alarms = 0;
+  for (std::uint64_t n = 0; n < nights; ++n) {
+    const auto findings = judged(simulated, n, model);
+    alarms += std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.alarm; });
+  }
+  return alarms;
+}
+
+struct Null {
+  const char* name;
+  NightModel model;
+};
+void PrintTo(const Null& null, std::ostream* out) { *out << null.name; }
+
+class NullNights : public testing::TestWithParam<Null> {};
+
+TEST_P(NullNights, AlarmInOneOfAHundredAtMost) {
+  const std::uint64_t nights = nights_asked(10);
+  const std::uint64_t alarms = nights_with_alarm(1, nights, GetParam().model);
+  std::printf("%s: %llu alarms in %llu simulated nights\n", GetParam().name,
+              static_cast<unsigned long long>(alarms), static_cast<unsigned long long>(nights));
+  EXPECT_LE(alarms, nights / 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, NullNights,
+                         testing::Values(Null{"16 persons, same recordings", {16, 35.0, 0.1, true, 0.0}},
+                                         Null{"16 persons, other recordings", {16, 35.0, 1.0, false, 0.0}},
+                                         Null{"4 persons, same recordings", {4, 35.0, 0.1, true, 0.0}},
+                                         Null{"4 persons, other recordings", {4, 35.0, 1.0, false, 0.0}}));
+
+// How many nights name the cell that is worse.
+std::uint64_t nights_that_name_it(std::uint64_t nights, const NightModel& model, FindingKind kind) {
+  const SimulatedNights simulated(2);
+  std::uint64_t found = 0;
+  for (std::uint64_t n = 0; n < nights; ++n) {
+    const auto findings = judged(simulated, n, model);
+    found += std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+      return f.alarm && f.kind == kind && f.method == "nonlinear" && f.group == "head";
+    });
+  }
+  return found;
+}
+
+class WorseNights : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(WorseNights, TwoPercentInOneMethodAndGroupAreFound) {
+  const std::uint64_t nights = std::min<std::uint64_t>(200, nights_asked(10));
+  NightModel model;
+  model.participants = GetParam();
+  model.worse = 0.02;
+  const std::uint64_t found = nights_that_name_it(nights, model, FindingKind::accuracy);
+  std::printf("%zu persons: 2 %% found in %llu of %llu simulated nights\n", GetParam(),
+              static_cast<unsigned long long>(found), static_cast<unsigned long long>(nights));
+  EXPECT_GE(10 * found, 9 * nights);
+}
+
+INSTANTIATE_TEST_SUITE_P(Participants, WorseNights, testing::Values(4, 16));
+
+TEST(LossyNights, AMethodThatAnswersTwoPercentLessIsFound) {
+  const std::uint64_t nights = std::min<std::uint64_t>(200, nights_asked(5));
+  NightModel model;
+  model.lost_share = 0.02;
+  EXPECT_GE(10 * nights_that_name_it(nights, model, FindingKind::coverage), 9 * nights);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: MIT
+#include <fstream>
+#include <utility>
+
+#include <gmock/gmock.h>
+
+#include "datasets/results/gate_history.h"
+#include "datasets/results/sweep_summary.h"
+#include "pipeline/gate/accept_results.h"
+#include "pipeline/gate/compare_results.h"
+#include "pipeline/gate/judge_history.h"
+#include "pipeline/gate/judge_numbers.h"
+#include "pipeline/gate/same_configuration.h"
+#include "tests/pipeline/made_results.h"
+#include "tests/pipeline/program.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+// Two nights in a folder.
+struct Nights {
+  ScratchFolder folder;
+  std::string now() const { return (folder / "now").string(); }
+  std::string before() const { return (folder / "before").string(); }
+  void write(const Spoil& spoil, const MadeStudy& study = {}) {
+    write_made_results(folder / "before", study);
+    write_made_results(folder / "now", study, spoil);
+  }
+  GateReport compare() const { return compare_results(now(), before(), {{}, 200, {}}); }
+  Ended gate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{"gate", now(), "--baseline", before(), "--resamples", "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  }
+};
+
+std::vector<Finding> alarms_of(const GateReport& report) {
+  std::vector<Finding> alarms;
+  for (const Finding& f : report.findings)
+    if (f.alarm) alarms.push_back(f);
+  return alarms;
+}
+
+TEST(Gate, IsQuietAboutIdenticalResults) {
+  Nights nights;
+  nights.write({});
+  const GateReport report = nights.compare();
+  EXPECT_THAT(report.findings, IsEmpty());
+  ASSERT_THAT(report.studies, SizeIs(1));
+  EXPECT_EQ(report.studies[0].state, StudyState::identical);
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("QUIET"), HasSubstr("identical to the byte: walks")));
+}
+
+TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {
+  Nights nights;
+  nights.write(larger_errors(1.02));
+  const auto alarms = alarms_of(nights.compare());
+  ASSERT_THAT(alarms, SizeIs(2));  // the head and the average
+  for (const Finding& f : alarms) {
+    EXPECT_EQ(f.kind, FindingKind::accuracy);
+    EXPECT_EQ(f.method, "nonlinear");
+  }
+  EXPECT_EQ(alarms[0].group, "head");
+  EXPECT_NEAR(alarms[0].percent, 2.0, 1e-4);
+  EXPECT_EQ(alarms[0].n, 3000u);
+  EXPECT_EQ(alarms[0].clusters, 10u);
+  EXPECT_EQ(alarms[1].group, "average");
+  EXPECT_NEAR(alarms[1].percent, 1.0, 0.05);
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("REGRESSION"), HasSubstr("nonlinear: larger errors"),
+                               HasSubstr("walking, head"), HasSubstr("--method nonlinear")));
+  EXPECT_THAT(nights.gate({"--method", "nonlinear"}).out, HasSubstr("+2.00"));
+}
+
+TEST(Gate, ToleratesLessThanTheSmallestEffectAndToldEffectsCanBeSet) {
+  Nights nights;
+  nights.write(larger_errors(1.005));
+  EXPECT_EQ(nights.gate().code, 0);
+  EXPECT_EQ(nights.gate({"--smallest-effect", "0.2"}).code, 1);
+}
+
+TEST(Gate, TellsWhatIsBetterWithoutAnAlarm) {
+  Nights nights;
+  nights.write(larger_errors(0.9));
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("QUIET"), HasSubstr("nonlinear: smaller errors")));
+}
+
+TEST(Gate, AMethodIsNotBetterForLeavingOutItsWorstSamples) {
+  Nights nights;
+  nights.write([](MadeSample& s) {
+    if (s.method == 1 && s.error_m > 0.0595) s.answered = false;  // the worst twentieth
+  });
+  const auto alarms = alarms_of(nights.compare());
+  ASSERT_THAT(alarms, Not(IsEmpty()));
+  for (const Finding& f : alarms) {
+    EXPECT_EQ(f.kind, FindingKind::coverage);
+    EXPECT_EQ(f.method, "nonlinear");
+    EXPECT_LT(f.now, f.before);
+  }
+  EXPECT_THAT(nights.gate().out, HasSubstr("answers less often"));
+}
+
+TEST(Gate, OneTakeThatIsNotAnsweredAnyMoreIsEnough) {
+  Nights nights;
+  nights.write([](MadeSample& s) {
+    if (s.method == 1 && s.take == 3) s.answered = false;
+  });
+  const auto alarms = alarms_of(nights.compare());
+  ASSERT_THAT(alarms, Not(IsEmpty()));
+  EXPECT_EQ(alarms[0].kind, FindingKind::coverage);
+  EXPECT_THAT(alarms[0].note, HasSubstr("take p3-walking: 0 of 300 left"));
+}
+
+TEST(Gate, OneParticipantIsJudgedByTimeBlocks) {
+  Nights nights;
+  MadeStudy study;
+  study.participants = 1;
+  study.instants = 1200;
+  nights.write(larger_errors(1.03), study);
+  EXPECT_THAT(alarms_of(nights.compare()), Not(IsEmpty()));
+}
+
+TEST(Gate, ATakeThatFailsIsAnAlarmWithItsReason) {
+  Nights nights;
+  nights.write({});
+  MadeStudy study;
+  study.takes_failed = 1;
+  write_made_results(nights.folder / "now", study, larger_errors(1.0001));
+  const auto alarms = alarms_of(nights.compare());
+  ASSERT_THAT(alarms, SizeIs(1));
+  EXPECT_EQ(alarms[0].kind, FindingKind::failure);
+  EXPECT_THAT(alarms[0].note, HasSubstr("p0-walking (session.h5: is damaged)"));
+}
+
+TEST(Gate, RefusesABaselineOfAnotherConfigurationAndSaysWhatDiffers) {
+  Nights nights;
+  nights.write({});
+  MadeStudy study;
+  study.rate_hz = 60.0;
+  write_made_results(nights.folder / "before", study);
+  expect_refused(nights.gate(), "/study/rate_hz is 30.0 here and 60.0 there");
+}
+
+TEST(Gate, RefusesOtherRecordingsButNotOtherwiseSimulatedOnes) {
+  Nights nights;
+  MadeStudy study;
+  study.simulated = false;
+  nights.write({}, study);
+  study.input_sha256 = "11";
+  write_made_results(nights.folder / "now", study);
+  expect_refused(nights.gate(), R"(/inputs/0/sha256 is "11" here and "00" there)");
+  study.simulated = true;
+  write_made_results(nights.folder / "now", study);
+  study.input_sha256 = "00";
+  write_made_results(nights.folder / "before", study);
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the simulated recordings themselves are others"));
+}
+
+TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
+  Nights nights;
+  nights.write({});
+  std::filesystem::create_directories(nights.folder / "several" / "walks.partial");
+  const auto refusal = [&](const std::string& results) {
+    return run_trilat(nights.folder, {"gate", results, "--baseline", nights.before()});
+  };
+  expect_refused(refusal((nights.folder / "several").string()),
+                 "walks.partial: is what an unfinished run left");
+  std::filesystem::create_directories(nights.folder / "empty");
+  expect_refused(refusal((nights.folder / "empty").string()), "holds no results");
+  expect_refused(refusal((nights.folder / "nowhere").string()), "is no folder");
+  Json summary = read_json(nights.folder / "now" / "summary.json");
+  Json other = summary;
+  other["version"] = 99;
+  write_file(nights.folder / "now" / "summary.json", other.dump());
+  expect_refused(nights.gate(), "/version: is another version");
+  other = summary;
+  other["interrupted"] = true;
+  write_file(nights.folder / "now" / "summary.json", other.dump());
+  expect_refused(nights.gate(), "/interrupted: is true");
+  other = summary;
+  other["cells"] = Json::array();
+  write_file(nights.folder / "now" / "summary.json", other.dump());
+  expect_refused(nights.gate(), "/cells: is empty");
+}
+
+TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {
+  ScratchFolder folder;
+  MadeStudy other;
+  other.name = "runs";
+  write_made_results(folder / "now/walks");
+  write_made_results(folder / "before/walks");
+  write_made_results(folder / "now/runs", other);
+  const auto gate = [&] {
+    return run_trilat(folder,
+                      {"gate", (folder / "now").string(), "--baseline", (folder / "before").string()});
+  };
+  Ended ended = gate();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("new, not in the baseline: runs"));
+  std::filesystem::rename(folder / "now/runs", folder / "before/runs");
+  ended = gate();
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("only in the baseline: runs"), HasSubstr("runs, fails")));
+}
+
+TEST(Gate, GivesTheSameVerdictWithAnyNumberOfThreads) {
+  Nights nights;
+  nights.write(larger_errors(1.015));
+  Json one = only_json(nights.gate({"--json", "--threads", "1"}));
+  Json three = only_json(nights.gate({"--json", "--threads", "3"}));
+  one.erase("time");
+  three.erase("time");
+  EXPECT_EQ(one, three);
+  EXPECT_EQ(one["verdict"], "regression");
+}
+
+TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
+  Nights nights;
+  nights.write(larger_errors(1.1));
+  const std::string history = (nights.folder / "history.jsonl").string();
+  expect_refused(nights.gate({"--accept", " "}), "needs a reason");
+  EXPECT_EQ(nights.gate({"--history", history}).code, 1);
+  const Ended ended = nights.gate({"--accept", "a <better> model", "--history", history});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const auto accepted = read_accepted(nights.before());
+  ASSERT_TRUE(accepted.has_value());
+  EXPECT_EQ(accepted->reason, "a <better> model");
+  EXPECT_THAT(accepted->replaces_sha256, SizeIs(64));
+  EXPECT_EQ(nights.gate({"--history", history}).code, 0);
+  const History read = read_history(history);
+  ASSERT_THAT(read.entries, SizeIs(3));
+  EXPECT_FALSE(read.entries[0].quiet);
+  EXPECT_TRUE(read.entries[1].accepted);
+  EXPECT_TRUE(read.entries[2].quiet);
+}
+
+TEST(Gate, TheFirstBaselineIsAcceptedTooAndNeverOverSomethingElse) {
+  Nights nights;
+  nights.write({});
+  std::filesystem::remove_all(nights.folder / "before");
+  expect_refused(nights.gate(), "--accept");
+  EXPECT_EQ(nights.gate({"--accept", "first"}).code, 0);
+  EXPECT_EQ(nights.gate().code, 0);
+  std::filesystem::remove_all(nights.folder / "before");
+  std::filesystem::create_directories(nights.folder / "before");
+  write_file(nights.folder / "before" / "thesis.txt", "years of work");
+  expect_refused(nights.gate({"--accept", "first"}), "holds no results");
+  EXPECT_TRUE(std::filesystem::exists(nights.folder / "before" / "thesis.txt"));
+}
+
+TEST(Gate, ATornLastLineOfTheHistoryIsToldAndReplaced) {
+  Nights nights;
+  nights.write({});
+  const auto history = nights.folder / "history.jsonl";
+  ASSERT_EQ(nights.gate({"--history", history.string()}).code, 0);
+  {
+    std::ofstream file(history, std::ios::app);
+    file << R"({"format": "trilat.history", "ver)";
+  }
+  const Ended ended = nights.gate({"--history", history.string()});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("history.jsonl:2: is torn"));
+  EXPECT_THAT(read_history(history).entries, SizeIs(2));
+  EXPECT_EQ(read_history(history).torn, "");
+  write_file(history, "not JSON\n" + read_file(history));
+  expect_refused(nights.gate({"--history", history.string()}), "history.jsonl:1");
+}
+
+TEST(Gate, WritesJunitThatAnXmlReaderTakes) {
+  Nights nights;
+  nights.write(larger_errors(1.1));
+  const auto junit = nights.folder / "gate.xml";
+  EXPECT_EQ(nights.gate({"--junit", junit.string()}).code, 1);
+  const std::string xml = read_file(junit);
+  EXPECT_THAT(xml, AllOf(HasSubstr("tests=\"3\" failures=\"2\""), HasSubstr("<failure type=\"worse\"")));
+  GateReport odd;
+  Finding finding;
+  finding.alarm = true;
+  finding.study = "a<b>&\"c\"";
+  finding.what = std::string("bell \a, byte \xff");
+  odd.findings.push_back(finding);
+  EXPECT_THAT(gate_junit(odd),
+              AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("\a")), Not(HasSubstr("\xff"))));
+}
+
+Finding worse_cell() {
+  Finding f;
+  f.kind = FindingKind::accuracy;
+  f.alarm = true;
+  f.study = "walks";
+  f.method = "nonlinear";
+  f.condition = "walking";
+  f.group = "head";
+  return f;
+}
+
+HistoryEntry night_of(int number, double error_m) {
+  HistoryEntry entry;
+  entry.time = "night " + std::to_string(number);
+  entry.error_m[series_of("walks", "nonlinear", "walking", "head")] = error_m;
+  return entry;
+}
+
+TEST(GateHistory, SaysSinceWhenALevelIsWhatItIs) {
+  History history;
+  for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
+  std::vector<Finding> findings{worse_cell()};
+  judge_history(history, night_of(11, 0.052), {}, findings);
+  EXPECT_EQ(findings[0].since, "night 7");
+}
+
+TEST(GateHistory, BeginsAnewWithAnAcceptedChange) {
+  History history;
+  for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
+  history.entries[6].accepted = true;
+  std::vector<Finding> none;
+  const HistoryJudgement judgement = judge_history(history, night_of(11, 0.052), {}, none);
+  EXPECT_EQ(judgement.nights, 4u);
+  EXPECT_THAT(judgement.drifts, IsEmpty());
+}
+
+TEST(GateHistory, FindsASlowDriftThatNoNightShows) {
+  History history;
+  for (int n = 1; n <= 15; ++n)
+    history.entries.push_back(night_of(n, 0.05 * (n < 6 ? 1.0 : n < 11 ? 1.008 : 1.016)));
+  std::vector<Finding> none;
+  const HistoryJudgement judgement = judge_history(history, night_of(16, 0.05 * 1.016), {}, none);
+  ASSERT_THAT(judgement.drifts, SizeIs(1));
+  EXPECT_EQ(judgement.drifts[0].since, "night 11");
+  EXPECT_NEAR(judgement.drifts[0].percent, 1.6, 1e-6);
+  EXPECT_TRUE(judgement.drifts[0].alarm);
+}
+
+Json document_with(double mae_m, double digits) {
+  return {{"study", "sweep"},
+          {"cells",
+           {{{"method", "a"}, {"mae_m", mae_m}, {"mean_digits", 9.0}, {"mae_low_m", mae_m / 2.0}},
+            {{"method", "b"}, {"mae_m", 0.1}, {"mean_digits", digits}, {"mae_low_m", 0.05}}}}};
+}
+
+TEST(GateNumbers, AreJudgedByTheirKeyAndSize) {
+  NumberChanges changes = judge_numbers("sweep", document_with(0.11, 9.0), document_with(0.1, 9.0), {});
+  EXPECT_EQ(changes.differing, 2u);  // the end of the interval too, which is not judged
+  ASSERT_THAT(changes.findings, SizeIs(1));
+  EXPECT_TRUE(changes.findings[0].alarm);
+  EXPECT_NEAR(changes.findings[0].percent, 10.0, 1e-9);
+  EXPECT_THAT(changes.findings[0].what, HasSubstr("/cells/0 [a]/mae_m"));
+  changes = judge_numbers("sweep", document_with(0.09, 9.0), document_with(0.1, 9.0), {});
+  ASSERT_THAT(changes.findings, SizeIs(1));
+  EXPECT_FALSE(changes.findings[0].alarm);
+  changes = judge_numbers("sweep", document_with(0.1, 8.0), document_with(0.1, 9.0), {});
+  ASSERT_THAT(changes.findings, SizeIs(1));
+  EXPECT_TRUE(changes.findings[0].alarm);  // fewer digits are worse
+  EXPECT_THAT(judge_numbers("sweep", document_with(0.1005, 9.0), document_with(0.1, 9.0), {}).findings,
+              IsEmpty());
+}
+
+TEST(GateNumbers, ANumberThatIsNoNumberAnyMoreIsAnAlarm) {
+  Json now = document_with(0.1, 9.0);
+  now["cells"][0]["mae_m"] = nullptr;
+  const NumberChanges changes = judge_numbers("sweep", now, document_with(0.1, 9.0), {});
+  ASSERT_THAT(changes.findings, SizeIs(1));
+  EXPECT_TRUE(changes.findings[0].alarm);
+  EXPECT_EQ(changes.findings[0].direction, Direction::worse);
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+#include "datasets/base/philox.h"
+#include "datasets/results/samples.h"
+#include "datasets/results/summary.h"
+#include "evaluators/solvers/solve_status.h"
+
+namespace trilat {
+
+// What one sample of made-up results is like; a test changes what it wants to be worse.
+struct MadeSample {
+  std::size_t take = 0, joint = 0, method = 0;
+  std::uint64_t instant = 0;
+  double error_m = 0.0;
+  bool answered = true;
+};
+using Spoil = std::function<void(MadeSample&)>;
+
+struct MadeStudy {
+  std::string name = "walks";
+  std::size_t participants = 10;
+  std::uint64_t instants = 300;
+  double rate_hz = 30.0;
+  bool simulated = true;
+  std::uint64_t seed = 1;
+  std::string input_sha256 = "00";
+  std::uint64_t takes_failed = 0;
+};
+
+inline void write_made_samples(const std::filesystem::path& folder, const MadeStudy& study,
+                               const Spoil& spoil) {
+  SamplesHeader header;
+  header.joints = {"head", "wrist_left", "wrist_right"};
+  header.methods = {"linear", "nonlinear"};
+  for (int s = 0; s < kSolveStatusCount; ++s)
+    header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+  header.alignment = "none";
+  for (std::size_t p = 0; p < study.participants; ++p)
+    header.takes.push_back({"p" + std::to_string(p) + "-walking", study.instants, "walking"});
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", header);
+  for (std::size_t t = 0; t < study.participants; ++t) {
+    SampleBlock block;
+    block.reset(0, study.instants, 3, 2);
+    std::vector<float> errors(block.estimate_m.size(), std::numeric_limits<float>::quiet_NaN());
+    for (std::uint64_t i = 0; i < study.instants; ++i) {
+      block.time_ns[i] = static_cast<std::int64_t>(i) * 33'333'333;
+      for (std::size_t j = 0; j < 3; ++j) {
+        for (std::size_t a = 0; a < 3; ++a) block.truth_m[(i * 3 + j) * 3 + a] = 1.0;
+        for (std::size_t m = 0; m < 2; ++m) {
+          const RandomStream random{study.seed, Purpose::test, t * 3 + j};
+          MadeSample sample{t, j, m, i, 0.05 + 0.01 * random.uniform(static_cast<std::uint32_t>(i)), true};
+          if (spoil) spoil(sample);
+          const std::size_t slot = (i * 3 + j) * 2 + m;
+          block.status[slot] = static_cast<std::uint8_t>(sample.answered ? SolveStatus::converged
+                                                                         : SolveStatus::iteration_limit);
+          if (!sample.answered) continue;
+          for (std::size_t a = 0; a < 3; ++a) {
+            block.estimate_m[slot * 3 + a] = 1.0 + (a == 0 ? sample.error_m : 0.0);
+            errors[slot * 3 + a] = a == 0 ? static_cast<float>(sample.error_m) : 0.0F;
+          }
+        }
+      }
+    }
+    samples.write(t, block);
+    samples.write_errors(t, 0, errors);
+  }
+  samples.finish();
+}
+
+inline void write_made_manifest(const std::filesystem::path& folder, const MadeStudy& study) {
+  Json takes = Json::array(), inputs = Json::array();
+  for (std::size_t p = 0; p < study.participants; ++p) {
+    const std::string name = "p" + std::to_string(p);
+    takes.push_back({{"id", name + "-walking"},
+                     {"participant", name},
+                     {"activity", "walking"},
+                     {"mocap_start_host_ns", 7},
+                     {"instants", study.instants}});
+    inputs.push_back({{"take", name + "-walking"}, {"role", "session"}, {"sha256", study.input_sha256}});
+  }
+  const Json json{{"format", "trilat.manifest"},
+                  {"version", 1},
+                  {"program", "trilat test"},
+                  {"study", {{"name", study.name}, {"rate_hz", study.rate_hz}, {"alignments", {"none"}}}},
+                  {"simulated", study.simulated},
+                  {"takes", takes},
+                  {"inputs", inputs}};
+  write_file(folder / "manifest.json", json_text(json, 1) + "\n");
+}
+
+// A results folder of an accuracy study. Its summary has one cell only: the gate reads samples.
+inline void write_made_results(const std::filesystem::path& folder, const MadeStudy& study = {},
+                               const Spoil& spoil = {}) {
+  std::filesystem::create_directories(folder);
+  write_made_manifest(folder, study);
+  write_made_samples(folder, study, spoil);
+  ResultsSummary summary;
+  summary.study = study.name;
+  summary.takes = study.participants;
+  summary.takes_failed = study.takes_failed;
+  summary.methods = {"linear", "nonlinear"};
+  summary.reference = "linear";
+  summary.conditions = {"walking"};
+  summary.groups = {"head", "wrist"};
+  summary.alignments = {"none"};
+  SummaryCell cell;
+  cell.method = "nonlinear";
+  cell.condition = "walking";
+  cell.group = "head";
+  cell.alignment = "none";
+  MadeSample sample{0, 0, 1, 0, 0.055, true};
+  if (spoil) spoil(sample);
+  cell.asked = cell.answered = 100;
+  cell.mae_m = sample.error_m;
+  summary.cells.push_back(cell);
+  for (std::uint64_t f = 0; f < study.takes_failed; ++f)
+    summary.notes.push_back({"p" + std::to_string(f) + "-walking", true, "session.h5", "is damaged"});
+  write_summary(folder, summary);
+  write_file(folder / "run.json", "{}\n");
+}
+
+// Errors of `nonlinear` at the head that are so many times as large.
+inline Spoil larger_errors(double factor) {
+  return [factor](MadeSample& s) {
+    if (s.method == 1 && s.joint == 0) s.error_m *= factor;
+  };
+}
+
+}  // namespace trilat
