@@ -14,9 +14,17 @@
 #include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
+#include "reports/figure_look.h"
 
 namespace trilat {
 namespace {
+
+// As in the figures.
+std::vector<std::string> colours_of(const std::vector<std::string>& methods) {
+  std::vector<std::string> colours;
+  for (const std::string& method : methods) colours.push_back(look_of_method(method).colour);
+  return colours;
+}
 
 constexpr std::int16_t kNone = -32768;
 constexpr double kFarthest_mm = 32'767.0;
@@ -131,11 +139,17 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
   pack_states(take, packer);
   const double span_s =
       take.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
-  const Json json{{"study", summary.study},        {"take", take.id},
-                  {"condition", take.condition},   {"simulated", summary.simulated},
-                  {"instants", take.instants},     {"span_s", span_s},
-                  {"sensors", sensors_json(take)}, {"skeleton", skeleton_json()},
-                  {"joints", header.joints},       {"methods", header.methods},
+  const Json json{{"study", summary.study},
+                  {"take", take.id},
+                  {"condition", take.condition},
+                  {"simulated", summary.simulated},
+                  {"instants", take.instants},
+                  {"span_s", span_s},
+                  {"sensors", sensors_json(take)},
+                  {"skeleton", skeleton_json()},
+                  {"joints", header.joints},
+                  {"methods", header.methods},
+                  {"colours", colours_of(header.methods)},
                   {"view_deg", {70.6, 60.0}},  // of a Kinect v2
                   {"range_m", {0.5, 4.5}}};
   return {summary.study + ": " + take.condition + ", take " + take.id, json_text(json, -1),

@@ -5,7 +5,6 @@
   const heads = [...document.querySelectorAll("script.replay-head")];
   const payloads = [...document.querySelectorAll("script.replay-bytes")];
   const NONE = -32768, WORST = 8, FAR_CM = 12;
-  const COLOURS = [0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7, 0xf0e442, 0xd55e00, 0x0072b2, 0xb8e186, 0xb39ddb];
   const SENSOR_COLOURS = [0x9fb4d6, 0xd6b49f, 0xa3cfa8, 0xcfa3c6, 0xc9c59a, 0x9accc9, 0xbdaee0, 0xd0a0a0];
 
   // Channels are differences from instant to instant; what comes out is indexed [channel * instants + instant].
@@ -127,7 +126,7 @@
 
     const first = Math.max(0, head.methods.indexOf("nonlinear"));
     const shownFirst = new Set([first, head.methods.indexOf("mean")]);
-    const tracks = head.methods.map((name, m) => ({ name, colour: COLOURS[m % COLOURS.length], shown: shownFirst.has(m) }));
+    const tracks = head.methods.map((name, m) => ({ name, colour: parseInt(head.colours[m].slice(1), 16), shown: shownFirst.has(m) }));
     const build = (track) => {
       if (track.bones) return;
       track.bones = lines(Math.max(1, evaluated.length), track.colour, false);

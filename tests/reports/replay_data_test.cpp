@@ -9,6 +9,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/replay.h"
 #include "datasets/skeleton/skeleton.h"
+#include "reports/figure_look.h"
 #include "reports/write_report.h"
 #include "tests/reports/summaries.h"
 #include "tests/reports/written_samples.h"
@@ -97,6 +98,7 @@ TEST(ReplayData, ItsHeaderNamesWhatTheChannelsAre) {
   EXPECT_EQ(head.at("sensors").size(), kSensors);
   EXPECT_EQ(head.at("joints"), Json({"head", "wrist_right"}));
   EXPECT_EQ(head.at("methods"), Json({"nonlinear"}));
+  EXPECT_EQ(head.at("colours"), Json({look_of_method("nonlinear").colour}));  // as in the figures
   EXPECT_EQ(head.at("simulated"), true);
   EXPECT_NEAR(head.at("span_s").get<double>(), 2.0 / 30.0, 1e-6);
 }
