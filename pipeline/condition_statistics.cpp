@@ -157,13 +157,13 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
 }
 
 BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
-  Eigen::MatrixXd sums(rows_of(condition), as_index(BodyColumns::count));
+  Eigen::MatrixXd sums(rows_of(condition), as_index(BodySumColumns::count));
   Index first = 0;
   TakeBodies bodies;
   Mean truth_jerk_m_s3;
   for (const TakeStatistics* take : condition.takes) {
     sums.middleRows(first, take->bodies.rows()) =
-        take->bodies.middleCols(as_index(method * BodyColumns::count), as_index(BodyColumns::count));
+        take->bodies.middleCols(as_index(method * BodySumColumns::count), as_index(BodySumColumns::count));
     first += take->bodies.rows();
     const TakeBodies& here = take->of_method[method];
     for (std::size_t r = 0; r < bodies.within.size(); ++r) bodies.within[r] += here.within[r];
@@ -173,12 +173,12 @@ BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
     bodies.jerk_m_s3.merge(here.jerk_m_s3);
     truth_jerk_m_s3.merge(take->truth_jerk_m_s3);
   }
-  const std::vector<RatioColumns> ratios{{BodyColumns::mpjpe, BodyColumns::whole},
-                                         {BodyColumns::pa_mpjpe, BodyColumns::pa_whole}};
+  const std::vector<RatioColumns> ratios{{BodySumColumns::mpjpe, BodySumColumns::whole},
+                                         {BodySumColumns::pa_mpjpe, BodySumColumns::pa_whole}};
   const std::vector<BootstrapQuantity> quantities{{{0, 1}}, {{1, 1}}};
   const auto found = solve_intervals(sums, condition.resamples, ratios, quantities);
   BodyCell cell;
-  cell.instants = static_cast<std::uint64_t>(sums.col(as_index(BodyColumns::whole)).sum());
+  cell.instants = static_cast<std::uint64_t>(sums.col(as_index(BodySumColumns::whole)).sum());
   cell.clusters = found[0].clusters;
   cell.mpjpe_m = found[0].value;
   cell.mpjpe_low_m = not_below_zero(found[0].low);

@@ -172,7 +172,7 @@ StatisticsLayout statistics_layout(const Plan& plan, const SamplesHeader& sample
       layout.bones.emplace_back(from - plan.joints.begin(), to - plan.joints.begin());
   }
   const std::uint64_t row_bytes =
-      sizeof(double) * (axes.cells() * CellColumns::count + axes.methods * BodyColumns::count);
+      sizeof(double) * (axes.cells() * CellColumns::count + axes.methods * BodySumColumns::count);
   const std::uint64_t most = std::max<std::uint64_t>({kBlockSumBytes / row_bytes, samples.takes.size(), 1});
   layout.block_instants =
       static_cast<std::uint64_t>(std::max(1LL, std::llround(plan.study.block_s * plan.study.rate_hz)));

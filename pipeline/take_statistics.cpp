@@ -22,7 +22,7 @@ class TakeGatherer {
       : layout_(layout), axes_(layout.axes), alignments_(alignments) {
     const auto rows = static_cast<Eigen::Index>(blocks);
     result_.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes_.cells() * CellColumns::count));
-    result_.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes_.methods * BodyColumns::count));
+    result_.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes_.methods * BodySumColumns::count));
     result_.one_frame.resize(axes_.cells());
     result_.of_method.resize(axes_.methods);
     result_.of_group.resize(axes_.groups);
@@ -148,14 +148,14 @@ class TakeGatherer {
     bodies.joints += asked;
     add_bones(view, i, m);
     if (asked == 0 || truth_m_.size() < asked) return;
-    double* sums =
-        &result_.bodies(static_cast<Eigen::Index>(block_), static_cast<Eigen::Index>(m * BodyColumns::count));
-    sums[BodyColumns::mpjpe] += mpjpe_m(aligned_m_, truth_m_);
-    sums[BodyColumns::whole] += 1.0;
+    double* sums = &result_.bodies(static_cast<Eigen::Index>(block_),
+                                   static_cast<Eigen::Index>(m * BodySumColumns::count));
+    sums[BodySumColumns::mpjpe] += mpjpe_m(aligned_m_, truth_m_);
+    sums[BodySumColumns::whole] += 1.0;
     const double pa_m = pa_mpjpe_m(estimate_m_, truth_m_);
     if (!std::isfinite(pa_m)) return;
-    sums[BodyColumns::pa_mpjpe] += pa_m;
-    sums[BodyColumns::pa_whole] += 1.0;
+    sums[BodySumColumns::pa_mpjpe] += pa_m;
+    sums[BodySumColumns::pa_whole] += 1.0;
   }
 
   void add_jerk(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m) {

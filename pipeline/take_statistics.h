@@ -31,7 +31,7 @@ struct CellColumns {
   static constexpr std::size_t distance = 0, answered = 1, difference = 2, both = 3, reference = 4, count = 5;
 };
 // Of every method, over the instants of whole bodies: see body_metrics.h.
-struct BodyColumns {
+struct BodySumColumns {
   static constexpr std::size_t mpjpe = 0, whole = 1, pa_mpjpe = 2, pa_whole = 3, count = 4;
 };
 
@@ -69,7 +69,7 @@ struct TakeTruth {
 
 struct TakeStatistics {
   RowMatrix cells;                  // blocks x (cells of the axes x CellColumns)
-  RowMatrix bodies;                 // blocks x (methods x BodyColumns)
+  RowMatrix bodies;                 // blocks x (methods x BodySumColumns)
   std::vector<OneFrame> one_frame;  // by cell
   std::vector<TakeBodies> of_method;
   std::vector<TakeTruth> of_group;

@@ -57,7 +57,7 @@ void add_speed(const GateArguments& arguments, const GateLimits& limits, const S
   SpeedJudgement judged =
       judge_speed(now, *before, limits, arguments.speed ? again : std::function<SpeedFile()>{});
   report.speed = judged.verdict;
-  for (Finding& f : judged.findings) {
+  for (GateFinding& f : judged.findings) {
     f.command = "trilat gate " + report.results + " --baseline " + report.baseline + " --speed";
     report.findings.push_back(std::move(f));
   }
@@ -110,7 +110,7 @@ void judge_and_append(const GateArguments& arguments, const GateLimits& limits, 
   const History history = read_history(arguments.history);
   if (!history.torn.empty())
     report.notes.push_back(history.torn + ": is torn, was left out and will be replaced");
-  for (const Finding& f : report.findings)
+  for (const GateFinding& f : report.findings)
     if (f.alarm) tonight.alarms.push_back(key_of(f));
   const HistoryJudgement judgement = judge_history(history, tonight, limits, report.findings);
   report.findings.insert(report.findings.end(), judgement.drifts.begin(), judgement.drifts.end());

@@ -66,13 +66,13 @@ class Comparison {
     report_.looked_at += report_.cells.size();
     auto judged = judge_cells(report_.cells, options_.limits, same_inputs_);
     std::move(judged.begin(), judged.end(), std::back_inserter(report_.findings));
-    for (Finding& f : report_.findings) f.command = command_of(set, f);
+    for (GateFinding& f : report_.findings) f.command = command_of(set, f);
     sort_findings(report_.findings);
     return std::move(report_);
   }
 
  private:
-  static std::string command_of(const PairedSet& set, const Finding& f) {
+  static std::string command_of(const PairedSet& set, const GateFinding& f) {
     for (const ResultsPair& pair : set.pairs) {
       if (pair.now.name != f.study) continue;
       std::string command = "trilat gate " + quoted(pair.now.folder.string()) + " --baseline " +
@@ -84,7 +84,7 @@ class Comparison {
 
   void add_failure(const std::string& study, const std::string& what, double before, double now,
                    const std::string& note = "") {
-    Finding finding;
+    GateFinding finding;
     finding.kind = FindingKind::failure;
     finding.direction = Direction::worse;
     finding.alarm = true;
@@ -111,8 +111,8 @@ class Comparison {
     if (now.cross_check && !now.cross_check->passed() &&
         (!before.cross_check || before.cross_check->passed()))
       add_failure(pair.now.name, "the cross-check with Ceres fails",
-                  before.cross_check ? before.cross_check->worst_m : Finding::kNone, now.cross_check->worst_m,
-                  "worst at " + now.cross_check->worst_at);
+                  before.cross_check ? before.cross_check->worst_m : GateFinding::kNone,
+                  now.cross_check->worst_m, "worst at " + now.cross_check->worst_at);
   }
 
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {

@@ -23,7 +23,7 @@ enum class Direction : std::uint8_t { worse, better, changed };
 const char* name_of(Direction direction);
 
 // One thing that is not as it was. Numbers that there are not are NaN.
-struct Finding {
+struct GateFinding {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   FindingKind kind = FindingKind::number;
   Direction direction = Direction::changed;
@@ -44,15 +44,15 @@ struct Finding {
 // One cell that was compared and is not identical, whether or not it is a finding.
 struct ComparedCell {
   std::string study, method, condition, group, alignment;
-  double before_m = Finding::kNone, now_m = Finding::kNone;  // on the samples that both answered
-  double percent = Finding::kNone, percent_low = Finding::kNone, percent_high = Finding::kNone;
-  double standard_error_percent = Finding::kNone;
+  double before_m = GateFinding::kNone, now_m = GateFinding::kNone;  // on the samples that both answered
+  double percent = GateFinding::kNone, percent_low = GateFinding::kNone, percent_high = GateFinding::kNone;
+  double standard_error_percent = GateFinding::kNone;
   std::uint64_t both = 0, clusters = 0;
-  double chance = Finding::kNone;  // by itself, not corrected
+  double chance = GateFinding::kNone;  // by itself, not corrected
   std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost = 0, gained = 0;
-  double lost_percent = Finding::kNone;  // 100 (lost - gained) / asked, with its 95 % interval
-  double lost_low = Finding::kNone, lost_high = Finding::kNone;
-  double lost_chance = Finding::kNone;
+  double lost_percent = GateFinding::kNone;  // 100 (lost - gained) / asked, with its 95 % interval
+  double lost_low = GateFinding::kNone, lost_high = GateFinding::kNone;
+  double lost_chance = GateFinding::kNone;
   // The take that lost the largest share of its answers.
   std::string worst_take;
   std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;

@@ -32,7 +32,7 @@ std::string xml(const std::string& text) {
   return result;
 }
 
-std::string name_of_case(const Finding& f) {
+std::string name_of_case(const GateFinding& f) {
   std::string name = name_of(f.kind);
   for (const std::string* part : {&f.method, &f.condition, &f.group, &f.alignment})
     if (!part->empty()) name += " / " + *part;
@@ -40,7 +40,7 @@ std::string name_of_case(const Finding& f) {
   return name;
 }
 
-std::string failure_text(const Finding& f) {
+std::string failure_text(const GateFinding& f) {
   std::string text = f.what;
   if (!std::isnan(f.percent)) text += fmt::format(" {:+.2f} %", f.percent);
   if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.2f} to {:+.2f})", f.percent_low, f.percent_high);
@@ -66,7 +66,7 @@ std::string gate_junit(const GateReport& report) {
     ++tests;
     skipped += not_compared;
   }
-  for (const Finding& f : report.findings) {
+  for (const GateFinding& f : report.findings) {
     if (!f.alarm) continue;
     cases += fmt::format(
         "    <testcase classname=\"trilat.gate.{}\" name=\"{}\">\n      <failure type=\"{}\" "

@@ -10,7 +10,7 @@
 namespace trilat {
 namespace {
 
-Json json_of(const Finding& f) {
+Json json_of(const GateFinding& f) {
   return {{"kind", name_of(f.kind)},
           {"direction", name_of(f.direction)},
           {"alarm", f.alarm},
@@ -63,14 +63,14 @@ const char* name_of(StudyState state) {
 
 std::uint64_t GateReport::alarms() const {
   return static_cast<std::uint64_t>(
-      std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.alarm; }));
+      std::count_if(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; }));
 }
 
 bool GateReport::quiet() const { return alarms() == 0; }
 
-void sort_findings(std::vector<Finding>& findings) {
-  const auto size = [](const Finding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
-  std::stable_sort(findings.begin(), findings.end(), [&](const Finding& a, const Finding& b) {
+void sort_findings(std::vector<GateFinding>& findings) {
+  const auto size = [](const GateFinding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
+  std::stable_sort(findings.begin(), findings.end(), [&](const GateFinding& a, const GateFinding& b) {
     if (a.alarm != b.alarm) return a.alarm;
     if (a.study != b.study || a.kind != b.kind) return false;
     return size(a) > size(b);
@@ -98,7 +98,7 @@ Json gate_json(const GateReport& report) {
   for (const StudyVerdict& s : report.studies)
     json["studies"].push_back(
         {{"study", s.study}, {"kind", s.kind}, {"state", name_of(s.state)}, {"note", s.note}});
-  for (const Finding& f : report.findings) json["findings"].push_back(json_of(f));
+  for (const GateFinding& f : report.findings) json["findings"].push_back(json_of(f));
   for (const ComparedCell& c : report.cells) json["cells"].push_back(json_of(c));
   return json;
 }

@@ -39,9 +39,9 @@ struct GateReport {
   std::string baseline_time, baseline_reason;  // when and why it was accepted; empty when not known
   double smallest_percent = 0.0;
   std::vector<StudyVerdict> studies;
-  std::vector<ComparedCell> cells;  // that are not identical
-  std::vector<Finding> findings;    // alarms first
-  std::uint64_t looked_at = 0;      // cells and numbers that were compared
+  std::vector<ComparedCell> cells;    // that are not identical
+  std::vector<GateFinding> findings;  // alarms first
+  std::uint64_t looked_at = 0;        // cells and numbers that were compared
   SpeedVerdict speed;
   std::vector<std::string> notes;
   bool quiet() const;  // no alarm
@@ -49,7 +49,7 @@ struct GateReport {
 };
 
 // Alarms before the rest, the worst of a study first; otherwise as they were.
-void sort_findings(std::vector<Finding>& findings);
+void sort_findings(std::vector<GateFinding>& findings);
 
 // What somebody reads in the morning: a verdict, then each alarm in a few lines, then what is better or to be
 // known. Ends with a newline.

@@ -15,8 +15,8 @@ namespace {
 // Fewer lost samples of a take than these say nothing.
 constexpr std::uint64_t kFewestLost = 15;
 
-Finding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
-  Finding finding;
+GateFinding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
+  GateFinding finding;
   finding.kind = kind;
   finding.direction = worse ? Direction::worse : Direction::better;
   finding.alarm = worse;
@@ -31,8 +31,8 @@ Finding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
 // Whether an interval is on one side of no change.
 bool leaves_zero_out(double low, double high) { return low > 0.0 || high < 0.0; }
 
-Finding accuracy_finding(const ComparedCell& cell, double chance) {
-  Finding finding = finding_of(cell, FindingKind::accuracy, cell.percent > 0.0);
+GateFinding accuracy_finding(const ComparedCell& cell, double chance) {
+  GateFinding finding = finding_of(cell, FindingKind::accuracy, cell.percent > 0.0);
   finding.what = "mean absolute error (m)";
   finding.before = cell.before_m;
   finding.now = cell.now_m;
@@ -45,8 +45,8 @@ Finding accuracy_finding(const ComparedCell& cell, double chance) {
   return finding;
 }
 
-Finding coverage_finding(const ComparedCell& cell, double chance) {
-  Finding finding = finding_of(cell, FindingKind::coverage, cell.answered_now < cell.answered_before);
+GateFinding coverage_finding(const ComparedCell& cell, double chance) {
+  GateFinding finding = finding_of(cell, FindingKind::coverage, cell.answered_now < cell.answered_before);
   finding.what = "samples answered";
   finding.before = static_cast<double>(cell.answered_before);
   finding.now = static_cast<double>(cell.answered_now);
@@ -70,8 +70,8 @@ bool loses_a_take(const ComparedCell& cell, const GateLimits& limits) {
 
 }  // namespace
 
-std::vector<Finding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
-                                 const std::vector<std::string>& studies_with_same_inputs) {
+std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
+                                     const std::vector<std::string>& studies_with_same_inputs) {
   std::map<std::string, std::string> first_alignment;  // by study
   for (const ComparedCell& cell : cells) first_alignment.try_emplace(cell.study, cell.alignment);
   const auto judges_coverage = [&](const ComparedCell& cell) {
@@ -80,11 +80,11 @@ std::vector<Finding> judge_cells(std::span<const ComparedCell> cells, const Gate
   std::vector<double> chances;
   for (const ComparedCell& cell : cells) {
     chances.push_back(cell.chance);
-    chances.push_back(judges_coverage(cell) ? cell.lost_chance : Finding::kNone);
+    chances.push_back(judges_coverage(cell) ? cell.lost_chance : GateFinding::kNone);
   }
   const std::vector<double> adjusted = holm_adjusted(chances);
   const double alpha = limits.chance / 2.0;
-  std::vector<Finding> findings;
+  std::vector<GateFinding> findings;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const ComparedCell& cell = cells[c];
     const double accuracy = adjusted[2 * c], coverage = adjusted[2 * c + 1];
@@ -99,7 +99,7 @@ std::vector<Finding> judge_cells(std::span<const ComparedCell> cells, const Gate
     if (all_over) {
       findings.push_back(coverage_finding(cell, coverage));
     } else if (same && loses_a_take(cell, limits)) {
-      findings.push_back(coverage_finding(cell, Finding::kNone));
+      findings.push_back(coverage_finding(cell, GateFinding::kNone));
       findings.back().direction = Direction::worse;
       findings.back().alarm = true;
     }

@@ -20,7 +20,7 @@ struct GateLimits {
 // and the change is larger than the smallest. Coverage is judged in the same way, of the first alignment's
 // cells, as samples lost; and with the same recordings also take by take, without chance: there is none. Only
 // what is worse is an alarm. `same_inputs` is asked for each cell's study.
-std::vector<Finding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
-                                 const std::vector<std::string>& studies_with_same_inputs);
+std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
+                                     const std::vector<std::string>& studies_with_same_inputs);
 
 }  // namespace trilat

@@ -60,9 +60,9 @@ std::string since_by_alarm(std::span<const HistoryEntry* const> nights, const st
   return since;
 }
 
-bool is_speed(const Finding& f) { return f.kind == FindingKind::speed; }
+bool is_speed(const GateFinding& f) { return f.kind == FindingKind::speed; }
 
-std::string since_of(const Finding& f, std::span<const HistoryEntry* const> nights) {
+std::string since_of(const GateFinding& f, std::span<const HistoryEntry* const> nights) {
   std::string since;
   if (f.kind == FindingKind::accuracy)
     since = since_by_level(
@@ -77,9 +77,9 @@ std::string since_of(const Finding& f, std::span<const HistoryEntry* const> nigh
   return since;
 }
 
-std::vector<Finding> drifts_of(std::span<const HistoryEntry* const> nights, Values values, bool noisy,
-                               double smallest_percent, const std::set<std::string>& alarmed) {
-  std::vector<Finding> drifts;
+std::vector<GateFinding> drifts_of(std::span<const HistoryEntry* const> nights, Values values, bool noisy,
+                                   double smallest_percent, const std::set<std::string>& alarmed) {
+  std::vector<GateFinding> drifts;
   for (const auto& [key, tonight] : nights.back()->*values) {
     const Series series = series_over(nights, values, key);
     if (series.values.size() < 2 * kFewestDriftNights || alarmed.contains(key)) continue;
@@ -89,7 +89,7 @@ std::vector<Finding> drifts_of(std::span<const HistoryEntry* const> nights, Valu
     if (found.stretches.size() < 2 || last.end - last.first < kFewestDriftNights ||
         !(std::abs(percent) > smallest_percent))
       continue;
-    Finding drift;
+    GateFinding drift;
     drift.kind = FindingKind::drift;
     drift.direction = percent > 0.0 ? Direction::worse : Direction::better;
     drift.alarm = percent > 0.0;
@@ -114,7 +114,7 @@ std::string series_of(const std::string& study, const std::string& method, const
   return study + " | " + method + " | " + condition + " | " + group;
 }
 
-std::string key_of(const Finding& f) {
+std::string key_of(const GateFinding& f) {
   std::string key = std::string(name_of(f.kind)) + " | " +
                     series_of(f.study, f.method, f.condition, f.group) + " | " + f.alignment;
   if (f.kind == FindingKind::number || f.kind == FindingKind::failure) key += " | " + f.what;
@@ -122,7 +122,7 @@ std::string key_of(const Finding& f) {
 }
 
 HistoryJudgement judge_history(const History& history, const HistoryEntry& tonight, const GateLimits& limits,
-                               std::vector<Finding>& findings) {
+                               std::vector<GateFinding>& findings) {
   std::vector<const HistoryEntry*> nights;
   for (const HistoryEntry& entry : history.entries) {
     if (entry.accepted) nights.clear();  // the series begins anew, with what was accepted
@@ -132,14 +132,15 @@ HistoryJudgement judge_history(const History& history, const HistoryEntry& tonig
   judgement.nights = nights.size();
   nights.push_back(&tonight);
   std::set<std::string> errors, speeds;
-  for (Finding& f : findings) {
+  for (GateFinding& f : findings) {
     if (judgement.nights > 0) f.since = since_of(f, nights);
     if (!f.alarm) continue;
     if (f.kind == FindingKind::accuracy) errors.insert(series_of(f.study, f.method, f.condition, f.group));
     if (is_speed(f)) speeds.insert(f.method);
   }
   judgement.drifts = drifts_of(nights, &HistoryEntry::error_m, false, limits.smallest_percent, errors);
-  for (Finding& drift : drifts_of(nights, &HistoryEntry::speed, true, kSmallestSpeedDrift_percent, speeds))
+  for (GateFinding& drift :
+       drifts_of(nights, &HistoryEntry::speed, true, kSmallestSpeedDrift_percent, speeds))
     judgement.drifts.push_back(std::move(drift));
   return judgement;
 }

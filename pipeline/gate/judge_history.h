@@ -11,13 +11,13 @@
 namespace trilat {
 
 // The name of what a finding is about, the same every night.
-std::string key_of(const Finding& finding);
+std::string key_of(const GateFinding& finding);
 // And of the series that shows it, as in HistoryEntry::error_m.
 std::string series_of(const std::string& study, const std::string& method, const std::string& condition,
                       const std::string& group);
 
 struct HistoryJudgement {
-  std::vector<Finding> drifts;
+  std::vector<GateFinding> drifts;
   std::uint64_t nights = 0;  // since the last accepted change, without tonight
 };
 
@@ -28,6 +28,6 @@ struct HistoryJudgement {
 inline constexpr std::size_t kFewestDriftNights = 4;
 inline constexpr double kSmallestSpeedDrift_percent = 3.0;
 HistoryJudgement judge_history(const History& history, const HistoryEntry& tonight, const GateLimits& limits,
-                               std::vector<Finding>& findings);
+                               std::vector<GateFinding>& findings);
 
 }  // namespace trilat

@@ -104,8 +104,9 @@ double percent_of(double now, double before, double rms) {
   return scale > 0.0 ? 100.0 * (now - before) / scale : std::copysign(100.0, now - before);
 }
 
-Finding finding_of(const std::string& study, const Leaf& leaf, double now, double before, double percent) {
-  Finding finding;
+GateFinding finding_of(const std::string& study, const Leaf& leaf, double now, double before,
+                       double percent) {
+  GateFinding finding;
   finding.kind = FindingKind::number;
   finding.study = study;
   finding.what = leaf.place;
@@ -122,8 +123,8 @@ Finding finding_of(const std::string& study, const Leaf& leaf, double now, doubl
 }
 
 // A number that is there on one side only, or a text that is another.
-Finding other_value(const std::string& study, const Leaf& leaf) {
-  Finding finding;
+GateFinding other_value(const std::string& study, const Leaf& leaf) {
+  GateFinding finding;
   finding.kind = FindingKind::number;
   finding.study = study;
   finding.what = leaf.place;
@@ -144,7 +145,7 @@ double mean_of(const std::vector<const Leaf*>& leaves, Json Leaf::*side) {
       sum += (leaf->*side).get<double>();
       ++n;
     }
-  return n == 0 ? Finding::kNone : sum / static_cast<double>(n);
+  return n == 0 ? GateFinding::kNone : sum / static_cast<double>(n);
 }
 
 // Lists of samples: their mean stands for them.
@@ -192,11 +193,12 @@ NumberChanges judge_numbers(const std::string& study, const Json& now, const Jso
     for (const Leaf* leaf : fellows.leaves)
       if (!same(leaf)) judge_leaf(study, *leaf, fellows.rms, limits, changes);
   }
-  std::stable_sort(changes.findings.begin(), changes.findings.end(), [](const Finding& a, const Finding& b) {
-    return a.alarm != b.alarm ? a.alarm
-                              : (std::isnan(a.percent) ? 1e300 : std::abs(a.percent)) >
-                                    (std::isnan(b.percent) ? 1e300 : std::abs(b.percent));
-  });
+  std::stable_sort(changes.findings.begin(), changes.findings.end(),
+                   [](const GateFinding& a, const GateFinding& b) {
+                     return a.alarm != b.alarm ? a.alarm
+                                               : (std::isnan(a.percent) ? 1e300 : std::abs(a.percent)) >
+                                                     (std::isnan(b.percent) ? 1e300 : std::abs(b.percent));
+                   });
   return changes;
 }
 

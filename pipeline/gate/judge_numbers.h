@@ -11,7 +11,7 @@
 namespace trilat {
 
 struct NumberChanges {
-  std::vector<Finding>
+  std::vector<GateFinding>
       findings;  // larger than the smallest effect, largest first, a place of the document each
   std::uint64_t differing = 0;   // numbers that differ at all
   double largest_percent = 0.0;  // of these

@@ -17,7 +17,7 @@ constexpr RatioChangeOptions kRatios{0.25, 24, 400, 1};
 struct Judged {
   std::string solver;
   RatioChange change;
-  double chance = Finding::kNone;  // corrected
+  double chance = GateFinding::kNone;  // corrected
   std::uint64_t rounds = 0;
 };
 
@@ -33,8 +33,8 @@ std::vector<Judged> changes_of(const SpeedFile& now, const SpeedFile& before) {
   for (const SolverSpeed& s : now.solvers) {
     const SolverSpeed* older = find_solver(before, s.solver);
     if (!older) continue;
-    all.push_back(
-        {s.solver, solve_ratio_change(s.ratios, older->ratios, kRatios), Finding::kNone, s.ratios.size()});
+    all.push_back({s.solver, solve_ratio_change(s.ratios, older->ratios, kRatios), GateFinding::kNone,
+                   s.ratios.size()});
     chances.push_back(all.back().change.chance);
   }
   const auto adjusted = holm_adjusted(chances);
@@ -48,8 +48,8 @@ bool is_large(const Judged& j, double alpha) {
          j.chance <= alpha;
 }
 
-Finding finding_of(const Judged& j) {
-  Finding f;
+GateFinding finding_of(const Judged& j) {
+  GateFinding f;
   f.kind = FindingKind::speed;
   f.direction = j.change.change > 0.0 ? Direction::worse : Direction::better;
   f.study = "speed";
@@ -68,9 +68,9 @@ Finding finding_of(const Judged& j) {
 constexpr const char* kNotConfirmed = "not confirmed";
 
 // Adds to each slower finding what another measurement says; whether one is left that all confirm.
-bool confirm(std::vector<Finding>& findings, const std::vector<Judged>& again, double alpha) {
+bool confirm(std::vector<GateFinding>& findings, const std::vector<Judged>& again, double alpha) {
   bool left = false;
-  for (Finding& f : findings) {
+  for (GateFinding& f : findings) {
     if (f.direction != Direction::worse || f.note.find(kNotConfirmed) != std::string::npos) continue;
     for (const Judged& j : again) {
       if (j.solver != f.method) continue;
@@ -113,7 +113,7 @@ SpeedJudgement judge_speed(const SpeedFile& now, const SpeedFile& before, const 
     result.verdict.rerun = true;
     if (!confirm(result.findings, changes_of(measure_again(), before), alpha)) break;
   }
-  for (Finding& f : result.findings) {
+  for (GateFinding& f : result.findings) {
     if (f.direction != Direction::worse) continue;
     f.alarm = measure_again && f.note.find(kNotConfirmed) == std::string::npos;
     if (!measure_again) f.note = "not measured again (--speed does)";

@@ -18,7 +18,7 @@ inline constexpr double kSmallestSpeed_percent = 6.0;
 
 struct SpeedJudgement {
   SpeedVerdict verdict;
-  std::vector<Finding> findings;
+  std::vector<GateFinding> findings;
 };
 
 // Measurements that must say so too before a slower solver is an alarm.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostPlaces = 4;    // of one method or study that are told in full
 constexpr std::size_t kMostMethods = 12;  // entries of a list
 
-std::string value_text(const Finding& f, double value) {
+std::string value_text(const GateFinding& f, double value) {
   if (std::isnan(value)) return "nothing";
   if (f.kind == FindingKind::accuracy || f.kind == FindingKind::drift)
     return fmt::format("{:.2f} cm", 100.0 * value);
@@ -25,7 +25,7 @@ std::string chance_text(double chance) {
   return chance < 1e-6 ? ", chance below 1 in a million" : fmt::format(", chance {:.1g}", chance);
 }
 
-std::string size_text(const Finding& f) {
+std::string size_text(const GateFinding& f) {
   std::string text;
   if (!std::isnan(f.percent)) text = fmt::format("{:+.1f} %", f.percent);
   if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.1f} to {:+.1f})", f.percent_low, f.percent_high);
@@ -34,14 +34,14 @@ std::string size_text(const Finding& f) {
   return text + chance_text(f.chance);
 }
 
-std::string place_text(const Finding& f) {
+std::string place_text(const GateFinding& f) {
   std::string text = f.condition;
   if (!f.group.empty()) text += (text.empty() ? "" : ", ") + f.group;
   if (!f.alignment.empty()) text += fmt::format(" (alignment {})", f.alignment);
   return text;
 }
 
-std::string line_of(const Finding& f) {
+std::string line_of(const GateFinding& f) {
   std::string text = place_text(f);
   if (f.method.empty() || f.kind == FindingKind::number) text = f.what;
   text += (text.empty() ? "" : ": ") + size_text(f);
@@ -49,7 +49,7 @@ std::string line_of(const Finding& f) {
   return text;
 }
 
-std::string heading_of(const Finding& f) {
+std::string heading_of(const GateFinding& f) {
   std::string text = f.study.empty() ? "" : f.study + ", ";
   if (!f.method.empty()) text += f.method + ": ";
   const std::string how = name_of(f.direction);
@@ -71,10 +71,10 @@ std::string heading_of(const Finding& f) {
 }
 
 // Findings of one study, method and kind belong together: several places, one cause.
-std::vector<std::vector<const Finding*>> together(const std::vector<Finding>& findings, bool alarms) {
-  std::vector<std::vector<const Finding*>> lists;
+std::vector<std::vector<const GateFinding*>> together(const std::vector<GateFinding>& findings, bool alarms) {
+  std::vector<std::vector<const GateFinding*>> lists;
   std::map<std::string, std::size_t> known;
-  for (const Finding& f : findings) {
+  for (const GateFinding& f : findings) {
     if (f.alarm != alarms) continue;
     const auto [place, is_new] = known.try_emplace(heading_of(f), lists.size());
     if (is_new) lists.emplace_back();
@@ -86,7 +86,7 @@ std::vector<std::vector<const Finding*>> together(const std::vector<Finding>& fi
 void add_list(const GateReport& report, bool alarms, std::string& text) {
   const auto lists = together(report.findings, alarms);
   for (std::size_t l = 0; l < std::min(lists.size(), kMostMethods); ++l) {
-    const Finding& first = *lists[l].front();
+    const GateFinding& first = *lists[l].front();
     text += fmt::format("\n{}\n", heading_of(first));
     for (std::size_t i = 0; i < std::min(lists[l].size(), kMostPlaces); ++i)
       text += fmt::format("  {}\n", line_of(*lists[l][i]));

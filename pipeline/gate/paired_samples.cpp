@@ -79,7 +79,7 @@ struct Night {
   }
   // The lengths of a slot's error, by alignment; NaN without an answer.
   std::array<double, 2> lengths_m(std::size_t place, std::size_t slot) const {
-    std::array<double, 2> lengths{Finding::kNone, Finding::kNone};
+    std::array<double, 2> lengths{GateFinding::kNone, GateFinding::kNone};
     if (!is_usable(static_cast<SolveStatus>(block.status[slot]))) return lengths;
     double aligned_m2 = 0.0, plain_m2 = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -18,7 +18,8 @@ std::uint64_t nights_asked(std::uint64_t few) {
   return more ? std::max<std::uint64_t>(few, std::strtoull(more, nullptr, 10)) : few;
 }
 
-std::vector<Finding> judged(const SimulatedNights& nights, std::uint64_t number, const NightModel& model) {
+std::vector<GateFinding> judged(const SimulatedNights& nights, std::uint64_t number,
+                                const NightModel& model) {
   const auto cells = compared_cells(nights.night(number, model), {300, model.same_inputs});
   const std::vector<std::string> same =
       model.same_inputs ? std::vector<std::string>{"simulated"} : std::vector<std::string>{};
@@ -30,7 +31,7 @@ std::uint64_t nights_with_alarm(std::uint64_t seed, std::uint64_t nights, const 
   std::uint64_t alarms = 0;
   for (std::uint64_t n = 0; n < nights; ++n) {
     const auto findings = judged(simulated, n, model);
-    alarms += std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.alarm; });
+    alarms += std::any_of(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; });
   }
   return alarms;
 }
@@ -63,7 +64,7 @@ std::uint64_t nights_that_name_it(std::uint64_t nights, const NightModel& model,
   std::uint64_t found = 0;
   for (std::uint64_t n = 0; n < nights; ++n) {
     const auto findings = judged(simulated, n, model);
-    found += std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+    found += std::any_of(findings.begin(), findings.end(), [&](const GateFinding& f) {
       return f.alarm && f.kind == kind && f.method == "nonlinear" && f.group == "head";
     });
   }

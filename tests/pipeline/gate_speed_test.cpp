@@ -55,9 +55,10 @@ std::pair<int, int> alarms_in(int nights, double slower) {
     const auto findings = judge_speed(measured(night, slower), measured(night + 1), {}, [&] {
                             return measured(night + rerun++, slower);
                           }).findings;
-    alarms.first += std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.alarm; });
+    alarms.first +=
+        std::any_of(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; });
     alarms.second += std::any_of(findings.begin(), findings.end(),
-                                 [](const Finding& f) { return f.alarm && f.method == "nonlinear"; });
+                                 [](const GateFinding& f) { return f.alarm && f.method == "nonlinear"; });
   }
   return alarms;
 }

@@ -40,9 +40,9 @@ struct Nights {
   }
 };
 
-std::vector<Finding> alarms_of(const GateReport& report) {
-  std::vector<Finding> alarms;
-  for (const Finding& f : report.findings)
+std::vector<GateFinding> alarms_of(const GateReport& report) {
+  std::vector<GateFinding> alarms;
+  for (const GateFinding& f : report.findings)
     if (f.alarm) alarms.push_back(f);
   return alarms;
 }
@@ -64,7 +64,7 @@ TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {
   nights.write(larger_errors(1.02));
   const auto alarms = alarms_of(nights.compare());
   ASSERT_THAT(alarms, SizeIs(2));  // the head and the average
-  for (const Finding& f : alarms) {
+  for (const GateFinding& f : alarms) {
     EXPECT_EQ(f.kind, FindingKind::accuracy);
     EXPECT_EQ(f.method, "nonlinear");
   }
@@ -103,7 +103,7 @@ TEST(Gate, AMethodIsNotBetterForLeavingOutItsWorstSamples) {
   });
   const auto alarms = alarms_of(nights.compare());
   ASSERT_THAT(alarms, Not(IsEmpty()));
-  for (const Finding& f : alarms) {
+  for (const GateFinding& f : alarms) {
     EXPECT_EQ(f.kind, FindingKind::coverage);
     EXPECT_EQ(f.method, "nonlinear");
     EXPECT_LT(f.now, f.before);
@@ -287,7 +287,7 @@ TEST(Gate, WritesJunitThatAnXmlReaderTakes) {
   const std::string xml = read_file(junit);
   EXPECT_THAT(xml, AllOf(HasSubstr("tests=\"3\" failures=\"2\""), HasSubstr("<failure type=\"worse\"")));
   GateReport odd;
-  Finding finding;
+  GateFinding finding;
   finding.alarm = true;
   finding.study = "a<b>&\"c\"";
   finding.what = std::string("bell \a, byte \xff");
@@ -296,8 +296,8 @@ TEST(Gate, WritesJunitThatAnXmlReaderTakes) {
               AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("\a")), Not(HasSubstr("\xff"))));
 }
 
-Finding worse_cell() {
-  Finding f;
+GateFinding worse_cell() {
+  GateFinding f;
   f.kind = FindingKind::accuracy;
   f.alarm = true;
   f.study = "walks";
@@ -317,7 +317,7 @@ HistoryEntry night_of(int number, double error_m) {
 TEST(GateHistory, SaysSinceWhenALevelIsWhatItIs) {
   History history;
   for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
-  std::vector<Finding> findings{worse_cell()};
+  std::vector<GateFinding> findings{worse_cell()};
   judge_history(history, night_of(11, 0.052), {}, findings);
   EXPECT_EQ(findings[0].since, "night 7");
 }
@@ -326,7 +326,7 @@ TEST(GateHistory, BeginsAnewWithAnAcceptedChange) {
   History history;
   for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
   history.entries[6].accepted = true;
-  std::vector<Finding> none;
+  std::vector<GateFinding> none;
   const HistoryJudgement judgement = judge_history(history, night_of(11, 0.052), {}, none);
   EXPECT_EQ(judgement.nights, 4u);
   EXPECT_THAT(judgement.drifts, IsEmpty());
@@ -336,7 +336,7 @@ TEST(GateHistory, FindsASlowDriftThatNoNightShows) {
   History history;
   for (int n = 1; n <= 15; ++n)
     history.entries.push_back(night_of(n, 0.05 * (n < 6 ? 1.0 : n < 11 ? 1.008 : 1.016)));
-  std::vector<Finding> none;
+  std::vector<GateFinding> none;
   const HistoryJudgement judgement = judge_history(history, night_of(16, 0.05 * 1.016), {}, none);
   ASSERT_THAT(judgement.drifts, SizeIs(1));
   EXPECT_EQ(judgement.drifts[0].since, "night 11");

@@ -111,8 +111,9 @@ class SimulatedNights {
           std::array<double, 1> now_m{length_of(bias, now, m, scale, jitter) *
                                       (bad ? 1.0 + model.worse : 1.0)};
           const double u = random.uniform(draw++);
-          if (u < model.flipped_share / 2.0) before_m[0] = Finding::kNone;
-          if (u > 1.0 - model.flipped_share / 2.0 - (bad ? model.lost_share : 0.0)) now_m[0] = Finding::kNone;
+          if (u < model.flipped_share / 2.0) before_m[0] = GateFinding::kNone;
+          if (u > 1.0 - model.flipped_share / 2.0 - (bad ? model.lost_share : 0.0))
+            now_m[0] = GateFinding::kNone;
           sums.add(i / 10, g, m, 1, before_m, now_m);
         }
       }

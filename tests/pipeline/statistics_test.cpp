@@ -215,7 +215,7 @@ TEST(Statistics, BlocksGrowUntilTheirSumsFit) {
   const StatisticsLayout layout = statistics_layout(plan, header, axes);
   std::uint64_t rows = 0;
   for (const TakeShape& take : header.takes) rows += layout.blocks(take.instants);
-  EXPECT_LE(rows * sizeof(double) * (axes.cells() * CellColumns::count + 25 * BodyColumns::count),
+  EXPECT_LE(rows * sizeof(double) * (axes.cells() * CellColumns::count + 25 * BodySumColumns::count),
             kBlockSumBytes);
   EXPECT_EQ(layout.block_instants % 30, 0u);
   header.takes.assign(2, {"t", 300});
