@@ -15,7 +15,8 @@ constexpr double kBest = 1.0, kWorst = 5.0;  // what lies beyond has the colour 
 Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
   Figure figure;
   figure.id = usable_id("figure-gdop-" + summary.study);
-  figure.title = fmt::format("GDOP of the rig {:g} m above the floor, {}", map.height_m, summary.campaign);
+  figure.title = fmt::format("GDOP of the rig {:g} m above the floor, {}{}", map.height_m, summary.campaign,
+                             summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
       "How many times the error of a range a trilaterated position is off, in the root mean square over "
       "three axes: "

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "reports/accuracy_figures.h"
+#include "reports/gdop_figure.h"
 #include "reports/render.h"
 #include "tests/reports/summaries.h"
 
@@ -257,6 +258,18 @@ TEST(ErrorBoxes, AStudyOfOtherMethodsShowsItsFirst) {
   ResultsSummary summary = hand_made_summary();
   summary.methods = {"a", "b", "c", "d", "e", "f"};
   EXPECT_THAT(methods_worth_a_figure(summary), ElementsAre("a", "b", "c", "d", "e"));
+}
+
+TEST(GdopFigure, ShowsTheMapWithTheSensorsAndSaysWhatIsSimulated) {
+  const GdopMap map{"t1", 1.0, {0.0, 1.0}, {2.0}, {2.5, kNoNumber}, {"k1"}, {{3.0, 1.5, 4.0}}};
+  const Figure figure = gdop_figure(map, hand_made_summary());
+  EXPECT_THAT(figure.title, HasSubstr("simulated"));
+  ASSERT_TRUE(figure.map);
+  EXPECT_EQ(figure.map->values.at(0), 2.5);
+  ASSERT_EQ(figure.series.size(), 1u);
+  EXPECT_EQ(figure.series[0].name, "k1, 1.50 m high");
+  EXPECT_EQ(figure.series[0].points.at(0).x, 3.0);  // seen from above: x and z
+  EXPECT_EQ(figure.series[0].points.at(0).y, 4.0);
 }
 
 }  // namespace
