@@ -143,9 +143,10 @@ std::string morning_text(const GateReport& report) {
   if (!report.speed.note.empty()) text += fmt::format("speed: {}\n", report.speed.note);
   for (const std::string& note : report.notes) text += note + "\n";
   if (!quiet)
-    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{} --accept \"why\"\n",
+    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{}{} --accept \"why\"\n",
                         shell_word(report.results), shell_word(report.baseline),
-                        report.history.empty() ? "" : " --history " + shell_word(report.history));
+                        report.history.empty() ? "" : " --history " + shell_word(report.history),
+                        report.speed.judged ? " --speed" : "");
   return text;
 }
 

@@ -25,7 +25,7 @@ std::pair<int, int> alarms_in(int nights, double slower) {
     const auto night = static_cast<std::uint64_t>(n) * 8;
     std::uint64_t rerun = 2;
     const auto findings =
-        judge_speed(measured_speed_night(night, slower), measured_speed_night(night + 1), {}, [&] {
+        judge_speed(measured_speed_night(night, slower), measured_speed_baseline(night + 1), {}, [&] {
           return measured_speed_night(night + rerun++, slower);
         }).findings;
     alarms.first +=
@@ -89,6 +89,15 @@ TEST(GateSpeed, IsNotJudgedOnAnotherProcessorOrAgainstAnotherReference) {
   other = measured_speed_night(2);
   other.reference = "version 2";
   EXPECT_FALSE(judge_speed(measured_speed_night(1), other, {}, {}).verdict.judged);
+}
+
+TEST(GateSpeed, SeveralMeasurementsBecomeOne) {
+  const SpeedFile a = measured_speed_night(1), b = measured_speed_night(2);
+  const SpeedFile joined = joined_speed({a, b});
+  ASSERT_THAT(joined.solvers, SizeIs(a.solvers.size()));
+  ASSERT_THAT(joined.solvers[3].ratios, SizeIs(960));
+  EXPECT_EQ(joined.solvers[3].ratios[0], a.solvers[3].ratios[0]);
+  EXPECT_EQ(joined.solvers[3].ratios[480], b.solvers[3].ratios[0]);
 }
 
 TEST(GateSpeed, MeasuresEverySolverInEveryRoundAndTheFileKeepsIt) {

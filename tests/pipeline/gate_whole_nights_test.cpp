@@ -47,7 +47,7 @@ struct Alarms {
 class BaselineNights {
  public:
   BaselineNights(std::uint64_t number, const NightModel& model)
-      : number_(number), model_(model), baseline_speed_(measured_speed_night(speed_number(999))) {}
+      : number_(number), model_(model), baseline_speed_(measured_speed_baseline(number)) {}
 
   void judge(std::uint64_t night, Alarms& alarms) {
     const PairedStudy study = simulated_.night(number_, model_, night);

@@ -8,6 +8,7 @@
 
 #include "datasets/base/philox.h"
 #include "datasets/results/speed_file.h"
+#include "pipeline/gate/measure_speed.h"
 
 namespace trilat {
 
@@ -36,6 +37,14 @@ inline SpeedFile measured_speed_night(std::uint64_t number, double slower = 0.0,
     speed.solvers.push_back(solver);
   }
   return speed;
+}
+
+// A baseline's, as accepting measures it.
+inline SpeedFile measured_speed_baseline(std::uint64_t number) {
+  std::vector<SpeedFile> runs;
+  for (int run = 0; run < kBaselineSpeedRuns; ++run)
+    runs.push_back(measured_speed_night(number + 10'000'000ULL * static_cast<std::uint64_t>(run + 1)));
+  return joined_speed(runs);
 }
 
 }  // namespace trilat
