@@ -119,8 +119,8 @@ TEST(Render, LatexHeadsAreBrokenAndLettersSmallerWhereTheLineIsFull) {
   table.rows.push_back({TableValue::of("head")});
   for (int c = 0; c < 20; ++c) table.rows[0].push_back(TableValue::of(1.0, 1));
   const std::string text = latex_of(table);
-  EXPECT_THAT(text, HasSubstr("share\\\\below\\\\two\\\\metres\\\\(\\%)"));
-  EXPECT_THAT(text, HasSubstr("{\\scriptsize"));
+  EXPECT_THAT(text, HasSubstr("share below\\\\two metres\\\\(\\%)"));
+  EXPECT_THAT(text, HasSubstr("{\\tiny"));
 }
 
 TEST(Render, WhatRoundsToNothingHasNoSign) {
