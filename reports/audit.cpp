@@ -10,6 +10,7 @@
 #include "datasets/results/summary.h"
 #include "reports/calibration_findings.h"
 #include "reports/claim_evidence.h"
+#include "reports/claims.h"
 #include "reports/table_cells.h"
 
 namespace trilat {
@@ -18,14 +19,21 @@ namespace {
 constexpr const char* kAgrees = "agrees";
 constexpr const char* kDiffers = "differs";
 
+// Names a row: the erratum and which of its rows it is.
+TableValue row_key(const Table& table, const std::string& erratum) {
+  const auto same = [&](const auto& row) { return row[1].text == erratum; };
+  const auto before = std::count_if(table.rows.begin(), table.rows.end(), same);
+  return TableValue::of(fmt::format("{}-{}", erratum, before + 1));
+}
+
 // A printed number and what follows from the others, compared as it is printed.
 void compare(Table& table, const char* erratum, const std::string& what, double printed, double recomputed,
              int decimals, const std::string& how) {
   const double step = std::pow(10.0, -decimals);
   const bool agrees = std::abs(printed - std::round(recomputed / step) * step) < 0.5 * step;
-  table.rows.push_back({TableValue::of(erratum), TableValue::of(what), TableValue::of(printed, decimals),
-                        TableValue::of(recomputed, decimals + 1), TableValue::of(agrees ? kAgrees : kDiffers),
-                        TableValue::of(how)});
+  table.rows.push_back({row_key(table, erratum), TableValue::of(erratum), TableValue::of(what),
+                        TableValue::of(printed, decimals), TableValue::of(recomputed, decimals + 1),
+                        TableValue::of(agrees ? kAgrees : kDiffers), TableValue::of(how)});
 }
 
 const std::vector<double>& printed_row(const PrintedTable3& table, const std::string& group) {
@@ -90,7 +98,8 @@ void audit_words(Table& table, const PrintedTable3& paper, const PrintedErrata& 
   const std::vector<double>& wrist_cm = printed_row(paper, "wrist");
   for (std::size_t m = 0; m < paper.methods.size(); ++m) {
     const bool possible = wrist_cm[m] <= errata.largest_wrist_deviation_cm;
-    table.rows.push_back({TableValue::of("E15"), TableValue::of("largest deviation of the wrist (cm)"),
+    table.rows.push_back({row_key(table, "E15"), TableValue::of("E15"),
+                          TableValue::of("largest deviation of the wrist (cm)"),
                           TableValue::of(errata.largest_wrist_deviation_cm, 1),
                           TableValue::of(wrist_cm[m], 1), TableValue::of(possible ? kAgrees : kDiffers),
                           TableValue::of(fmt::format("the printed mean of {}: no maximum is below its mean",
@@ -109,8 +118,9 @@ std::string beside(const std::optional<ResultsSummary>& s, const std::string& co
   const SummaryCell* a = find_cell(*s, printed, condition, kAverageGroup, "mean");
   const SummaryCell* b = find_cell(*s, corrected, condition, kAverageGroup, "mean");
   if (!a || !b || !std::isfinite(a->mae_m) || !std::isfinite(b->mae_m)) return {};
-  return fmt::format("{} {} against {} of {}, answering {:.0f} and {:.0f} %", printed, cell_text(a),
-                     cell_text(b), corrected, 100.0 * a->coverage(), 100.0 * b->coverage());
+  return fmt::format(
+      "{} {} against {} of {}, answering {:.0f} and {:.0f} % (each over what it answers, not paired)",
+      printed, cell_text(a), cell_text(b), corrected, 100.0 * a->coverage(), 100.0 * b->coverage());
 }
 
 std::string wand_effect(const ClaimEvidence& e, const std::string& erratum) {
@@ -128,7 +138,7 @@ std::string pose_effect(const ClaimEvidence& e) {
   const RigRow* printed = rig_row(*e.calibration, "two positions, eq. 6 and 7 as printed");
   const RigRow* corrected = rig_row(*e.calibration, "two positions, corrected");
   if (!printed || !corrected) return {};
-  return fmt::format("sensors off by {} ({} of {} without a pose) against {} corrected",
+  return fmt::format("E4 and E5 together: sensors off by {} ({} of {} without a pose) against {} corrected",
                      mean_text(printed->position), printed->position.asked - printed->position.answered,
                      printed->position.asked, mean_text(corrected->position));
 }
@@ -189,8 +199,9 @@ Table audit_table() {
   Table table;
   table.id = "audit";
   table.title = "The paper's printed numbers, recomputed from its own tables";
-  table.columns = {{"erratum", "erratum", true}, {"number", "number", true},   {"printed", "printed"},
-                   {"recomputed", "recomputed"}, {"verdict", "verdict", true}, {"how", "how", true}};
+  table.columns = {{"row", "row", true},   {"erratum", "erratum", true}, {"number", "number", true},
+                   {"printed", "printed"}, {"recomputed", "recomputed"}, {"verdict", "verdict", true},
+                   {"how", "how", true}};
   audit_improvements(table, table3, errata);
   audit_averages(table, table3);
   audit_times(table, printed_table4());
@@ -204,7 +215,8 @@ Table audit_table() {
 Table errata_table(const ClaimEvidence& evidence) {
   Table table;
   table.id = "errata";
-  table.title = "What is printed that cannot be so, and what the difference does (simulated)";
+  table.title = std::string("What is printed that cannot be so, and what the difference does") +
+                (any_simulated(evidence) ? " (simulated)" : "");
   table.columns = {{"erratum", "erratum", true},     {"where", "where", true},
                    {"printed", "printed", true},     {"why not", "problem", true},
                    {"corrected", "corrected", true}, {"effect in these results", "effect", true}};

@@ -31,19 +31,30 @@ Figure stacked(const BudgetSummary& s, const Rows& rows) {
   figure.x_label = "joint";
   figure.y_label = "mean square error (cm²)";
   std::vector<double> top_m2(rows.size(), 0.0);
+  std::string below_zero;
   for (const BudgetRow* row : rows) figure.x_names.push_back(row->group);
   for (const std::string& source : s.sources) {
     if (source == "all") continue;
     FigureSeries bars{source, FigureSeries::Style::bars, {}, {}, {}, 0.6};
     for (std::size_t g = 0; g < rows.size(); ++g) {
-      const double added = std::max(0.0, added_m2(s, *rows[g], source));
+      const double added = added_m2(s, *rows[g], source);
       if (!std::isfinite(added)) continue;
+      if (added < 0.0) {
+        below_zero += fmt::format("{}{} at {} ({:.3g} cm²)", below_zero.empty() ? "" : ", ", source,
+                                  rows[g]->group, added * kCm2PerM2);
+        continue;
+      }
       bars.points.push_back({static_cast<double>(g), added * kCm2PerM2, top_m2[g] * kCm2PerM2,
                              (top_m2[g] + added) * kCm2PerM2});
       top_m2[g] += added;
     }
     figure.series.push_back(std::move(bars));
   }
+  if (!below_zero.empty())
+    figure.caption +=
+        " What a source takes away cannot be stacked and is left out, though the table's sum "
+        "counts it: " +
+        below_zero + ".";
   FigureSeries observed{kObserved, FigureSeries::Style::dots, {}, {}, "truth"};
   for (std::size_t g = 0; g < rows.size(); ++g)
     observed.points.push_back({static_cast<double>(g), rows[g]->rmse_m * rows[g]->rmse_m * kCm2PerM2});

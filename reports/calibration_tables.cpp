@@ -145,8 +145,8 @@ Table calibration_effect_table(const CalibrationSummary& s) {
   table.title = fmt::format("Joints found with uncertain sensors, simulated: {} joints a row, seed {}",
                             s.effect.empty() ? 0 : s.effect.front().joints, s.seed);
   table.columns = {{"calibration", "calibration", true},
-                   {"sensor sigma (mm)", "sensor_sigma_mm"},
-                   {"range sigma (cm)", "range_sigma_cm"},
+                   {"sensor sigma (mm)", "sensor_sigma_mm", false, true},
+                   {"range sigma (cm)", "range_sigma_cm", false, true},
                    {"method", "method", true},
                    {"RMSE (cm)", "rmse_cm"},
                    {"Cramer-Rao bound (cm)", "bound_cm"},

@@ -171,8 +171,8 @@ Table calibration_bins_table(const CalibrationSummary& s) {
   table.columns = {{"method", "method", true},
                    {"scene", "scene", true},
                    {"by", "by", true},
-                   {"from", "from"},
-                   {"to", "to"},
+                   {"from", "from", false, true},
+                   {"to", "to", false, true},
                    {"n", "n"},
                    {"answered", "answered"},
                    {"mean (cm)", "mean_cm"}};

@@ -34,13 +34,6 @@ ClaimVerdict verdict_on(const std::string& id, const ClaimEvidence& evidence) {
   return verdict_on_methods(id, evidence);
 }
 
-bool any_simulated(const ClaimEvidence& e) {
-  return (e.walking && e.walking->simulated) || (e.occluded && e.occluded->simulated) ||
-         std::any_of(e.sensor_counts.begin(), e.sensor_counts.end(),
-                     [](const ResultsSummary& s) { return s.simulated; }) ||
-         e.sweep || e.calibration || e.recording;
-}
-
 }  // namespace
 
 void ClaimEvidence::add(const ResultsSummary& summary) {
@@ -86,6 +79,13 @@ const DifferenceCell* find_difference(const ResultsSummary& s, const std::string
 
 ClaimVerdict not_run(const std::string& study) {
   return {"–", kCannotTest, "the results of " + study + " are not among those of this report"};
+}
+
+bool any_simulated(const ClaimEvidence& e) {
+  return (e.walking && e.walking->simulated) || (e.occluded && e.occluded->simulated) ||
+         std::any_of(e.sensor_counts.begin(), e.sensor_counts.end(),
+                     [](const ResultsSummary& s) { return s.simulated; }) ||
+         e.sweep || e.calibration || e.recording;
 }
 
 Table claims_table(const ClaimEvidence& evidence) {

@@ -30,6 +30,9 @@ struct ClaimEvidence {
   bool is_of_the_paper() const { return walking.has_value() || occluded.has_value(); }
 };
 
+// Whether anything here comes from simulated sensors.
+bool any_simulated(const ClaimEvidence& evidence);
+
 // Each claim of the paper: its number, ours with its interval, a verdict (holds, does not hold, undecided,
 // cannot be tested here, contradicts itself) and the reason. Verdicts from simulated sensors say so.
 Table claims_table(const ClaimEvidence& evidence);

@@ -13,6 +13,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "reports/figure_script.h"
+#include "reports/svg_look.h"
 
 extern char** environ;
 
@@ -112,7 +113,8 @@ std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures) {
   if (code != 0)
     throw InputError("gnuplot", fmt::format("ended with {} and says: {}", code, read_file(folder / "said")));
   for (std::size_t k = 0; k < figures.size(); ++k) {
-    DrawnFigure picture{std::move(figures[k]), read_file(folder / fmt::format("{}.svg", k), kMostPicture),
+    DrawnFigure picture{std::move(figures[k]),
+                        svg_with_rules(read_file(folder / fmt::format("{}.svg", k), kMostPicture)),
                         read_file(folder / fmt::format("{}.pdf", k), kMostPicture)};
     set_fixed_date(picture.pdf);
     drawn.push_back(std::move(picture));

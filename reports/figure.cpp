@@ -13,6 +13,12 @@ namespace {
 
 std::string number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : std::string(); }
 
+// " (cm)" of "error (cm)"; nothing where there is none.
+std::string unit_of(const std::string& label) {
+  const auto open = label.rfind(" (");
+  return open == std::string::npos || label.back() != ')' ? "" : label.substr(open);
+}
+
 template <class Has>
 bool any_point(const Figure& figure, const Has& has) {
   for (const FigureSeries& s : figure.series)
@@ -29,8 +35,13 @@ const std::string& group_of(const FigureSeries& series) {
 std::string csv_of(const Figure& figure) {
   const bool intervals = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.low); });
   const bool whiskers = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.least); });
-  std::string text = std::string("series,x,y") + (intervals ? ",low,high" : "") +
-                     (whiskers ? ",least,most" : "") + (figure.map ? ",value" : "") + "\r\n";
+  const auto add = [&](const std::string& name) { return ',' + csv_field(name); };
+  const std::string unit = unit_of(figure.y_label);
+  std::string text = "series" + add(figure.x_label) + add(figure.y_label);
+  if (intervals) text += add("low" + unit) + add("high" + unit);
+  if (whiskers) text += add("least" + unit) + add("most" + unit);
+  if (figure.map) text += add(figure.map->label);
+  text += "\r\n";
   const auto x_of = [&](double x) {
     const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, x)));
     return k < figure.x_names.size() ? csv_field(figure.x_names[k]) : number(x);

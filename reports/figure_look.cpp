@@ -9,7 +9,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kBlack = "#000000";
-constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f"};
+constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c8c1e", "#785ef0", "#7f7f7f"};
 constexpr std::array kMarkers{7, 9, 5, 11, 13, 6, 8};  // filled circle, triangle, square, …
 constexpr int kDashes = 5;
 

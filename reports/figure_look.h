@@ -10,9 +10,11 @@ namespace trilat {
 
 // How a series looks. Told apart without colour too: by dash and by marker.
 struct FigureLook {
-  std::string colour;  // #rrggbb, of Okabe and Ito's, which colour-blind readers tell apart
-  int dash = 1;        // 1 solid, then what gnuplot calls dash types
-  int marker = 7;      // what gnuplot calls point types
+  // #rrggbb that colour-blind readers tell apart and that stand out, 3:1 or more, from a white and from a
+  // dark page: of Okabe and Ito's, and for its orange and sky blue, too pale on white, an olive and a violet.
+  std::string colour;
+  int dash = 1;    // 1 solid, then what gnuplot calls dash types
+  int marker = 7;  // what gnuplot calls point types
 };
 
 // The look of a method is the same in every figure: its family has a colour (all of "nonlinear", "nonlinear

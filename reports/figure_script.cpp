@@ -283,9 +283,6 @@ class Script {
     const std::string dots =
         fmt::format("pt {} ps {}", look.marker, most <= kFewPoints ? kLargeDot : kSmallDot);
     const double width = entry.series.size() > 1 ? 1.0 : 2.0;
-    if (intervals)
-      plots_.push_back(
-          fmt::format("{} using 1:2:3:4 with yerrorbars pt 0 lw 1.2 lc rgb '{}' notitle", name, look.colour));
     if (style == FigureSeries::Style::dots)
       plots_.push_back(fmt::format("{} using 1:2 with points {} lc rgb '{}' title {}", name, dots,
                                    most <= kFewPoints ? look.colour : "#60" + look.colour.substr(1), title));
@@ -293,6 +290,9 @@ class Script {
       plots_.push_back(fmt::format("{} using 1:2 with {} lw {} dt {} lc rgb '{}' title {}", name,
                                    style == FigureSeries::Style::line ? "lines" : "linespoints " + dots,
                                    width, look.dash, look.colour, title));
+    if (intervals)  // behind its entry, with which it is switched off
+      plots_.push_back(
+          fmt::format("{} using 1:2:3:4 with yerrorbars pt 0 lw 1.2 lc rgb '{}' notitle", name, look.colour));
   }
 
   const Figure& figure_;

@@ -18,11 +18,11 @@ Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
   figure.title = fmt::format("GDOP of the rig {:g} m above the floor, {}{}", map.height_m, summary.campaign,
                              summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
-      "How many times the error of a range a trilaterated position is off, in the root mean square over "
-      "three axes: "
-      "geometry alone, of the sensors that have the point in view (70.6 x 60 degrees, 0.5 to 4.5 m). White: "
-      "fewer "
-      "than three have. {} and more are one colour. Calibration of take {}{}.",
+      "How many times the error of a range a trilaterated position is off: the root of the sum of the "
+      "variances "
+      "along the three axes, for ranges of variance 1. Geometry alone, of the sensors that have the point in "
+      "view (70.6 x 60 degrees, 0.5 to 4.5 m). White: fewer than three have. {} and more are one colour. "
+      "Calibration of take {}{}.",
       kWorst, map.take, summary.simulated ? "; simulated" : "");
   figure.x_label = "x (m)";
   figure.y_label = "z (m)";

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
 #include "reports/audit.h"
 #include "reports/parameters_table.h"
@@ -45,6 +47,14 @@ void draw_all(ReportContent& content) {
     for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
 }
 
+void refuse_unfinished(const std::filesystem::path& given) {
+  const std::filesystem::path folder = given.has_filename() ? given : given.parent_path();
+  const bool is_partial = folder.extension() == ".partial";
+  const std::filesystem::path partial = is_partial ? folder : partial_name(folder);
+  if (is_partial || (!std::filesystem::exists(folder) && std::filesystem::exists(partial)))
+    throw InputError(partial.string(), "is what an unfinished run left. Run it again, or remove it");
+}
+
 }  // namespace
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
@@ -52,6 +62,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   ReportContent content;
   ClaimEvidence evidence;
   for (const auto& path : results) {
+    refuse_unfinished(path);
     content.chapters.push_back(read_chapter(path, evidence));
     if (progress)
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));

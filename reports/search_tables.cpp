@@ -31,7 +31,7 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
       "{} answered nine trials in ten in every cell and are ranked{}; {} trials a cell, seed {})",
       errors ? "errors" : "times", ranking.best.size(), ranking.ranked, s.search->tried,
       s.search->times.ranked, errors ? ", each by two metrics" : "", s.trials, s.seed);
-  table.columns = {{"rank", "rank", false},
+  table.columns = {{"rank", "rank", false, true},
                    {"reading", "reading", true},
                    {"reported", "reported", true},
                    {"typical factor", "typical_factor", false},

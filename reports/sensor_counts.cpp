@@ -60,7 +60,7 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
       table.title = "Number of sensors: mean absolute error, average over the joint groups (" +
                     about(s, condition, alignment) + ")";
       table.columns = {{"method", "method", true},
-                       {"sensors", "sensors"},
+                       {"sensors", "sensors", false, true},
                        {"MAE (cm)", "mae_cm"},
                        {"from", "mae_from_cm"},
                        {"to", "mae_to_cm"},

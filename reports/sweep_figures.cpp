@@ -42,7 +42,8 @@ Figure empty_figure(const SweepSummary& s, const Table1Readings& readings, const
       "is "
       "below C.",
       readings.name, s.trials, s.seed);
-  figure.x_label = "stopping threshold C";
+  figure.x_label =
+      fmt::format("stopping threshold C ({})", s.interpretations[*readings.printed].threshold_unit);
   figure.log_x = true;
   figure.log_y = true;
   return figure;

@@ -44,7 +44,7 @@ Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
                             s.interpretations[reading].id, s.trials, s.seed,
                             s.interrupted ? "; interrupted, the cells' own n count" : "");
   table.columns = {{"error range (cm)", "range_cm", true},
-                   {"C (" + s.interpretations[reading].threshold_unit + ")", "threshold", false},
+                   {"C (" + s.interpretations[reading].threshold_unit + ")", "threshold", false, true},
                    {"n", "n", false},
                    {"coverage (%)", "coverage_percent", false},
                    {"mean error (cm)", "mae_cm", false},

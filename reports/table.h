@@ -22,6 +22,7 @@ struct TableColumn {
   std::string name;  // with its unit, as in "MAE (cm)"
   std::string key;   // lower_snake with unit, for CSV
   bool is_text = false;
+  bool is_key = false;  // a number that was chosen, not measured: it may name the row
 };
 
 // The name with its unit: that of the key where the name has none, as for the ends of an interval.

@@ -80,7 +80,7 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
       "cell, seed {})",
       name, s.trials, s.seed);
   table.columns = {{"range (cm)", "range_cm", true},
-                   {"C", "threshold", false},
+                   {"C", "threshold", false, true},
                    {"error, paper (cm)", "paper_error_cm", false},
                    {"E7+E8 (cm)", "as_printed_error_cm", false},
                    {"E7 (cm)", "printed_error_cm", false},

@@ -120,6 +120,7 @@ std::optional<std::size_t> shown_joint(const SamplesFile& samples, std::size_t t
 
 Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, const Path& path,
                  const TakeShape& take, const std::string& joint) {
+  const std::vector<std::size_t> shown = shown_methods(header);
   Figure figure;
   figure.id = usable_id(fmt::format("trajectory-{}-{}", take.condition, joint));
   const auto spaced = [](std::string name) {
@@ -130,12 +131,12 @@ Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, con
                              summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
       "{}The first {:g} s of the take; each method is moved by a constant so that its mean over the take is "
-      "that of the truth, as in the paper's \"relative movement\".",
-      summary.simulated ? "Simulated. " : "", kShown_s);
+      "that of the truth, as in the paper's \"relative movement\". {} of the study's {} methods are drawn.",
+      summary.simulated ? "Simulated. " : "", kShown_s, shown.size(), header.methods.size());
   figure.x_label = "time (s)";
   figure.y_label = "height (cm)";
   figure.series.push_back(series_of("truth", path, path.truth_m, 0.0));
-  for (const std::size_t m : shown_methods(header))
+  for (const std::size_t m : shown)
     figure.series.push_back(
         series_of(header.methods[m], path, path.estimate_m[m], shift_to_truth_m(path, path.estimate_m[m])));
   return figure;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "reports/write_report.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <sstream>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -53,26 +55,60 @@ std::string time_of_day() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
-// Writes files and remembers them.
+constexpr const char* kList = "files.txt";  // what a report wrote, for the next one to remove
+
+// Writes files aside, all of them before any is put in place: a run that is ended leaves the last report
+// whole.
 class Writer {
  public:
-  Writer(const std::filesystem::path& folder, ReportFiles& report) : folder_(folder), report_(report) {}
+  Writer(const std::filesystem::path& folder, ReportFiles& report)
+      : folder_(folder), aside_(partial_name(folder)), report_(report) {
+    std::error_code ignored;
+    std::filesystem::remove_all(aside_, ignored);
+    make_folder(aside_);
+  }
   void operator()(const std::string& name, const std::string& text) {
-    write_file(folder_ / name, text);
-    report_.written.push_back(folder_ / name);
+    make_folder((aside_ / name).parent_path());
+    write_file(aside_ / name, text);
+    names_.push_back(name);
+  }
+
+  void put_in_place() {
+    (*this)(kList, fmt::format("{}\n", fmt::join(names_, "\n")));
+    make_folder(folder_);
+    remove_left_over();
+    for (const std::string& name : names_) {
+      make_folder((folder_ / name).parent_path());
+      std::filesystem::rename(aside_ / name, folder_ / name);
+      if (name != kList) report_.written.push_back(folder_ / name);
+    }
+    std::error_code ignored;
+    std::filesystem::remove_all(aside_, ignored);
   }
 
  private:
-  const std::filesystem::path& folder_;
+  // What the last report here wrote and this one does not; nothing that a report did not write.
+  void remove_left_over() const {
+    if (!std::filesystem::exists(folder_ / kList)) return;
+    std::istringstream list(read_file(folder_ / kList));
+    for (std::string name; std::getline(list, name);) {
+      const std::filesystem::path path(name);
+      const bool inside = !name.empty() && path.is_relative() && name.find("..") == std::string::npos;
+      if (!inside || std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
+      std::error_code ignored;
+      std::filesystem::remove(folder_ / path, ignored);
+    }
+  }
+
+  std::filesystem::path folder_, aside_;
   ReportFiles& report_;
+  std::vector<std::string> names_;
 };
 
-void write_studies(const ReportContent& content, const std::filesystem::path& folder, Writer& write) {
-  for (const Chapter& chapter : content.chapters) {
-    if (chapter.provenance.config.empty()) continue;
-    make_folder(folder / "studies");
-    write(study_file(chapter.provenance), chapter.provenance.config + "\n");
-  }
+void write_studies(const ReportContent& content, Writer& write) {
+  for (const Chapter& chapter : content.chapters)
+    if (!chapter.provenance.config.empty())
+      write(study_file(chapter.provenance), chapter.provenance.config + "\n");
 }
 
 }  // namespace
@@ -88,14 +124,13 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
       page_of(content, {options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
                         std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""});
   advance(kReadShare + kPageShare);
-  make_folder(folder);
   Writer write(folder, report);
   write("report.html", page);
   write("report.md", markdown_of(content));
   write("report.tex", latex_document(report.tables, remarks_on(report.figures)));
   write("numbers.tex", latex_of(article_numbers(report.tables)));
   write("citation.bib", citation_bibtex());
-  write_studies(content, folder, write);
+  write_studies(content, write);
   for (std::size_t t = 0; t < report.tables.size(); ++t) {
     const Table& table = report.tables[t];
     write(table.id + ".csv", csv_of(table));
@@ -110,6 +145,7 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
       write(figure.figure.id + ".pdf", figure.pdf);
       write(figure.figure.id + ".csv", csv_of(figure.figure));
     }
+  write.put_in_place();
   return report;
 }
 

@@ -209,12 +209,19 @@ def phone(page, pictures):
         widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
         driver.save_screenshot(str(pictures / "phone.png"))
-        for name, selector in (("phone-table", "section[id^=chapter] .table"), ("phone-replay", "#replay")):
+        for name, selector in (("phone-table", "section[id^=chapter] .table"), ("phone-replay", "#replay"),
+                               ("phone-figure", "figure.picture")):
             driver.execute_script("document.querySelector(arguments[0]).scrollIntoView()", selector)
             time.sleep(1.5)
             driver.save_screenshot(str(pictures / f"{name}.png"))
+        figure = driver.execute_script("const box = document.querySelector('figure.picture .pan');"
+                                       "return [box.scrollWidth, box.clientWidth]")
+        assert figure[0] > 650 and figure[1] <= 390, f"figures are read by panning: {figure}"
         widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
+        driver.find_element(By.ID, "theme").click()
+        time.sleep(0.5)
+        driver.save_screenshot(str(pictures / "phone-figure-dark.png"))
         check_silence(driver)
     finally:
         driver.quit()

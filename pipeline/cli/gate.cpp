@@ -18,6 +18,7 @@
 #include "pipeline/gate/judge_history.h"
 #include "pipeline/gate/judge_speed.h"
 #include "pipeline/gate/measure_speed.h"
+#include "pipeline/gate/shell_word.h"
 #include "pipeline/results_folder.h"
 
 namespace trilat {
@@ -40,9 +41,16 @@ SpeedFile measured_speed(const char* label) {
 std::optional<SpeedFile> speed_of(const GateArguments& arguments) {
   if (!arguments.speed) return read_speed(arguments.results);
   find_results(arguments.results);  // refuses before the time is spent
-  const SpeedFile speed = measured_speed("timing the solvers");
+  std::vector<SpeedFile> runs;
+  for (int run = 0; run < (arguments.accepts ? kBaselineSpeedRuns : 1); ++run)
+    runs.push_back(measured_speed("timing the solvers"));
+  const SpeedFile speed = joined_speed(runs);
   write_speed(arguments.results, speed);
   return speed;
+}
+
+std::string command_of(const GateReport& report) {
+  return "trilat gate " + shell_word(report.results) + " --baseline " + shell_word(report.baseline);
 }
 
 void add_speed(const GateArguments& arguments, const GateLimits& limits, const SpeedFile& now,
@@ -58,7 +66,7 @@ void add_speed(const GateArguments& arguments, const GateLimits& limits, const S
       judge_speed(now, *before, limits, arguments.speed ? again : std::function<SpeedFile()>{});
   report.speed = judged.verdict;
   for (GateFinding& f : judged.findings) {
-    f.command = "trilat gate " + report.results + " --baseline " + report.baseline + " --speed";
+    f.command = command_of(report) + " --speed";
     report.findings.push_back(std::move(f));
   }
 }
@@ -71,6 +79,7 @@ int accept(const GateArguments& arguments, const std::string& time) {
   // read first: a history that cannot be read must not be found out behind a new baseline
   if (!arguments.history.empty()) read_history(arguments.history);
   const auto speed = speed_of(arguments);
+  const std::vector<std::string> left_behind = studies_left_behind(arguments.results, arguments.baseline);
   const AcceptedBaseline accepted =
       accept_results(arguments.results, arguments.baseline, arguments.reason, time);
   if (!arguments.history.empty()) {
@@ -91,7 +100,8 @@ int accept(const GateArguments& arguments, const std::string& time) {
                                   {"baseline", arguments.baseline.string()},
                                   {"reason", accepted.reason},
                                   {"sha256", accepted.sha256},
-                                  {"replaces_sha256", accepted.replaces_sha256}},
+                                  {"replaces_sha256", accepted.replaces_sha256},
+                                  {"left_behind", left_behind}},
                                  2));
     return kDone;
   }
@@ -101,24 +111,28 @@ int accept(const GateArguments& arguments, const std::string& time) {
   if (!accepted.replaces_sha256.empty())
     fmt::print("it replaces {} {}\n", accepted.replaces_sha256.substr(0, 12),
                accepted.replaces_time.empty() ? "" : "of " + accepted.replaces_time);
+  if (!left_behind.empty()) fmt::print("not in the baseline any more: {}\n", fmt::join(left_behind, ", "));
   return kDone;
 }
 
-void judge_and_append(const GateArguments& arguments, const GateLimits& limits, HistoryEntry tonight,
-                      GateReport& report) {
-  if (arguments.history.empty()) return;
+void add_drifts(const GateArguments& arguments, const GateLimits& limits, HistoryEntry& tonight,
+                GateReport& report) {
   const History history = read_history(arguments.history);
   if (!history.torn.empty())
     report.notes.push_back(history.torn + ": is torn, was left out and will be replaced");
   for (const GateFinding& f : report.findings)
     if (f.alarm) tonight.alarms.push_back(key_of(f));
-  const HistoryJudgement judgement = judge_history(history, tonight, limits, report.findings);
-  report.findings.insert(report.findings.end(), judgement.drifts.begin(), judgement.drifts.end());
+  HistoryJudgement judgement = judge_history(history, tonight, limits, report.findings, report.baseline_time);
+  for (GateFinding& drift : judgement.drifts) {
+    const bool of_speed = drift.condition.empty();
+    drift.command = command_of(report) + (of_speed ? " --speed" : " --method " + shell_word(drift.method));
+    if (drift.alarm) tonight.alarms.push_back(key_of(drift));
+    report.findings.push_back(std::move(drift));
+  }
   sort_findings(report.findings);
   tonight.quiet = report.quiet();
   report.notes.push_back(
       fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
-  append_history(arguments.history, tonight);
 }
 
 }  // namespace
@@ -143,8 +157,10 @@ int gate(const GateArguments& arguments) {
   }
   sort_findings(report.findings);
   add_series(find_results(arguments.results), tonight);
-  judge_and_append(arguments, limits, std::move(tonight), report);
+  report.history = arguments.history.string();
+  if (!arguments.history.empty()) add_drifts(arguments, limits, tonight, report);
   if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit(report));
+  if (!arguments.history.empty()) append_history(arguments.history, tonight);
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
   else

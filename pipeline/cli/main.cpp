@@ -162,7 +162,7 @@ void add_gate(CLI::App& app, AllArguments& a, int& code) {
       ->capture_default_str();
   verb->add_flag(
       "--speed", g.speed,
-      "time the solvers now, into RESULTS/speed.json, and once more before a slower one is an alarm");
+      "time the solvers now, into RESULTS/speed.json, and twice more before a slower one is an alarm");
   verb->add_option("--junit", g.junit, "also write the verdict as JUnit XML to this file");
   verb->add_option("--method", g.method, "list every cell of this method that is not identical");
   auto* accept = verb->add_option(

@@ -2,7 +2,10 @@
 #include "pipeline/gate/accept_results.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <vector>
+
+#include <fcntl.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
@@ -38,17 +41,47 @@ void copy_folder(const fs::path& from, const fs::path& to) {
 
 bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
 
-void put_in_place(const fs::path& partial, const fs::path& baseline) {
+// Where a file system cannot exchange two names in one step.
+std::error_code replace_in_two_steps(const fs::path& partial, const fs::path& baseline) {
   const fs::path old = baseline.string() + ".old";
+  std::error_code error, ignored;
+  fs::remove_all(old, ignored);
+  fs::rename(baseline, old, error);
+  if (error) return error;
+  fs::rename(partial, baseline, error);
+  if (error)
+    fs::rename(old, baseline, ignored);
+  else
+    fs::remove_all(old, ignored);
+  return error;
+}
+
+void put_in_place(const fs::path& partial, const fs::path& baseline) {
   std::error_code error;
-  fs::remove_all(old, error);
-  if (fs::exists(baseline)) fs::rename(baseline, old, error);
-  if (!error) fs::rename(partial, baseline, error);
+  if (!fs::exists(baseline)) {
+    fs::rename(partial, baseline, error);
+  } else if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, baseline.c_str(), RENAME_EXCHANGE) == 0) {
+    std::error_code ignored;
+    fs::remove_all(partial, ignored);
+  } else {
+    error = replace_in_two_steps(partial, baseline);
+  }
   if (error) throw OutputError(baseline.string(), "cannot be put in place: " + error.message());
-  fs::remove_all(old, error);
 }
 
 }  // namespace
+
+std::vector<std::string> studies_left_behind(const fs::path& results, const fs::path& baseline) {
+  std::vector<std::string> names;
+  if (!fs::is_directory(baseline) || fs::is_empty(baseline)) return names;
+  const ResultsSet now = find_results(results), before = find_results(baseline);
+  if (now.single) return names;
+  for (const FoundResults& older : before.results) {
+    const auto same = [&](const FoundResults& f) { return f.name == older.name; };
+    if (std::none_of(now.results.begin(), now.results.end(), same)) names.push_back(older.name);
+  }
+  return names;
+}
 
 AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, const std::string& reason,
                                 const std::string& time) {

@@ -3,15 +3,20 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "datasets/results/accepted_baseline.h"
 
 namespace trilat {
 
-// Makes the results of `results` the baseline, with accepted.json beside them: copied aside, then renamed, so
-// that there is always one whole baseline. A single results folder replaces just its study where the baseline
-// holds several. InputError when the reason is empty, the results are not what find_results() takes, or
-// `baseline` is a folder of something else.
+// The studies of the baseline that would not be in it any more.
+std::vector<std::string> studies_left_behind(const std::filesystem::path& results,
+                                             const std::filesystem::path& baseline);
+
+// Makes the results of `results` the baseline, with accepted.json beside them: copied aside, then exchanged
+// in one step, so that there is always one whole baseline. A single results folder replaces just its study
+// where the baseline holds several. InputError when the reason is empty, the results are not what
+// find_results() takes, or `baseline` is a folder of something else.
 AcceptedBaseline accept_results(const std::filesystem::path& results, const std::filesystem::path& baseline,
                                 const std::string& reason, const std::string& time);
 

@@ -11,11 +11,13 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/results/accepted_baseline.h"
+#include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "pipeline/gate/judge_history.h"
 #include "pipeline/gate/judge_numbers.h"
 #include "pipeline/gate/paired_samples.h"
 #include "pipeline/gate/same_configuration.h"
+#include "pipeline/gate/shell_word.h"
 
 namespace trilat {
 namespace {
@@ -26,13 +28,16 @@ bool same_file(const ResultsPair& pair, const char* name, const std::function<bo
   return hash_of_file(here, stop_requested) == hash_of_file(there, stop_requested);
 }
 
-// Text that a shell takes as one word.
-std::string quoted(const std::string& text) {
-  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
+// What the paired samples do not judge: how far the worst errors go, iterations, GDOP, whole bodies.
+Json told_numbers(const Json& summary) {
+  Json told = Json::object();
+  for (const char* part : {"cells", "bodies"})
+    if (summary.contains(part)) told[part] = summary.at(part);
+  if (!told.contains("cells") || !told["cells"].is_array()) return told;
+  for (Json& cell : told["cells"])
+    for (const char* judged : {"mae_m", "axis_mae_m", "answered", "asked", "statuses"})
+      if (cell.is_object()) cell.erase(judged);
+  return told;
 }
 
 class Comparison {
@@ -75,9 +80,9 @@ class Comparison {
   static std::string command_of(const PairedSet& set, const GateFinding& f) {
     for (const ResultsPair& pair : set.pairs) {
       if (pair.now.name != f.study) continue;
-      std::string command = "trilat gate " + quoted(pair.now.folder.string()) + " --baseline " +
-                            quoted(pair.before.folder.string());
-      return command + (f.method.empty() ? " --json" : " --method " + quoted(f.method));
+      std::string command = "trilat gate " + shell_word(pair.now.folder.string()) + " --baseline " +
+                            shell_word(pair.before.folder.string());
+      return command + (f.method.empty() ? " --json" : " --method " + shell_word(f.method));
     }
     return "";
   }
@@ -92,7 +97,7 @@ class Comparison {
     finding.what = what;
     finding.before = before;
     finding.now = now;
-    finding.note = what + (note.empty() ? "" : ": " + note);
+    finding.note = note;
     report_.findings.push_back(finding);
   }
 
@@ -116,6 +121,8 @@ class Comparison {
   }
 
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
+    for (const FoundResults* night : {&pair.now, &pair.before})
+      SamplesFile::open(night->folder / "samples.h5");
     compare_failures(pair);
     report_.looked_at += pair.now.summary.value("cells", Json::array()).size();
     if (same_file(pair, "samples.h5", options_.stop_requested)) {
@@ -136,6 +143,17 @@ class Comparison {
     auto cells = compared_cells(samples.study, {options_.resamples, same});
     if (cells.empty() && samples.takes_with_other_instants == 0) verdict.state = StudyState::same_values;
     std::move(cells.begin(), cells.end(), std::back_inserter(report_.cells));
+    tell_numbers(pair);
+  }
+
+  // Told without an alarm: single numbers have no chance to be held against.
+  void tell_numbers(const ResultsPair& pair) {
+    auto told = judge_numbers(pair.now.name, told_numbers(pair.now.summary),
+                              told_numbers(pair.before.summary), options_.limits);
+    for (GateFinding& f : told.findings) {
+      f.alarm = false;
+      report_.findings.push_back(std::move(f));
+    }
   }
 
   void compare_numbers(const ResultsPair& pair, StudyVerdict& verdict) {

@@ -6,7 +6,8 @@
 namespace trilat {
 
 const char* name_of(FindingKind kind) {
-  constexpr std::array<const char*, 6> kNames{"accuracy", "coverage", "failure", "number", "speed", "drift"};
+  constexpr std::array<const char*, 7> kNames{"accuracy", "coverage", "status", "failure",
+                                              "number",   "speed",    "drift"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

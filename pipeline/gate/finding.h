@@ -12,6 +12,7 @@ namespace trilat {
 enum class FindingKind : std::uint8_t {
   accuracy,  // mean absolute error of a cell, on the samples that both nights answered
   coverage,  // how many samples of a cell are answered
+  status,    // how a cell's answers ended
   failure,   // takes that could not be evaluated, cross-checks that fail
   number,    // a number of a deterministic study
   speed,     // a solver's time against the reference of the same run
@@ -32,7 +33,8 @@ struct GateFinding {
   std::string method, condition, group, alignment;  // of a cell
   std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
   double before = kNone, now = kNone;
-  double percent = kNone;                            // 100 (now - before) / before
+  std::string unit;        // of before and now, when `what` names none they can be told in: "m" is told in cm
+  double percent = kNone;  // 100 (now - before) / before; NaN when that is 0
   double percent_low = kNone, percent_high = kNone;  // its 95 % interval
   double chance = kNone;  // that so much is chance, corrected for all that was looked at
   std::uint64_t n = 0, clusters = 0;
@@ -46,7 +48,6 @@ struct ComparedCell {
   std::string study, method, condition, group, alignment;
   double before_m = GateFinding::kNone, now_m = GateFinding::kNone;  // on the samples that both answered
   double percent = GateFinding::kNone, percent_low = GateFinding::kNone, percent_high = GateFinding::kNone;
-  double standard_error_percent = GateFinding::kNone;
   std::uint64_t both = 0, clusters = 0;
   double chance = GateFinding::kNone;  // by itself, not corrected
   std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost = 0, gained = 0;
@@ -56,6 +57,12 @@ struct ComparedCell {
   // The take that lost the largest share of its answers.
   std::string worst_take;
   std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;
+  // 100 (clamped now - clamped before) / both, with its 95 % interval.
+  double clamped_percent = GateFinding::kNone;
+  double clamped_low = GateFinding::kNone, clamped_high = GateFinding::kNone;
+  double clamped_chance = GateFinding::kNone;
+  double moved_percent = 0.0;  // of the samples asked: how many must have another status, at least
+  std::string status_changes;  // "converged 3000 -> 0, clamped 0 -> 3000"; empty when there are none
 };
 
 }  // namespace trilat

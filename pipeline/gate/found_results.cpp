@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -14,6 +15,27 @@ namespace fs = std::filesystem;
 
 bool is_results(const fs::path& folder) {
   return fs::exists(folder / "summary.json") || fs::exists(folder / "manifest.json");
+}
+
+std::string text_of(const Json& object, const char* key) {
+  const Json value = object.value(key, Json());
+  return value.is_string() ? value.get<std::string>() : "";
+}
+
+// A folder whose manifest and summary are of different runs.
+void refuse_mixed(const FoundResults& found, const Json& study) {
+  const auto same = [&](const char* key, const Json& of_manifest, const std::string& wanted) {
+    if (of_manifest.is_string() && of_manifest.get<std::string>() != wanted)
+      throw InputError((found.folder / "manifest.json").string() + " " + key,
+                       fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
+                                   "parts of two runs; run the study again",
+                                   of_manifest.get<std::string>(), wanted));
+  };
+  const bool budget = found.kind == ResultsKind::error_budget;
+  same("/study/kind", study.value("kind", Json()), name_of(budget ? ResultsKind::accuracy : found.kind));
+  const std::string name = text_of(found.summary, "study"), campaign = text_of(found.summary, "campaign");
+  if (!name.empty()) same("/study/name", study.value("name", Json()), name);
+  if (!campaign.empty()) same("/campaign", found.manifest.value("campaign", Json()), campaign);
 }
 
 FoundResults read_found(const fs::path& folder, const std::string& name) {
@@ -32,6 +54,7 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
     throw InputError(manifest.string() + " /study/name", "is missing");
   found.study = study["name"].get<std::string>();
   found.name = name.empty() ? found.study : name;
+  refuse_mixed(found, study);
   if (found.summary.value("interrupted", Json(false)) == true)
     throw InputError((folder / "summary.json").string() + " /interrupted",
                      "is true: the run was not finished. Run it again");

@@ -41,10 +41,11 @@ std::string name_of_case(const GateFinding& f) {
 }
 
 std::string failure_text(const GateFinding& f) {
+  const auto number = [](double x) { return std::isnan(x) ? "nothing" : fmt::format("{:.6g}", x); };
   std::string text = f.what;
   if (!std::isnan(f.percent)) text += fmt::format(" {:+.2f} %", f.percent);
   if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.2f} to {:+.2f})", f.percent_low, f.percent_high);
-  if (!std::isnan(f.before) || !std::isnan(f.now)) text += fmt::format(": {:.6g} -> {:.6g}", f.before, f.now);
+  if (!std::isnan(f.before) || !std::isnan(f.now)) text += ": " + number(f.before) + " -> " + number(f.now);
   if (!f.note.empty()) text += "; " + f.note;
   if (!f.since.empty()) text += "; since " + f.since;
   return text;

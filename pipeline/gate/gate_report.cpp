@@ -20,6 +20,7 @@ Json json_of(const GateFinding& f) {
           {"group", f.group},
           {"alignment", f.alignment},
           {"what", f.what},
+          {"unit", f.unit},
           {"before", f.before},
           {"now", f.now},
           {"change_percent", f.percent},

@@ -29,13 +29,14 @@ struct StudyVerdict {
 // How the speed was judged.
 struct SpeedVerdict {
   bool judged = false;
-  bool rerun = false;  // measured once more because something looked slower
+  bool rerun = false;  // measured again because something looked slower
   std::string note;    // why it was not judged; else on what
 };
 
 struct GateReport {
   std::string time;  // UTC, ISO 8601
   std::string results, baseline;
+  std::string history;                         // its file; empty when there is none
   std::string baseline_time, baseline_reason;  // when and why it was accepted; empty when not known
   double smallest_percent = 0.0;
   std::vector<StudyVerdict> studies;

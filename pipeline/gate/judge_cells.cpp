@@ -14,6 +14,8 @@ namespace {
 
 // Fewer lost samples of a take than these say nothing.
 constexpr std::uint64_t kFewestLost = 15;
+// Of the night's chance; each is corrected by itself, so that what is looked at more hides nothing.
+constexpr double kAccuracyShare = 0.5, kCoverageShare = 0.05, kStatusShare = 0.05;
 
 GateFinding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
   GateFinding finding;
@@ -31,9 +33,14 @@ GateFinding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
 // Whether an interval is on one side of no change.
 bool leaves_zero_out(double low, double high) { return low > 0.0 || high < 0.0; }
 
+// Few clusters: there is no interval. What changed by more than the smallest is an alarm all the same.
+constexpr const char* kCannotBeJudged =
+    "cannot be judged, but it changed: one cluster says nothing of chance; longer or more takes do";
+
 GateFinding accuracy_finding(const ComparedCell& cell, double chance) {
   GateFinding finding = finding_of(cell, FindingKind::accuracy, cell.percent > 0.0);
   finding.what = "mean absolute error (m)";
+  finding.unit = "m";
   finding.before = cell.before_m;
   finding.now = cell.now_m;
   finding.percent = cell.percent;
@@ -42,6 +49,7 @@ GateFinding accuracy_finding(const ComparedCell& cell, double chance) {
   finding.chance = chance;
   finding.n = cell.both;
   finding.clusters = cell.clusters;
+  if (std::isnan(chance)) finding.note = kCannotBeJudged;
   return finding;
 }
 
@@ -50,7 +58,7 @@ GateFinding coverage_finding(const ComparedCell& cell, double chance) {
   finding.what = "samples answered";
   finding.before = static_cast<double>(cell.answered_before);
   finding.now = static_cast<double>(cell.answered_now);
-  finding.percent = 100.0 * (finding.now - finding.before) / finding.before;
+  if (cell.answered_before > 0) finding.percent = 100.0 * (finding.now - finding.before) / finding.before;
   finding.chance = chance;
   finding.n = cell.asked;
   finding.clusters = cell.clusters;
@@ -62,47 +70,115 @@ GateFinding coverage_finding(const ComparedCell& cell, double chance) {
   return finding;
 }
 
+GateFinding status_finding(const ComparedCell& cell, double chance, bool judged) {
+  GateFinding finding = finding_of(cell, FindingKind::status, cell.clamped_percent > 0.0);
+  if (!judged) finding.direction = Direction::changed;
+  finding.alarm = judged && finding.alarm;
+  finding.what = judged ? "share of the answers that are clamped (points)" : "statuses of the samples asked";
+  if (judged) {
+    finding.percent = cell.clamped_percent;
+    finding.percent_low = cell.clamped_low;
+    finding.percent_high = cell.clamped_high;
+    finding.chance = chance;
+    if (std::isnan(chance)) finding.note = std::string(kCannotBeJudged) + "; ";
+  }
+  finding.note += cell.status_changes;
+  finding.n = judged ? cell.both : cell.asked;
+  finding.clusters = cell.clusters;
+  return finding;
+}
+
 bool loses_a_take(const ComparedCell& cell, const GateLimits& limits) {
   const std::uint64_t before = cell.worst_take_answered_before, now = cell.worst_take_answered_now;
   return before >= now + kFewestLost &&
          100.0 * static_cast<double>(before - now) >= limits.take_loss_percent * static_cast<double>(before);
 }
 
-}  // namespace
+struct Change {
+  double percent, low, high;
+};
 
-std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
-                                     const std::vector<std::string>& studies_with_same_inputs) {
-  std::map<std::string, std::string> first_alignment;  // by study
-  for (const ComparedCell& cell : cells) first_alignment.try_emplace(cell.study, cell.alignment);
-  const auto judges_coverage = [&](const ComparedCell& cell) {
-    return cell.alignment == first_alignment.at(cell.study) && cell.lost + cell.gained > 0;
-  };
-  std::vector<double> chances;
-  for (const ComparedCell& cell : cells) {
-    chances.push_back(cell.chance);
-    chances.push_back(judges_coverage(cell) ? cell.lost_chance : GateFinding::kNone);
+// Whether a change is larger than the smallest and more than chance, or too large to pass where nothing is
+// known of chance.
+bool is_change(const Change& change, double smallest, double chance, double alpha) {
+  if (!(std::abs(change.percent) > smallest)) return false;
+  return std::isnan(chance) || (chance <= alpha && leaves_zero_out(change.low, change.high));
+}
+
+// One night's cells: which are judged for what, and the chances of all, corrected together.
+class JudgedCells {
+ public:
+  JudgedCells(std::span<const ComparedCell> cells, const GateLimits& limits) : limits_(limits) {
+    for (const ComparedCell& cell : cells) first_alignment_.try_emplace(cell.study, cell.alignment);
+    std::vector<double> accuracy, coverage, clamped;
+    for (const ComparedCell& cell : cells) {
+      accuracy.push_back(cell.chance);
+      coverage.push_back(judges_coverage(cell) ? cell.lost_chance : GateFinding::kNone);
+      clamped.push_back(judges_statuses(cell) ? cell.clamped_chance : GateFinding::kNone);
+    }
+    accuracy_ = holm_adjusted(accuracy);
+    coverage_ = holm_adjusted(coverage);
+    clamped_ = holm_adjusted(clamped);
   }
-  const std::vector<double> adjusted = holm_adjusted(chances);
-  const double alpha = limits.chance / 2.0;
-  std::vector<GateFinding> findings;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const ComparedCell& cell = cells[c];
-    const double accuracy = adjusted[2 * c], coverage = adjusted[2 * c + 1];
-    if (std::abs(cell.percent) > limits.smallest_percent && accuracy <= alpha &&
-        leaves_zero_out(cell.percent_low, cell.percent_high))
-      findings.push_back(accuracy_finding(cell, accuracy));
-    if (!judges_coverage(cell)) continue;
-    const bool same = std::find(studies_with_same_inputs.begin(), studies_with_same_inputs.end(),
-                                cell.study) != studies_with_same_inputs.end();
-    const bool all_over = std::abs(cell.lost_percent) > limits.smallest_loss_percent && coverage <= alpha &&
-                          leaves_zero_out(cell.lost_low, cell.lost_high);
-    if (all_over) {
-      findings.push_back(coverage_finding(cell, coverage));
-    } else if (same && loses_a_take(cell, limits)) {
+
+  void judge(const ComparedCell& cell, std::size_t c, bool same_inputs,
+             std::vector<GateFinding>& findings) const {
+    judge_accuracy(cell, accuracy_[c], findings);
+    if (judges_coverage(cell)) judge_coverage(cell, coverage_[c], same_inputs, findings);
+    if (judges_statuses(cell)) judge_statuses(cell, clamped_[c], findings);
+  }
+
+ private:
+  void judge_accuracy(const ComparedCell& cell, double chance, std::vector<GateFinding>& findings) const {
+    if (is_change({cell.percent, cell.percent_low, cell.percent_high}, limits_.smallest_percent, chance,
+                  kAccuracyShare * limits_.chance))
+      findings.push_back(accuracy_finding(cell, chance));
+  }
+
+  void judge_coverage(const ComparedCell& cell, double chance, bool same_inputs,
+                      std::vector<GateFinding>& findings) const {
+    if (is_change({cell.lost_percent, cell.lost_low, cell.lost_high}, limits_.smallest_loss_percent, chance,
+                  kCoverageShare * limits_.chance)) {
+      findings.push_back(coverage_finding(cell, chance));
+      if (std::isnan(chance)) findings.back().note += std::string("; ") + kCannotBeJudged;
+    } else if (same_inputs && loses_a_take(cell, limits_)) {
       findings.push_back(coverage_finding(cell, GateFinding::kNone));
       findings.back().direction = Direction::worse;
       findings.back().alarm = true;
     }
+  }
+
+  void judge_statuses(const ComparedCell& cell, double chance, std::vector<GateFinding>& findings) const {
+    if (is_change({cell.clamped_percent, cell.clamped_low, cell.clamped_high}, limits_.smallest_loss_percent,
+                  chance, kStatusShare * limits_.chance))
+      findings.push_back(status_finding(cell, chance, true));
+    else if (cell.moved_percent > limits_.smallest_percent)
+      findings.push_back(status_finding(cell, GateFinding::kNone, false));
+  }
+
+  bool is_first(const ComparedCell& cell) const { return cell.alignment == first_alignment_.at(cell.study); }
+  bool judges_coverage(const ComparedCell& cell) const {
+    return is_first(cell) && cell.lost + cell.gained > 0;
+  }
+  bool judges_statuses(const ComparedCell& cell) const {
+    return is_first(cell) && !cell.status_changes.empty();
+  }
+
+  const GateLimits& limits_;
+  std::map<std::string, std::string> first_alignment_;  // by study
+  std::vector<double> accuracy_, coverage_, clamped_;   // chances, corrected
+};
+
+}  // namespace
+
+std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
+                                     const std::vector<std::string>& studies_with_same_inputs) {
+  JudgedCells judged(cells, limits);
+  std::vector<GateFinding> findings;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const bool same = std::find(studies_with_same_inputs.begin(), studies_with_same_inputs.end(),
+                                cells[c].study) != studies_with_same_inputs.end();
+    judged.judge(cells[c], c, same, findings);
   }
   return findings;
 }

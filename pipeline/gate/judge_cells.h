@@ -12,14 +12,16 @@ struct GateLimits {
   double smallest_percent = 1.0;       // of an error or a number; less is not worth a word
   double smallest_loss_percent = 0.5;  // of the samples asked
   double take_loss_percent = 10.0;     // of one take's answers, where both nights saw the same recordings
-  double chance = 0.01;  // of a false alarm in the whole night, at most; half of it is for speed
+  double chance = 0.01;                // of a false alarm in the whole night; each part has a share of it
 };
 
 // Which compared cells of a whole night are findings. A cell is worse or better when its 95 % interval leaves
 // no change out, the probability of chance by Holm over all cells of the night is at most half of `chance`,
-// and the change is larger than the smallest. Coverage is judged in the same way, of the first alignment's
-// cells, as samples lost; and with the same recordings also take by take, without chance: there is none. Only
-// what is worse is an alarm. `same_inputs` is asked for each cell's study.
+// and the change is larger than the smallest. Coverage is judged in the same way at 0.05 of `chance`, of the
+// first alignment's cells, as samples lost; and with the same recordings also take by take, without chance:
+// there is none. So are answers that are clamped, at 0.05; of other statuses that moved it is told. A change
+// of which one cluster says nothing of chance counts when it is larger than the smallest. Only what is worse
+// is an alarm. `studies_with_same_inputs`: whose recordings are the baseline's.
 std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
                                      const std::vector<std::string>& studies_with_same_inputs);
 

@@ -2,37 +2,19 @@
 #include "pipeline/gate/judge_numbers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/gate/number_meaning.h"
+
 namespace trilat {
 namespace {
 
-constexpr std::size_t kLongList = 100;            // from here on a list holds samples
-constexpr std::string_view kCounts = "statuses";  // and histograms: what they add up to is judged
-
-enum class Meaning { more_is_worse, less_is_worse, unknown, not_judged };
-
-// By the words that keys are made of.
-Meaning meaning_of(const std::string& key) {
-  if (key == kCounts) return Meaning::not_judged;
-  constexpr std::array<std::string_view, 6> kSpread{"low",      "high",      "standard_error",
-                                                    "clusters", "resamples", "sd_m"};
-  constexpr std::array<std::string_view, 7> kMoreIsBetter{"answered", "digits",  "coverage", "within",
-                                                          "below_",   "runs_ok", "pck"};
-  constexpr std::array<std::string_view, 12> kMoreIsWorse{
-      "mae", "rmse", "error", "median", "p50", "p9", "max", "mean", "failed", "sigma", "bound", "iterations"};
-  const auto has = [&](std::string_view word) { return key.find(word) != std::string::npos; };
-  if (std::any_of(kSpread.begin(), kSpread.end(), has)) return Meaning::not_judged;
-  if (std::any_of(kMoreIsBetter.begin(), kMoreIsBetter.end(), has)) return Meaning::less_is_worse;
-  if (std::any_of(kMoreIsWorse.begin(), kMoreIsWorse.end(), has)) return Meaning::more_is_worse;
-  return Meaning::unknown;
-}
+constexpr std::size_t kLongList = 100;       // from here on a list holds samples
+constexpr const char* kCounts = "statuses";  // and histograms: what they add up to is judged
 
 struct Leaf {
   std::string place;    // pointer, with what the entries of lists are called
@@ -101,6 +83,7 @@ std::map<std::string, Fellows> fellows_of(const std::vector<Leaf>& leaves) {
 double percent_of(double now, double before, double rms) {
   constexpr double kNearlyZero = 1e-3;  // of the fellows
   const double scale = std::max(std::abs(before), kNearlyZero * rms);
+  if (now == before) return 0.0;
   return scale > 0.0 ? 100.0 * (now - before) / scale : std::copysign(100.0, now - before);
 }
 
@@ -114,10 +97,10 @@ GateFinding finding_of(const std::string& study, const Leaf& leaf, double now, d
   finding.now = now;
   finding.percent = percent;
   finding.chance = 0.0;
-  const Meaning meaning = meaning_of(leaf.key);
-  if (meaning != Meaning::unknown)
+  const NumberMeaning meaning = meaning_of_key(leaf.key);
+  if (meaning != NumberMeaning::unknown)
     finding.direction =
-        (percent > 0.0) == (meaning == Meaning::more_is_worse) ? Direction::worse : Direction::better;
+        (percent > 0.0) == (meaning == NumberMeaning::more_is_worse) ? Direction::worse : Direction::better;
   finding.alarm = finding.direction != Direction::better;
   return finding;
 }
@@ -137,27 +120,49 @@ GateFinding other_value(const std::string& study, const Leaf& leaf) {
   return finding;
 }
 
-double mean_of(const std::vector<const Leaf*>& leaves, Json Leaf::*side) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (const Leaf* leaf : leaves)
-    if ((leaf->*side).is_number()) {
-      sum += (leaf->*side).get<double>();
-      ++n;
-    }
-  return n == 0 ? GateFinding::kNone : sum / static_cast<double>(n);
+struct ListMeans {
+  std::uint64_t numbers_now = 0, numbers_before = 0, both = 0;
+  double now = GateFinding::kNone, before = GateFinding::kNone;  // over the entries that both have
+};
+
+ListMeans means_of(const std::vector<const Leaf*>& leaves) {
+  ListMeans means;
+  double now = 0.0, before = 0.0;
+  for (const Leaf* leaf : leaves) {
+    means.numbers_now += leaf->now.is_number();
+    means.numbers_before += leaf->before.is_number();
+    if (!leaf->now.is_number() || !leaf->before.is_number()) continue;
+    now += leaf->now.get<double>();
+    before += leaf->before.get<double>();
+    ++means.both;
+  }
+  if (means.both == 0) return means;
+  means.now = now / static_cast<double>(means.both);
+  means.before = before / static_cast<double>(means.both);
+  return means;
 }
 
-// Lists of samples: their mean stands for them.
+// Lists of samples: how many there are, and the mean of those that both nights have.
 void judge_list(const std::string& study, const Fellows& fellows, const GateLimits& limits,
                 NumberChanges& changes) {
-  const double now = mean_of(fellows.leaves, &Leaf::now), before = mean_of(fellows.leaves, &Leaf::before);
-  const double percent = percent_of(now, before, fellows.rms);
-  if (!(std::abs(percent) > limits.smallest_percent)) return;
   Leaf leaf = *fellows.leaves.front();
   leaf.place = leaf.pattern;
-  changes.findings.push_back(finding_of(study, leaf, now, before, percent));
-  changes.findings.back().note = fmt::format("mean of {} values", fellows.leaves.size());
+  const ListMeans means = means_of(fellows.leaves);
+  if (means.numbers_now != means.numbers_before) {
+    const auto now = static_cast<double>(means.numbers_now),
+               before = static_cast<double>(means.numbers_before);
+    GateFinding finding = finding_of(study, leaf, now, before, percent_of(now, before, 0.0));
+    finding.direction = now < before ? Direction::worse : Direction::changed;
+    finding.alarm = now < before;
+    finding.note = fmt::format("numbers in a list of {}", fellows.leaves.size());
+    changes.findings.push_back(finding);
+  }
+  if (means.both == 0) return;
+  const double percent = percent_of(means.now, means.before, fellows.rms);
+  changes.largest_percent = std::max(changes.largest_percent, std::abs(percent));
+  if (std::abs(percent) <= limits.smallest_percent) return;
+  changes.findings.push_back(finding_of(study, leaf, means.now, means.before, percent));
+  changes.findings.back().note = fmt::format("mean of {} values", means.both);
 }
 
 void judge_leaf(const std::string& study, const Leaf& leaf, double rms, const GateLimits& limits,
@@ -185,7 +190,7 @@ NumberChanges judge_numbers(const std::string& study, const Json& now, const Jso
     const auto differing = static_cast<std::uint64_t>(
         std::count_if(fellows.leaves.begin(), fellows.leaves.end(), std::not_fn(same)));
     changes.differing += differing;
-    if (differing == 0 || meaning_of(fellows.leaves.front()->key) == Meaning::not_judged) continue;
+    if (differing == 0 || meaning_of_key(fellows.leaves.front()->key) == NumberMeaning::not_judged) continue;
     if (fellows.leaves.size() >= kLongList && fellows.leaves.front()->place.find('[') == std::string::npos) {
       judge_list(study, fellows, limits, changes);
       continue;

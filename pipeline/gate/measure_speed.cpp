@@ -147,4 +147,24 @@ SpeedFile measure_speed(const MeasureOptions& options) {
   return speed;
 }
 
+SpeedFile joined_speed(const std::vector<SpeedFile>& runs) {
+  TRILAT_CHECK(!runs.empty(), "there is something to join");
+  SpeedFile joined = runs.front();
+  std::vector<double> reference_ns;
+  for (const SpeedFile& run : runs) reference_ns.push_back(run.reference_ns);
+  joined.reference_ns = median(reference_ns);
+  for (std::size_t s = 0; s < joined.solvers.size(); ++s) {
+    std::vector<double> solver_ns;
+    joined.solvers[s].ratios.clear();
+    for (const SpeedFile& run : runs) {
+      const SolverSpeed& solver = run.solvers.at(s);
+      joined.solvers[s].ratios.insert(joined.solvers[s].ratios.end(), solver.ratios.begin(),
+                                      solver.ratios.end());
+      solver_ns.push_back(solver.median_ns);
+    }
+    joined.solvers[s].median_ns = median(solver_ns);
+  }
+  return joined;
+}
+
 }  // namespace trilat

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "datasets/results/speed_file.h"
 
@@ -14,6 +15,12 @@ struct MeasureOptions {
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
 };
+
+// A baseline is measured so often: how far its run as a whole is off would else be in every night's ratio.
+inline constexpr int kBaselineSpeedRuns = 3;
+
+// Several measurements of one machine and reference as one, their rounds in order.
+SpeedFile joined_speed(const std::vector<SpeedFile>& runs);
 
 // Times every solver on the same simulated problems (four sensors, 2.5 cm noise), one thread. In every round
 // the solvers take turns in another order, each between two runs of the reference, and their ratio is taken

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/gate/gate_report.h"
+#include "pipeline/gate/shell_word.h"
 
 namespace trilat {
 namespace {
@@ -15,8 +16,7 @@ constexpr std::size_t kMostMethods = 12;  // entries of a list
 
 std::string value_text(const GateFinding& f, double value) {
   if (std::isnan(value)) return "nothing";
-  if (f.kind == FindingKind::accuracy || f.kind == FindingKind::drift)
-    return fmt::format("{:.2f} cm", 100.0 * value);
+  if (f.unit == "m") return fmt::format("{:.2f} cm", 100.0 * value);
   return fmt::format("{:.6g}", value);
 }
 
@@ -27,7 +27,8 @@ std::string chance_text(double chance) {
 
 std::string size_text(const GateFinding& f) {
   std::string text;
-  if (!std::isnan(f.percent)) text = fmt::format("{:+.1f} %", f.percent);
+  if (!std::isnan(f.percent))
+    text = fmt::format("{:+.1f} {}", f.percent, f.kind == FindingKind::status ? "points" : "%");
   if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.1f} to {:+.1f})", f.percent_low, f.percent_high);
   const std::string values = fmt::format("{} -> {}", value_text(f, f.before), value_text(f, f.now));
   if (!std::isnan(f.before) || !std::isnan(f.now)) text += (text.empty() ? "" : ", ") + values;
@@ -58,6 +59,10 @@ std::string heading_of(const GateFinding& f) {
       return text + (f.direction == Direction::worse ? "larger errors" : "smaller errors");
     case FindingKind::coverage:
       return text + (f.direction == Direction::worse ? "answers less often" : "answers more often");
+    case FindingKind::status:
+      if (f.direction == Direction::changed) return text + "answers end in other ways";
+      return text +
+             (f.direction == Direction::worse ? "more answers are clamped" : "fewer answers are clamped");
     case FindingKind::failure:
       return text + "fails";
     case FindingKind::number:
@@ -138,8 +143,10 @@ std::string morning_text(const GateReport& report) {
   if (!report.speed.note.empty()) text += fmt::format("speed: {}\n", report.speed.note);
   for (const std::string& note : report.notes) text += note + "\n";
   if (!quiet)
-    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {} --accept \"why\"\n",
-                        report.results, report.baseline);
+    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{}{} --accept \"why\"\n",
+                        shell_word(report.results), shell_word(report.baseline),
+                        report.history.empty() ? "" : " --history " + shell_word(report.history),
+                        report.speed.judged ? " --speed" : "");
   return text;
 }
 
@@ -151,9 +158,14 @@ std::string cell_table(const GateReport& report, const std::string& method) {
   for (const ComparedCell& c : report.cells) {
     if (c.method != method) continue;
     any = true;
-    text += fmt::format("{:<20} {:<22} {:<10} {:<8} {:>9.3f} {:>9.3f} {:>+8.2f} {:>18} {:>15}\n", c.study,
-                        c.condition, c.group, c.alignment, 100.0 * c.before_m, 100.0 * c.now_m, c.percent,
-                        fmt::format("{:+.2f} to {:+.2f}", c.percent_low, c.percent_high),
+    const auto number = [](const char* how, double x) {
+      return std::isnan(x) ? "-" : fmt::format(fmt::runtime(how), x);
+    };
+    const std::string interval =
+        std::isnan(c.percent_low) ? "-" : fmt::format("{:+.2f} to {:+.2f}", c.percent_low, c.percent_high);
+    text += fmt::format("{:<20} {:<22} {:<10} {:<8} {:>9} {:>9} {:>8} {:>18} {:>15}\n", c.study, c.condition,
+                        c.group, c.alignment, number("{:.3f}", 100.0 * c.before_m),
+                        number("{:.3f}", 100.0 * c.now_m), number("{:+.2f}", c.percent), interval,
                         fmt::format("{} -> {}", c.answered_before, c.answered_now));
   }
   return any ? text : fmt::format("no cell of the method \"{}\" differs from the baseline\n", method);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include <fmt/format.h>
+
 #include "datasets/results/summary.h"
 #include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/student_tail.h"
@@ -34,14 +36,18 @@ std::vector<std::size_t> by_participant(const std::vector<const PairedTake*>& ta
   return clusters;
 }
 
-std::vector<std::size_t> by_long_block(const std::vector<const PairedTake*>& takes) {
-  constexpr auto kBlocks = static_cast<std::size_t>(static_cast<double>(kLongBlock_s) / kPairedBlock_s);
+std::size_t clusters_of(const std::vector<std::size_t>& clusters) {
+  return clusters.empty() ? 0 : clusters.back() + 1;
+}
+
+// Every `length` blocks of a take are a cluster.
+std::vector<std::size_t> by_time(const std::vector<const PairedTake*>& takes, std::size_t length) {
   std::vector<std::size_t> clusters;
   std::size_t next = 0;
   for (const PairedTake* take : takes) {
     const auto rows = static_cast<std::size_t>(take->sums.rows());
-    const std::size_t whole = std::max<std::size_t>(1, rows / kBlocks);  // the last takes what is left over
-    for (std::size_t b = 0; b < rows; ++b) clusters.push_back(next + std::min(b / kBlocks, whole - 1));
+    const std::size_t whole = std::max<std::size_t>(1, rows / length);  // the last takes what is left over
+    for (std::size_t b = 0; b < rows; ++b) clusters.push_back(next + std::min(b / length, whole - 1));
     if (rows > 0) next += whole;
   }
   return clusters;
@@ -55,8 +61,11 @@ ConditionPairs pairs_of(const PairedStudy& study, const std::string& condition,
   std::stable_sort(pairs.takes.begin(), pairs.takes.end(),
                    [](const PairedTake* a, const PairedTake* b) { return a->participant < b->participant; });
   pairs.clusters = by_participant(pairs.takes);
-  const std::size_t participants = pairs.clusters.empty() ? 0 : pairs.clusters.back() + 1;
-  if (participants < kFewestParticipants && options.same_inputs) pairs.clusters = by_long_block(pairs.takes);
+  if (clusters_of(pairs.clusters) < kFewestParticipants && options.same_inputs) {
+    constexpr auto kBlocks = static_cast<std::size_t>(static_cast<double>(kLongBlock_s) / kPairedBlock_s);
+    pairs.clusters = by_time(pairs.takes, kBlocks);
+    if (clusters_of(pairs.clusters) < kFewestLongBlocks) pairs.clusters = by_time(pairs.takes, 1);
+  }
   pairs.resamples = draw_resamples(pairs.clusters, {options.resamples, 1});
   return pairs;
 }
@@ -64,7 +73,8 @@ ConditionPairs pairs_of(const PairedStudy& study, const std::string& condition,
 // Whether anything of a cell is not as it was.
 bool differs(const ConditionPairs& pairs, std::size_t cell) {
   for (const PairedTake* take : pairs.takes) {
-    if (take->cells[cell].lost + take->cells[cell].gained > 0) return true;
+    const PairedCounts& counts = take->cells[cell];
+    if (counts.lost + counts.gained > 0 || counts.status_before != counts.status_now) return true;
     const Index column = as_index(cell * PairedColumns::count + PairedColumns::difference);
     if ((take->sums.col(column).array() != 0.0).any()) return true;
   }
@@ -85,8 +95,9 @@ Eigen::MatrixXd gathered(const ConditionPairs& pairs, const std::vector<std::siz
 }
 
 // Of every cell and, when there are two or more, of their mean: the share that the error grew by, the mean
-// before, and the share of samples lost.
+// before, and the shares of samples lost and clamped.
 struct Wanted {
+  static constexpr std::size_t quantities_a_cell = 4;
   std::vector<RatioColumns> ratios;
   std::vector<BootstrapQuantity> quantities;
 };
@@ -100,10 +111,12 @@ Wanted wanted_of(std::size_t cells) {
   add(PairedColumns::difference, PairedColumns::both);
   add(PairedColumns::before, PairedColumns::both);
   add(PairedColumns::net_lost, PairedColumns::asked);
+  add(PairedColumns::net_clamped, PairedColumns::both);
   const auto add_quantities = [&](std::size_t first, std::size_t count) {
     wanted.quantities.push_back({{first, count}, RatioRange{cells + first, count}});
     wanted.quantities.push_back({{cells + first, count}});
     wanted.quantities.push_back({{2 * cells + first, count}});
+    wanted.quantities.push_back({{3 * cells + first, count}});
   };
   for (std::size_t c = 0; c < cells; ++c) add_quantities(c, 1);
   if (cells >= 2) add_quantities(0, cells);
@@ -116,20 +129,36 @@ double chance_of(const IntervalEstimate& e) {
   return student_two_sided(e.value / e.standard_error, e.clusters - 1);
 }
 
-void set_numbers(ComparedCell& cell, const IntervalEstimate& share, const IntervalEstimate& before,
-                 const IntervalEstimate& lost) {
+void set_numbers(ComparedCell& cell, const IntervalEstimate* found) {
+  const IntervalEstimate &share = found[0], &before = found[1], &lost = found[2], &clamped = found[3];
   cell.before_m = before.value;
   cell.now_m = before.value * (1.0 + share.value);
   cell.percent = 100.0 * share.value;
   cell.percent_low = 100.0 * share.low;
   cell.percent_high = 100.0 * share.high;
-  cell.standard_error_percent = 100.0 * share.standard_error;
   cell.clusters = share.clusters;
   cell.chance = chance_of(share);
   cell.lost_percent = 100.0 * lost.value;
   cell.lost_low = 100.0 * lost.low;
   cell.lost_high = 100.0 * lost.high;
   cell.lost_chance = chance_of(lost);
+  cell.clamped_percent = 100.0 * clamped.value;
+  cell.clamped_low = 100.0 * clamped.low;
+  cell.clamped_high = 100.0 * clamped.high;
+  cell.clamped_chance = chance_of(clamped);
+}
+
+void set_statuses(ComparedCell& result, const PairedCounts& all) {
+  std::uint64_t fewer = 0;
+  for (std::size_t s = 0; s < all.status_now.size(); ++s) {
+    const std::uint64_t before = all.status_before[s], now = all.status_now[s];
+    if (before == now) continue;
+    if (before > now) fewer += before - now;
+    result.status_changes += fmt::format("{}{} {} -> {}", result.status_changes.empty() ? "" : ", ",
+                                         name_of(static_cast<SolveStatus>(s)), before, now);
+  }
+  if (all.asked > 0)
+    result.moved_percent = 100.0 * static_cast<double>(fewer) / static_cast<double>(all.asked);
 }
 
 void set_counts(ComparedCell& result, const ConditionPairs& pairs, const std::vector<std::size_t>& cells) {
@@ -153,6 +182,7 @@ void set_counts(ComparedCell& result, const ConditionPairs& pairs, const std::ve
   result.gained = all.gained;
   result.answered_before = all.answered_before();
   result.answered_now = all.answered_now();
+  set_statuses(result, all);
 }
 
 // The cells of one method under one alignment and set.
@@ -173,7 +203,7 @@ std::vector<ComparedCell> method_cells(const PairedStudy& study, const Condition
   const auto found =
       solve_intervals(gathered(pairs, cells), pairs.resamples, wanted.ratios, wanted.quantities);
   std::vector<ComparedCell> result;
-  for (std::size_t k = 0; 3 * k < found.size(); ++k) {
+  for (std::size_t k = 0; Wanted::quantities_a_cell * k < found.size(); ++k) {
     const bool is_average = k == cells.size();
     if (!is_average && !differs(pairs, cells[k])) continue;
     ComparedCell cell;
@@ -183,7 +213,7 @@ std::vector<ComparedCell> method_cells(const PairedStudy& study, const Condition
     cell.alignment = study.alignments[alignment];
     cell.condition = pairs.takes.front()->condition;
     if (set > 0) cell.condition = occluded_condition(cell.condition);
-    set_numbers(cell, found[3 * k], found[3 * k + 1], found[3 * k + 2]);
+    set_numbers(cell, &found[Wanted::quantities_a_cell * k]);
     set_counts(cell, pairs, is_average ? cells : std::vector{cells[k]});
     result.push_back(std::move(cell));
   }

@@ -29,6 +29,8 @@ struct PairedOptions {
 // recordings participants stay the clusters, and hardly anything can be told apart.
 inline constexpr std::size_t kFewestParticipants = 8;
 inline constexpr std::size_t kLongBlock_s = 5;
+// With fewer long blocks than this in all takes, blocks of kPairedBlock_s are.
+inline constexpr std::size_t kFewestLongBlocks = 4;
 
 // Every cell that is not identical, each group and their average, with 95 % intervals by solve_intervals()
 // and the probability that so much is chance by Student's t of (clusters - 1) degrees on the same standard

@@ -77,10 +77,9 @@ struct Night {
     return std::all_of(&block.truth_m[3 * place], &block.truth_m[3 * place] + 3,
                        [](double x) { return std::isfinite(x); });
   }
-  // The lengths of a slot's error, by alignment; NaN without an answer.
-  std::array<double, 2> lengths_m(std::size_t place, std::size_t slot) const {
-    std::array<double, 2> lengths{GateFinding::kNone, GateFinding::kNone};
-    if (!is_usable(static_cast<SolveStatus>(block.status[slot]))) return lengths;
+  PairedAnswer answer(std::size_t place, std::size_t slot) const {
+    const auto status = static_cast<SolveStatus>(block.status[slot]);
+    if (!is_usable(status)) return {{GateFinding::kNone, GateFinding::kNone}, status};
     double aligned_m2 = 0.0, plain_m2 = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto aligned = static_cast<double>(error_m[3 * slot + axis]);
@@ -88,7 +87,7 @@ struct Night {
       aligned_m2 += aligned * aligned;
       plain_m2 += plain * plain;
     }
-    return {std::sqrt(aligned_m2), std::sqrt(plain_m2)};
+    return {{std::sqrt(aligned_m2), std::sqrt(plain_m2)}, status};
   }
 };
 
@@ -123,8 +122,8 @@ struct TakeReader {
       const std::size_t sets = axes.sets == 1 || there.block.occluded[place] == 0 ? 1 : 2;
       for (std::size_t m = 0; m < axes.methods; ++m) {
         const std::size_t slot = place * axes.methods + m;
-        sums.add((first + i) / block_instants, j, m, sets, there.lengths_m(place, slot),
-                 here.lengths_m(place, slot));
+        sums.add((first + i) / block_instants, j, m, sets, there.answer(place, slot),
+                 here.answer(place, slot));
       }
     }
   }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/solvers/solve_status.h"
 
 namespace trilat {
 
@@ -23,14 +24,18 @@ struct PairedAxes {
 };
 
 // Columns of a cell's block sums. Over the samples that both nights answered: now - before of the error's
-// length, their number, the lengths before. Over all that have a truth: answered before and not now, less the
-// other way round; and their number.
+// length, their number, the lengths before; clamped now and not before, less the other way round. Over all
+// that have a truth: answered before and not now, less the other way round; and their number.
 struct PairedColumns {
-  static constexpr std::size_t difference = 0, both = 1, before = 2, net_lost = 3, asked = 4, count = 5;
+  static constexpr std::size_t difference = 0, both = 1, before = 2, net_clamped = 3, net_lost = 4, asked = 5,
+                               count = 6;
 };
+
+using StatusCounts = std::array<std::uint64_t, kSolveStatusCount>;
 
 struct PairedCounts {
   std::uint64_t asked = 0, both = 0, lost = 0, gained = 0;
+  StatusCounts status_before{}, status_now{};
   std::uint64_t answered_before() const { return both + lost; }
   std::uint64_t answered_now() const { return both + gained; }
   void merge(const PairedCounts& later);
@@ -45,14 +50,20 @@ struct PairedTake {
 
 inline constexpr double kPairedBlock_s = 1.0;
 
+// One night's answer to a sample: the lengths of its error by alignment, in metres, NaN without an answer.
+struct PairedAnswer {
+  std::array<double, 2> error_m{};
+  SolveStatus status = SolveStatus::not_solved;
+};
+
 // Adds samples to a take's sums.
 class PairedTakeSums {
  public:
   PairedTakeSums(const PairedAxes& axes, std::uint64_t blocks);
-  // The lengths of the errors of one joint and method at one instant, by alignment, in metres; NaN where a
-  // night has no answer. `sets`: how many sets the sample belongs to, from the first on.
+  // The answers of one method for one joint at one instant. `sets`: how many sets the sample belongs to, from
+  // the first on.
   void add(std::uint64_t block, std::size_t joint, std::size_t method, std::size_t sets,
-           std::span<const double> before_m, std::span<const double> now_m);
+           const PairedAnswer& before, const PairedAnswer& now);
   // Gives the sums away.
   void finish(PairedTake& take);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/gate/same_configuration.h"
 
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -19,12 +20,23 @@ std::string escaped(const std::string& key) {
   return text;
 }
 
-std::string shortened(const Json& value) {
-  constexpr std::size_t kMost = 80;
-  std::string text = json_text(value, -1);
-  if (text.size() > kMost) text = text.substr(0, kMost) + "…";
-  return text;
+// The place itself, or the beginning of the character that it is inside of.
+std::size_t character_at(const std::string& utf8, std::size_t place) {
+  while (place > 0 && place < utf8.size() && (static_cast<unsigned char>(utf8[place]) & 0xC0U) == 0x80U)
+    --place;
+  return std::min(place, utf8.size());
 }
+
+// Long text around `place`.
+std::string shortened(const std::string& text, std::size_t place = 0) {
+  constexpr std::size_t kMost = 80, kBefore = 20;
+  if (text.size() <= kMost) return text;
+  const std::size_t first = character_at(text, place > kMost - kBefore ? place - kBefore : 0);
+  const std::size_t end = character_at(text, first + kMost);
+  return (first > 0 ? "…" : "") + text.substr(first, end - first) + (end < text.size() ? "…" : "");
+}
+
+std::string shortened(const Json& value) { return shortened(json_text(value, -1)); }
 
 void compare(const Json& now, const Json& before, const std::string& pointer,
              std::vector<JsonDifference>& differences) {
@@ -47,7 +59,10 @@ void compare(const Json& now, const Json& before, const std::string& pointer,
       compare(now[i], before[i], fmt::format("{}/{}", pointer, i), differences);
     return;
   }
-  differences.push_back({pointer, shortened(now), shortened(before)});
+  const std::string here = json_text(now, -1), there = json_text(before, -1);
+  const auto apart = std::mismatch(here.begin(), here.end(), there.begin(), there.end());
+  const auto place = static_cast<std::size_t>(apart.first - here.begin());
+  differences.push_back({pointer, shortened(here, place), shortened(there, place)});
 }
 
 std::string list_of(const std::vector<JsonDifference>& differences) {

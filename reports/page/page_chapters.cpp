@@ -14,9 +14,9 @@ std::string figure_html(const DrawnFigure& drawn) {
   const Figure& figure = drawn.figure;
   const std::string id = html_text(figure.id), title = html_text(figure.title);
   return fmt::format(
-      "<figure class=\"picture\" id=\"figure-{0}\">\n<object "
-      "type=\"image/svg+xml\" role=\"img\" aria-label=\"{1}\" "
-      "data=\"data:image/svg+xml;base64,{2}\">{1}</object>\n"
+      "<figure class=\"picture\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
+      "aria-label=\"{1}\"><object type=\"image/svg+xml\" "
+      "data=\"data:image/svg+xml;base64,{2}\">{1}</object></div>\n"
       "<figcaption>{3} <a href=\"{0}.svg\">SVG</a> <a href=\"{0}.pdf\">PDF</a> <a "
       "href=\"{0}.csv\">CSV</a></figcaption>\n</figure>\n",
       id, title, base64_of(drawn.svg), html_text(figure.caption));

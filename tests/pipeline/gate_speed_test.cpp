@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/philox.h"
 #include "pipeline/gate/judge_speed.h"
 #include "pipeline/gate/measure_speed.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
+#include "tests/pipeline/simulated_speed.h"
 
 namespace trilat {
 namespace {
@@ -20,41 +18,16 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-const std::vector<std::string> kSolvers{"linear", "geometric", "nonlinear", "nonlinear, batch", "newton"};
-// How far runs as a whole were off each other, in eight runs on two cores with ten jobs on them; rounded up.
-constexpr std::array<double, 5> kRunSigma{0.003, 0.010, 0.003, 0.026, 0.004};
-
-// One simulated measurement with noise as measured in these runs: most rounds within 1 %, a fifth off by 8 %
-// either way, and in up to half of the time something on the same core makes a solver a tenth slower.
-SpeedFile measured(std::uint64_t number, double slower = 0.0, double run_share = 1.0) {
-  SpeedFile speed{"a processor", "a reference", 512, 450.0, {}};
-  for (std::size_t s = 0; s < kSolvers.size(); ++s) {
-    const RandomStream random{7, Purpose::test, number * 16 + s};
-    std::uint32_t draw = 0;
-    SolverSpeed solver{kSolvers[s], {}, 1000.0};
-    const double run_sigma = run_share * kRunSigma[s];
-    const double level = std::exp(run_sigma * random.normal(draw++)) * (s == 2 ? 1.0 + slower : 1.0);
-    const double disturbed = 0.5 * random.uniform(draw++);
-    bool busy = false;
-    for (int round = 0; round < 480; ++round) {
-      if (round % 24 == 0) busy = random.uniform(draw++) < disturbed;
-      const double spread = random.uniform(draw++) < 0.2 ? 0.08 : 0.01;
-      solver.ratios.push_back(level * std::exp(spread * random.normal(draw++)) * (busy ? 1.1 : 1.0));
-    }
-    speed.solvers.push_back(solver);
-  }
-  return speed;
-}
-
 // The nights that raise an alarm, and those that raise one about nonlinear.
 std::pair<int, int> alarms_in(int nights, double slower) {
   std::pair<int, int> alarms;
   for (int n = 0; n < nights; ++n) {
     const auto night = static_cast<std::uint64_t>(n) * 8;
     std::uint64_t rerun = 2;
-    const auto findings = judge_speed(measured(night, slower), measured(night + 1), {}, [&] {
-                            return measured(night + rerun++, slower);
-                          }).findings;
+    const auto findings =
+        judge_speed(measured_speed_night(night, slower), measured_speed_baseline(night + 1), {}, [&] {
+          return measured_speed_night(night + rerun++, slower);
+        }).findings;
     alarms.first +=
         std::any_of(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; });
     alarms.second += std::any_of(findings.begin(), findings.end(),
@@ -83,36 +56,48 @@ TEST(GateSpeed, ATenPercentSlowerSolverIsFound) {
 }
 
 TEST(GateSpeed, WithoutConfirmationThereIsNoAlarm) {
-  const auto refuted =
-      judge_speed(measured(1, 0.3, 0.3), measured(2, 0.0, 0.3), {}, [] { return measured(3, 0.0, 0.3); });
+  const auto refuted = judge_speed(measured_speed_night(1, 0.3, 0.3), measured_speed_night(2, 0.0, 0.3), {},
+                                   [] { return measured_speed_night(3, 0.0, 0.3); });
   ASSERT_THAT(refuted.findings, SizeIs(1));
   EXPECT_FALSE(refuted.findings[0].alarm);
   EXPECT_THAT(refuted.findings[0].note, HasSubstr("not confirmed"));
   EXPECT_TRUE(refuted.verdict.rerun);
-  const auto alone = judge_speed(measured(1, 0.3, 0.3), measured(2, 0.0, 0.3), {}, {});
+  const auto alone =
+      judge_speed(measured_speed_night(1, 0.3, 0.3), measured_speed_night(2, 0.0, 0.3), {}, {});
   ASSERT_THAT(alone.findings, SizeIs(1));
   EXPECT_FALSE(alone.findings[0].alarm);
   EXPECT_FALSE(alone.verdict.rerun);
 }
 
 TEST(GateSpeed, AFasterSolverIsToldAndNeedsNoRerun) {
-  const auto judged = judge_speed(measured(1, -0.3, 0.3), measured(2, 0.0, 0.3), {}, [] {
-    ADD_FAILURE();
-    return measured(3);
-  });
+  const auto judged =
+      judge_speed(measured_speed_night(1, -0.3, 0.3), measured_speed_night(2, 0.0, 0.3), {}, [] {
+        ADD_FAILURE();
+        return measured_speed_night(3);
+      });
   ASSERT_THAT(judged.findings, SizeIs(1));
   EXPECT_EQ(judged.findings[0].direction, Direction::better);
   EXPECT_FALSE(judged.findings[0].alarm);
 }
 
 TEST(GateSpeed, IsNotJudgedOnAnotherProcessorOrAgainstAnotherReference) {
-  SpeedFile other = measured(2);
+  SpeedFile other = measured_speed_night(2);
   other.processor = "another";
-  EXPECT_THAT(judge_speed(measured(1, 0.5), other, {}, {}).findings, IsEmpty());
-  EXPECT_THAT(judge_speed(measured(1), other, {}, {}).verdict.note, HasSubstr("the baseline's \"another\""));
-  other = measured(2);
+  EXPECT_THAT(judge_speed(measured_speed_night(1, 0.5), other, {}, {}).findings, IsEmpty());
+  EXPECT_THAT(judge_speed(measured_speed_night(1), other, {}, {}).verdict.note,
+              HasSubstr("the baseline's \"another\""));
+  other = measured_speed_night(2);
   other.reference = "version 2";
-  EXPECT_FALSE(judge_speed(measured(1), other, {}, {}).verdict.judged);
+  EXPECT_FALSE(judge_speed(measured_speed_night(1), other, {}, {}).verdict.judged);
+}
+
+TEST(GateSpeed, SeveralMeasurementsBecomeOne) {
+  const SpeedFile a = measured_speed_night(1), b = measured_speed_night(2);
+  const SpeedFile joined = joined_speed({a, b});
+  ASSERT_THAT(joined.solvers, SizeIs(a.solvers.size()));
+  ASSERT_THAT(joined.solvers[3].ratios, SizeIs(960));
+  EXPECT_EQ(joined.solvers[3].ratios[0], a.solvers[3].ratios[0]);
+  EXPECT_EQ(joined.solvers[3].ratios[480], b.solvers[3].ratios[0]);
 }
 
 TEST(GateSpeed, MeasuresEverySolverInEveryRoundAndTheFileKeepsIt) {
@@ -140,13 +125,13 @@ TEST(GateSpeed, ASlowDriftOverTheNightsIsTold) {
   write_made_results(folder / "now");
   const std::string now = (folder / "now").string(), before = (folder / "before").string();
   const std::string history = (folder / "history.jsonl").string();
-  write_speed(folder / "now", measured(1, 0.0, 0.5));
+  write_speed(folder / "now", measured_speed_night(1, 0.0, 0.5));
   ASSERT_EQ(
       run_trilat(folder, {"gate", now, "--baseline", before, "--accept", "first", "--history", history}).code,
       0);
   Ended ended;
   for (std::uint64_t n = 0; n < 12; ++n) {
-    write_speed(folder / "now", measured(2 + n, n < 6 ? 0.0 : 0.04, 0.5));
+    write_speed(folder / "now", measured_speed_night(2 + n, n < 6 ? 0.0 : 0.04, 0.5));
     ended = run_trilat(folder, {"gate", now, "--baseline", before, "--history", history});
   }
   EXPECT_EQ(ended.code, 1) << ended.out;

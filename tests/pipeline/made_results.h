@@ -10,6 +10,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
+#include "datasets/base/strict_json.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "evaluators/solvers/solve_status.h"
@@ -22,6 +23,7 @@ struct MadeSample {
   std::uint64_t instant = 0;
   double error_m = 0.0;
   bool answered = true;
+  bool clamped = false;
 };
 using Spoil = std::function<void(MadeSample&)>;
 
@@ -57,11 +59,12 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
         for (std::size_t a = 0; a < 3; ++a) block.truth_m[(i * 3 + j) * 3 + a] = 1.0;
         for (std::size_t m = 0; m < 2; ++m) {
           const RandomStream random{study.seed, Purpose::test, t * 3 + j};
-          MadeSample sample{t, j, m, i, 0.05 + 0.01 * random.uniform(static_cast<std::uint32_t>(i)), true};
+          MadeSample sample{t, j, m, i, 0.05 + 0.01 * random.uniform(static_cast<std::uint32_t>(i))};
           if (spoil) spoil(sample);
           const std::size_t slot = (i * 3 + j) * 2 + m;
-          block.status[slot] = static_cast<std::uint8_t>(sample.answered ? SolveStatus::converged
-                                                                         : SolveStatus::iteration_limit);
+          block.status[slot] = static_cast<std::uint8_t>(!sample.answered ? SolveStatus::iteration_limit
+                                                         : sample.clamped ? SolveStatus::clamped
+                                                                          : SolveStatus::converged);
           if (!sample.answered) continue;
           for (std::size_t a = 0; a < 3; ++a) {
             block.estimate_m[slot * 3 + a] = 1.0 + (a == 0 ? sample.error_m : 0.0);
@@ -117,7 +120,7 @@ inline void write_made_results(const std::filesystem::path& folder, const MadeSt
   cell.condition = "walking";
   cell.group = "head";
   cell.alignment = "none";
-  MadeSample sample{0, 0, 1, 0, 0.055, true};
+  MadeSample sample{0, 0, 1, 0, 0.055};
   if (spoil) spoil(sample);
   cell.asked = cell.answered = 100;
   cell.mae_m = sample.error_m;

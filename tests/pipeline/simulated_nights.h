@@ -24,6 +24,8 @@ struct NightModel {
   double worse = 0.0;           // relative growth of the errors of method 0 in group 0
   double lost_share = 0.0;      // of the answers of method 0 in group 0
   double flipped_share = 1e-3;  // of all answers, either way
+  double clamped_share = 0.02;  // of all answers
+  double more_clamped = 0.0;    // of those of method 0 in group 0, tonight
 };
 
 class SimulatedNights {
@@ -33,7 +35,8 @@ class SimulatedNights {
 
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
-  PairedStudy night(std::uint64_t number, const NightModel& model) const {
+  // `number`: which recordings and baseline; `tonight`: which run of the code on them.
+  PairedStudy night(std::uint64_t number, const NightModel& model, std::uint64_t tonight = 0) const {
     PairedStudy study;
     study.study = "simulated";
     study.axes = {1, 1, kGroups, kMethods, {0, 1, 2, 3}};
@@ -41,7 +44,7 @@ class SimulatedNights {
     study.groups = {"head", "shoulder", "elbow", "wrist"};
     study.methods = {"nonlinear", "linear", "mean", "rts", "window"};
     for (std::size_t p = 0; p < model.participants; ++p)
-      study.takes.push_back(take(number, p, model, study.axes));
+      study.takes.push_back(take(number, tonight, p, model, study.axes));
     return study;
   }
 
@@ -76,6 +79,11 @@ class SimulatedNights {
     return std::sqrt(squared);
   }
 
+  static PairedAnswer answer(bool none, double error_m, bool clamped) {
+    if (none) return {{GateFinding::kNone, GateFinding::kNone}, SolveStatus::iteration_limit};
+    return {{error_m, GateFinding::kNone}, clamped ? SolveStatus::clamped : SolveStatus::converged};
+  }
+
   static Wander mixed(const Wander& old, const Wander& fresh, double redrawn) {
     Wander result;
     for (std::size_t m = 0; m <= kMethods; ++m)
@@ -85,7 +93,7 @@ class SimulatedNights {
     return result;
   }
 
-  PairedTake take(std::uint64_t number, std::size_t p, const NightModel& model,
+  PairedTake take(std::uint64_t number, std::uint64_t tonight, std::size_t p, const NightModel& model,
                   const PairedAxes& axes) const {
     PairedTake result{"p" + std::to_string(p), "p" + std::to_string(p), "walking", {}, {}};
     const auto instants = static_cast<std::uint64_t>(model.duration_s * kRate_hz);
@@ -93,28 +101,33 @@ class SimulatedNights {
     const double keep = std::exp(-1.0 / (kRate_hz * kWander_s));
     for (std::size_t g = 0; g < kGroups; ++g) {
       const RandomStream random{seed_, Purpose::test, (number * 64 + p) * kGroups + g};
-      std::uint32_t draw = 0;
+      const RandomStream again{seed_ + 1000, Purpose::test,
+                               ((number * 1000 + tonight) * 64 + p) * kGroups + g};
+      std::uint32_t draw = 0, draw_again = 0;
       Vector bias{};
       for (double& b : bias) b = 0.03 * random.normal(draw++);
       const double scale = std::exp(0.3 * random.normal(draw++));
       Wander old, fresh;
       old.step(random, draw, 0.0);
-      fresh.step(random, draw, 0.0);
+      fresh.step(again, draw_again, 0.0);
       for (std::uint64_t i = 0; i < instants; ++i) {
         old.step(random, draw, keep);
-        fresh.step(random, draw, keep);
+        fresh.step(again, draw_again, keep);
         const Wander now = mixed(old, fresh, model.redrawn);
         const double jitter = random.normal(draw++);
         for (std::size_t m = 0; m < kMethods; ++m) {
           const bool bad = m == 0 && g == 0;
-          std::array<double, 1> before_m{length_of(bias, old, m, scale, jitter)};
-          std::array<double, 1> now_m{length_of(bias, now, m, scale, jitter) *
-                                      (bad ? 1.0 + model.worse : 1.0)};
-          const double u = random.uniform(draw++);
-          if (u < model.flipped_share / 2.0) before_m[0] = GateFinding::kNone;
-          if (u > 1.0 - model.flipped_share / 2.0 - (bad ? model.lost_share : 0.0))
-            now_m[0] = GateFinding::kNone;
-          sums.add(i / 10, g, m, 1, before_m, now_m);
+          const double before_m = length_of(bias, old, m, scale, jitter);
+          const double now_m = length_of(bias, now, m, scale, jitter) * (bad ? 1.0 + model.worse : 1.0);
+          const bool no_before = random.uniform(draw++) < model.flipped_share / 2.0;
+          const bool no_now =
+              again.uniform(draw_again++) < model.flipped_share / 2.0 + (bad ? model.lost_share : 0.0);
+          const double v = random.uniform(draw++);
+          const bool clamped_before = v < model.clamped_share;
+          const bool flips = again.uniform(draw_again++) < model.flipped_share;
+          const bool clamped_now = (v < model.clamped_share + (bad ? model.more_clamped : 0.0)) != flips;
+          sums.add(i / 10, g, m, 1, answer(no_before, before_m, clamped_before),
+                   answer(no_now, now_m, clamped_now));
         }
       }
     }

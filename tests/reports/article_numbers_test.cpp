@@ -77,6 +77,14 @@ TEST(ArticleNumbers, ARowIsNamedByAsFewCellsAsTellItApart) {
   EXPECT_EQ(value_of(article_numbers({table}), "trilatTableThreeFiveOneFiveMaeCm"), "8.01");
 }
 
+TEST(ArticleNumbers, AreNotNamedByWhatWasMeasured) {
+  Table table = wrist_table();
+  table.rows[1][1] = TableValue::of("linear");
+  EXPECT_EQ(value_of(article_numbers({table}), "trilatTableThreeRowTwoMaeCm"), "8.01");
+  table.columns[2].is_key = true;
+  EXPECT_EQ(value_of(article_numbers({table}), "trilatTableThreeWristLinearEightZeroOneN"), "1200");
+}
+
 TEST(ArticleNumbers, BecomeOneNewcommandEach) {
   EXPECT_THAT(latex_of({{"trilatN", "12"}}), HasSubstr("\n\\newcommand{\\trilatN}{12}\n"));
 }

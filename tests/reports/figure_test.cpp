@@ -10,6 +10,7 @@
 #include "reports/draw_figures.h"
 #include "reports/figure_look.h"
 #include "reports/figure_script.h"
+#include "reports/svg_look.h"
 
 namespace trilat {
 namespace {
@@ -151,20 +152,54 @@ TEST(FigureLook, VariantsShareAColourAndDifferInTheirDash) {
   EXPECT_NE(look_of_method("meander").colour, look_of_method("mean").colour);  // whole words only
 }
 
+double luminance(const std::string& colour) {
+  double sum = 0.0;
+  constexpr double kWeights[3] = {0.2126, 0.7152, 0.0722};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double c = std::stoi(colour.substr(1 + 2 * k, 2), nullptr, 16) / 255.0;
+    sum += kWeights[k] * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  }
+  return sum;
+}
+
+double contrast(const std::string& a, const std::string& b) {
+  const double x = luminance(a) + 0.05, y = luminance(b) + 0.05;
+  return std::max(x, y) / std::min(x, y);
+}
+
+TEST(FigureLook, ColoursStandOutFromLightAndDarkPages) {
+  for (const char* method :
+       {"linear", "geometric", "nonlinear", "mean", "median", "window", "single", "robust mean", "rts"})
+    for (const char* page : {"#ffffff", "#15171b"})
+      EXPECT_GE(contrast(look_of_method(method).colour, page), 3.0) << method << " on " << page;
+}
+
+TEST(SvgLook, MediansOfBoxesBelongToTheirEntryAndThePaperTurnsDarkAlone) {
+  const std::string svg = svg_with_rules(
+      "<svg onload=\"f()\"\n>\n<g id=\"a_plot_1\" ><title>box</title></g>\n"
+      "<g id=\"a_plot_2\" ><title>a_plot_2</title></g></svg>");
+  EXPECT_THAT(svg, StartsWith("<svg id=\"dark\" onload"));
+  EXPECT_THAT(svg, HasSubstr("<g id=\"a_plot_1\" ><title>box</title>"));
+  EXPECT_THAT(svg, HasSubstr("<g id=\"a_plot_2\" class=\"companion\">"));
+  EXPECT_THAT(svg, HasSubstr("svg:target [fill=\"#ffffff\"]{fill:#15171b}"));
+  EXPECT_THAT(svg, testing::Not(HasSubstr("rgb(  0, 114, 178)")));
+}
+
 TEST(Figure, ItsNumbersAreUnroundedAndMissingOnesEmpty) {
   Figure figure = small_figure();
   figure.series = {{"a, b", FigureSeries::Style::dots, {{1.0 / 3.0, 2.0}, {1.0, kNan}}}};
-  EXPECT_EQ(csv_of(figure), "series,x,y\r\n\"a, b\",0.3333333333333333,2\r\n\"a, b\",1,\r\n");
+  EXPECT_EQ(csv_of(figure), "series,x (m),y (cm)\r\n\"a, b\",0.3333333333333333,2\r\n\"a, b\",1,\r\n");
 }
 
 TEST(Figure, NumbersOfIntervalsBoxesNamesAndMapsAreThereToo) {
   Figure figure = small_figure();
   figure.x_names = {"head", "wrist"};
   figure.series = {{"a", FigureSeries::Style::boxes, {{1.2, 3.0, 2.0, 4.0, 1.0, 9.0}}}};
-  EXPECT_EQ(csv_of(figure), "series,x,y,low,high,least,most\r\na,wrist,3,2,4,1,9\r\n");
+  EXPECT_EQ(csv_of(figure),
+            "series,x (m),y (cm),low (cm),high (cm),least (cm),most (cm)\r\na,wrist,3,2,4,1,9\r\n");
   figure = small_figure();
   figure.map = FigureMap{{0.5}, {5.0}, {2.0}, "GDOP"};
-  EXPECT_EQ(csv_of(figure), "series,x,y,value\r\ndots,0,0,\r\ndots,100,6,\r\nGDOP,0.5,5,2\r\n");
+  EXPECT_EQ(csv_of(figure), "series,x (m),y (cm),GDOP\r\ndots,0,0,\r\ndots,100,6,\r\nGDOP,0.5,5,2\r\n");
 }
 
 TEST(DrawFigures, EveryStyleIsDrawnAsSvgThatTogglesAndAsPdf) {

@@ -91,6 +91,38 @@ TEST(Latex, ATableEnvironmentHoldsCaptionLabelAndEveryRow) {
   EXPECT_THAT(text, HasSubstr("Another.\\par\n"));
 }
 
+TEST(Render, MarkdownShowsWhatANameHoldsAndRunsNoneOfIt) {
+  EXPECT_THAT(markdown_of(table_with("<b>*x* `y` [z](u) a_b _c_")),
+              HasSubstr("\\<b>\\*x\\* \\`y\\` \\[z\\](u) a_b \\_c\\_"));
+}
+
+TEST(Render, CsvTextsAreNoFormulas) {
+  EXPECT_THAT(csv_of(table_with("=1+1")), HasSubstr("\n'=1+1,"));
+  EXPECT_THAT(csv_of(table_with("a=b")), HasSubstr("\na=b,"));
+  Table table = table_with("x");
+  table.rows[0][1] = TableValue::of(-1.5, 1);
+  EXPECT_THAT(csv_of(table), HasSubstr(",-1.5"));
+}
+
+TEST(Render, LatexCompilesWhateverANameHolds) {
+  EXPECT_THAT(latex_of(table_with("\u6D4B\u8BD5 \u00B5 \u2264 \u00E4")),
+              HasSubstr("[U+6D4B][U+8BD5] \\ensuremath{\\mu} \\ensuremath{\\leq} \u00E4"));
+  EXPECT_THAT(latex_of(table_with("\xff")), HasSubstr("[U+FFFD]"));
+}
+
+TEST(Render, LatexHeadsAreBrokenAndLettersSmallerWhereTheLineIsFull) {
+  Table table;
+  table.id = "wide";
+  table.columns = {{"joint", "joint", true}};
+  for (int c = 0; c < 20; ++c)
+    table.columns.push_back({"share below two metres (%)", "k" + std::to_string(c)});
+  table.rows.push_back({TableValue::of("head")});
+  for (int c = 0; c < 20; ++c) table.rows[0].push_back(TableValue::of(1.0, 1));
+  const std::string text = latex_of(table);
+  EXPECT_THAT(text, HasSubstr("share below\\\\two metres\\\\(\\%)"));
+  EXPECT_THAT(text, HasSubstr("{\\tiny"));
+}
+
 TEST(Render, WhatRoundsToNothingHasNoSign) {
   EXPECT_EQ(printed(TableValue::of(-0.004, 2)), "0.00");
   EXPECT_EQ(printed(TableValue::of(-0.0, 0)), "0");

@@ -95,6 +95,30 @@ TEST(Report, WithoutAFixedTimeOnlyThePageTellsWhenItWasMade) {
   }
 }
 
+TEST(Report, AUsedFolderLosesWhatTheLastReportWroteAndNothingElse) {
+  const ScratchFolder folder;
+  const auto accuracy = results_in(folder, "results", hand_made_summary());
+  const auto calibration = results_in(folder, "calibration", hand_made_calibration());
+  const ReportFiles first = write_report({accuracy}, folder / "report");
+  write_file(folder / "report/mine.txt", "my notes");
+  const ReportFiles second = write_report({calibration}, folder / "report");
+  for (const auto& path : first.written) {
+    const bool again = std::find(second.written.begin(), second.written.end(), path) != second.written.end();
+    EXPECT_EQ(std::filesystem::exists(path), again) << path;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "report/mine.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "report.partial"));
+}
+
+TEST(Report, AnUnfinishedRunIsNamed) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "results.partial");
+  for (const char* given : {"results", "results.partial"})
+    EXPECT_THAT(message_of([&] { write_report({folder / given}, folder / "report"); }),
+                HasSubstr("results.partial: is what an unfinished run left"))
+        << given;
+}
+
 TEST(Report, ProgressEndsWithAllOfIt) {
   const ScratchFolder folder;
   std::vector<double> shares;

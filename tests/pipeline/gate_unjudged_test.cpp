@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include "pipeline/gate/accept_results.h"
+#include "pipeline/gate/compare_results.h"
+#include "tests/pipeline/made_results.h"
+#include "tests/pipeline/program.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// What a gate could pass by in silence.
+struct TwoNights {
+  ScratchFolder folder;
+  TwoNights(const MadeStudy& study, const Spoil& spoil) {
+    write_made_results(folder / "before", study);
+    write_made_results(folder / "now", study, spoil);
+  }
+  Ended gate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{
+        "gate", (folder / "now").string(), "--baseline", (folder / "before").string(), "--resamples", "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  }
+};
+
+MadeStudy one_take(std::uint64_t instants) {
+  MadeStudy study;
+  study.participants = 1;
+  study.instants = instants;
+  return study;
+}
+
+TEST(GateUnjudged, AShortTakeIsJudgedByShortBlocks) {
+  const TwoNights nights(one_take(270), larger_errors(3.0));
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_THAT(ended.out, HasSubstr("chance"));
+}
+
+TEST(GateUnjudged, ATakeTooShortToJudgeIsAnAlarmWhenItChanged) {
+  const TwoNights nights(one_take(20), larger_errors(3.0));
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_THAT(ended.out, HasSubstr("cannot be judged, but it changed"));
+  EXPECT_THAT(ended.out + nights.gate({"--method", "nonlinear"}).out, Not(HasSubstr("nan")));
+  EXPECT_EQ(TwoNights(one_take(20), larger_errors(1.001)).gate().code, 0);
+}
+
+TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
+  const TwoNights nights({}, [](MadeSample& s) { s.clamped = s.method == 1; });
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_THAT(ended.out, HasSubstr("nonlinear: more answers are clamped"));
+  EXPECT_THAT(ended.out, HasSubstr("converged 3000 -> 0, clamped 0 -> 3000"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("the same numbers")));
+}
+
+TEST(GateUnjudged, OtherNumbersOfChangedSamplesAreTold) {
+  TwoNights nights({}, larger_errors(1.0001));
+  Json summary = read_json(nights.folder / "now/summary.json");
+  summary["cells"][0]["mean_iterations"] = 9.0;
+  write_file(nights.folder / "now/summary.json", summary.dump());
+  summary["cells"][0]["mean_iterations"] = 3.0;
+  write_file(nights.folder / "before/summary.json", summary.dump());
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 0) << ended.out;
+  EXPECT_THAT(ended.out, HasSubstr("mean_iterations: +200.0 %, 3 -> 9"));
+}
+
+TEST(GateUnjudged, PartsOfTwoRunsInOneFolderAreRefused) {
+  const TwoNights nights({}, {});
+  for (const char* night : {"now", "before"}) {
+    const auto path = nights.folder / night / "summary.json";
+    Json summary = read_json(path);
+    summary["study"] = "runs";
+    write_file(path, summary.dump());
+  }
+  expect_refused(nights.gate(), "/study/name: is \"walks\", and that of summary.json beside it \"runs\"");
+}
+
+TEST(GateUnjudged, SamplesThatAreTornAlikeAreRefused) {
+  const TwoNights nights({}, {});
+  for (const char* night : {"now", "before"})
+    std::filesystem::resize_file(nights.folder / night / "samples.h5", 5000);
+  expect_refused(nights.gate(), "samples.h5");
+}
+
+TEST(GateUnjudged, FilesThatItDoesNotKnowAreNoDifference) {
+  const TwoNights nights({}, {});
+  write_file(nights.folder / "now/items.json", "[1]");
+  write_file(nights.folder / "now/hashes.json", "[2]");
+  EXPECT_EQ(nights.gate().code, 0);
+}
+
+TEST(GateUnjudged, AcceptingFewerStudiesSaysWhichAreLeftBehind) {
+  ScratchFolder folder;
+  MadeStudy other;
+  other.name = "runs";
+  write_made_results(folder / "before/walks");
+  write_made_results(folder / "before/runs", other);
+  write_made_results(folder / "now/walks");
+  const Ended ended = run_trilat(folder, {"gate", (folder / "now").string(), "--baseline",
+                                          (folder / "before").string(), "--accept", "runs are gone"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("not in the baseline any more: runs"));
+}
+
+TEST(GateUnjudged, AFailureIsSaidOnce) {
+  TwoNights nights({}, {});
+  MadeStudy study;
+  study.takes_failed = 1;
+  write_made_results(nights.folder / "now", study, larger_errors(1.0001));
+  const std::string out = nights.gate().out;
+  const std::string what = "takes that could not be evaluated";
+  EXPECT_NE(out.find(what), std::string::npos);
+  EXPECT_EQ(out.find(what), out.rfind(what));
+}
+
+TEST(GateUnjudged, LongValuesThatDifferAreToldWhereTheyDiffer) {
+  TwoNights nights({}, {});
+  std::string text;
+  for (int i = 0; i < 60; ++i) text += "ä";
+  for (const char* night : {"now", "before"}) {
+    Json manifest = read_json(nights.folder / night / "manifest.json");
+    manifest["study"]["note"] = text + night + text;
+    write_file(nights.folder / night / "manifest.json", manifest.dump());
+  }
+  const Ended ended = nights.gate();
+  expect_refused(ended, "/study/note is …");
+  EXPECT_THAT(ended.err, HasSubstr("änow"));
+  EXPECT_THAT(ended.err, HasSubstr("äbefore"));
+}
+
+}  // namespace
+}  // namespace trilat
