@@ -17,6 +17,7 @@ namespace {
 constexpr const char* kFormat = "trilat.samples";
 constexpr std::int64_t kVersion = 2;
 constexpr std::size_t kMaxTakes = 20'000;
+constexpr std::size_t kMaxEstimates = 1u << 14;  // of an instant: blocks of instants are read whole
 
 struct TakeTables {
   H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, error_m, status, iterations, cost_m2,
@@ -112,6 +113,10 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
   s.header.methods = s.file.texts("methods");
   s.header.status_names = s.file.texts("status_names");
   s.header.alignment = s.file.text("alignment");
+  if (s.header.joints.size() * s.header.methods.size() > kMaxEstimates)
+    throw InputError(path.string(),
+                     fmt::format("has {} joints x {} methods, more than the {} allowed",
+                                 s.header.joints.size(), s.header.methods.size(), kMaxEstimates));
   const H5Node takes = s.file.group("takes");
   for (const std::string& name : takes.children(kMaxTakes)) {
     const H5Node node = takes.group(name);
