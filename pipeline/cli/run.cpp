@@ -81,7 +81,7 @@ int run(const RunArguments& arguments) {
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
                      "is missing; name it there or with --campaign DIR");
-  Campaign campaign = read_campaign(folder);
+  Campaign campaign = read_campaign(folder, arguments.outside);
   if (!arguments.calibration.empty()) {
     read_calibration(arguments.calibration);  // one error now instead of one a take
     for (Take& take : campaign.takes) take.calibration = arguments.calibration;
