@@ -115,6 +115,10 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   run_verb->add_option("--threads", a.run.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  run_verb
+      ->add_option("--memory-mb", a.run.memory_mb,
+                   "evaluate no more takes at once than fit into so much memory; half of what there is")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
   run_verb->add_flag("--cross-check", a.run.cross_check,
                      "solve again with Ceres, report the worst difference and fail beyond the study's limit");
   run_verb->add_flag("--dry-run", a.run.dry_run, "print the plan and stop");

@@ -90,6 +90,7 @@ int run(const RunArguments& arguments) {
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   ExecuteOptions options;
   options.threads = arguments.threads;
+  if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
   options.cross_check = arguments.cross_check;
   options.stop_requested = stop_requested;
   ResultsSummary summary;

@@ -43,6 +43,7 @@ int run_budget_study(const RunArguments& arguments, const Json& study) {
     PartProgress progress;
     BudgetOptions options{arguments.threads, stop_requested,
                           [&](const std::string& part, double share) { progress.set(part, share); }};
+    if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
     summary = execute_budget(spec, arguments.output, options);
   }
   if (arguments.json) {

@@ -99,6 +99,7 @@ struct RunArguments {
   std::filesystem::path output;
   OutsidePaths outside = OutsidePaths::refused;
   int threads = 0;                         // 0: as many as there are processors
+  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
   bool cross_check = false;
   bool dry_run = false;
   bool json = false;
