@@ -3,8 +3,6 @@
 // between a file of keys, the recording machine's side of a handshake and an agent's.
 #include <algorithm>
 
-#include <sys/stat.h>
-
 #include "datasets/base/error.h"
 #include "recorders/network/socket_address.h"
 #include "recorders/network/tls_keys.h"
@@ -51,7 +49,6 @@ void shake_hands(TlsSide side, std::span<const std::uint8_t> bytes) {
 
 void read_keys(std::span<const std::uint8_t> bytes) {
   const MemoryFile file(bytes);
-  ::chmod(file.path().c_str(), 0600);
   try {
     const TlsIdentity identity(file.path());
   } catch (const InputError&) {

@@ -25,12 +25,12 @@ PlannedTake take_of(std::uint64_t instants) {
   return take;
 }
 
-// Takes that need 1, 2 and 3 parts of memory beside what any take needs.
+// Takes that need 1, 5 and 2 parts of memory beside what any take needs.
 Plan three_takes() {
   Plan plan;
   plan.rig = {"k1", "k2"};
   plan.joints = {Joint::head};
-  for (const std::uint64_t parts : {1, 3, 2}) plan.takes.push_back(take_of(parts * 100'000));
+  for (const std::uint64_t parts : {1, 5, 2}) plan.takes.push_back(take_of(parts * 100'000));
   return plan;
 }
 
