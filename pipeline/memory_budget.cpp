@@ -21,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMega = 1'000'000;
-// Measured over takes of 1 to 8 sensors, 2 to 60 minutes and all methods: beside what an instant keeps,
-// looking for persons, exchanges and the clock keeps as much again for a while, and any take some megabytes.
+// Measured: beside what an instant keeps, looking for persons, exchanges and the clock keeps as much again
+// for a while; the program itself and reading any take keep some tens of megabytes.
 constexpr double kWorkingFactor = 2.0;
-constexpr std::uint64_t kTakeBytes = 32 * kMega;
+constexpr std::uint64_t kTakeBytes = 48 * kMega;
 
 std::uint64_t instant_bytes(const Plan& plan) {
   const std::uint64_t sensors = plan.rig.size(), joints = plan.joints.size();
