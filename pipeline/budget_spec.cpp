@@ -36,7 +36,7 @@ void check_fits(JsonObject& object, const StudySpec& study, const SimulationSpec
 }  // namespace
 
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
-                        const SimulationSpec& fallback) {
+                        const SimulationSpec& fallback, OutsidePaths outside) {
   JsonObject object(json, place, "");
   object.choice("kind", {"error_budget"});
   BudgetSpec spec;
@@ -47,7 +47,7 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
                   "\"simulation\"");
   spec.simulation = fallback;
   if (const std::string path = object.text("simulation", ""); !path.empty())
-    spec.simulation = read_simulation(folder / path);
+    spec.simulation = read_simulation(folder / path, outside);
   if (!spec.simulation.body_tracker)
     object.refuse("simulation", "has no \"body_tracker\", whose errors a budget takes apart");
   spec.simulation.seed = object.count("seed", spec.simulation.seed);

@@ -14,9 +14,9 @@ struct BudgetSpec {
   StudySpec study;  // what every part is evaluated with
 };
 
-// `simulation` is a path relative to `folder`; without one it is `fallback`, the paper's campaign. `seed` and
-// `participants` replace those of the simulation.
+// `simulation` is a path relative to `folder`, wherever it leads; without one it is `fallback`, the paper's
+// campaign. `seed` and `participants` replace those of the simulation.
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
-                        const SimulationSpec& fallback);
+                        const SimulationSpec& fallback, OutsidePaths outside = OutsidePaths::refused);
 
 }  // namespace trilat

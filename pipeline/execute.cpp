@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/execute.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "datasets/results/declared_parameters.h"
@@ -32,10 +33,12 @@ ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
     return [&options, before, share](double done) { options.progress(before + share * done); };
   };
   RunOutcome outcome =
-      run_plan(plan, samples, {options.cross_check, options.stop_requested, from(0.0, kRunShare)});
+      run_plan(plan, samples,
+               {options.cross_check, options.stop_requested, from(0.0, kRunShare), options.memory_bytes});
   const Clock::time_point summary_start = Clock::now();
   const ResultsSummary summary =
-      summarise(plan, outcome, samples, kDistancesInMemoryBytes, from(kRunShare, 1.0 - kRunShare));
+      summarise(plan, outcome, samples, std::min(kDistancesInMemoryBytes, options.memory_bytes / 2),
+                from(kRunShare, 1.0 - kRunShare));
   outcome.times.summarise_s = seconds_since(summary_start);
   samples.finish();
   write_manifest(folder, plan, options.stop_requested);

@@ -6,6 +6,7 @@
 
 #include "datasets/results/summary.h"
 #include "datasets/take/campaign.h"
+#include "pipeline/memory_budget.h"
 #include "pipeline/study_spec.h"
 
 namespace trilat {
@@ -15,6 +16,7 @@ struct ExecuteOptions {
   bool cross_check = false;
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
+  std::uint64_t memory_bytes = half_of_memory_bytes();
 };
 
 // Plans and runs a study and writes the results folder: manifest.json, summary.json, samples.h5,

@@ -263,6 +263,7 @@ void run_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   const PlannedTake& planned = shared.plan.takes[index];
   try {
     if (!planned.ok) throw InputError(planned.place, planned.problem);
+    check_memory(shared.plan, planned, shared.options.memory_bytes);
     evaluate_take(shared, index, outcome);
   } catch (const OutputError&) {
     throw;
@@ -274,6 +275,19 @@ void run_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
   } catch (const Interrupted&) {
     shared.stopped = true;
   }
+}
+
+// No more takes at once than fit into the memory; threads without one help with the takes of others.
+void run_takes(Shared& shared, std::vector<TakeOutcome>& outcomes) {
+  std::atomic<std::size_t> next{0};
+  parallel_for_index(takes_at_once(shared.plan, shared.options.memory_bytes), 1, [&](std::size_t) {
+    for (std::size_t t; !shared.stopped && (t = next++) < outcomes.size();) try {
+        run_take(shared, t, outcomes[t]);
+      } catch (...) {
+        shared.stopped = true;
+        throw;
+      }
+  });
 }
 
 }  // namespace
@@ -300,7 +314,7 @@ RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& op
   for (const PlannedTake& take : plan.takes)
     shared.total_work += take.instants * (1 + kWindowedWork * windowed_methods(plan));
   std::vector<TakeOutcome> outcomes(plan.takes.size());
-  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) { run_take(shared, t, outcomes[t]); });
+  run_takes(shared, outcomes);
   if (shared.stopped) throw Interrupted();
   RunOutcome result;
   TakeCheck check;

@@ -8,6 +8,7 @@
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/tracking_summary.h"
+#include "pipeline/memory_budget.h"
 #include "pipeline/plan.h"
 
 namespace trilat {
@@ -15,7 +16,8 @@ namespace trilat {
 struct RunOptions {
   bool cross_check = false;
   std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};  // share of the work done
+  std::function<void(double)> progress = {};            // share of the work done
+  std::uint64_t memory_bytes = half_of_memory_bytes();  // takes are evaluated at once as far as they fit
 };
 
 // Where the time of a run went, in seconds summed over threads.

@@ -2,6 +2,7 @@
 #include "datasets/calibration/opencv_intrinsics.h"
 
 #include <algorithm>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,43 @@ namespace {
 
 constexpr const char* kWanted =
     "wanted is an OpenCV file with cameraMatrix and distortionCoefficients, such as calib_ir.yaml";
+
+constexpr std::size_t kMostBytes = 1u << 20;
+constexpr int kMostBrackets = 8;  // inside each other
+
+// "name:", a comment, something indented below a name, or nothing.
+bool is_line_of_a_map(const std::string& line, bool names_before) {
+  const std::size_t first = line.find_first_not_of(" \r");
+  if (first == std::string::npos || line[first] == '#') return true;
+  if (first > 0) return names_before;
+  const std::size_t colon =
+      line.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.");
+  return line[0] != '-' && line[0] != '.' && colon != std::string::npos && colon > 0 && line[colon] == ':';
+}
+
+bool brackets_are_shallow(const std::string& text) {
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+    if (depth > kMostBrackets) return false;
+  }
+  return true;
+}
+
+// OpenCV's parser (4.6) never comes back from some texts with a second document or a name that is not in the
+// first column, nor from deep brackets: they must not reach it.
+bool is_one_map(const std::string& text) {
+  if (text.size() > kMostBytes || !text.starts_with("%YAML") || !brackets_are_shallow(text)) return false;
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);
+  for (bool names = false, begins = true; std::getline(lines, line); begins = false) {
+    if (begins && line.starts_with("---") && line.find_first_not_of(" \r", 3) == std::string::npos) continue;
+    if (!is_line_of_a_map(line, names)) return false;
+    names |= !line.empty() && line[0] != ' ' && line[0] != '#' && line[0] != '\r';
+  }
+  return true;
+}
 
 // OpenCV prints every error it throws to stderr; we say it once, ourselves.
 class SilentOpenCv {
@@ -37,6 +75,7 @@ class IntrinsicsFile {
   IntrinsicsFile(const std::filesystem::path& path, const std::string& text) : place_(path.string()) {
     if (text.empty()) refuse(fmt::format("is empty; {}", kWanted));
     if (text.find('\0') != std::string::npos) refuse(fmt::format("is not text; {}", kWanted));
+    if (!is_one_map(text)) refuse(fmt::format("is not YAML as OpenCV writes it; {}", kWanted));
     if (!storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY))
       refuse(fmt::format("cannot be read by OpenCV; {}", kWanted));
   }

@@ -22,7 +22,7 @@ struct DepthRays {
   }
   Eigen::Vector3d point_in_sensor_m(int column, int row, double depth_m) const {
     const std::size_t i = index(column, row);
-    return depth_m * Eigen::Vector3d(x[i], y[i], 1.0);
+    return depth_m * Eigen::Vector3d(static_cast<double>(x[i]), static_cast<double>(y[i]), 1.0);
   }
 };
 

@@ -36,6 +36,14 @@ std::uint32_t fletcher32(std::span<const std::byte> data) {
   return fold(high) << 16 | fold(low);
 }
 
+// Of at least four bytes, the last four.
+std::uint32_t stored_checksum(std::span<const std::byte> chunk) {
+  std::uint32_t sum = 0;
+  for (std::size_t byte = 0; byte < 4; ++byte)
+    sum |= std::to_integer<std::uint32_t>(chunk[chunk.size() - 4 + byte]) << (8 * byte);
+  return sum;
+}
+
 std::vector<std::byte> deflate_bytes(std::span<const std::byte> raw) {
   uLongf size = compressBound(raw.size());
   std::vector<std::byte> out(size);
@@ -63,13 +71,8 @@ std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t 
   return out;
 }
 
-bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw) {
-  if (chunk.size() < 4) return false;
-  const std::span<const std::byte> data = chunk.first(chunk.size() - 4);
-  std::uint32_t stored = 0;
-  for (std::size_t byte = 0; byte < 4; ++byte)
-    stored |= std::to_integer<std::uint32_t>(chunk[data.size() + byte]) << (8 * byte);
-  if (fletcher32(data) != stored) return false;
+bool decompress_bytes(std::span<const std::byte> data, ChunkCompression compression,
+                      std::span<std::byte> raw) {
   if (compression == ChunkCompression::blosc) return unblosc_bytes(data, raw);
   if (compression == ChunkCompression::deflate) {
     uLongf size = raw.size();
@@ -80,6 +83,20 @@ bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression
   if (data.size() != raw.size()) return false;
   std::copy(data.begin(), data.end(), raw.begin());
   return true;
+}
+
+bool strip_checksum(std::vector<std::byte>& chunk, bool check) {
+  if (chunk.size() < 4) return false;
+  const std::span<const std::byte> data(chunk.data(), chunk.size() - 4);
+  if (check && fletcher32(data) != stored_checksum(chunk)) return false;
+  chunk.resize(data.size());
+  return true;
+}
+
+bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw) {
+  if (chunk.size() < 4) return false;
+  const std::span<const std::byte> data = chunk.first(chunk.size() - 4);
+  return fletcher32(data) == stored_checksum(chunk) && decompress_bytes(data, compression, raw);
 }
 
 }  // namespace trilat

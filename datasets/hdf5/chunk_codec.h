@@ -32,6 +32,14 @@ std::vector<unsigned int> filter_values_of(ChunkCompression compression, std::si
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_bytes,
                                     ChunkCompression compression);
 
+// Takes the checksum off the end of a chunk. False when there is none, or it is wrong and `check` asks.
+bool strip_checksum(std::vector<std::byte>& chunk, bool check);
+
+// Decompresses into exactly raw.size() bytes and never more; false when there are not so many, or the stream
+// is damaged.
+bool decompress_bytes(std::span<const std::byte> data, ChunkCompression compression,
+                      std::span<std::byte> raw);
+
 // The raw bytes of a chunk made by encode_chunk(). False when the checksum or the compressed stream is
 // damaged, or the chunk does not hold raw.size() bytes. Pure: any thread may call it.
 bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw);

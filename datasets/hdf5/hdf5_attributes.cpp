@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxTextBytes = 1u << 16;
 constexpr std::size_t kMaxTexts = 4096;
+constexpr std::size_t kMaxTextsBytes = 1u << 20;  // of all together
 
 struct Ids {
   hid_t attribute = -1, type = -1, space = -1;
@@ -53,7 +54,7 @@ std::vector<std::string> read_texts(const Ids& ids, const std::string& place) {
   const std::size_t size = H5Tget_size(ids.type);
   const hssize_t count = H5Sget_simple_extent_npoints(ids.space);
   if (H5Tis_variable_str(ids.type) > 0 || size == 0 || size > kMaxTextBytes || count < 0 ||
-      static_cast<std::size_t>(count) > kMaxTexts)
+      static_cast<std::size_t>(count) > kMaxTexts || size * static_cast<std::size_t>(count) > kMaxTextsBytes)
     throw InputError(place, "is a text of a kind or size this format does not have");
   std::vector<char> buffer(size * static_cast<std::size_t>(count) + 1, '\0');
   if (H5Aread(ids.attribute, ids.type, buffer.data()) < 0) throw InputError(place, "cannot be read");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rows that go to and from the file without passing the library's filters.
 #include <algorithm>
+#include <bit>
 
 #include <hdf5.h>
 
@@ -61,24 +62,46 @@ bool H5Table::has_filtered_row(std::uint64_t row) const {
          bytes > 0;
 }
 
-std::uint64_t H5Table::first_row_of_last_chunk() const {
-  const H5Handle list(H5Dget_create_plist(id_.id()), [](std::int64_t id) { return int{H5Pclose(id)}; });
-  std::vector<hsize_t> chunk(1 + row_shape_.size(), 0);
-  const std::uint64_t all = rows();
-  if (list.id() < 0 || H5Pget_layout(list.id()) != H5D_CHUNKED || all == 0 ||
-      H5Pget_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data()) !=
-          static_cast<int>(chunk.size()) ||
-      chunk[0] == 0)
-    return all;
-  return (all - 1) / chunk[0] * chunk[0];
+// All chunks but the last can be kept: a writer at work, or killed, changes no other.
+std::span<const std::byte> H5Table::chunk_at(std::uint64_t first_row) {
+  static_assert(std::endian::native == std::endian::little, "the file's numbers are little-endian");
+  if (decoded_first_row_ == first_row) return decoded_;
+  decoded_first_row_.reset();
+  decoded_.assign(stored_.chunk_rows * row_elements_ * stored_.element_bytes, std::byte{0});
+  const std::vector<hsize_t> offset = first_element(first_row, row_shape_.size());
+  const bool last = first_row + stored_.chunk_rows >= rows();
+  hsize_t bytes = 0;
+  if (H5Dget_chunk_storage_size(id_.id(), offset.data(), &bytes) < 0) bytes = 0;
+  if (bytes > 0) {  // a chunk that was never written is all zeros
+    std::uint32_t skipped = 0;
+    std::vector<std::byte> chunk(bytes <= most_stored_bytes(decoded_.size()) ? bytes : 0);
+    if (chunk.empty() || H5Dread_chunk(id_.id(), H5P_DEFAULT, offset.data(), &skipped, chunk.data()) < 0 ||
+        !decode_rows(std::move(chunk), stored_, skipped, !(last && torn_end_accepted_), decoded_))
+      throw InputError(place_, "cannot be read: the stored data are damaged (rows " +
+                                   std::to_string(first_row) + " and following)");
+  }
+  if (!last) decoded_first_row_ = first_row;
+  return decoded_;
+}
+
+void H5Table::read_filtered(std::uint64_t first_row, std::span<std::byte> out) {
+  const std::uint64_t row_bytes = row_elements_ * stored_.element_bytes;
+  for (std::uint64_t row = first_row; !out.empty();) {
+    const std::uint64_t chunk_row = row / stored_.chunk_rows * stored_.chunk_rows;
+    const std::span<const std::byte> chunk = chunk_at(chunk_row).subspan((row - chunk_row) * row_bytes);
+    const std::size_t count = std::min<std::size_t>(chunk.size(), out.size());
+    std::copy_n(chunk.begin(), count, out.begin());
+    out = out.subspan(count);
+    row += count / row_bytes;
+  }
 }
 
 std::vector<std::byte> H5Table::read_filtered_row(std::uint64_t row) const {
   const std::vector<hsize_t> offset = first_element(row, row_shape_.size());
   hsize_t bytes = 0;
   std::uint32_t mask = 0;
-  constexpr hsize_t kMostBytes = hsize_t{64} << 20;
-  if (H5Dget_chunk_storage_size(id_.id(), offset.data(), &bytes) < 0 || bytes == 0 || bytes > kMostBytes)
+  const hsize_t most_bytes = most_stored_bytes(row_elements_ * stored_.element_bytes);
+  if (H5Dget_chunk_storage_size(id_.id(), offset.data(), &bytes) < 0 || bytes == 0 || bytes > most_bytes)
     throw InputError(place_, "cannot be read: row " + std::to_string(row) + " is not there");
   std::vector<std::byte> chunk(bytes);
   if (H5Dread_chunk(id_.id(), H5P_DEFAULT, offset.data(), &mask, chunk.data()) < 0 || mask != 0)

@@ -108,6 +108,7 @@ void prepare_library() {
     TRILAT_CHECK(H5open() >= 0 && H5is_library_threadsafe(&safe) >= 0 && safe,
                  "the HDF5 library is a thread-safe build");
     register_blosc_filter();
+    H5PLset_loading_state(0);  // a file must not make this program load code
     return true;
   }();
   (void)ready;
@@ -170,7 +171,7 @@ void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
   transfer(first, const_cast<void*>(data), elements, type, true);
 }
 
-bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, Move move) {
+bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
   std::vector<hsize_t> start(1 + row_shape_.size(), 0);
   std::vector<hsize_t> count{elements / row_elements_};
   count.insert(count.end(), row_shape_.begin(), row_shape_.end());
@@ -180,10 +181,8 @@ bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t element
                                      close_space, place_, "cannot be addressed");
   H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
   const hid_t memory = memory_type(type), from = memory_space.id(), to = file_space.id();
-  if (move == Move::write) return H5Dwrite(id_.id(), memory, from, to, H5P_DEFAULT, data) >= 0;
-  const H5Handle list = wrap(H5Pcreate(H5P_DATASET_XFER), close_list, place_, "cannot be prepared");
-  if (move == Move::read_unchecked && H5Pset_edc_check(list.id(), H5Z_DISABLE_EDC) < 0) return false;
-  return H5Dread(id_.id(), memory, from, to, list.id(), data) >= 0;
+  return (write ? H5Dwrite(id_.id(), memory, from, to, H5P_DEFAULT, data)
+                : H5Dread(id_.id(), memory, from, to, H5P_DEFAULT, data)) >= 0;
 }
 
 void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
@@ -192,18 +191,11 @@ void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements
   prepare_library();
   const std::uint64_t end_row = first_row + elements / row_elements_;
   if (end_row > rows()) throw InputError(place_, "ends before row " + std::to_string(end_row));
-  if (move_rows(first_row, data, elements, type, write ? Move::write : Move::read)) return;
+  if (!write && !stored_.filters.empty())
+    return read_filtered(first_row,
+                         {static_cast<std::byte*>(data), elements * H5Tget_size(memory_type(type))});
+  if (move_rows(first_row, data, elements, type, write)) return;
   if (write) refuse_output(place_, "cannot be written");
-  const std::uint64_t torn_row = torn_end_accepted_ ? first_row_of_last_chunk() : end_row;
-  if (end_row > torn_row) {
-    // only the last chunk may have a checksum that is not its own
-    const std::uint64_t sound = torn_row > first_row ? (torn_row - first_row) * row_elements_ : 0;
-    const std::size_t element_bytes = H5Tget_size(memory_type(type));
-    if ((sound == 0 || move_rows(first_row, data, sound, type, Move::read)) &&
-        move_rows(std::max(first_row, torn_row), static_cast<std::byte*>(data) + sound * element_bytes,
-                  elements - sound, type, Move::read_unchecked))
-      return;
-  }
   refuse(place_, "cannot be read: the stored data are damaged");
 }
 
@@ -305,6 +297,7 @@ H5Table H5Node::table(const std::string& name, H5Type type,
     throw InputError(table.place_, "has another shape or element type than this format version has");
   table.row_shape_ = row_shape;
   for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
+  table.stored_ = check_stored_rows(table.id_.id(), table.place_, row_shape, H5Tget_size(memory_type(type)));
   return table;
 }
 
@@ -325,6 +318,7 @@ H5File H5File::open(const std::filesystem::path& path) {
   prepare_library();
   if (!std::filesystem::exists(path)) throw InputError(path.string(), "does not exist");
   if (std::filesystem::is_directory(path)) throw InputError(path.string(), "is a folder; a file is needed");
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), "is no file");
   H5File file;
   file.place_ = path.string() + ":";
   hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "datasets/hdf5/chunk_codec.h"
+#include "datasets/hdf5/stored_rows.h"
 
 namespace trilat {
 
@@ -46,9 +47,9 @@ struct H5Layout {
   std::vector<unsigned int> filter_values{};
 };
 
-// Rows of one shape and type. Reads never exceed what the file really holds: rows() is the
-// library's own count, and the shape is checked when the table is opened. All errors are InputError
-// with the place `file.h5:/path`.
+// Rows of one shape and type. Shape and storage are checked when a table is opened (check_stored_rows()), so
+// that reads never exceed what the file really holds; filters are undone by this program, not by the library.
+// All errors are InputError with the place `file.h5:/path`. One thread at a time may use a table.
 class H5Table {
  public:
   std::uint64_t rows() const;
@@ -87,17 +88,20 @@ class H5Table {
   friend class H5Node;
   void append_raw(const void* data, std::size_t elements, H5Type type);
   void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
-  enum class Move { write, read, read_unchecked };
   // False when the library says no.
-  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, Move move);
+  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
+  void read_filtered(std::uint64_t first_row, std::span<std::byte> rows);
+  std::span<const std::byte> chunk_at(std::uint64_t first_row);
   void extend_to(std::uint64_t rows);
-  std::uint64_t first_row_of_last_chunk() const;
 
   H5Handle id_;
   std::string place_;
   std::vector<std::uint64_t> row_shape_;
   std::uint64_t row_elements_ = 1;
+  StoredRows stored_;  // of a table that was opened
   bool torn_end_accepted_ = false;
+  std::optional<std::uint64_t> decoded_first_row_;
+  std::vector<std::byte> decoded_;  // the chunk of that row
 };
 
 // A group, or the root of a file.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/samples.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
@@ -17,6 +18,8 @@ namespace {
 constexpr const char* kFormat = "trilat.samples";
 constexpr std::int64_t kVersion = 2;
 constexpr std::size_t kMaxTakes = 20'000;
+constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
+constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
 
 struct TakeTables {
   H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, error_m, status, iterations, cost_m2,
@@ -40,6 +43,15 @@ TakeTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table& t
 }
 
 using Shape = std::vector<std::uint64_t>;
+
+void check_block(const SampleBlock& block, const TakeTables& t, std::size_t statuses) {
+  const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
+  if (first != block.time_ns.end() && (*first < -kMostNs || *last > kMostNs))
+    throw InputError(t.time_ns.place(), "holds a time beyond 73 years, which no clock shows");
+  const auto status = std::max_element(block.status.begin(), block.status.end());
+  if (status != block.status.end() && *status >= statuses)
+    throw InputError(t.status.place(), fmt::format("holds the status {}, which has no name", *status));
+}
 
 // Groups are numbered so that they sort in the order of the takes.
 std::string group_name(std::size_t take) { return fmt::format("{:05}", take); }
@@ -112,6 +124,10 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
   s.header.methods = s.file.texts("methods");
   s.header.status_names = s.file.texts("status_names");
   s.header.alignment = s.file.text("alignment");
+  if (s.header.joints.size() * s.header.methods.size() > kMaxEstimates)
+    throw InputError(path.string(),
+                     fmt::format("has {} joints x {} methods, more than the {} allowed",
+                                 s.header.joints.size(), s.header.methods.size(), kMaxEstimates));
   const H5Node takes = s.file.group("takes");
   for (const std::string& name : takes.children(kMaxTakes)) {
     const H5Node node = takes.group(name);
@@ -167,6 +183,7 @@ SampleBlock SamplesFile::read(std::size_t take, std::uint64_t first_instant, std
   get(t.estimate_m, b.estimate_m);
   get(t.status, b.status);
   get(t.occluded, b.occluded);
+  check_block(b, t, state_->header.status_names.size());
   if (columns == SampleColumns::positions) return b;
   get(t.ranges, b.ranges);
   get(t.iterations, b.iterations);

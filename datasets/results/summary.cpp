@@ -88,6 +88,7 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   s.conditions = object.texts("conditions");
   s.groups = object.texts("groups");
   s.alignments = object.texts("alignments");
+  if (s.alignments.empty()) object.refuse("alignments", "must name at least one alignment");
   s.resamples = object.count("resamples");
   s.block_s = number_or_nan(object, "block_s");
   for (JsonObject& cell : object.objects("cells")) s.cells.push_back(read_cell(cell));

@@ -66,24 +66,25 @@ SweepRanking read_ranking(JsonObject object, std::size_t interpretations) {
   return ranking;
 }
 
-std::vector<double> read_factors(JsonObject& object, const std::string& key) {
+std::vector<double> read_factors(JsonObject& object, const std::string& key, std::size_t ranges) {
   const Json& values = object.value(key);
-  if (!values.is_array()) object.refuse(key, "must be an array of numbers");
+  if (!values.is_array() || values.empty() || values.size() != ranges)
+    object.refuse(key, "must be an array of a number for each range");
   std::vector<double> factors;
   for (const Json& value : values)
     factors.push_back(value.is_number() ? value.get<double>() : SweepCell::kNone);
   return factors;
 }
 
-SweepCompromise read_compromise(JsonObject& object, std::size_t interpretations) {
+SweepCompromise read_compromise(JsonObject& object, std::size_t interpretations, std::size_t ranges) {
   SweepCompromise c;
   c.best_for = object.text("best_for");
   c.printed = read_index(object, "printed", interpretations);
   c.corrected = read_index(object, "corrected", interpretations);
-  c.printed_iterations_factor = read_factors(object, "printed_iterations_factor");
-  c.corrected_iterations_factor = read_factors(object, "corrected_iterations_factor");
-  c.printed_error_factor = read_factors(object, "printed_error_factor");
-  c.corrected_error_factor = read_factors(object, "corrected_error_factor");
+  c.printed_iterations_factor = read_factors(object, "printed_iterations_factor", ranges);
+  c.corrected_iterations_factor = read_factors(object, "corrected_iterations_factor", ranges);
+  c.printed_error_factor = read_factors(object, "printed_error_factor", ranges);
+  c.corrected_error_factor = read_factors(object, "corrected_error_factor", ranges);
   c.printed_coverage = number_or_nan(object, "printed_coverage");
   c.corrected_coverage = number_or_nan(object, "corrected_coverage");
   object.finish();
@@ -101,13 +102,13 @@ Json json_of(const SweepSearch& search) {
   return json;
 }
 
-SweepSearch read_search(JsonObject object, std::size_t interpretations) {
+SweepSearch read_search(JsonObject object, std::size_t interpretations, std::size_t ranges) {
   SweepSearch search;
   search.tried = object.count("tried");
   search.errors = read_ranking(object.object("errors"), interpretations);
   search.times = read_ranking(object.object("times"), interpretations);
   for (JsonObject& c : object.objects("compromises"))
-    search.compromises.push_back(read_compromise(c, interpretations));
+    search.compromises.push_back(read_compromise(c, interpretations, ranges));
   object.finish();
   return search;
 }

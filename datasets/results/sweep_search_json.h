@@ -10,7 +10,7 @@ namespace trilat {
 
 // The member "search" of a sweep's summary.json.
 Json json_of(const SweepSearch& search);
-// Refuses numbers of interpretations that the summary does not have.
-SweepSearch read_search(JsonObject object, std::size_t interpretations);
+// Refuses numbers of interpretations that the summary does not have, and factors that are not one a range.
+SweepSearch read_search(JsonObject object, std::size_t interpretations, std::size_t ranges);
 
 }  // namespace trilat

@@ -159,7 +159,8 @@ SweepSummary read_sweep_summary(const std::filesystem::path& folder) {
   for (JsonObject& range : object.objects("ranges")) s.ranges.push_back(read_range(range));
   for (JsonObject& i : object.objects("interpretations")) s.interpretations.push_back(read_interpretation(i));
   for (JsonObject& cell : object.objects("cells")) s.cells.push_back(read_cell(cell));
-  if (object.has("search")) s.search = read_search(object.object("search"), s.interpretations.size());
+  if (object.has("search"))
+    s.search = read_search(object.object("search"), s.interpretations.size(), s.ranges.size());
   object.finish();
   check_cells(s, object);
   return s;

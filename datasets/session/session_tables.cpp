@@ -17,6 +17,27 @@ H5Table open_column(const H5Node& node, const layout::Column& column) {
   return node.table(column.name, column.type, column.row_shape);
 }
 
+// What readers hold in memory at once is bounded by these: 6 days of frames at 30 Hz, 12 of exchanges at 4
+// Hz.
+constexpr std::uint64_t kMostFrames = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMostExchanges = std::uint64_t{1} << 22;
+constexpr std::uint64_t kMostDropCounts = std::uint64_t{1} << 20;
+constexpr std::uint64_t kMostNotices = std::uint64_t{1} << 16;
+
+void check_rows(const H5Table& table, std::uint64_t most) {
+  if (table.rows() > most)
+    throw InputError(table.place(), "has " + std::to_string(table.rows()) + " rows; a session has at most " +
+                                        std::to_string(most));
+}
+
+void check_rows(const SensorTables& t) {
+  check_rows(t.body_count, kMostFrames);
+  if (t.depth_frames) check_rows(*t.depth_frames, kMostFrames);
+  check_rows(t.clock_exchanges, kMostExchanges);
+  check_rows(t.drop_counts, kMostDropCounts);
+  if (t.notices) check_rows(t.notices->text, kMostNotices);
+}
+
 // The rows that all tables have, and how many some have beyond.
 struct CommonRows {
   std::uint64_t rows = std::numeric_limits<std::uint64_t>::max();
@@ -169,6 +190,7 @@ BodyColumns::BodyColumns(const H5Node& node)
 
 SensorTables open_sensor_tables(const H5Node& sensor, bool complete) {
   SensorTables t = open_all(sensor);
+  check_rows(t);
   if (!complete) accept_torn_ends(t);
   const auto limits = flushed_rows(sensor, complete);
   const CommonRows frame_rows = common_rows(body_frame_tables(t));

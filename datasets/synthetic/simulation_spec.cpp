@@ -106,7 +106,7 @@ ActivitySpec read_activity(JsonObject& object) {
 }  // namespace
 
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
-                                const std::filesystem::path& folder) {
+                                const std::filesystem::path& folder, OutsidePaths outside) {
   JsonObject object(json, place, "");
   SimulationSpec spec;
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
@@ -126,7 +126,8 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   }
   if (object.has("recorded")) {
     JsonObject recorded = object.object("recorded");
-    spec.recorded = RecordedSpec{folder / recorded.text("mocap"), folder / recorded.text("mapping")};
+    spec.recorded = RecordedSpec{path_within(recorded, "mocap", folder, outside),
+                                 path_within(recorded, "mapping", folder, outside)};
     spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
     recorded.finish();
   }
@@ -157,8 +158,8 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   return spec;
 }
 
-SimulationSpec read_simulation(const std::filesystem::path& path) {
-  return parse_simulation(read_json(path), path.string(), path.parent_path());
+SimulationSpec read_simulation(const std::filesystem::path& path, OutsidePaths outside) {
+  return parse_simulation(read_json(path), path.string(), path.parent_path(), outside);
 }
 
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m) {

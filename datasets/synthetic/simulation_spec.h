@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/paths_inside.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"
@@ -90,10 +91,12 @@ struct SimulationSpec {
   std::optional<WandSpec> wand;
 };
 
-// Paths inside are taken relative to `folder`.
+// Paths are relative to `folder` and must lie in it unless others are allowed.
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
-                                const std::filesystem::path& folder);
-SimulationSpec read_simulation(const std::filesystem::path& path);
+                                const std::filesystem::path& folder,
+                                OutsidePaths outside = OutsidePaths::refused);
+SimulationSpec read_simulation(const std::filesystem::path& path,
+                               OutsidePaths outside = OutsidePaths::refused);
 
 // The poses of the rig's sensors, named k1, k2, …; they look at the centre.
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m);

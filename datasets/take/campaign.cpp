@@ -31,25 +31,21 @@ bool is_plain_name(const std::string& text) {
          });
 }
 
-Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
+Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePaths outside) {
   Take take;
   take.id = entry.text("id");
   if (!is_plain_name(take.id))
     entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
   take.participant = entry.text("participant");
   take.activity = entry.text("activity", "");
-  take.session = folder / entry.text("session");
-  take.calibration = folder / entry.text("calibration");
-  take.mocap = folder / entry.text("mocap");
-  take.mapping = folder / entry.text("mapping");
+  take.session = path_within(entry, "session", folder, outside);
+  take.calibration = path_within(entry, "calibration", folder, outside);
+  take.mocap = path_within(entry, "mocap", folder, outside);
+  take.mapping = path_within(entry, "mapping", folder, outside);
   take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
-  if (entry.has("tracker_truth")) {
-    const std::string truth = entry.text("tracker_truth");
-    if (truth.empty()) entry.refuse("tracker_truth", "must name a file, or be left out");
-    take.tracker_truth = folder / truth;
-  }
+  if (entry.has("tracker_truth")) take.tracker_truth = path_within(entry, "tracker_truth", folder, outside);
   entry.finish();
   return take;
 }
@@ -87,7 +83,7 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
   write_file(path, Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}.dump(2) + "\n");
 }
 
-Campaign read_campaign(const std::filesystem::path& path) {
+Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "campaign.json" : path;
   const Json json = read_json(file);
   JsonObject object(json, file.string(), "");
@@ -98,7 +94,7 @@ Campaign read_campaign(const std::filesystem::path& path) {
   campaign.simulated = object.boolean("simulated", false);
   std::set<std::string> ids;
   for (JsonObject& entry : object.objects("takes")) {
-    campaign.takes.push_back(read_take(entry, file.parent_path()));
+    campaign.takes.push_back(read_take(entry, file.parent_path(), outside));
     if (!ids.insert(campaign.takes.back().id).second)
       entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/paths_inside.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
@@ -52,8 +53,10 @@ struct Campaign {
   std::filesystem::path folder{};  // where it was read from
 };
 
-// `path` is the folder or its campaign.json. Take ids must be unique and usable as names.
-Campaign read_campaign(const std::filesystem::path& path);
+// `path` is the folder or its campaign.json. Take ids must be unique and usable as names; files must lie in
+// the folder unless others are allowed.
+Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside = OutsidePaths::refused);
+// Writes paths relative to `folder`, whatever they are.
 void write_campaign(const std::filesystem::path& folder, const Campaign& campaign);
 
 }  // namespace trilat

@@ -41,9 +41,10 @@ ResultsSummary evaluate_source(const BudgetSpec& spec, ErrorSource source,
                         options.stop_requested, [&](double share) { tell(kSimulating * share); });
   if (source == ErrorSource::calibration || source == ErrorSource::all)
     perturb(spec, folder / "campaign", campaign);
-  return execute_study(spec.study, campaign, folder / "results",
-                       {options.threads, false, options.stop_requested,
-                        [&](double share) { tell(kSimulating + (1.0 - kSimulating) * share); }});
+  return execute_study(
+      spec.study, campaign, folder / "results",
+      {options.threads, false, options.stop_requested,
+       [&](double share) { tell(kSimulating + (1.0 - kSimulating) * share); }, options.memory_bytes});
 }
 
 void write_budget_manifest(const std::filesystem::path& folder, const BudgetSpec& spec) {

@@ -37,6 +37,12 @@ struct AllArguments {
   GateArguments gate;
 };
 
+void add_allow_outside(CLI::App& verb, OutsidePaths& outside, const std::string& document) {
+  verb.add_flag_callback(
+      "--allow-outside", [&outside] { outside = OutsidePaths::allowed; },
+      "let " + document + " name files outside its own folder");
+}
+
 void add_inspection(CLI::App& app, AllArguments& a, int& code) {
   auto* mocap_verb = app.add_subcommand(
       "mocap",
@@ -92,6 +98,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       app.add_subcommand("simulate", "virtual Kinects watch a generated person or a real OptiTrack take");
   simulate_verb->add_option("spec", a.simulate.spec, "simulation.json")->required();
   simulate_verb->add_option("-o,--output", a.simulate.output, "folder of the campaign")->required();
+  add_allow_outside(*simulate_verb, a.simulate.outside, "simulation.json");
   add_json(*simulate_verb, a.simulate.json);
   simulate_verb->callback([&] {
     end_in_order();
@@ -108,9 +115,14 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   run_verb->add_option("--threads", a.run.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  run_verb
+      ->add_option("--memory-mb", a.run.memory_mb,
+                   "evaluate no more takes at once than fit into so much memory; half of what there is")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
   run_verb->add_flag("--cross-check", a.run.cross_check,
                      "solve again with Ceres, report the worst difference and fail beyond the study's limit");
   run_verb->add_flag("--dry-run", a.run.dry_run, "print the plan and stop");
+  add_allow_outside(*run_verb, a.run.outside, "campaign.json or simulation.json");
   add_json(*run_verb, a.run.json);
   run_verb->callback([&] {
     end_in_order();

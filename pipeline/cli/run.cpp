@@ -81,7 +81,7 @@ int run(const RunArguments& arguments) {
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
                      "is missing; name it there or with --campaign DIR");
-  Campaign campaign = read_campaign(folder);
+  Campaign campaign = read_campaign(folder, arguments.outside);
   if (!arguments.calibration.empty()) {
     read_calibration(arguments.calibration);  // one error now instead of one a take
     for (Take& take : campaign.takes) take.calibration = arguments.calibration;
@@ -90,6 +90,7 @@ int run(const RunArguments& arguments) {
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   ExecuteOptions options;
   options.threads = arguments.threads;
+  if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
   options.cross_check = arguments.cross_check;
   options.stop_requested = stop_requested;
   ResultsSummary summary;

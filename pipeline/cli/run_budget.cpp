@@ -24,7 +24,8 @@ int run_budget_study(const RunArguments& arguments, const Json& study) {
   const SimulationSpec paper =
       parse_simulation(parse_json(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json"),
                        "pipeline/studies/paper_campaign.json", {});
-  const BudgetSpec spec = parse_budget(study, arguments.study.string(), arguments.study.parent_path(), paper);
+  const BudgetSpec spec =
+      parse_budget(study, arguments.study.string(), arguments.study.parent_path(), paper, arguments.outside);
   if (arguments.dry_run) {
     if (arguments.json)
       fmt::print("{}\n", json_text({{"study", resolved_json(spec.study)},
@@ -40,9 +41,10 @@ int run_budget_study(const RunArguments& arguments, const Json& study) {
   BudgetSummary summary;
   {
     PartProgress progress;
-    summary = execute_budget(spec, arguments.output,
-                             {arguments.threads, stop_requested,
-                              [&](const std::string& part, double share) { progress.set(part, share); }});
+    BudgetOptions options{arguments.threads, stop_requested,
+                          [&](const std::string& part, double share) { progress.set(part, share); }};
+    if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
+    summary = execute_budget(spec, arguments.output, options);
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text({{"results", arguments.output.string()}, {"simulated", true}}, 2));

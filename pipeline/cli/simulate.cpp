@@ -11,7 +11,7 @@
 namespace trilat {
 
 int simulate(const SimulateArguments& arguments) {
-  const SimulationSpec spec = read_simulation(arguments.spec);
+  const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
   if (std::filesystem::exists(arguments.output) && !std::filesystem::is_directory(arguments.output))
     throw InputError(arguments.output.string(), "is a file; a folder is needed");
   Campaign campaign;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/paths_inside.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -69,6 +70,7 @@ int mocap(const MocapArguments& arguments);
 struct SimulateArguments {
   std::filesystem::path spec;
   std::filesystem::path output;
+  OutsidePaths outside = OutsidePaths::refused;
   bool json = false;
 };
 int simulate(const SimulateArguments& arguments);
@@ -95,7 +97,9 @@ struct RunArguments {
   std::filesystem::path campaign;
   std::filesystem::path calibration;  // instead of the takes' own
   std::filesystem::path output;
-  int threads = 0;  // 0: as many as there are processors
+  OutsidePaths outside = OutsidePaths::refused;
+  int threads = 0;                         // 0: as many as there are processors
+  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
   bool cross_check = false;
   bool dry_run = false;
   bool json = false;

@@ -118,6 +118,20 @@ TEST_F(OpenCvIntrinsics, GivesOneClearErrorForFilesOfAnotherKind) {
   }
 }
 
+// OpenCV's own parser never returns from these.
+TEST_F(OpenCvIntrinsics, RefusesDocumentsThatItsLibraryWouldHangOn) {
+  for (const std::string text : {"%YAML:1.0\n   cols: 3\nncv-matrix\n   dt: 0.\n",
+                                 "%YAML:1.0\na: 1\n---\n-x\n", "%YAML:1.0\na: 1\n...\n-x\n"})
+    EXPECT_THAT(complaint(text), HasSubstr("is not YAML as OpenCV writes it")) << text;
+  EXPECT_THAT(complaint(kHead + "a: " + std::string(500'000, '[')), HasSubstr("is not YAML"));
+}
+
+TEST_F(OpenCvIntrinsics, ReadsCommentsWindowsLinesAndTheMarkOfADocument) {
+  const std::string text = "%YAML:1.0\r\n---\r\n# of k1\r\ncamera_matrix: [ " + kCamera +
+                           " ]\r\ndistortion_coefficients: [ 0.1,\r\n   0., 0., 0.,\r\n   0.1 ]\r\n";
+  EXPECT_EQ(read(text).fx_px, 366.5);
+}
+
 TEST_F(OpenCvIntrinsics, NamesAFileThatIsNotThere) {
   EXPECT_THAT(message_of([&] { read_opencv_intrinsics(folder_ / "none.yaml", 512, 424); }),
               HasSubstr("none.yaml"));

@@ -179,6 +179,15 @@ TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
   EXPECT_EQ(read_file(folder / "summary.json"), text);
 }
 
+TEST(Summary, OneWithoutAnyAlignmentIsRefused) {
+  const ScratchFolder folder;
+  ResultsSummary summary = summary_of({full_cell()});
+  summary.alignments.clear();
+  write_summary(folder.path(), summary);
+  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
+              HasSubstr("/alignments: must name at least one"));
+}
+
 TEST(Summary, ADifferenceThatContradictsItsIntervalIsRefused) {
   const ScratchFolder folder;
   ResultsSummary summary = summary_of({});
@@ -253,6 +262,19 @@ TEST(Samples, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(block.estimate_m[18], block_of(4, 2).estimate_m[0]);
   EXPECT_TRUE(std::isnan(block.truth_m[0]));
   EXPECT_EQ(samples.read_errors(1, 4, 1), std::vector<float>(18, 0.5f));
+}
+
+TEST(Samples, TimesAndStatusesThatNobodyWritesAreRefused) {
+  const ScratchFolder folder;
+  SampleBlock block = block_of(0, 5);
+  block.time_ns[3] = std::numeric_limits<std::int64_t>::min();
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", small_header());
+  samples.write(1, block);
+  EXPECT_THAT(message_of([&] { samples.read(1, 0, 5); }), HasSubstr("time_ns: holds a time beyond 73 years"));
+  block.time_ns[3] = 3;
+  block.status[2] = 7;
+  samples.write(1, block);
+  EXPECT_THAT(message_of([&] { samples.read(1, 0, 5); }), HasSubstr("status: holds the status 7"));
 }
 
 TEST(Samples, TheOrderOfWritingDoesNotChangeAByte) {

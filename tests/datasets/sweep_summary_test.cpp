@@ -105,6 +105,18 @@ TEST(SweepSummary, CellsThatDoNotFitItsListsAreRefused) {
               HasSubstr("/cells: must hold one cell"));
 }
 
+TEST(SweepSummary, ACompromiseHasAFactorForEachRangeOrIsRefused) {
+  const ScratchFolder folder;
+  SweepSummary summary = two_cells();
+  summary.search = SweepSearch{1, {}, {}, {}};
+  for (const std::vector<double>& factors : {std::vector<double>{}, {2.0, 3.0}}) {
+    summary.search->compromises = {{"errors", 0, 0, {900.0}, factors, {0.4}, {0.5}, 1.0, 0.75}};
+    write_sweep_summary(folder.path(), summary);
+    EXPECT_THAT(message_of([&] { read_sweep_summary(folder.path()); }),
+                HasSubstr("/search/compromises/0/corrected_iterations_factor: must be an array of a number"));
+  }
+}
+
 TEST(SweepTimings, AreAFileOfTheirOwnThatNeedNotBeThere) {
   const ScratchFolder folder;
   EXPECT_FALSE(read_sweep_timings(folder.path()));

@@ -8,9 +8,11 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
+#include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/network/wire.h"
 #include "tests/datasets/import/made_up_xef.h"
+#include "tests/fuzz/chosen_seeds.h"
 
 namespace trilat {
 namespace {
@@ -108,6 +110,37 @@ void write_session(const std::filesystem::path& path) {
   writer.finish();
 }
 
+// Motive's columns, as our own writer lays them out.
+void write_motive(const std::filesystem::path& path) {
+  MocapHeader header;
+  header.take_name = "walk";
+  header.capture_rate_hz = header.export_rate_hz = 100.0;
+  header.assets = {{AssetType::rigid_body, "Wand", "1F", "", true, true},
+                   {AssetType::marker, "a", "2A", "", false, true}};
+  OptitrackCsvWriter writer(path, header);
+  for (std::int64_t i = 0; i < 3; ++i) {
+    MocapFrame frame{i, {10'000'000 * i}, kMissing, std::vector<MocapPose>(2)};
+    frame.poses[0] = {{1.0, 2.0, 3.0}, Eigen::Quaterniond::Identity()};
+    if (i != 1) frame.poses[1].position_m = {0.5, 0.25, 0.125};
+    writer.write(frame);
+  }
+  writer.finish();
+}
+
+// Rows of the older formats, whose lines say what they are.
+constexpr const char* kRowFormat =
+    "comment,\"own\"\ninfo,version,1.1\ninfo,framecount,2\ninfo,rigidbodycount,1\n"
+    "rigidbody,\"Body 1\",1,1,0,0,0\n"
+    "frame,0,0.00000000,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n"
+    "rigidbody,0,0.00000000,\"Body 1\",1,0,1,1,2,3,6,1,2,3.5,1,0.5,0.001\n"
+    "frame,1,0.00833333,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n";
+
+constexpr const char* kIntrinsics =
+    "%YAML:1.0\n---\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+    "   data: [ 365.4, 0., 254.8, 0., 365.4, 205.3, 0., 0., 1. ]\n"
+    "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+    "   data: [ 0.09, -0.26, 0., 0., 0.09 ]\n";
+
 void write_seeds(const std::filesystem::path& folder) {
   const auto seed = [&](const std::string& fuzzer, const std::string& name) {
     make_folder(folder / fuzzer);
@@ -123,6 +156,12 @@ void write_seeds(const std::filesystem::path& folder) {
   write_file(seed("xef", "archived"), xef_seed(true));
   write_file(seed("wire", "hello_and_bye"), wire_seed());
   write_session(seed("session", "three_frames"));
+  write_motive(seed("mocap", "motive"));
+  write_file(seed("mocap", "rows"), kRowFormat);
+  write_file(seed("intrinsics", "kinect"), kIntrinsics);
+  write_settings_seeds(seed);
+  write_results_seeds(seed, folder / "sound_results");
+  write_tls_seeds(seed);
 }
 
 }  // namespace

@@ -113,8 +113,13 @@ TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
   EXPECT_TRUE(std::filesystem::exists(in(folder, "s.h5.partial")));
   const std::string study = file_with(folder, "study.json", R"({"format": "trilat.study", "version": 1,
       "kind": "accuracy", "name": "mine", "resamples": 0, "alignments": ["none"], "methods": [{"method": "mean"}]})");
-  const Ended ran = run_trilat(
-      folder, {"run", study, "--campaign", in(folder, "truth"), "-o", in(folder, "results"), "--json"});
+  const std::vector<std::string> run{
+      "run", study, "--campaign", in(folder, "truth"), "-o", in(folder, "results"), "--json"};
+  // the recording lies beside the folder that says what is true of it
+  expect_refused(run_trilat(folder, run), "/takes/0/session: \"../s.h5\" leads out of the folder by ..");
+  std::vector<std::string> allowed = run;
+  allowed.push_back("--allow-outside");
+  const Ended ran = run_trilat(folder, allowed);
   EXPECT_EQ(ran.code, 0) << ran.err;
 }
 

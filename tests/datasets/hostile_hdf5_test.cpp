@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+// Files that were made to mislead: sound ones of which one dataset was exchanged.
+#include <gmock/gmock.h>
+#include <zlib.h>
+
+#include "datasets/base/files.h"
+#include "datasets/hdf5/hdf5_file.h"
+#include "datasets/results/samples.h"
+#include "datasets/session/session_reader.h"
+#include "tests/datasets/exchanged_dataset.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string refusal_of(const std::filesystem::path& path) {
+  return message_of([&] {
+    const SessionReader session(path);
+    session.body_frames(0, 0, session.counts(0).body_frames);
+  });
+}
+
+TEST(HostileHdf5, RowsThatTheFileHasNoRoomForAreRefused) {
+  for (const hsize_t rows : {hsize_t{1} << 40, hsize_t{1} << 59}) {
+    const ScratchFolder folder;
+    const auto path = sound_session(folder);
+    Creation chunked;
+    chunked.chunks(kChunkRows);
+    exchange(path, kSequence, rows, chunked);
+    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("more than the file holds")));
+  }
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  exchange(path, kSequence, hsize_t{1} << 40, Creation());
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("claims 1099511627776 rows")));
+}
+
+TEST(HostileHdf5, ChunksOfGigabytesAreRefused) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  Creation creation;
+  creation.chunks(hsize_t{1} << 27);
+  exchange(path, kSequence, kRows, creation);
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("chunks of more than 16 MB")));
+}
+
+std::vector<std::byte> deflated_zeros(std::size_t bytes) {
+  std::vector<std::byte> zeros(bytes), out(compressBound(bytes));
+  uLongf size = out.size();
+  compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(zeros.data()), bytes);
+  out.resize(size);
+  return out;
+}
+
+TEST(HostileHdf5, AChunkThatInflatesBeyondItsSizeIsRefused) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  Creation creation;
+  creation.chunks(1 << 15);
+  H5Pset_deflate(creation.list, 9);
+  const auto bomb = deflated_zeros(std::size_t{200} << 20);  // in 200 kB, a chunk of 256 kB
+  ASSERT_LT(bomb.size(), std::size_t{8} << 15);
+  exchange(path, kSequence, kRows, creation, [&](hid_t dataset) {
+    const hsize_t first = 0;
+    ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, bomb.size(), bomb.data()), 0);
+  });
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
+}
+
+TEST(HostileHdf5, AChunkThatIsLargerThanItsRowsCanBeIsNotRead) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  Creation creation;
+  creation.chunks(kChunkRows);
+  H5Pset_deflate(creation.list, 9);
+  const auto bomb = deflated_zeros(std::size_t{100} << 20);
+  exchange(path, kSequence, kRows, creation, [&](hid_t dataset) {
+    const hsize_t first = 0;
+    ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, bomb.size(), bomb.data()), 0);
+  });
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
+}
+
+// A Blosc chunk says itself how many bytes it holds.
+TEST(HostileHdf5, ABloscChunkThatLiesAboutItsSizeIsRefused) {
+  for (const std::size_t bytes : {std::size_t{8}, std::size_t{1} << 20}) {
+    const ScratchFolder folder;
+    const auto path = sound_session(folder);
+    Creation creation;
+    creation.chunks(kChunkRows);
+    const auto values = filter_values_of(ChunkCompression::blosc, 8, 8 * kChunkRows);
+    H5Pset_filter(creation.list, kBloscFilter, H5Z_FLAG_MANDATORY, values.size(), values.data());
+    H5Pset_fletcher32(creation.list);
+    const auto chunk = encode_chunk(std::vector<std::byte>(bytes), 8, ChunkCompression::blosc);
+    exchange(path, kSequence, kRows, creation, [&](hid_t dataset) {
+      for (const hsize_t first : {hsize_t{0}, kChunkRows})
+        ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, chunk.size(), chunk.data()), 0);
+    });
+    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged"))) << bytes;
+  }
+}
+
+TEST(HostileHdf5, RowsInAnotherFileAreNotRead) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  write_file(folder / "secret", std::string(8 * kRows, 's'));
+  Creation external;
+  H5Pset_external(external.list, (folder / "secret").c_str(), 0, 8 * kRows);
+  exchange(path, kSequence, kRows, external);
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
+
+  const auto other = sound_session(folder);
+  const std::filesystem::path source = folder / "source.h5";
+  std::filesystem::copy_file(other, source);
+  Creation together;
+  const hid_t space = H5Screate_simple(1, &kRows, nullptr);
+  ASSERT_GE(H5Pset_virtual(together.list, space, source.c_str(), kSequence.c_str(), space), 0);
+  H5Sclose(space);
+  exchange(other, kSequence, kRows, together);
+  EXPECT_THAT(refusal_of(other), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
+}
+
+TEST(HostileHdf5, LinksOutOfTheFileAndByNameAreNotFollowed) {
+  const ScratchFolder folder;
+  const auto source = sound_session(folder);
+  std::filesystem::copy_file(source, folder / "other.h5");
+  for (const bool external : {false, true}) {
+    const auto path = sound_session(folder);
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const std::string moved = "/sensors/k1/body_frames/moved";
+    H5Lmove(file, kSequence.c_str(), file, moved.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    if (external)
+      H5Lcreate_external((folder / "other.h5").c_str(), kSequence.c_str(), file, kSequence.c_str(),
+                         H5P_DEFAULT, H5P_DEFAULT);
+    else
+      H5Lcreate_soft(moved.c_str(), file, kSequence.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    ASSERT_GE(H5Fclose(file), 0);
+    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("is missing"))) << external;
+  }
+}
+
+TEST(HostileHdf5, AGroupThatHoldsItselfIsRefused) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Lcreate_hard(file, "/sensors", file, "/sensors/loop", H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Fclose(file), 0);
+  EXPECT_THAT(refusal_of(path), HasSubstr("/sensors/loop@serial"));
+}
+
+TEST(HostileHdf5, NoFileMakesTheProgramLoadCode) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  Creation creation;
+  creation.chunks(kChunkRows);
+  constexpr H5Z_filter_t kSomebodysFilter = 40'000;
+  H5Pset_filter(creation.list, kSomebodysFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
+  exchange(path, kSequence, kRows, creation);
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("uses filters that are not read")));
+  unsigned plugins = 1;
+  ASSERT_GE(H5PLget_loading_state(&plugins), 0);
+  EXPECT_EQ(plugins, 0u);
+}
+
+TEST(HostileHdf5, OtherTypesAndRanksAreRefused) {
+  for (const char* name : {"/sensors/k1/body_frames/body_count", "/sensors/k1/clock_exchanges_ns"}) {
+    const ScratchFolder folder;
+    const auto path = sound_session(folder);
+    Creation chunked;
+    chunked.chunks(kChunkRows);
+    exchange(path, name, kRows, chunked);
+    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(name), HasSubstr("another shape or element type")));
+  }
+}
+
+TEST(HostileHdf5, AnAttributeOfManyMegabytesIsRefused) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Adelete(file, "note");
+  const hsize_t count = 4000;
+  const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, &count, nullptr);
+  H5Tset_size(type, 1000);
+  const hid_t attribute = H5Acreate2(file, "note", type, space, H5P_DEFAULT, H5P_DEFAULT);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Tclose(type);
+  ASSERT_GE(H5Fclose(file), 0);
+  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr("note"), HasSubstr("a kind or size")));
+}
+
+TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
+  const ScratchFolder folder;
+  SamplesHeader header;
+  header.joints = {"head"};
+  header.methods = {"linear"};
+  header.status_names = {"converged"};
+  header.takes = {{"a", 5, "walking"}};
+  SamplesFile::create(folder / "samples.h5", header).finish();
+  const hid_t file = H5Fopen((folder / "samples.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Adelete(file, "methods");
+  H5Adelete(file, "joints");
+  ASSERT_GE(H5Fclose(file), 0);
+  {
+    H5File again = H5File::open_for_update(folder / "samples.h5");
+    again.set_texts("methods", std::vector<std::string>(4000, "m"));
+    again.set_texts("joints", std::vector<std::string>(4000, "j"));
+  }
+  EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "samples.h5"); }),
+              HasSubstr("4000 joints x 4000 methods"));
+}
+
+TEST(HostileHdf5, SamplesWithMoreRowsThanBytesAreRefused) {
+  const ScratchFolder folder;
+  SamplesHeader header;
+  header.joints = {"head"};
+  header.methods = {"linear"};
+  header.status_names = {"converged"};
+  header.takes = {{"a", 5, "walking"}};
+  SamplesFile::create(folder / "samples.h5", header).finish();
+  exchange(folder / "samples.h5", "/takes/00000/time_ns", hsize_t{1} << 40, Creation());
+  EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "samples.h5"); }),
+              AllOf(HasSubstr("time_ns"), HasSubstr("claims")));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// A file of a results folder among sound ones: the first byte chooses which, JSON follows. All that a report
+// and a gate make of it is made.
+#include <fstream>
+
+#include "datasets/base/error.h"
+#include "datasets/results/accepted_baseline.h"
+#include "datasets/results/gate_history.h"
+#include "datasets/results/speed_file.h"
+#include "pipeline/gate/found_results.h"
+#include "reports/chapter.h"
+#include "reports/claims.h"
+#include "reports/figure_script.h"
+#include "reports/parameters_table.h"
+#include "reports/render.h"
+#include "tests/fuzz/fuzz_folder.h"
+#include "tests/fuzz/sound_files.h"
+
+namespace trilat {
+namespace {
+
+std::vector<SoundFile> copied_to(const std::filesystem::path& scratch) {
+  const char* sound = std::getenv("TRILAT_SOUND_RESULTS");
+  if (!sound) std::abort();
+  std::filesystem::copy(sound, scratch, std::filesystem::copy_options::recursive);
+  return sound_files(scratch);
+}
+
+void put(const SoundFile& file, const char* data, std::size_t size) {
+  std::ofstream(file.folder / file.name, std::ios::binary).write(data, static_cast<std::streamsize>(size));
+}
+
+void print(const Table& table) {
+  markdown_of(table);
+  csv_of(table);
+  latex_of(table);
+}
+
+void report_on(const SoundFile& file) {
+  if (file.name == "accepted.json") {
+    read_accepted(file.folder);
+  } else if (file.name == "speed.json") {
+    read_speed(file.folder);
+  } else if (file.name == "history.jsonl") {
+    read_history(file.folder / file.name);
+  } else if (file.name == "simulator.json") {
+    print(parameters_table(read_declared_parameters(file.folder), "fuzz"));
+  } else {
+    ClaimEvidence evidence;
+    const Chapter chapter = read_chapter(file.folder, evidence);
+    for (const Table& table : chapter.tables) print(table);
+    for (const DrawnFigure& figure : chapter.figures) gnuplot_script(figure.figure);
+    print(claims_table(evidence));
+  }
+}
+
+template <class Work>
+void tolerate_bad_input(const Work& work) {
+  try {
+    work();
+  } catch (const InputError&) {
+  }
+}
+
+}  // namespace
+}  // namespace trilat
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace trilat;
+  static const FuzzFolder scratch("results");
+  static const std::vector<SoundFile> files = copied_to(scratch.path());
+  if (size == 0) return 0;
+  const SoundFile& file = files[data[0] % files.size()];
+  put(file, reinterpret_cast<const char*>(data) + 1, size - 1);
+  tolerate_bad_input([&] { report_on(file); });
+  tolerate_bad_input([&] { find_results(file.folder); });
+  put(file, file.text.data(), file.text.size());
+  return 0;
+}

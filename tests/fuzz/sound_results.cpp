@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "tests/fuzz/sound_results.h"
+
+#include "datasets/base/files.h"
+#include "datasets/results/accepted_baseline.h"
+#include "datasets/results/budget_summary.h"
+#include "datasets/results/gate_history.h"
+#include "datasets/results/speed_file.h"
+#include "pipeline/execute.h"
+#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/sweep/execute_sweep.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/sweeps.h"
+#include "tests/reports/calibration_summaries.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_accuracy(const fs::path& scratch) {
+  const Campaign campaign = simulate_into(scratch / "campaign", walking_spec(2, 0.5));
+  const StudySpec study = study_of(
+      R"("methods": [{"name": "linear", "method": "linear"}, {"name": "nonlinear", "method": "nonlinear"},
+                     {"name": "mean", "method": "mean"}],
+         "alignments": ["mean", "none"], "resamples": 200, "rate_hz": 10)");
+  execute_study(study, campaign, scratch / "accuracy", {.threads = 1});
+}
+
+void write_sweep(const fs::path& scratch) {
+  const SweepPlan plan =
+      sweep_plan_of(kOneRig + R"(, "trials": 20, "digits_trials": 10, "max_iterations": 50, "search": true,
+                                 "time_problems": 16, "time_repeats": 1)");
+  execute_sweep(plan, scratch / "sweep", {.threads = 1});
+}
+
+void write_recording(const fs::path& scratch) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 100,
+          "sensors": 3, "runs": 1, "capture_s": 0, "methods": [{"name": "linear", "method": "linear"}]})";
+  execute_recording(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"),
+                    scratch / "recording", {.threads = 1});
+}
+
+void write_budget(const fs::path& folder) {
+  BudgetSummary budget;
+  budget.study = "budget";
+  budget.campaign = "tiny";
+  budget.participants = 2;
+  budget.sources = {"none", "jitter", "all"};
+  budget.descriptions = {"nothing", "noise of each frame", "everything"};
+  for (const std::string& source : budget.sources)
+    for (const char* group : {"head", "wrist"})
+      budget.rows.push_back({source, "nonlinear", "walking", group, "none", 90, 0.04, 0.03});
+  make_folder(folder);
+  write_budget_summary(folder, budget);
+}
+
+void write_gate_files(const fs::path& folder) {
+  make_folder(folder);
+  write_accepted(folder, {"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
+  write_speed(folder, {"a processor", "kernel 1", 64, 120.0, {{"nonlinear", {1.0, 1.1, 0.9}, 130.0}}});
+  HistoryEntry night;
+  night.time = "2026-01-01T03:00:00Z";
+  night.program = "trilat";
+  night.alarms = {"nonlinear"};
+  night.error_m = {{"nonlinear/head", 0.05}};
+  night.coverage = {{"nonlinear/head", 1.0}};
+  night.speed = {{"nonlinear", 1.0}};
+  append_history(folder / "history.jsonl", night);
+}
+
+}  // namespace
+
+void write_sound_results(const fs::path& scratch) {
+  fs::remove_all(scratch);
+  make_folder(scratch);
+  write_accuracy(scratch);
+  write_sweep(scratch);
+  write_recording(scratch);
+  make_folder(scratch / "calibration");
+  write_calibration_summary(scratch / "calibration", hand_made_calibration());
+  write_budget(scratch / "budget");
+  write_gate_files(scratch / "gate");
+}
+
+}  // namespace trilat

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+namespace trilat {
+
+// Computes a tiny study of every kind into folders inside `scratch`.
+void write_sound_results(const std::filesystem::path& scratch);
+
+}  // namespace trilat
