@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/json_ranges.h"
 #include "pipeline/method.h"
 #include "pipeline/plan.h"
@@ -33,6 +35,17 @@ void check_fits(JsonObject& object, const StudySpec& study, const SimulationSpec
   reference_of(study, resolve_methods(study, study.sensors.empty() ? rig : study.sensors));
 }
 
+// Of all that a budget is read from. A file that is not there is somebody else's error.
+std::string hash_of_inputs(const Json& json, const std::filesystem::path& simulation,
+                           const SimulationSpec& spec) {
+  std::vector<std::filesystem::path> files{simulation};
+  if (spec.recorded) files.insert(files.end(), {spec.recorded->mocap, spec.recorded->mapping});
+  std::string text = json_text(json, -1);
+  for (const std::filesystem::path& file : files)
+    if (std::filesystem::is_regular_file(file)) text += hash_of_file(file);
+  return hash_of_text(text);
+}
+
 }  // namespace
 
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
@@ -46,8 +59,9 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
                   "is of no use: an error budget simulates its own campaigns; name their simulation.json as "
                   "\"simulation\"");
   spec.simulation = fallback;
-  if (const std::string path = object.text("simulation", ""); !path.empty())
-    spec.simulation = read_simulation(folder / path, outside);
+  const std::string path = object.text("simulation", "");
+  if (!path.empty()) spec.simulation = read_simulation(folder / path, outside);
+  spec.sha256 = hash_of_inputs(json, path.empty() ? path : (folder / path).string(), spec.simulation);
   if (!spec.simulation.body_tracker)
     object.refuse("simulation", "has no \"body_tracker\", whose errors a budget takes apart");
   spec.simulation.seed = object.count("seed", spec.simulation.seed);

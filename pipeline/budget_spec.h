@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/study_spec.h"
 
@@ -11,7 +13,8 @@ struct BudgetSpec {
   SimulationSpec simulation;
   double calibration_sigma_m = 0.005;  // an axis; what a wand calibration is held to
   double calibration_sigma_deg = 0.2;
-  StudySpec study;  // what every part is evaluated with
+  StudySpec study;          // what every part is evaluated with
+  std::string sha256 = {};  // of the documents that it was read from
 };
 
 // `simulation` is a path relative to `folder`, wherever it leads; without one it is `fallback`, the paper's

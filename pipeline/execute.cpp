@@ -3,66 +3,102 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 #include "datasets/results/declared_parameters.h"
-#include "datasets/results/replay.h"
+#include "pipeline/assemble.h"
 #include "pipeline/manifest.h"
+#include "pipeline/parallel.h"
 #include "pipeline/plan.h"
 #include "pipeline/results_folder.h"
 #include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
-#include "pipeline/summarise.h"
+#include "pipeline/take_key.h"
 
 namespace trilat {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kRunShare = 0.8;  // of the progress; the rest is the summary
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-ResultsSummary execute_into(const StudySpec& study, const Campaign& campaign,
-                            const std::filesystem::path& folder, const ExecuteOptions& options, int threads) {
+std::function<void(double)> share_of(const ExecuteOptions& options, double before, double share) {
+  if (!options.progress) return {};
+  return [&options, before, share](double done) { options.progress(before + share * done); };
+}
+
+// Whether `output` holds what this run would give, to the byte.
+bool is_done_already(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& output,
+                     const ExecuteOptions& options, HashCache& hashes) {
+  if (std::find(options.reuse.begin(), options.reuse.end(), output) == options.reuse.end()) return false;
+  const std::string known = read_items_key(output);
+  if (known.empty()) return false;
+  const Campaign takes = takes_of(study, campaign);
+  RunIdentity run{study,
+                  options.cross_check,
+                  takes.name,
+                  takes.simulated,
+                  read_declared_parameters(takes.folder),
+                  takes.takes,
+                  {}};
+  run.inputs.resize(run.takes.size());
+  parallel_for_index(run.takes.size(), 1, [&](std::size_t t) {
+    if (!options.stop_requested || !options.stop_requested())
+      run.inputs[t] = inputs_of(run.takes[t], hashes, options.stop_requested);
+  });
+  return key_of_run(run) == known;
+}
+
+void run_into(const StudySpec& study, const Campaign& campaign, const ResultsFolder& folder,
+              const ExecuteOptions& options, HashCache& hashes, int threads, StudyRun& run) {
   const Clock::time_point start = Clock::now();
   const Plan plan = make_plan(study, campaign);
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan));
-  constexpr double kRunShare = 0.8;  // of the whole; the rest is the summary
-  const auto from = [&](double before, double share) -> std::function<void(double)> {
-    if (!options.progress) return {};
-    return [&options, before, share](double done) { options.progress(before + share * done); };
-  };
-  RunOutcome outcome =
-      run_plan(plan, samples,
-               {options.cross_check, options.stop_requested, from(0.0, kRunShare), options.memory_bytes});
-  const Clock::time_point summary_start = Clock::now();
-  const ResultsSummary summary =
-      summarise(plan, outcome, samples, std::min(kDistancesInMemoryBytes, options.memory_bytes / 2),
-                from(kRunShare, 1.0 - kRunShare));
-  outcome.times.summarise_s = seconds_since(summary_start);
-  samples.finish();
-  write_manifest(folder, plan, options.stop_requested);
-  write_summary(folder, summary);
-  write_tracking_summary(folder, outcome.tracking);
-  if (const auto map = rig_gdop(plan)) write_gdop_map(folder, *map);
-  if (!outcome.replays.empty()) write_replay(folder, outcome.replays);
-  if (const auto parameters = read_declared_parameters(campaign.folder); !parameters.empty())
-    write_declared_parameters(folder, parameters);
-  write_run_record(folder, outcome.times, seconds_since(start), threads);
-  return summary;
+  ItemStore items(folder.partial(), options.reuse);
+  std::vector<std::size_t> all(plan.takes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  TakesRun takes = run_takes(
+      plan, all, {folder.partial(), items, hashes},
+      {options.cross_check, options.stop_requested, share_of(options, 0.0, kRunShare), options.memory_bytes});
+  run.takes = items.tally();
+  const RunParts parts{plan, std::move(takes.takes), options.cross_check,
+                       read_declared_parameters(campaign.folder), rig_gdop(plan)};
+  run.summary =
+      assemble(parts, folder.partial(), takes.times,
+               {options.stop_requested, share_of(options, kRunShare, 1.0 - kRunShare), options.memory_bytes});
+  hashes.save(folder.partial());
+  write_run_record(folder.partial(), takes.times, seconds_since(start), threads, &run.takes);
+  items.finish();
+  std::filesystem::remove_all(folder.partial() / "takes");
+  folder.put_in_place();
 }
 
 }  // namespace
 
+StudyRun run_study(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& output,
+                   const ExecuteOptions& options) {
+  StudyRun run;
+  HashCache hashes;
+  for (const std::filesystem::path& earlier : options.reuse) hashes.load(earlier);
+  on_threads(options.threads, [&](int threads) {
+    run.unchanged = is_done_already(study, campaign, output, options, hashes);
+    if (run.unchanged) {
+      run.summary = read_summary(output);
+      for (const Take& take : takes_of(study, campaign).takes) run.takes.reused.push_back(take.id);
+      return;
+    }
+    const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{"items.jsonl", "takes"});
+    run_into(study, campaign, folder, options, hashes, threads, run);
+  });
+  return run;
+}
+
 ResultsSummary execute_study(const StudySpec& study, const Campaign& campaign,
                              const std::filesystem::path& output, const ExecuteOptions& options) {
-  const ResultsFolder folder(output);
-  ResultsSummary summary;
-  on_threads(options.threads, [&](int threads) {
-    summary = execute_into(study, campaign, folder.partial(), options, threads);
-  });
-  folder.put_in_place();
-  return summary;
+  return run_study(study, campaign, output, options).summary;
 }
 
 }  // namespace trilat

@@ -7,46 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
-#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "pipeline/parallel.h"
 
 namespace trilat {
-namespace {
-
-struct Input {
-  std::string take;
-  const char* role;
-  std::filesystem::path path;
-  std::string sha256;  // empty when it could not be read
-  std::uintmax_t bytes = 0;
-};
-
-std::vector<Input> inputs_of(const Plan& plan) {
-  std::vector<Input> inputs;
-  for (const PlannedTake& planned : plan.takes) {
-    const Take& take = planned.take;
-    inputs.push_back({take.id, "session", take.session, {}, 0});
-    inputs.push_back({take.id, "calibration", take.calibration, {}, 0});
-    inputs.push_back({take.id, "mocap", take.mocap, {}, 0});
-    inputs.push_back({take.id, "mapping", take.mapping, {}, 0});
-    if (!take.tracker_truth.empty()) inputs.push_back({take.id, "tracker_truth", take.tracker_truth, {}, 0});
-  }
-  return inputs;
-}
-
-void hash_input(Input& input, const std::function<bool()>& stop_requested) {
-  try {
-    input.sha256 = hash_of_file(input.path, stop_requested);
-    input.bytes = std::filesystem::file_size(input.path);
-  } catch (const InputError&) {
-  } catch (const std::filesystem::filesystem_error&) {
-  }
-}
-
-}  // namespace
-
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -58,12 +22,7 @@ std::string processor_name() {
 }
 
 void write_manifest(const std::filesystem::path& folder, const Plan& plan,
-                    const std::function<bool()>& stop_requested) {
-  std::vector<Input> inputs = inputs_of(plan);
-  parallel_for_index(inputs.size(), 1, [&](std::size_t i) {
-    if (!stop_requested || !stop_requested()) hash_input(inputs[i], stop_requested);
-  });
-  if (stop_requested && stop_requested()) throw Interrupted();
+                    std::span<const EvaluatedTake> evaluated) {
   const Json study = resolved_json(plan.study);
   Json methods = Json::array(), joints = Json::array(), list = Json::array(), takes = Json::array();
   for (const Method& method : plan.methods) methods.push_back(method.spec.name);
@@ -76,12 +35,13 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
                      {"activity", planned.take.activity},
                      {"mocap_start_host_ns", planned.take.mocap_start_host_ns},
                      {"instants", planned.instants}});
-  for (const Input& input : inputs)
-    list.push_back({{"take", input.take},
-                    {"role", input.role},
-                    {"file", input.path.filename().string()},
-                    {"bytes", input.bytes},
-                    {"sha256", input.sha256.empty() ? Json() : Json(input.sha256)}});
+  for (std::size_t t = 0; t < plan.takes.size(); ++t)
+    for (const TakeInput& input : evaluated[t].result.inputs)
+      list.push_back({{"take", plan.takes[t].take.id},
+                      {"role", input.role},
+                      {"file", input.file},
+                      {"bytes", input.bytes},
+                      {"sha256", input.sha256.empty() ? Json() : Json(input.sha256)}});
   const Json json{{"format", "trilat.manifest"},
                   {"version", 1},
                   {"program", kProgramVersion},
@@ -100,13 +60,15 @@ void write_manifest(const std::filesystem::path& folder, const Plan& plan,
 }
 
 void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,
-                      int threads) {
-  write_run_record(folder,
-                   {{"read_s", times.read_s},
-                    {"solve_s", times.solve_s},
-                    {"write_s", times.write_s},
-                    {"summarise_s", times.summarise_s}},
-                   wall_s, threads);
+                      int threads, const ItemTally* takes) {
+  Json json{{"read_s", times.read_s},
+            {"solve_s", times.solve_s},
+            {"write_s", times.write_s},
+            {"summarise_s", times.summarise_s}};
+  if (takes)
+    json.update(
+        Json{{"computed", takes->computed}, {"continued", takes->continued}, {"reused", takes->reused}});
+  write_run_record(folder, json, wall_s, threads);
 }
 
 void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
+#include <span>
 #include <string>
 
 #include "datasets/base/strict_json.h"
@@ -15,11 +15,12 @@ namespace trilat {
 // SHA-256 of every input file, program version, rig, counts. Files that cannot be read are listed without a
 // hash.
 void write_manifest(const std::filesystem::path& folder, const Plan& plan,
-                    const std::function<bool()>& stop_requested);
+                    std::span<const EvaluatedTake> evaluated);
 
 // run.json: what may differ between equal runs: the machine, the number of threads, the times.
+// `takes`: what was computed and what was not; null where that makes no sense.
 void write_run_record(const std::filesystem::path& folder, const StageTimes& times, double wall_s,
-                      int threads);
+                      int threads, const ItemTally* takes);
 void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads);
 
 // As this machine calls it, or "unknown".

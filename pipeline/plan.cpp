@@ -119,25 +119,6 @@ std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign
   return rig;
 }
 
-// The takes of the conditions that the study asks for.
-Campaign takes_of(const StudySpec& study, Campaign campaign) {
-  if (study.conditions.empty()) return campaign;
-  std::string known;
-  for (const Take& take : campaign.takes)
-    if (known.find('"' + take.activity + '"') == std::string::npos)
-      known += (known.empty() ? "\"" : ", \"") + take.activity + '"';
-  for (const std::string& condition : study.conditions)
-    if (known.find('"' + condition + '"') == std::string::npos)
-      throw InputError(
-          "study \"" + study.name + "\" /conditions",
-          "has \"" + condition + "\", which no take of the campaign is; its activities are " + known);
-  std::erase_if(campaign.takes, [&](const Take& take) {
-    return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
-           study.conditions.end();
-  });
-  return campaign;
-}
-
 // All joints that any take maps, in the order of the tables.
 std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
   std::set<Joint> mapped;
@@ -155,6 +136,24 @@ std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTa
 }
 
 }  // namespace
+
+Campaign takes_of(const StudySpec& study, Campaign campaign) {
+  if (study.conditions.empty()) return campaign;
+  std::string known;
+  for (const Take& take : campaign.takes)
+    if (known.find('"' + take.activity + '"') == std::string::npos)
+      known += (known.empty() ? "\"" : ", \"") + take.activity + '"';
+  for (const std::string& condition : study.conditions)
+    if (known.find('"' + condition + '"') == std::string::npos)
+      throw InputError(
+          "study \"" + study.name + "\" /conditions",
+          "has \"" + condition + "\", which no take of the campaign is; its activities are " + known);
+  std::erase_if(campaign.takes, [&](const Take& take) {
+    return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
+           study.conditions.end();
+  });
+  return campaign;
+}
 
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
   if (study.reference.empty()) return 0;

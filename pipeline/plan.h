@@ -53,6 +53,9 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
+// The takes of the conditions that the study asks for; InputError when it asks for one that no take is.
+Campaign takes_of(const StudySpec& study, Campaign campaign);
+
 // Opens every take once. Only what concerns all takes is an exception: a study that fits no rig, no joint
 // mapped.
 Plan make_plan(const StudySpec& study, const Campaign& campaign,

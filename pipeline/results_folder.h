@@ -3,19 +3,34 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace trilat {
 
-// A results folder that is filled beside its name and put in place at the end; an older results folder of
-// that name is replaced, any other folder is refused. What is not put in place stays as `output`.partial.
+using Kept = std::vector<std::string>;  // names of files and folders
+
+// A results folder, or a part of one, that is filled beside its name and put in place at the end; an older
+// one of that name is replaced, any other folder is refused. What is not put in place stays as
+// `output`.partial.
 class ResultsFolder {
  public:
-  explicit ResultsFolder(const std::filesystem::path& folder);
+  // Of a folder that was left unfinished, `kept` stays, all else is removed. InputError when another process
+  // is filling it.
+  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {});
+  ~ResultsFolder();
+  ResultsFolder(const ResultsFolder&) = delete;
+  ResultsFolder& operator=(const ResultsFolder&) = delete;
+
   const std::filesystem::path& partial() const { return partial_; }
+  const std::filesystem::path& output() const { return output_; }
   void put_in_place() const;
+  // Leaves the older output as it is: nothing changed.
+  void discard() const;
 
  private:
   std::filesystem::path output_, partial_;
+  int lock_ = -1;
 };
 
 // Calls work(threads) on so many threads; 0: as many as there are processors.

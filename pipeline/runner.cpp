@@ -2,18 +2,23 @@
 #include "pipeline/runner.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "pipeline/over_time.h"
 #include "pipeline/parallel.h"
 #include "pipeline/replay_take.h"
 #include "pipeline/take_data.h"
+#include "pipeline/take_key.h"
 #include "pipeline/tracking_check.h"
 
 namespace trilat {
@@ -36,8 +41,8 @@ class Stopwatch {
 
 struct Shared {
   const Plan& plan;
+  const RunPlace& place;
   const RunOptions& options;
-  SamplesFile& writer;
   std::uint64_t total_work = 0;
   std::atomic<std::uint64_t> done_work{0};
   std::atomic<bool> stopped{false};
@@ -59,21 +64,6 @@ struct Observations {
   std::vector<JointObservation> values;
   std::span<const JointObservation> of(std::uint64_t instant, std::size_t joint) const {
     return {&values[(instant * joints + joint) * sensors], sensors};
-  }
-};
-
-struct TakeCheck {
-  std::uint64_t samples = 0, disagreements = 0;
-  double worst_m = 0.0;
-  std::string worst_at, disagreed_at;  // the first
-  void merge(const TakeCheck& later) {
-    samples += later.samples;
-    disagreements += later.disagreements;
-    if (disagreed_at.empty()) disagreed_at = later.disagreed_at;
-    if (later.worst_m > worst_m) {
-      worst_m = later.worst_m;
-      worst_at = later.worst_at;
-    }
   }
 };
 
@@ -193,29 +183,19 @@ TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
   return note;
 }
 
-struct TakeOutcome {
-  std::vector<TakeNote> notes;
-  TakeCheck check;
-  TakeTracking tracking;
-  std::optional<ReplayTake> replay;
-  bool evaluated = false;
-};
+// How much the progress counts a take.
+std::uint64_t work_of(const Plan& plan, std::size_t take) {
+  return plan.takes[take].instants * (1 + kWindowedWork * windowed_methods(plan));
+}
 
-void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
+std::filesystem::path take_folder(const RunPlace& place, const PlannedTake& planned) {
+  return place.folder / "takes" / planned.take.id;
+}
+
+// Solves the take block by block into `samples`.
+void solve_take(Shared& shared, const PlannedTake& planned, const TakeData& data,
+                const std::vector<MethodPaths>& paths, SamplesFile& samples, TakeResult& result) {
   const Plan& plan = shared.plan;
-  const PlannedTake& planned = plan.takes[index];
-  const auto must_stop = [&] { return shared.must_stop(); };
-  TakeData data;
-  {
-    const Stopwatch watch(shared.read_ns);
-    data = load_take(plan, planned, must_stop);
-  }
-  std::vector<MethodPaths> paths;
-  {
-    const Stopwatch watch(shared.solve_ns);
-    const auto advanced = [&](std::size_t instants) { shared.advance(kWindowedWork * instants); };
-    paths = solve_over_time(plan, planned, data, {advanced, must_stop});
-  }
   const Method* checked = shared.options.cross_check ? checked_method(plan) : nullptr;
   SampleBlock block;
   Observations seen{plan.rig.size(), plan.joints.size(), {}};
@@ -236,109 +216,157 @@ void evaluate_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
       });
       for (const MethodPaths& path : paths) store(plan, path, block);
     }
-    for (const TakeCheck& check : checks) outcome.check.merge(check);
+    for (const TakeCheck& check : checks) result.check.merge(check);
     {
       const Stopwatch watch(shared.write_ns);
-      shared.writer.write(index, block);
+      samples.write(0, block);
     }
     shared.advance(count);
   }
-  outcome.tracking = check_tracking(plan, planned, data);
-  if (is_replayed(plan, index)) outcome.replay = replay_of(plan, index, data);
-  outcome.notes = std::move(data.notes);
-  outcome.evaluated = true;
 }
 
-// Fills all slots of a take with "not solved".
-void write_empty(const Plan& plan, std::size_t index, SamplesFile& writer) {
-  SampleBlock block;
-  const std::uint64_t instants = plan.takes[index].instants;
-  for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    block.reset(first, std::min(kBlock, instants - first), plan.joints.size(), plan.methods.size());
-    writer.write(index, block);
+// Leaves the take's samples and replay in `folder`.
+TakeResult evaluate_take(Shared& shared, std::size_t index, const std::filesystem::path& folder) {
+  const Plan& plan = shared.plan;
+  const PlannedTake& planned = plan.takes[index];
+  const auto must_stop = [&] { return shared.must_stop(); };
+  TakeResult result;
+  TakeData data;
+  {
+    const Stopwatch watch(shared.read_ns);
+    data = load_take(plan, planned, must_stop);
   }
+  std::vector<MethodPaths> paths;
+  {
+    const Stopwatch watch(shared.solve_ns);
+    const auto advanced = [&](std::size_t instants) { shared.advance(kWindowedWork * instants); };
+    paths = solve_over_time(plan, planned, data, {advanced, must_stop});
+  }
+  std::filesystem::remove_all(folder);
+  make_folder(folder);
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{index}));
+  solve_take(shared, planned, data, paths, samples, result);
+  samples.finish();
+  result.tracking = check_tracking(plan, planned, data);
+  if (is_replayed(plan, index)) write_replay(folder, std::array{replay_of(plan, index, data)});
+  result.notes = std::move(data.notes);
+  result.evaluated = true;
+  return result;
 }
 
-void run_take(Shared& shared, std::size_t index, TakeOutcome& outcome) {
-  const PlannedTake& planned = shared.plan.takes[index];
+EvaluatedTake failed_take(const Plan& plan, std::size_t index, const InputError& error,
+                          std::vector<TakeInput> inputs) {
+  EvaluatedTake take;
+  take.result.inputs = std::move(inputs);
+  take.result.notes = {
+      within_campaign({plan.takes[index].take.id, true, error.place(), error.problem()}, plan.campaign)};
+  return take;
+}
+
+EvaluatedTake run_take(Shared& shared, std::size_t index) {
+  const Plan& plan = shared.plan;
+  const PlannedTake& planned = plan.takes[index];
+  std::vector<TakeInput> inputs =
+      inputs_of(planned.take, shared.place.hashes, [&] { return shared.must_stop(); });
   try {
     if (!planned.ok) throw InputError(planned.place, planned.problem);
-    check_memory(shared.plan, planned, shared.options.memory_bytes);
-    evaluate_take(shared, index, outcome);
+    EvaluatedTake take;
+    take.key = key_of_take(plan, index, inputs, shared.options.cross_check);
+    if (const auto found = shared.place.items.find(planned.take.id, take.key)) {
+      take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
+      take.folder = found->folder == shared.place.folder ? take_folder(shared.place, planned) : found->folder;
+      shared.advance(work_of(plan, index));
+      return take;
+    }
+    check_memory(plan, planned, shared.options.memory_bytes);
+    take.folder = take_folder(shared.place, planned);
+    take.result = evaluate_take(shared, index, take.folder);
+    take.result.inputs = std::move(inputs);
+    for (TakeNote& note : take.result.notes) note = within_campaign(note, plan.campaign);
+    shared.place.items.add(planned.take.id, take.key, json_of(take.result));
+    return take;
   } catch (const OutputError&) {
     throw;
   } catch (const InputError& error) {
-    outcome.notes.push_back({planned.take.id, true, error.place(), error.problem()});
-    outcome.check = {};
-    outcome.tracking = {};
-    write_empty(shared.plan, index, shared.writer);
-  } catch (const Interrupted&) {
-    shared.stopped = true;
+    return failed_take(plan, index, error, std::move(inputs));
   }
-}
-
-// No more takes at once than fit into the memory; threads without one help with the takes of others.
-void run_takes(Shared& shared, std::vector<TakeOutcome>& outcomes) {
-  std::atomic<std::size_t> next{0};
-  parallel_for_index(takes_at_once(shared.plan, shared.options.memory_bytes), 1, [&](std::size_t) {
-    for (std::size_t t; !shared.stopped && (t = next++) < outcomes.size();) try {
-        run_take(shared, t, outcomes[t]);
-      } catch (...) {
-        shared.stopped = true;
-        throw;
-      }
-  });
 }
 
 }  // namespace
 
-SamplesHeader samples_header(const Plan& plan) {
+SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes) {
   SamplesHeader header;
   for (Joint joint : plan.joints) header.joints.emplace_back(name_of(joint));
   for (const Method& method : plan.methods) header.methods.push_back(method.spec.name);
   for (int s = 0; s < kSolveStatusCount; ++s)
     header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   header.alignment = name_of(plan.study.alignments.front());
-  for (const PlannedTake& take : plan.takes)
+  for (const std::size_t t : takes) {
+    const PlannedTake& take = plan.takes[t];
     header.takes.push_back({take.take.id, take.instants, take.take.activity});
+  }
   return header;
 }
 
-RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& options) {
-  const Method* checked = options.cross_check ? checked_method(plan) : nullptr;
-  if (options.cross_check && !checked)
+SamplesHeader samples_header(const Plan& plan) {
+  std::vector<std::size_t> all(plan.takes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return samples_header(plan, all);
+}
+
+void check_cross_check(const Plan& plan) {
+  if (!checked_method(plan))
     throw InputError(
         "study \"" + plan.study.name + '"',
         "has no nonlinear method with damping lm and stop step that could be checked against Ceres");
-  Shared shared{plan, options, samples};
-  for (const PlannedTake& take : plan.takes)
-    shared.total_work += take.instants * (1 + kWindowedWork * windowed_methods(plan));
-  std::vector<TakeOutcome> outcomes(plan.takes.size());
-  run_takes(shared, outcomes);
+}
+
+TakesRun run_takes(const Plan& plan, std::span<const std::size_t> takes, const RunPlace& place,
+                   const RunOptions& options) {
+  if (options.cross_check) check_cross_check(plan);
+  Shared shared{plan, place, options};
+  for (const std::size_t t : takes) shared.total_work += work_of(plan, t);
+  TakesRun run;
+  run.takes.resize(plan.takes.size());
+  std::atomic<std::size_t> next{0};
+  // no more takes at once than fit into the memory; threads without one help with the takes of others
+  parallel_for_index(takes_at_once(plan, options.memory_bytes), 1, [&](std::size_t) {
+    for (std::size_t k; !shared.must_stop() && (k = next++) < takes.size();) try {
+        run.takes[takes[k]] = run_take(shared, takes[k]);
+      } catch (const Interrupted&) {
+        shared.stopped = true;
+      } catch (...) {
+        shared.stopped = true;
+        throw;
+      }
+  });
   if (shared.stopped) throw Interrupted();
-  RunOutcome result;
-  TakeCheck check;
-  std::vector<TakeTracking> tracking;
-  for (TakeOutcome& outcome : outcomes) {
-    tracking.push_back(std::move(outcome.tracking));
-    for (const TakeNote& note : outcome.notes) result.notes.push_back(within_campaign(note, plan.campaign));
-    result.evaluated.push_back(outcome.evaluated);
-    if (outcome.replay) result.replays.push_back(std::move(*outcome.replay));
-    check.merge(outcome.check);
-  }
-  result.tracking = sum_tracking(plan, tracking);
-  if (checked)
-    result.cross_check = CrossCheck{checked->spec.name,
-                                    check.samples,
-                                    check.disagreements,
-                                    check.worst_m,
-                                    plan.study.cross_check_limit_m,
-                                    check.disagreements > 0 ? check.disagreed_at : check.worst_at};
   const auto seconds = [](const std::atomic<std::int64_t>& ns) {
     return static_cast<double>(ns.load()) * 1e-9;
   };
-  result.times = {seconds(shared.read_ns), seconds(shared.solve_ns), seconds(shared.write_ns), 0.0};
-  return result;
+  run.times = {seconds(shared.read_ns), seconds(shared.solve_ns), seconds(shared.write_ns), 0.0};
+  return run;
+}
+
+RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check) {
+  RunOutcome outcome;
+  TakeCheck check;
+  std::vector<TakeTracking> tracking;
+  for (const EvaluatedTake& take : takes) {
+    tracking.push_back(take.result.tracking);
+    outcome.notes.insert(outcome.notes.end(), take.result.notes.begin(), take.result.notes.end());
+    outcome.evaluated.push_back(take.result.evaluated);
+    check.merge(take.result.check);
+  }
+  outcome.tracking = sum_tracking(plan, tracking);
+  if (cross_check)
+    outcome.cross_check = CrossCheck{checked_method(plan)->spec.name,
+                                     check.samples,
+                                     check.disagreements,
+                                     check.worst_m,
+                                     plan.study.cross_check_limit_m,
+                                     check.disagreements > 0 ? check.disagreed_at : check.worst_at};
+  return outcome;
 }
 
 }  // namespace trilat

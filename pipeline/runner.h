@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
-#include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/tracking_summary.h"
+#include "pipeline/items/hash_cache.h"
+#include "pipeline/items/item_store.h"
 #include "pipeline/memory_budget.h"
 #include "pipeline/plan.h"
+#include "pipeline/take_result.h"
 
 namespace trilat {
 
@@ -28,20 +33,38 @@ struct StageTimes {
   double summarise_s = 0.0;  // wall clock
 };
 
+// Where a run puts what it has computed, and asks for what it need not compute.
+struct RunPlace {
+  std::filesystem::path folder;  // the unfinished output; a take's samples go to takes/ID
+  ItemStore& items;
+  HashCache& hashes;
+};
+
+struct TakesRun {
+  std::vector<EvaluatedTake> takes;  // of the plan; empty results where they are another shard's
+  StageTimes times;
+};
+
+// The layout of samples.h5 for these takes of the plan; all of them without a list.
+SamplesHeader samples_header(const Plan& plan);
+SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes);
+
+// InputError when the study has no method that could be checked against Ceres.
+void check_cross_check(const Plan& plan);
+
+// Sends takes through every method, each into a folder of its own; those that are done already are found, not
+// computed. A take that fails is noted; the others go on. Throws Interrupted when asked to stop; what is done
+// stays.
+TakesRun run_takes(const Plan& plan, std::span<const std::size_t> takes, const RunPlace& place,
+                   const RunOptions& options);
+
+// What the takes of a plan say together.
 struct RunOutcome {
   std::vector<TakeNote> notes;  // in the order of the takes
   std::vector<bool> evaluated;  // by take
   std::optional<CrossCheck> cross_check;
   TrackingSummary tracking;
-  std::vector<ReplayTake> replays;  // of the first take of each condition, when it was evaluated
-  StageTimes times;
 };
-
-// The layout of samples.h5 for this plan.
-SamplesHeader samples_header(const Plan& plan);
-
-// Sends every take of the plan through every method into its slot of `samples`. A take that fails is noted
-// and leaves its slots empty; the others go on. Throws Interrupted when asked to stop.
-RunOutcome run_plan(const Plan& plan, SamplesFile& samples, const RunOptions& options);
+RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check);
 
 }  // namespace trilat

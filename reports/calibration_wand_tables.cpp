@@ -168,14 +168,9 @@ Table calibration_bins_table(const CalibrationSummary& s) {
       "Error of one wand position by distance and by angle, simulated: {} units with {} samples each, seed "
       "{}",
       s.units, s.samples, s.seed);
-  table.columns = {{"method", "method", true},
-                   {"scene", "scene", true},
-                   {"by", "by", true},
-                   {"from", "from", false, true},
-                   {"to", "to", false, true},
-                   {"n", "n"},
-                   {"answered", "answered"},
-                   {"mean (cm)", "mean_cm"}};
+  table.columns = {{"method", "method", true},    {"scene", "scene", true},  {"by", "by", true},
+                   {"from", "from", false, true}, {"to", "to", false, true}, {"n", "n"},
+                   {"answered", "answered"},      {"mean (cm)", "mean_cm"}};
   for (const char* method : {"ours", "corrected"})
     for (std::size_t r = 0; r < s.wand.size(); ++r) {
       if (s.wand[r].method != method) continue;

@@ -10,9 +10,8 @@
 #include "datasets/results/results_file.h"
 
 namespace trilat {
-namespace {
 
-BudgetRow read_row(JsonObject& object) {
+BudgetRow read_budget_row(JsonObject object) {
   BudgetRow row;
   row.source = object.text("source");
   row.method = object.text("method");
@@ -26,7 +25,11 @@ BudgetRow read_row(JsonObject& object) {
   return row;
 }
 
-}  // namespace
+Json json_of(const BudgetRow& row) {
+  return {{"source", row.source}, {"method", row.method},       {"condition", row.condition},
+          {"group", row.group},   {"alignment", row.alignment}, {"n", row.n},
+          {"rmse_m", row.rmse_m}, {"mae_m", row.mae_m}};
+}
 
 void write_budget_summary(const std::filesystem::path& folder, const BudgetSummary& s) {
   Json json = results_head(ResultsKind::error_budget);
@@ -40,15 +43,7 @@ void write_budget_summary(const std::filesystem::path& folder, const BudgetSumma
                {"sources", s.sources},
                {"descriptions", s.descriptions},
                {"rows", Json::array()}});
-  for (const BudgetRow& row : s.rows)
-    json["rows"].push_back({{"source", row.source},
-                            {"method", row.method},
-                            {"condition", row.condition},
-                            {"group", row.group},
-                            {"alignment", row.alignment},
-                            {"n", row.n},
-                            {"rmse_m", row.rmse_m},
-                            {"mae_m", row.mae_m}});
+  for (const BudgetRow& row : s.rows) json["rows"].push_back(json_of(row));
   write_file(folder / "summary.json", json_text(json, 1) + "\n");
 }
 
@@ -69,7 +64,7 @@ BudgetSummary read_budget_summary(const std::filesystem::path& folder) {
   if (s.descriptions.size() != s.sources.size())
     object.refuse("descriptions", "must be as many as the sources");
   for (JsonObject& row : object.objects("rows")) {
-    s.rows.push_back(read_row(row));
+    s.rows.push_back(read_budget_row(row));
     const std::string& source = s.rows.back().source;
     if (std::find(s.sources.begin(), s.sources.end(), source) == s.sources.end())
       row.refuse("source", "is \"" + source + "\", which is none of the sources");

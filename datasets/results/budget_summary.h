@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -28,6 +29,9 @@ struct BudgetSummary {
   std::vector<std::string> descriptions;  // of each
   std::vector<BudgetRow> rows;
 };
+
+Json json_of(const BudgetRow& row);
+BudgetRow read_budget_row(JsonObject object);
 
 // summary.json (results format 1, kind error_budget). NaN is written as null.
 void write_budget_summary(const std::filesystem::path& folder, const BudgetSummary& summary);

@@ -13,6 +13,8 @@ namespace {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
+}  // namespace
+
 Json json_of(const ClockErrorRow& r) {
   return {{"network", r.network},
           {"method", r.method},
@@ -23,7 +25,7 @@ Json json_of(const ClockErrorRow& r) {
           {"below_2ms_high", number(r.below_2ms_high)}};
 }
 
-ClockErrorRow read_clock(JsonObject& object) {
+ClockErrorRow read_clock_error(JsonObject object) {
   ClockErrorRow r;
   r.network = object.text("network");
   r.method = object.text("method");
@@ -44,7 +46,7 @@ Json json_of(const ClockFitRow& r) {
           {"exchanges_used_share", number(r.exchanges_used_share)}};
 }
 
-ClockFitRow read_fit(JsonObject& object) {
+ClockFitRow read_clock_fit(JsonObject object) {
   ClockFitRow r;
   r.network = object.text("network");
   r.offset_sigma_s = number_or_nan(object, "offset_sigma_s");
@@ -54,8 +56,6 @@ ClockFitRow read_fit(JsonObject& object) {
   object.finish();
   return r;
 }
-
-}  // namespace
 
 void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& s) {
   Json json = results_head(ResultsKind::recording);
@@ -85,8 +85,8 @@ RecordingSummary read_recording_summary(const std::filesystem::path& folder) {
   s.frames = object.count("frames");
   s.sensors = object.count("sensors");
   s.runs = object.count("runs");
-  for (JsonObject& entry : object.objects("clocks")) s.clocks.push_back(read_clock(entry));
-  for (JsonObject& entry : object.objects("fits")) s.fits.push_back(read_fit(entry));
+  for (JsonObject& entry : object.objects("clocks")) s.clocks.push_back(read_clock_error(entry));
+  for (JsonObject& entry : object.objects("fits")) s.fits.push_back(read_clock_fit(entry));
   object.finish();
   return s;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
 #include "datasets/results/time_spread.h"
 
 namespace trilat {
@@ -39,6 +40,12 @@ struct RecordingSummary {
   std::vector<ClockErrorRow> clocks;
   std::vector<ClockFitRow> fits;
 };
+
+// Its rows.
+Json json_of(const ClockErrorRow& row);
+Json json_of(const ClockFitRow& row);
+ClockErrorRow read_clock_error(JsonObject object);
+ClockFitRow read_clock_fit(JsonObject object);
 
 void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& summary);
 // InputError with file and pointer when it is not one of these.

@@ -23,10 +23,10 @@ std::vector<double> read_ratios(JsonObject& entry, const std::string& key) {
 }  // namespace
 
 void write_speed(const std::filesystem::path& folder, const SpeedFile& speed) {
-  Json json{{"format", "trilat.speed"},     {"version", 1},
-            {"processor", speed.processor}, {"reference", speed.reference},
-            {"problems", speed.problems},   {"reference_ns", speed.reference_ns},
-            {"solvers", Json::array()}};
+  Json json{{"format", "trilat.speed"},         {"version", 1},
+            {"processor", speed.processor},     {"reference", speed.reference},
+            {"problems", speed.problems},       {"reference_ns", speed.reference_ns},
+            {"others_busy", speed.others_busy}, {"solvers", Json::array()}};
   for (const SolverSpeed& s : speed.solvers)
     json["solvers"].push_back({{"solver", s.solver}, {"median_ns", s.median_ns}, {"ratios", s.ratios}});
   write_file(folder / "speed.json", json_text(json, 1) + "\n");
@@ -43,6 +43,7 @@ std::optional<SpeedFile> read_speed(const std::filesystem::path& folder) {
   speed.reference = object.text("reference");
   speed.problems = object.count("problems");
   speed.reference_ns = object.positive("reference_ns");
+  speed.others_busy = object.number("others_busy", 0.0);
   for (JsonObject& entry : object.objects("solvers")) {
     SolverSpeed solver;
     solver.solver = entry.text("solver");

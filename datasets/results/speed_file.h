@@ -22,6 +22,7 @@ struct SpeedFile {
   std::string reference;  // name and version of what ratios are to
   std::uint64_t problems = 0;
   double reference_ns = 0.0;  // median a solve
+  double others_busy = 0.0;   // how many processors other programs kept busy meanwhile
   std::vector<SolverSpeed> solvers;
 };
 

@@ -50,7 +50,7 @@ struct SweepCell {
   // rule; over the first trials, where both answered.
   std::uint64_t digits_trials = 0;
   double mean_digits = kNone;
-  double p50_digits = kNone;
+  double p50_digits = kNone;  // to within 0.002
   double min_digits = kNone;
 
   double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }

@@ -4,6 +4,9 @@
 #include <atomic>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "datasets/base/error.h"
 #include "datasets/session/session_types.h"
 #include "evaluators/wand/printed_wand.h"
@@ -57,41 +60,75 @@ void add_row(const DepthImageView& image, const DepthRays& rays, double wall_m, 
   }
 }
 
+std::string distortion_item(std::uint64_t unit) { return fmt::format("distortion/unit-{}", unit); }
+
+DistortionCurve measure_unit(const CalibrationSpec& spec, std::uint64_t number, const StudyHooks& hooks,
+                             std::atomic<std::uint64_t>& done) {
+  const std::uint64_t blocks = (spec.distortion_frames + kBlockFrames - 1) / kBlockFrames;
+  const StudyUnit unit = draw_study_unit(spec.seed, number);
+  DepthScene wall;
+  wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -spec.wall_m});
+  std::vector<RowSums> sums(blocks);
+  parallel_for_index(blocks, 1, [&](std::size_t b) {
+    std::vector<std::uint16_t> depth_mm(kDepthPixels);
+    const std::uint64_t end = std::min(spec.distortion_frames, (b + 1) * kBlockFrames);
+    for (std::uint64_t frame = b * kBlockFrames; frame < end; ++frame) {
+      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      const RandomStream key{spec.seed, Purpose::depth_pixel, random_item(1, number, 0, frame)};
+      unit.renderer.render(wall, {}, key, depth_mm);
+      add_row({kDepthWidth, kDepthHeight, depth_mm}, unit.rays, spec.wall_m, sums[b]);
+    }
+    if (hooks.progress)
+      hooks.progress(static_cast<double>(++done) / static_cast<double>(blocks * spec.distortion_units));
+  });
+  RowSums total;
+  for (const RowSums& block : sums) total.merge(block);
+  DistortionCurve curve{spec.wall_m, spec.distortion_frames, number,        unit.depth.offset_m, total.valid,
+                        total.depth, total.residual,         total.printed, total.lens};
+  for (auto* values :
+       {&curve.depth_error_m, &curve.depth_residual_m, &curve.printed_error_m, &curve.lens_error_m})
+    for (std::size_t c = 0; c < values->size(); ++c)
+      (*values)[c] =
+          total.valid[c] > 0 ? (*values)[c] / static_cast<double>(total.valid[c]) : ErrorSpread::kNone;
+  return curve;
+}
+
+Json json_of(const DistortionCurve& curve) {
+  return {{"unit_offset_m", curve.unit_offset_m},     {"valid", curve.valid},
+          {"depth_error_m", curve.depth_error_m},     {"depth_residual_m", curve.depth_residual_m},
+          {"printed_error_m", curve.printed_error_m}, {"lens_error_m", curve.lens_error_m}};
+}
+
+DistortionCurve read_curve(const CalibrationSpec& spec, std::uint64_t unit, const Json& json) {
+  return {spec.wall_m,
+          spec.distortion_frames,
+          unit,
+          number_in(json.at("unit_offset_m")),
+          json.at("valid").get<std::vector<std::uint64_t>>(),
+          numbers_in(json.at("depth_error_m")),
+          numbers_in(json.at("depth_residual_m")),
+          numbers_in(json.at("printed_error_m")),
+          numbers_in(json.at("lens_error_m"))};
+}
+
 }  // namespace
 
-std::vector<DistortionCurve> measure_distortion(const CalibrationSpec& spec, const StudyHooks& hooks) {
+std::vector<PartItem> distortion_items(const CalibrationSpec& spec) {
+  std::vector<PartItem> items;
+  for (std::uint64_t u = 0; u < spec.distortion_units; ++u)
+    items.push_back({distortion_item(u), static_cast<double>(spec.distortion_frames)});
+  return items;
+}
+
+std::vector<DistortionCurve> measure_distortion(const CalibrationSpec& spec, StudyItems& items,
+                                                const StudyHooks& hooks) {
   std::vector<DistortionCurve> curves;
-  const std::uint64_t blocks = (spec.distortion_frames + kBlockFrames - 1) / kBlockFrames;
   std::atomic<std::uint64_t> done{0};
-  for (std::uint64_t u = 0; u < spec.distortion_units; ++u) {
-    const StudyUnit unit = draw_study_unit(spec.seed, u);
-    DepthScene wall;
-    wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -spec.wall_m});
-    std::vector<RowSums> sums(blocks);
-    parallel_for_index(blocks, 1, [&](std::size_t b) {
-      std::vector<std::uint16_t> depth_mm(kDepthPixels);
-      const std::uint64_t end = std::min(spec.distortion_frames, (b + 1) * kBlockFrames);
-      for (std::uint64_t frame = b * kBlockFrames; frame < end; ++frame) {
-        if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
-        const RandomStream key{spec.seed, Purpose::depth_pixel, random_item(1, u, 0, frame)};
-        unit.renderer.render(wall, {}, key, depth_mm);
-        add_row({kDepthWidth, kDepthHeight, depth_mm}, unit.rays, spec.wall_m, sums[b]);
-      }
-      if (hooks.progress)
-        hooks.progress(static_cast<double>(++done) / static_cast<double>(blocks * spec.distortion_units));
-    });
-    RowSums total;
-    for (const RowSums& block : sums) total.merge(block);
-    DistortionCurve curve{
-        spec.wall_m,    spec.distortion_frames, u,         unit.depth.offset_m, total.valid, total.depth,
-        total.residual, total.printed,          total.lens};
-    for (auto* values :
-         {&curve.depth_error_m, &curve.depth_residual_m, &curve.printed_error_m, &curve.lens_error_m})
-      for (std::size_t c = 0; c < values->size(); ++c)
-        (*values)[c] =
-            total.valid[c] > 0 ? (*values)[c] / static_cast<double>(total.valid[c]) : ErrorSpread::kNone;
-    curves.push_back(std::move(curve));
-  }
+  for (std::uint64_t u = 0; u < spec.distortion_units; ++u)
+    if (const auto outcome =
+            items.outcome(distortion_item(u), [&] { return json_of(measure_unit(spec, u, hooks, done)); }))
+      curves.push_back(read_curve(spec, u, *outcome));
+  if (!items.whole()) curves.clear();
   return curves;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
@@ -215,6 +216,58 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
   return row;
 }
 
+std::string rig_item(std::size_t run) { return fmt::format("rigs/run-{}", run); }
+
+// One run by every method.
+std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth,
+                                    std::size_t number, const std::filesystem::path& scratch,
+                                    const StudyHooks& hooks) {
+  const SimulatedRun run = simulate_run(spec, truth, number, hooks);
+  std::vector<RunOutcome> outcomes;
+  for (const Method& method : methods()) {
+    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    outcomes.push_back(method.kind == Method::Kind::two_positions ? run_two_positions(run, method, truth)
+                       : method.kind == Method::Kind::wand        ? run_wand(spec, run, method, truth)
+                       : spec.bodies_s > 0.0 ? run_bodies(spec, number, method, truth, scratch)
+                                             : RunOutcome{});
+  }
+  return outcomes;
+}
+
+Json json_of(const std::vector<RunOutcome>& outcomes) {
+  Json json = Json::array();
+  for (const RunOutcome& outcome : outcomes) {
+    Json sensors = Json::array(), poses = Json::array();
+    for (const PoseError& e : outcome.sensors)
+      sensors.push_back({e.position_m, e.rotation_rad, e.covered, e.asked});
+    for (const RigidTransform& pose : outcome.in_world.world_from_sensor) {
+      const Eigen::Quaterniond& q = pose.rotation;
+      const Eigen::Vector3d& t = pose.translation_m;
+      poses.push_back({q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+    }
+    json.push_back({{"failed", outcome.failed}, {"sensors", sensors}, {"poses_wxyz_m", poses}});
+  }
+  return json;
+}
+
+std::vector<RunOutcome> read_run(const Json& json) {
+  std::vector<RunOutcome> outcomes;
+  for (const Json& entry : json) {
+    RunOutcome outcome;
+    outcome.failed = entry.at("failed").get<bool>();
+    for (const Json& e : entry.at("sensors"))
+      outcome.sensors.push_back(
+          {number_in(e.at(0)), number_in(e.at(1)), e.at(2).get<int>(), e.at(3).get<int>()});
+    for (const Json& pose : entry.at("poses_wxyz_m")) {
+      const std::vector<double> n = numbers_in(pose);
+      outcome.in_world.world_from_sensor.push_back(
+          {Eigen::Quaterniond(n.at(0), n.at(1), n.at(2), n.at(3)), {n.at(4), n.at(5), n.at(6)}});
+    }
+    outcomes.push_back(std::move(outcome));
+  }
+  return outcomes;
+}
+
 }  // namespace
 
 std::vector<RigidTransform> true_rig(const CalibrationSpec& spec) {
@@ -223,8 +276,17 @@ std::vector<RigidTransform> true_rig(const CalibrationSpec& spec) {
   return rig;
 }
 
+std::vector<PartItem> rig_items(const CalibrationSpec& spec) {
+  constexpr double kBodies = 20.0;  // images that a second of walking costs
+  const double cost = static_cast<double>(spec.positions * spec.position_frames * spec.rig.heights_m.size()) +
+                      kBodies * spec.bodies_s;
+  std::vector<PartItem> items;
+  for (std::uint64_t r = 0; r < spec.runs; ++r) items.push_back({rig_item(r), cost});
+  return items;
+}
+
 RigTrialResults measure_rigs(const CalibrationSpec& spec, const std::filesystem::path& scratch,
-                             const StudyHooks& hooks) {
+                             StudyItems& items, const StudyHooks& hooks) {
   RigTrialResults results;
   if (spec.runs == 0) return results;
   const std::vector<RigidTransform> truth = true_rig(spec);
@@ -232,16 +294,15 @@ RigTrialResults measure_rigs(const CalibrationSpec& spec, const std::filesystem:
   std::vector<std::vector<RunOutcome>> outcomes(all.size(), std::vector<RunOutcome>(spec.runs));
   std::atomic<std::uint64_t> done{0};
   parallel_for_index(spec.runs, 1, [&](std::size_t r) {
-    const SimulatedRun run = simulate_run(spec, truth, r, hooks);
-    for (std::size_t m = 0; m < all.size(); ++m) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
-      outcomes[m][r] = all[m].kind == Method::Kind::two_positions ? run_two_positions(run, all[m], truth)
-                       : all[m].kind == Method::Kind::wand        ? run_wand(spec, run, all[m], truth)
-                       : spec.bodies_s > 0.0 ? run_bodies(spec, r, all[m], truth, scratch)
-                                             : RunOutcome{};
+    const auto outcome =
+        items.outcome(rig_item(r), [&] { return json_of(measure_run(spec, truth, r, scratch, hooks)); });
+    if (outcome) {
+      std::vector<RunOutcome> run = read_run(*outcome);
+      for (std::size_t m = 0; m < all.size(); ++m) outcomes[m][r] = std::move(run.at(m));
     }
     if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(spec.runs));
   });
+  if (!items.whole()) return results;
   for (std::size_t m = 0; m < all.size(); ++m) {
     if (all[m].kind == Method::Kind::bodies && spec.bodies_s == 0.0) continue;
     results.rows.push_back(row_of(all[m], outcomes[m], spec.seed));

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
@@ -163,42 +166,99 @@ bool is_recommended(const Sample& sample) {
          sample.angle_rad < paper().recommended_below_deg * kRadPerDegree;
 }
 
+std::string wand_item(std::uint64_t unit) { return fmt::format("wand/unit-{}", unit); }
+
+std::vector<Sample> draw_samples(const CalibrationSpec& spec, std::uint64_t unit) {
+  std::vector<Sample> samples;
+  for (std::uint64_t i = 0; i < spec.samples + spec.near_samples; ++i)
+    samples.push_back(draw_sample(spec, unit, i, i >= spec.samples));
+  return samples;
+}
+
+struct Progress {
+  const StudyHooks& hooks;
+  std::uint64_t total = 0;
+  std::atomic<std::uint64_t> done{0};
+  void advance() {
+    if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(total));
+  }
+};
+
+// Every sample of a unit in both scenes: sample by sample, in each the far wall first.
+std::vector<SampleOutcome> measure_unit(const CalibrationSpec& spec, std::uint64_t number,
+                                        const StudyHooks& hooks, Progress& progress) {
+  const std::vector<Variant> methods = variants(spec.ball_radius_m);
+  const StudyUnit unit = draw_study_unit(spec.seed, number);
+  const std::vector<Sample> samples = draw_samples(spec, number);
+  std::vector<SampleOutcome> outcomes(2 * samples.size());
+  parallel_for_index(outcomes.size(), 1, [&](std::size_t k) {
+    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    const std::uint64_t i = k / 2;
+    outcomes[k] =
+        measure(spec, unit, number, samples[i], i, k % 2 == 0 ? Scene::far_wall : Scene::room, methods);
+    progress.advance();
+  });
+  return outcomes;
+}
+
+Json json_of(const std::vector<SampleOutcome>& outcomes) {
+  Json json = Json::array();
+  for (const SampleOutcome& outcome : outcomes) {
+    Json statuses = Json::array();
+    for (const WandStatus status : outcome.status) statuses.push_back(static_cast<int>(status));
+    json.push_back({{"error_m", outcome.error_m}, {"status", statuses}});
+  }
+  return json;
+}
+
+std::vector<SampleOutcome> read_outcomes(const Json& json) {
+  std::vector<SampleOutcome> outcomes;
+  for (const Json& entry : json) {
+    outcomes.push_back({numbers_in(entry.at("error_m")), {}});
+    for (const Json& status : entry.at("status"))
+      outcomes.back().status.push_back(static_cast<WandStatus>(status.get<int>()));
+  }
+  return outcomes;
+}
+
 }  // namespace
 
-WandSampleResults measure_wand(const CalibrationSpec& spec, const StudyHooks& hooks) {
+std::vector<PartItem> wand_items(const CalibrationSpec& spec) {
+  const std::uint64_t images = 2 * (spec.samples + spec.near_samples) * spec.frames;
+  std::vector<PartItem> items;
+  for (std::uint64_t u = 0; u < spec.units && images > 0; ++u)
+    items.push_back({wand_item(u), static_cast<double>(images)});
+  return items;
+}
+
+WandSampleResults measure_wand(const CalibrationSpec& spec, StudyItems& items, const StudyHooks& hooks) {
   WandSampleResults results;
+  if (spec.samples + spec.near_samples == 0) return results;
+  std::vector<std::vector<SampleOutcome>> units;
+  Progress progress{hooks, 2 * (spec.samples + spec.near_samples) * spec.units};
+  for (std::uint64_t u = 0; u < spec.units; ++u) {
+    const auto outcome =
+        items.outcome(wand_item(u), [&] { return json_of(measure_unit(spec, u, hooks, progress)); });
+    if (outcome) units.push_back(read_outcomes(*outcome));
+  }
+  if (!items.whole()) return results;
   const std::vector<Variant> methods = variants(spec.ball_radius_m);
-  const std::uint64_t per_unit = spec.samples + spec.near_samples;
-  if (per_unit == 0) return results;
   std::vector<std::vector<ClusteredError>> all(2 * methods.size()), recommended(all), near(all);
   for (Scene kind : {Scene::far_wall, Scene::room})
     for (const Variant& variant : methods)
       results.rows.push_back({variant.name, kind == Scene::far_wall ? "far wall" : "room", {}, {}, {}, {}});
-  std::atomic<std::uint64_t> done{0};
   for (std::uint64_t u = 0; u < spec.units; ++u) {
-    const StudyUnit unit = draw_study_unit(spec.seed, u);
-    std::vector<Sample> samples;
-    for (std::uint64_t i = 0; i < per_unit; ++i)
-      samples.push_back(draw_sample(spec, u, i, i >= spec.samples));
-    std::vector<SampleOutcome> outcomes(2 * per_unit);
-    parallel_for_index(outcomes.size(), 1, [&](std::size_t k) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
-      const std::uint64_t i = k / 2;
-      outcomes[k] =
-          measure(spec, unit, u, samples[i], i, k % 2 == 0 ? Scene::far_wall : Scene::room, methods);
-      if (hooks.progress)
-        hooks.progress(static_cast<double>(++done) / static_cast<double>(2 * per_unit * spec.units));
-    });
-    for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    const std::vector<Sample> samples = draw_samples(spec, u);
+    for (std::size_t k = 0; k < units[u].size(); ++k) {
       const Sample& sample = samples[k / 2];
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const std::size_t row = (k % 2) * methods.size() + m;
-        const ClusteredError error{u, outcomes[k].error_m[m]};
+        const ClusteredError error{u, units[u][k].error_m[m]};
         (sample.near ? near : all)[row].push_back(error);
         if (is_recommended(sample)) recommended[row].push_back(error);
         if (sample.near) continue;
-        ++results.rows[row].statuses[name_of(outcomes[k].status[m])];
-        results.samples.push_back({row, u, sample.distance_m, sample.angle_rad, outcomes[k].error_m[m]});
+        ++results.rows[row].statuses[name_of(units[u][k].status[m])];
+        results.samples.push_back({row, u, sample.distance_m, sample.angle_rad, units[u][k].error_m[m]});
       }
     }
   }

@@ -11,6 +11,7 @@
 #include "datasets/base/units.h"
 #include "datasets/base/version.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/results_file.h"
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/cli/simulate_take.h"
 #include "pipeline/execute.h"
@@ -41,26 +42,10 @@ ResultsSummary evaluate_source(const BudgetSpec& spec, ErrorSource source,
                         options.stop_requested, [&](double share) { tell(kSimulating * share); });
   if (source == ErrorSource::calibration || source == ErrorSource::all)
     perturb(spec, folder / "campaign", campaign);
-  return execute_study(
-      spec.study, campaign, folder / "results",
-      {options.threads, false, options.stop_requested,
-       [&](double share) { tell(kSimulating + (1.0 - kSimulating) * share); }, options.memory_bytes});
-}
-
-void write_budget_manifest(const std::filesystem::path& folder, const BudgetSpec& spec) {
-  const Json study = resolved_json(spec.study);
-  const Json json{{"format", "trilat.manifest"},
-                  {"version", 1},
-                  {"program", kProgramVersion},
-                  {"study", study},
-                  {"study_sha256", hash_of_text(study.dump())},
-                  {"campaign", spec.simulation.name},
-                  {"simulated", true},
-                  {"seed", spec.simulation.seed},
-                  {"participants", spec.simulation.participants},
-                  {"calibration_sigma_m", spec.calibration_sigma_m},
-                  {"calibration_sigma_deg", spec.calibration_sigma_deg}};
-  write_file(folder / "manifest.json", json_text(json, 1) + "\n");
+  ExecuteOptions part{.threads = options.threads, .stop_requested = options.stop_requested};
+  part.progress = [&](double share) { tell(kSimulating + (1.0 - kSimulating) * share); };
+  part.memory_bytes = options.memory_bytes;
+  return execute_study(spec.study, campaign, folder / "results", part);
 }
 
 std::string failure_of(const ResultsSummary& summary) {
@@ -69,32 +54,83 @@ std::string failure_of(const ResultsSummary& summary) {
   return "no reason is given";
 }
 
-BudgetSummary execute_into(const BudgetSpec& spec, const std::filesystem::path& folder,
-                           const BudgetOptions& options) {
-  const std::filesystem::path work = folder / "work";
+// The rows of one source alone.
+Json measure_source(const BudgetSpec& spec, ErrorSource source, const std::filesystem::path& work,
+                    const BudgetOptions& options) {
+  const ResultsSummary summary = evaluate_source(spec, source, work, options);
+  if (summary.takes_failed > 0)
+    throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
+                                               name_of(source) + "\" alone: " + failure_of(summary));
+  Json rows = Json::array();
+  for (const SummaryCell& cell : summary.cells)
+    if (cell.group != kAverageGroup)
+      rows.push_back(json_of(BudgetRow{name_of(source), cell.method, cell.condition, cell.group,
+                                       cell.alignment, cell.answered, cell.rmse_m, cell.mae_m}));
+  std::filesystem::remove_all(work);
+  return rows;
+}
+
+// What all parts of a budget share, and all that putting them together needs.
+Json work_json(const BudgetSpec& spec) {
+  return {{"study", resolved_json(spec.study)},
+          {"campaign", spec.simulation.name},
+          {"seed", spec.simulation.seed},
+          {"participants", spec.simulation.participants},
+          {"calibration_sigma_m", spec.calibration_sigma_m},
+          {"calibration_sigma_deg", spec.calibration_sigma_deg},
+          {"sha256", spec.sha256}};
+}
+
+void write_budget_manifest(const std::filesystem::path& folder, const Json& work) {
+  Json json{{"format", "trilat.manifest"},
+            {"version", 1},
+            {"program", kProgramVersion},
+            {"study", work.at("study")},
+            {"study_sha256", hash_of_text(work.at("study").dump())},
+            {"campaign", work.at("campaign")},
+            {"simulated", true}};
+  for (const char* key : {"seed", "participants", "calibration_sigma_m", "calibration_sigma_deg"})
+    json[key] = work.at(key);
+  write_file(folder / "manifest.json", json_text(json, 1) + "\n");
+}
+
+std::vector<PartItem> list_of_items() {
+  std::vector<PartItem> items;
+  for (const ErrorSource source : error_sources()) items.push_back({name_of(source)});
+  return items;
+}
+
+BudgetSummary summary_of(const Json& work) {
   BudgetSummary budget;
-  budget.study = spec.study.name;
-  budget.campaign = spec.simulation.name;
-  budget.seed = spec.simulation.seed;
-  budget.participants = spec.simulation.participants;
-  budget.calibration_sigma_m = spec.calibration_sigma_m;
-  budget.calibration_sigma_rad = spec.calibration_sigma_deg * kRadPerDegree;
-  for (const ErrorSource source : error_sources()) {
-    budget.sources.push_back(name_of(source));
-    budget.descriptions.push_back(description_of(source));
-    const ResultsSummary summary = evaluate_source(spec, source, work, options);
-    if (summary.takes_failed > 0)
-      throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
-                                                 name_of(source) + "\" alone: " + failure_of(summary));
-    for (const SummaryCell& cell : summary.cells)
-      if (cell.group != kAverageGroup)
-        budget.rows.push_back({name_of(source), cell.method, cell.condition, cell.group, cell.alignment,
-                               cell.answered, cell.rmse_m, cell.mae_m});
-    std::filesystem::remove_all(work);
+  budget.study = work.at("study").at("name").get<std::string>();
+  budget.campaign = work.at("campaign").get<std::string>();
+  budget.seed = work.at("seed").get<std::uint64_t>();
+  budget.participants = work.at("participants").get<std::uint64_t>();
+  budget.calibration_sigma_m = work.at("calibration_sigma_m").get<double>();
+  budget.calibration_sigma_rad = work.at("calibration_sigma_deg").get<double>() * kRadPerDegree;
+  return budget;
+}
+
+void add_source(ErrorSource source, const Json& rows, BudgetSummary& budget) {
+  budget.sources.push_back(name_of(source));
+  budget.descriptions.push_back(description_of(source));
+  for (const Json& row : rows) budget.rows.push_back(read_budget_row(JsonObject(row, name_of(source), "")));
+}
+
+// `compute` makes the rows of a source that is not known.
+BudgetSummary put_together(const Json& work, StudyItems& items, const std::filesystem::path& folder,
+                           const std::vector<DeclaredParameter>& parameters,
+                           const std::function<Json(ErrorSource)>& compute) {
+  BudgetSummary budget = summary_of(work);
+  for (const ErrorSource source : error_sources())
+    if (const auto rows = items.outcome(name_of(source), [&] { return compute(source); }))
+      add_source(source, *rows, budget);
+  if (items.whole()) {
+    write_budget_manifest(folder, work);
+    write_budget_summary(folder, budget);
   }
-  write_budget_manifest(folder, spec);
-  write_budget_summary(folder, budget);
-  write_declared_parameters(folder, declared_parameters(spec.simulation));
+  write_declared_parameters(folder, parameters);
+  items.finish(folder, key_of_item(work));
   return budget;
 }
 
@@ -103,13 +139,34 @@ BudgetSummary execute_into(const BudgetSpec& spec, const std::filesystem::path& 
 BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path& output,
                              const BudgetOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const ResultsFolder folder(output);
+  const Json work = work_json(spec);
+  const std::vector<PartItem> list = list_of_items();
+  if (is_done_already(output, options.work, key_of_item(work), list, options.tally))
+    return read_budget_summary(output);
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{"items.jsonl"});
   BudgetSummary budget;
   on_threads(options.threads, [&](int threads) {
-    budget = execute_into(spec, folder.partial(), options);
+    StudyItems items(name_of(ResultsKind::error_budget), work, list, folder.partial(), options.work);
+    budget = put_together(
+        work, items, folder.partial(), declared_parameters(spec.simulation),
+        [&](ErrorSource source) { return measure_source(spec, source, folder.partial() / "work", options); });
+    if (options.tally) *options.tally = items.tally();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     write_run_record(folder.partial(), Json::object(), wall.count(), threads);
   });
+  folder.put_in_place();
+  return budget;
+}
+
+BudgetSummary merge_budget(const std::vector<FoundPart>& parts, const std::filesystem::path& output,
+                           const BudgetOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  StudyItems items(parts);
+  const ResultsFolder folder(output);
+  const BudgetSummary budget = put_together(parts.front().part.work, items, folder.partial(),
+                                            read_declared_parameters(parts.front().folder), {});
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  write_run_record(folder.partial(), Json::object(), wall.count(), options.threads);
   folder.put_in_place();
   return budget;
 }

@@ -71,7 +71,9 @@ void add_speed(const GateArguments& arguments, const GateLimits& limits, const S
   }
 }
 
+// What was measured beside other work would look like a drift.
 void add_speed_series(const SpeedFile& speed, HistoryEntry& entry) {
+  if (is_disturbed(speed)) return;
   for (const SolverSpeed& s : speed.solvers) entry.speed[s.solver] = quantile_of(s.ratios, 0.25);
 }
 

@@ -32,6 +32,7 @@ struct AllArguments {
   SimulateArguments simulate;
   CalibrateArguments calibrate;
   RunArguments run;
+  MergeArguments merge;
   ReportArguments report;
   ReproduceArguments reproduce;
   GateArguments gate;
@@ -98,6 +99,8 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       app.add_subcommand("simulate", "virtual Kinects watch a generated person or a real OptiTrack take");
   simulate_verb->add_option("spec", a.simulate.spec, "simulation.json")->required();
   simulate_verb->add_option("-o,--output", a.simulate.output, "folder of the campaign")->required();
+  simulate_verb->add_option("--shard", a.simulate.shard,
+                            "k/n: make only part k of n, into a folder for `trilat merge`");
   add_allow_outside(*simulate_verb, a.simulate.outside, "simulation.json");
   add_json(*simulate_verb, a.simulate.json);
   simulate_verb->callback([&] {
@@ -122,11 +125,31 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   run_verb->add_flag("--cross-check", a.run.cross_check,
                      "solve again with Ceres, report the worst difference and fail beyond the study's limit");
   run_verb->add_flag("--dry-run", a.run.dry_run, "print the plan and stop");
+  run_verb->add_option("--shard", a.run.shard,
+                       "k/n: compute only part k of n, into a folder for `trilat merge`");
+  run_verb->add_option(
+      "--reuse", a.run.reuse,
+      "earlier results: what did not change since is taken from there; may be repeated. What "
+      "--output holds is always asked");
+  run_verb->add_flag("--fresh", a.run.fresh, "compute all again, whatever --output holds");
   add_allow_outside(*run_verb, a.run.outside, "campaign.json or simulation.json");
   add_json(*run_verb, a.run.json);
   run_verb->callback([&] {
     end_in_order();
     code = run(a.run);
+  });
+
+  auto* merge_verb =
+      app.add_subcommand("merge", "the parts that --shard has written -> what one run would have");
+  merge_verb->add_option("parts", a.merge.parts, "folders of all parts, in any order")->required();
+  merge_verb->add_option("-o,--output", a.merge.output, "results, or campaign")->required();
+  merge_verb->add_option("--threads", a.merge.threads, "how many threads; 0: one a processor")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_json(*merge_verb, a.merge.json);
+  merge_verb->callback([&] {
+    end_in_order();
+    code = merge(a.merge);
   });
 
   auto* report_verb =

@@ -59,12 +59,19 @@ Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec
   return simulate_campaign(spec, folder, stop_requested, [&](double s) { progress.set(s); });
 }
 
+// What an earlier reproduction left there and did not change since.
+std::vector<std::filesystem::path> earlier(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder)) return {};
+  return {folder};
+}
+
 ResultsSummary evaluate_into(const std::filesystem::path& folder, const StudySpec& study,
                              const Campaign& campaign, bool cross_check,
                              const ReproduceArguments& arguments) {
   Progress progress("evaluating");
-  return execute_study(study, campaign, folder,
-                       {arguments.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }});
+  return execute_study(
+      study, campaign, folder,
+      {arguments.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }, earlier(folder)});
 }
 
 // Two rigs of eight sensors, of which the study takes two to eight. How many takes failed.
@@ -94,8 +101,10 @@ void budget_into(const std::filesystem::path& folder, const ReproduceArguments& 
     spec.simulation.participants = std::min(spec.simulation.participants, kQuickBudgetParticipants);
   PartProgress progress;
   execute_budget(spec, folder,
-                 {arguments.threads, stop_requested,
-                  [&](const std::string& part, double share) { progress.set(part, share); }});
+                 {arguments.threads,
+                  stop_requested,
+                  [&](const std::string& part, double share) { progress.set(part, share); },
+                  {{}, earlier(folder)}});
 }
 
 SweepPlan sweep_plan(const char* text, const std::string& place, const ReproduceArguments& arguments,
@@ -128,10 +137,12 @@ void calibration_into(const std::filesystem::path& folder, const ReproduceArgume
     spec.runs = std::min(spec.runs, kQuickRuns);
   }
   PartProgress progress;
-  const CalibrationSummary summary = execute_calibration(
-      spec, folder, {arguments.threads, stop_requested, [&](const std::string& part, double share) {
-                       progress.set(part, share);
-                     }});
+  const CalibrationSummary summary =
+      execute_calibration(spec, folder,
+                          {arguments.threads,
+                           stop_requested,
+                           [&](const std::string& part, double share) { progress.set(part, share); },
+                           {{}, earlier(folder)}});
   if (summary.interrupted) throw Interrupted();
 }
 
@@ -147,11 +158,13 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
   PartProgress progress;
   const RecordingOutcome outcome =
       execute_recording(spec, folder,
-                        {arguments.threads, stop_requested,
+                        {arguments.threads,
+                         stop_requested,
                          [&](const std::string& part, double share) { progress.set(part, share); },
                          [&](const std::filesystem::path& capture, const RecordingHooks& hooks) {
                            return time_capture(spec, capture, hooks);
-                         }});
+                         },
+                         {{}, earlier(folder)}});
   if (outcome.summary.interrupted) throw Interrupted();
 }
 

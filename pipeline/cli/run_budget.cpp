@@ -7,12 +7,29 @@
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/execute_budget.h"
+#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/part_progress.h"
+#include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/budget_tables.h"
 #include "reports/render.h"
 
 namespace trilat {
+namespace {
+
+int print_results(const BudgetSummary& summary, const std::filesystem::path& output, Json document,
+                  bool json) {
+  if (json) {
+    document.update(Json{{"results", output.string()}, {"simulated", true}});
+    fmt::print("{}\n", json_text(document, 2));
+  } else {
+    for (const Table& table : budget_tables(summary)) fmt::print("{}\n", markdown_of(table));
+    fmt::print("results: {}\n", output.string());
+  }
+  return kDone;
+}
+
+}  // namespace
 
 int run_budget_study(const RunArguments& arguments, const Json& study) {
   if (!arguments.campaign.empty() || !arguments.calibration.empty())
@@ -38,21 +55,30 @@ int run_budget_study(const RunArguments& arguments, const Json& study) {
     return kDone;
   }
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  ItemTally tally;
+  const WorkOptions work = work_options(arguments);
   BudgetSummary summary;
   {
     PartProgress progress;
-    BudgetOptions options{arguments.threads, stop_requested,
-                          [&](const std::string& part, double share) { progress.set(part, share); }};
+    BudgetOptions options{.threads = arguments.threads, .stop_requested = stop_requested};
+    options.progress = [&](const std::string& part, double share) { progress.set(part, share); };
+    options.work = work;
+    options.fresh = arguments.fresh;
+    options.tally = &tally;
     if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
     summary = execute_budget(spec, arguments.output, options);
   }
-  if (arguments.json) {
-    fmt::print("{}\n", json_text({{"results", arguments.output.string()}, {"simulated", true}}, 2));
-  } else {
-    for (const Table& table : budget_tables(summary)) fmt::print("{}\n", markdown_of(table));
-    fmt::print("results: {}\n", arguments.output.string());
+  tell_reuse("sources of error", tally);
+  if (!work.shard.whole()) {
+    print_part(arguments.output, work.shard, tally, arguments.json);
+    return kDone;
   }
-  return kDone;
+  return print_results(summary, arguments.output, tally_json(tally), arguments.json);
+}
+
+int merge_budget_study(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  const BudgetSummary summary = merge_budget(parts, arguments.output, {.threads = arguments.threads});
+  return print_results(summary, arguments.output, {{"parts", parts.size()}}, arguments.json);
 }
 
 }  // namespace trilat

@@ -5,7 +5,9 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/part_progress.h"
+#include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/calibration_tables.h"
 #include "reports/render.h"
@@ -29,6 +31,22 @@ int print_plan(const CalibrationSpec& spec, bool json) {
   return kDone;
 }
 
+int print_results(const CalibrationSummary& summary, const std::filesystem::path& output, Json document,
+                  bool json) {
+  const std::filesystem::path folder = summary.interrupted ? output.string() + ".partial" : output.string();
+  if (json) {
+    document.update(
+        Json{{"results", folder.string()}, {"simulated", true}, {"interrupted", summary.interrupted}});
+    fmt::print("{}\n", json_text(document, 2));
+  } else {
+    for (const Table& table : calibration_tables(summary)) fmt::print("{}\n", markdown_of(table));
+    fmt::print("results: {}\n", folder.string());
+  }
+  if (!summary.interrupted) return kDone;
+  tell_interrupted(folder);
+  return kItemsFailed;
+}
+
 }  // namespace
 
 int run_calibration_study(const RunArguments& arguments, const Json& study) {
@@ -39,28 +57,34 @@ int run_calibration_study(const RunArguments& arguments, const Json& study) {
   const CalibrationSpec spec = parse_calibration_spec(study, arguments.study.string());
   if (arguments.dry_run) return print_plan(spec, arguments.json);
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  ItemTally tally;
+  const WorkOptions work = work_options(arguments);
   CalibrationSummary summary;
   {
     PartProgress progress;
-    summary =
-        execute_calibration(spec, arguments.output,
-                            {arguments.threads, stop_requested,
-                             [&](const std::string& part, double share) { progress.set(part, share); }});
+    summary = execute_calibration(spec, arguments.output,
+                                  {arguments.threads, stop_requested,
+                                   [&](const std::string& part, double share) { progress.set(part, share); },
+                                   work, arguments.fresh, &tally});
   }
-  const std::filesystem::path folder =
-      summary.interrupted ? arguments.output.string() + ".partial" : arguments.output.string();
-  if (arguments.json) {
-    fmt::print(
-        "{}\n",
-        json_text({{"results", folder.string()}, {"simulated", true}, {"interrupted", summary.interrupted}},
-                  2));
-  } else {
-    for (const Table& table : calibration_tables(summary)) fmt::print("{}\n", markdown_of(table));
-    fmt::print("results: {}\n", folder.string());
+  tell_reuse("items", tally);
+  if (!work.shard.whole() && summary.interrupted) throw Interrupted();
+  if (!work.shard.whole()) {
+    print_part(arguments.output, work.shard, tally, arguments.json);
+    return kDone;
   }
-  if (!summary.interrupted) return kDone;
-  fmt::print(stderr, "trilat: interrupted; what was finished has been kept in {}\n", folder.string());
-  return kItemsFailed;
+  return print_results(summary, arguments.output, tally_json(tally), arguments.json);
+}
+
+int merge_calibration_study(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  CalibrationSummary summary;
+  {
+    PartProgress progress;
+    ExecuteCalibrationOptions options{.threads = arguments.threads, .stop_requested = stop_requested};
+    options.progress = [&](const std::string& part, double share) { progress.set(part, share); };
+    summary = merge_calibration(parts, arguments.output, options);
+  }
+  return print_results(summary, arguments.output, {{"parts", parts.size()}}, arguments.json);
 }
 
 }  // namespace trilat

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/part_progress.h"
+#include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording_study/execute_recording.h"
@@ -28,6 +30,23 @@ int print_plan(const RecordingSpec& spec, bool json) {
   return kDone;
 }
 
+int print_results(const RecordingOutcome& outcome, const std::filesystem::path& output, Json document,
+                  bool json) {
+  const bool interrupted = outcome.summary.interrupted;
+  const std::filesystem::path folder = interrupted ? output.string() + ".partial" : output.string();
+  if (json) {
+    document.update(Json{{"results", folder.string()}, {"simulated", true}, {"interrupted", interrupted}});
+    fmt::print("{}\n", json_text(document, 2));
+  } else {
+    for (const Table& table : table4(outcome.summary, outcome.timings))
+      fmt::print("{}\n", markdown_of(table));
+    fmt::print("results: {}\n", folder.string());
+  }
+  if (!interrupted) return kDone;
+  tell_interrupted(folder);
+  return kItemsFailed;
+}
+
 }  // namespace
 
 int run_recording_study(const RunArguments& arguments, const Json& study) {
@@ -38,6 +57,8 @@ int run_recording_study(const RunArguments& arguments, const Json& study) {
   const RecordingSpec spec = parse_recording_spec(study, arguments.study.string());
   if (arguments.dry_run) return print_plan(spec, arguments.json);
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  ItemTally tally;
+  const WorkOptions work = work_options(arguments);
   RecordingOutcome outcome;
   {
     PartProgress progress;
@@ -46,23 +67,21 @@ int run_recording_study(const RunArguments& arguments, const Json& study) {
                                  [&](const std::string& part, double share) { progress.set(part, share); },
                                  [&](const std::filesystem::path& folder, const RecordingHooks& hooks) {
                                    return time_capture(spec, folder, hooks);
-                                 }});
+                                 },
+                                 work, arguments.fresh, &tally});
   }
-  const bool interrupted = outcome.summary.interrupted;
-  const std::filesystem::path folder =
-      interrupted ? arguments.output.string() + ".partial" : arguments.output.string();
-  if (arguments.json) {
-    fmt::print(
-        "{}\n",
-        json_text({{"results", folder.string()}, {"simulated", true}, {"interrupted", interrupted}}, 2));
-  } else {
-    for (const Table& table : table4(outcome.summary, outcome.timings))
-      fmt::print("{}\n", markdown_of(table));
-    fmt::print("results: {}\n", folder.string());
+  tell_reuse("items", tally);
+  if (!work.shard.whole() && outcome.summary.interrupted) throw Interrupted();
+  if (!work.shard.whole()) {
+    print_part(arguments.output, work.shard, tally, arguments.json);
+    return kDone;
   }
-  if (!interrupted) return kDone;
-  fmt::print(stderr, "trilat: interrupted; what was finished has been kept in {}\n", folder.string());
-  return kItemsFailed;
+  return print_results(outcome, arguments.output, tally_json(tally), arguments.json);
+}
+
+int merge_recording_study(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  const RecordingOutcome outcome = merge_recording(parts, arguments.output, {.threads = arguments.threads});
+  return print_results(outcome, arguments.output, {{"parts", parts.size()}}, arguments.json);
 }
 
 }  // namespace trilat

@@ -3,15 +3,38 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/progress.h"
+#include "pipeline/cli/reused_results.h"
+#include "pipeline/cli/simulate_part.h"
 #include "pipeline/cli/simulate_take.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
+namespace {
+
+int simulate_shard(const SimulateArguments& arguments, const SimulationSpec& spec, const Shard& shard) {
+  std::string sha256 = hash_of_file(arguments.spec);
+  if (spec.recorded) sha256 += hash_of_file(spec.recorded->mocap) + hash_of_file(spec.recorded->mapping);
+  ItemTally tally;
+  {
+    Progress progress("simulating");
+    tally = simulate_part(spec, hash_of_text(sha256), shard, arguments.output,
+                          {stop_requested, [&](double share) { progress.set(share); }});
+  }
+  tell_reuse("recordings", tally);
+  print_part(arguments.output, shard, tally, arguments.json);
+  return kDone;
+}
+
+}  // namespace
 
 int simulate(const SimulateArguments& arguments) {
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
+  if (!arguments.shard.empty())
+    return simulate_shard(arguments, spec, parse_shard(arguments.shard, "--shard"));
   if (std::filesystem::exists(arguments.output) && !std::filesystem::is_directory(arguments.output))
     throw InputError(arguments.output.string(), "is a file; a folder is needed");
   Campaign campaign;
@@ -36,6 +59,18 @@ int simulate(const SimulateArguments& arguments) {
       fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n",
                  (arguments.output / "wand" / "session.h5").string(), wand_mocap_start(spec).ns);
   }
+  return kDone;
+}
+
+int merge_simulated_campaign(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  merge_campaign(parts, arguments.output);
+  const Campaign campaign = read_campaign(arguments.output);
+  if (arguments.json)
+    fmt::print("{}\n",
+               json_text({{"campaign", arguments.output.string()}, {"takes", campaign.takes.size()}}, 2));
+  else
+    fmt::print("{} simulated takes: {}\n", campaign.takes.size(),
+               (arguments.output / "campaign.json").string());
   return kDone;
 }
 

@@ -79,36 +79,6 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
   return take;
 }
 
-// About how long each recording takes, in seconds of a take without depth; the wand's is the last.
-std::vector<double> costs_of(const SimulationSpec& spec, const std::vector<SimulatedTakePlan>& takes) {
-  constexpr double kDepth = 60.0;
-  std::vector<double> costs;
-  for (const SimulatedTakePlan& take : takes)
-    costs.push_back(take.duration_s * (spec.depth.takes ? kDepth : 1.0));
-  if (spec.wand) costs.push_back(kDepth * wand_duration_s(*spec.wand));
-  return costs;
-}
-
-// Adds up how far several recordings are; any thread may tell.
-class JointProgress {
- public:
-  JointProgress(std::vector<double> costs, const std::function<void(double)>& report)
-      : costs_(std::move(costs)), shares_(costs_.size(), 0.0), report_(report) {}
-
-  void set(std::size_t recording, double share) {
-    if (!report_) return;
-    const std::lock_guard lock(mutex_);
-    shares_[recording] = share;
-    report_(std::inner_product(costs_.begin(), costs_.end(), shares_.begin(), 0.0) /
-            std::accumulate(costs_.begin(), costs_.end(), 0.0));
-  }
-
- private:
-  std::vector<double> costs_, shares_;
-  const std::function<void(double)>& report_;
-  std::mutex mutex_;
-};
-
 void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                  const std::vector<SimulatedSensor>& sensors, const std::filesystem::path& session,
                  const std::filesystem::path& tracker_truth, const SimulationWatch& watch) {
@@ -172,39 +142,82 @@ std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec) {
   return parameters;
 }
 
-Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
-                           const std::function<bool()>& stop_requested,
-                           const std::function<void(double)>& progress) {
-  std::vector<SimulatedTakePlan> takes;
+SimulatedCampaign simulated_campaign(const SimulationSpec& spec) {
+  SimulatedCampaign campaign;
   Eigen::Vector3d centre_m(0.0, 1.0, 0.0);
   if (spec.recorded) {
     const RecordedMotion recorded = read_recorded_motion(spec.recorded->mocap, spec.recorded->mapping);
     centre_m = recorded.centre_m;
-    takes.push_back(recorded_take(spec, recorded));
+    campaign.takes.push_back(recorded_take(spec, recorded));
   } else {
-    takes = generated_takes(spec);
+    campaign.takes = generated_takes(spec);
   }
-  make_folder(folder);
-  std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
-  const SimulatedRig rig{rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
+  campaign.rig = {rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
+  campaign.wand = spec.wand.has_value();
+  return campaign;
+}
+
+std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign& campaign) {
+  constexpr double kDepth = 60.0;
+  std::vector<double> costs;
+  for (const SimulatedTakePlan& take : campaign.takes)
+    costs.push_back(take.duration_s * (spec.depth.takes ? kDepth : 1.0));
+  if (spec.wand) costs.push_back(kDepth * wand_duration_s(*spec.wand));
+  return costs;
+}
+
+JointProgress::JointProgress(std::vector<double> costs, const std::function<void(double)>& report)
+    : costs_(std::move(costs)), shares_(costs_.size(), 0.0), report_(report) {}
+
+void JointProgress::set(std::size_t recording, double share) {
+  if (!report_) return;
+  const std::lock_guard lock(mutex_);
+  shares_[recording] = share;
+  report_(std::inner_product(costs_.begin(), costs_.end(), shares_.begin(), 0.0) /
+          std::accumulate(costs_.begin(), costs_.end(), 0.0));
+}
+
+Take simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign, std::size_t recording,
+                        const std::filesystem::path& folder, const SimulationWatch& watch) {
+  if (recording < campaign.takes.size()) {
+    const SimulatedTakePlan& plan = campaign.takes[recording];
+    return simulate_take(spec, plan, campaign.rig, folder / plan.id, folder / "calibration.json", watch);
+  }
+  for (const char* file : {"session.h5", "mocap.csv", "truth.json"})  // of an earlier campaign
+    std::filesystem::remove(folder / "wand" / file);
+  simulate_wand(spec, campaign.rig.poses, campaign.rig.centre_m, folder / "wand", watch);
+  return {};
+}
+
+void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
   Calibration truth{"simulated truth", rig.poses};
   truth.simulated = true;
   write_calibration(folder / "calibration.json", truth);
   write_declared_parameters(folder, declared_parameters(spec));
+}
+
+Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
+                           const std::function<bool()>& stop_requested,
+                           const std::function<void(double)>& progress) {
+  const SimulatedCampaign simulated = simulated_campaign(spec);
+  make_folder(folder);
+  std::filesystem::remove(folder / "campaign.json");  // says that all takes are there
+  if (!simulated.wand)                                // of an earlier campaign
+    for (const char* file : {"session.h5", "mocap.csv", "truth.json"})
+      std::filesystem::remove(folder / "wand" / file);
+  write_rig(spec, simulated.rig, folder);
   Campaign campaign{spec.name, true, {}, folder};
-  campaign.takes.resize(takes.size());
-  JointProgress joint_progress(costs_of(spec, takes), progress);
-  parallel_for_index(takes.size(), 1, [&](std::size_t t) {
+  campaign.takes.resize(simulated.takes.size());
+  JointProgress joint_progress(costs_of(spec, simulated), progress);
+  const auto make = [&](std::size_t r) {
     if (stop_requested && stop_requested()) throw Interrupted();
-    campaign.takes[t] = simulate_take(spec, takes[t], rig, folder / takes[t].id, folder / "calibration.json",
-                                      {stop_requested, [&](double share) { joint_progress.set(t, share); }});
-    joint_progress.set(t, 1.0);
-  });
-  for (const char* file : {"session.h5", "mocap.csv", "truth.json"})  // of an earlier campaign
-    std::filesystem::remove(folder / "wand" / file);
-  if (spec.wand)
-    simulate_wand(spec, rig.poses, rig.centre_m, folder / "wand",
-                  {stop_requested, [&](double share) { joint_progress.set(takes.size(), share); }});
+    Take take = simulate_recording(spec, simulated, r, folder,
+                                   {stop_requested, [&](double share) { joint_progress.set(r, share); }});
+    if (r < campaign.takes.size()) campaign.takes[r] = std::move(take);
+    joint_progress.set(r, 1.0);
+  };
+  parallel_for_index(simulated.takes.size(), 1, make);
+  if (simulated.wand) make(simulated.takes.size());  // uses all threads by itself
   write_campaign(folder, campaign);
   return campaign;
 }

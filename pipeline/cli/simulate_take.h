@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
 #include <vector>
 
 #include "datasets/results/declared_parameters.h"
@@ -41,10 +44,44 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
 // What the simulation assumes, as simulator.json holds it.
 std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec);
 
+// All that a simulation records: every take, and last the wand when there is one.
+struct SimulatedCampaign {
+  SimulatedRig rig;
+  std::vector<SimulatedTakePlan> takes;
+  bool wand = false;
+  std::size_t recordings() const { return takes.size() + (wand ? 1 : 0); }
+  std::string id(std::size_t recording) const {
+    return recording < takes.size() ? takes[recording].id : "wand";
+  }
+};
+SimulatedCampaign simulated_campaign(const SimulationSpec& spec);
+
+// About how long each recording takes, in seconds of a take without depth.
+std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign& campaign);
+
+// Makes one recording in `folder`/ID; the entry of a take, nothing of the wand.
+Take simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign, std::size_t recording,
+                        const std::filesystem::path& folder, const SimulationWatch& watch);
+
+// calibration.json and simulator.json.
+void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder);
+
 // Simulates a whole campaign into `folder` on all processors and writes calibration.json, the
 // wand recording when there is one (in `folder`/wand), and campaign.json.
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
                            const std::function<bool()>& stop_requested,
                            const std::function<void(double)>& progress);
+
+// Adds up how far several recordings are; any thread may tell.
+class JointProgress {
+ public:
+  JointProgress(std::vector<double> costs, const std::function<void(double)>& report);
+  void set(std::size_t recording, double share);
+
+ private:
+  std::vector<double> costs_, shares_;
+  const std::function<void(double)>& report_;
+  std::mutex mutex_;
+};
 
 }  // namespace trilat

@@ -70,6 +70,7 @@ int mocap(const MocapArguments& arguments);
 struct SimulateArguments {
   std::filesystem::path spec;
   std::filesystem::path output;
+  std::string shard;  // k/n, or empty: all of it
   OutsidePaths outside = OutsidePaths::refused;
   bool json = false;
 };
@@ -102,10 +103,15 @@ struct RunArguments {
   std::optional<std::uint64_t> memory_mb;  // none: half of what there is
   bool cross_check = false;
   bool dry_run = false;
+  std::string shard;                         // k/n, or empty: all of it
+  std::vector<std::filesystem::path> reuse;  // earlier results
+  bool fresh = false;                        // nothing is taken from the results that `output` holds
   bool json = false;
 };
 int run(const RunArguments& arguments);
-// The same for a study of kind threshold_sweep, already read.
+// The same for a study of kind accuracy, already read.
+int run_accuracy_study(const RunArguments& arguments, const Json& study);
+// And for one of kind threshold_sweep.
 int run_sweep_study(const RunArguments& arguments, const Json& study);
 // And for one of kind calibration.
 int run_calibration_study(const RunArguments& arguments, const Json& study);
@@ -113,6 +119,14 @@ int run_calibration_study(const RunArguments& arguments, const Json& study);
 int run_budget_study(const RunArguments& arguments, const Json& study);
 // And for one of kind recording.
 int run_recording_study(const RunArguments& arguments, const Json& study);
+
+struct MergeArguments {
+  std::vector<std::filesystem::path> parts;
+  std::filesystem::path output;
+  int threads = 0;
+  bool json = false;
+};
+int merge(const MergeArguments& arguments);
 
 struct ReportArguments {
   std::vector<std::filesystem::path> results;

@@ -67,11 +67,14 @@ GateFinding finding_of(const Judged& j) {
 
 constexpr const char* kNotConfirmed = "not confirmed";
 
-// Adds to each slower finding what another measurement says; whether one is left that all confirm.
+// Adds to each slower finding what another measurement says, which is nothing when it was disturbed; whether
+// one is left that all confirm.
 bool confirm(std::vector<GateFinding>& findings, const std::vector<Judged>& again, double alpha) {
   bool left = false;
   for (GateFinding& f : findings) {
     if (f.direction != Direction::worse || f.note.find(kNotConfirmed) != std::string::npos) continue;
+    if (again.empty())
+      f.note += fmt::format("{}disturbed, {}", f.note.empty() ? "measured again: " : ", ", kNotConfirmed);
     for (const Judged& j : again) {
       if (j.solver != f.method) continue;
       f.note +=
@@ -108,10 +111,17 @@ SpeedJudgement judge_speed(const SpeedFile& now, const SpeedFile& before, const 
     }
   result.verdict.note =
       fmt::format("{} solvers, each against \"{}\" of the same run", now.solvers.size(), now.reference);
-  if (!slower) return result;
+  const double busy = std::max(now.others_busy, before.others_busy);
+  if (busy > kBusy)
+    result.verdict.note +=
+        fmt::format("; told only, no alarm: other programs kept {:.1f} processors busy", busy);
+  if (!slower || busy > kBusy) return result;
   for (int rerun = 0; measure_again && rerun < kSpeedReruns; ++rerun) {
     result.verdict.rerun = true;
-    if (!confirm(result.findings, changes_of(measure_again(), before), alpha)) break;
+    const SpeedFile again = measure_again();
+    const std::vector<Judged> changes =
+        is_disturbed(again) ? std::vector<Judged>{} : changes_of(again, before);
+    if (!confirm(result.findings, changes, alpha)) break;
   }
   for (GateFinding& f : result.findings) {
     if (f.direction != Direction::worse) continue;

@@ -13,6 +13,7 @@
 #include "evaluators/solvers/geometric.h"
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/nonlinear.h"
+#include "pipeline/gate/other_work.h"
 #include "pipeline/gate/reference_kernel.h"
 #include "pipeline/manifest.h"
 
@@ -113,6 +114,7 @@ struct Times {
 }  // namespace
 
 SpeedFile measure_speed(const MeasureOptions& options) {
+  const OtherWork others;
   const Problems problems = make_problems(options.problems);
   std::vector<PointEstimate> estimates(options.problems);
   const std::vector<Contestant> solvers = contestants(problems, estimates);
@@ -140,8 +142,9 @@ SpeedFile measure_speed(const MeasureOptions& options) {
     if (round % tenth == 0) std::this_thread::sleep_for(std::chrono::duration<double>(options.pause_s));
   }
   const auto n = static_cast<double>(options.problems);
-  SpeedFile speed{
-      processor_name(), kReferenceKernel, options.problems, median(times[0].reference_ns) / n, {}};
+  SpeedFile speed{processor_name(),    kReferenceKernel,
+                  options.problems,    median(times[0].reference_ns) / n,
+                  others.processors(), {}};
   for (std::size_t s = 0; s < solvers.size(); ++s)
     speed.solvers.push_back({solvers[s].name, times[s].ratios, median(times[s].solver_ns) / n});
   return speed;
@@ -151,7 +154,10 @@ SpeedFile joined_speed(const std::vector<SpeedFile>& runs) {
   TRILAT_CHECK(!runs.empty(), "there is something to join");
   SpeedFile joined = runs.front();
   std::vector<double> reference_ns;
-  for (const SpeedFile& run : runs) reference_ns.push_back(run.reference_ns);
+  for (const SpeedFile& run : runs) {
+    reference_ns.push_back(run.reference_ns);
+    joined.others_busy = std::max(joined.others_busy, run.others_busy);
+  }
   joined.reference_ns = median(reference_ns);
   for (std::size_t s = 0; s < joined.solvers.size(); ++s) {
     std::vector<double> solver_ns;

@@ -5,6 +5,9 @@
 #include <atomic>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "datasets/base/error.h"
 #include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/parallel.h"
@@ -91,23 +94,43 @@ ClockFitRow fit_row_of(const NetworkSpec& network, const std::vector<TrialErrors
   return {network.name, sum.sigma_s / count, sum.bound_s / count, sum.within / count, sum.used / count};
 }
 
+std::string clock_item(std::size_t network) { return fmt::format("clocks/network-{}", network); }
+
+// The rows of one network, a method each, and that of the fit.
+Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, const RecordingHooks& hooks,
+                     std::atomic<std::size_t>& done) {
+  std::vector<TrialErrors> trials(spec.runs * spec.sensors);
+  parallel_for_index(trials.size(), 1, [&](std::size_t item) {
+    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    trials[item] = measure_trial(spec, network, item);
+    if (hooks.progress)
+      hooks.progress(static_cast<double>(++done) / static_cast<double>(trials.size() * spec.networks.size()));
+  });
+  Json json{{"rows", Json::array()}, {"fit", json_of(fit_row_of(network, trials))}};
+  for (std::size_t m = 0; m < clock_method_names().size(); ++m)
+    json["rows"].push_back(json_of(row_of(spec, network, m, trials)));
+  return json;
+}
+
 }  // namespace
 
-ClockErrorResults measure_clocks(const RecordingSpec& spec, const RecordingHooks& hooks) {
+std::vector<PartItem> clock_items(const RecordingSpec& spec) {
+  std::vector<PartItem> items;
+  for (std::size_t n = 0; n < spec.networks.size(); ++n) items.push_back({clock_item(n)});
+  return items;
+}
+
+ClockErrorResults measure_clocks(const RecordingSpec& spec, StudyItems& items, const RecordingHooks& hooks) {
   ClockErrorResults results;
-  const std::size_t items = spec.runs * spec.sensors;
   std::atomic<std::size_t> done{0};
-  for (const NetworkSpec& network : spec.networks) {
-    std::vector<TrialErrors> trials(items);
-    parallel_for_index(items, 1, [&](std::size_t item) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
-      trials[item] = measure_trial(spec, network, item);
-      if (hooks.progress)
-        hooks.progress(static_cast<double>(++done) / static_cast<double>(items * spec.networks.size()));
-    });
-    for (std::size_t m = 0; m < clock_method_names().size(); ++m)
-      results.rows.push_back(row_of(spec, network, m, trials));
-    results.fits.push_back(fit_row_of(network, trials));
+  for (std::size_t n = 0; n < spec.networks.size(); ++n) {
+    const std::string id = clock_item(n);
+    const auto outcome =
+        items.outcome(id, [&] { return measure_network(spec, spec.networks[n], hooks, done); });
+    if (!outcome) continue;
+    JsonObject object(*outcome, id, "");
+    for (const JsonObject& row : object.objects("rows")) results.rows.push_back(read_clock_error(row));
+    results.fits.push_back(read_clock_fit(object.object("fit")));
   }
   return results;
 }

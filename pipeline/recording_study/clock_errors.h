@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "datasets/results/recording_summary.h"
+#include "pipeline/items/study_items.h"
 #include "pipeline/recording_study/recording_spec.h"
 
 namespace trilat {
@@ -14,11 +15,13 @@ struct RecordingHooks {
   std::function<void(double)> progress = {};
 };
 
-// Every method on every network, over all runs, sensors and frames. Throws Interrupted.
+// Every method on every network, over all runs, sensors and frames: an item a network; without those that are
+// another shard's. Throws Interrupted.
 struct ClockErrorResults {
   std::vector<ClockErrorRow> rows;
   std::vector<ClockFitRow> fits;
 };
-ClockErrorResults measure_clocks(const RecordingSpec& spec, const RecordingHooks& hooks);
+ClockErrorResults measure_clocks(const RecordingSpec& spec, StudyItems& items, const RecordingHooks& hooks);
+std::vector<PartItem> clock_items(const RecordingSpec& spec);
 
 }  // namespace trilat

@@ -11,6 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/manifest.h"
 #include "pipeline/recording_study/clock_errors.h"
 #include "pipeline/recording_study/processing_time.h"
@@ -44,29 +45,48 @@ RecordingHooks hooks_of(const ExecuteRecordingOptions& options, const std::strin
           }};
 }
 
-RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::path& folder, int threads,
-                           const ExecuteRecordingOptions& options) {
-  RecordingOutcome outcome{{spec.name, spec.seed, false, spec.frames, spec.sensors, spec.runs, {}, {}},
-                           {spec.name, processor_name(), {}}};
+std::string key_of(const RecordingSpec& spec) { return key_of_item(resolved_json(spec)); }
+
+RecordingOutcome empty_outcome(const RecordingSpec& spec) {
+  return {{spec.name, spec.seed, false, spec.frames, spec.sensors, spec.runs, {}, {}},
+          {spec.name, processor_name(), {}}};
+}
+
+void time_stages(const RecordingSpec& spec, const std::filesystem::path& folder,
+                 const ExecuteRecordingOptions& options, StageTimings& timings) {
+  timings.stages = time_processing(spec, hooks_of(options, "processing"));
+  if (options.time_capture && spec.capture_s > 0.0)
+    std::ranges::move(options.time_capture(folder / "capture", hooks_of(options, "capture")),
+                      std::back_inserter(timings.stages));
+}
+
+void write_outcome(const RecordingSpec& spec, const RecordingOutcome& outcome, StudyItems& items,
+                   const std::filesystem::path& folder) {
+  if (items.whole()) {
+    write_recording_manifest(folder, spec);
+    write_recording_summary(folder, outcome.summary);
+  }
+  if (!outcome.timings.stages.empty()) write_stage_timings(folder, outcome.timings);
+  if (!outcome.summary.interrupted) items.finish(folder, key_of(spec));
+}
+
+RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::path& folder, StudyItems& items,
+                           int threads, const ExecuteRecordingOptions& options) {
+  RecordingOutcome outcome = empty_outcome(spec);
   Json times = Json::object();
   const Clock::time_point start = Clock::now();
-  write_recording_manifest(folder, spec);
   try {
-    ClockErrorResults clocks = measure_clocks(spec, hooks_of(options, "clocks"));
+    ClockErrorResults clocks = measure_clocks(spec, items, hooks_of(options, "clocks"));
     outcome.summary.clocks = std::move(clocks.rows);
     outcome.summary.fits = std::move(clocks.fits);
     times["clocks_s"] = seconds_since(start);
-    const Clock::time_point processing = Clock::now();
-    outcome.timings.stages = time_processing(spec, hooks_of(options, "processing"));
-    times["processing_s"] = seconds_since(processing);
-    if (options.time_capture && spec.capture_s > 0.0)
-      std::ranges::move(options.time_capture(folder / "capture", hooks_of(options, "capture")),
-                        std::back_inserter(outcome.timings.stages));
+    const Clock::time_point timing = Clock::now();
+    if (items.first()) time_stages(spec, folder, options, outcome.timings);
+    times["timing_s"] = seconds_since(timing);
   } catch (const Interrupted&) {
     outcome.summary.interrupted = true;
   }
-  write_recording_summary(folder, outcome.summary);
-  if (!outcome.timings.stages.empty()) write_stage_timings(folder, outcome.timings);
+  write_outcome(spec, outcome, items, folder);
   write_run_record(folder, times, seconds_since(start), threads);
   return outcome;
 }
@@ -75,11 +95,37 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
 
 RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesystem::path& output,
                                    const ExecuteRecordingOptions& options) {
-  const ResultsFolder folder(output);
+  const std::vector<PartItem> list = clock_items(spec);
+  if (is_done_already(output, options.work, key_of(spec), list, options.tally))
+    return {read_recording_summary(output),
+            read_stage_timings(output).value_or(StageTimings{spec.name, processor_name(), {}})};
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{"items.jsonl"});
   RecordingOutcome outcome;
-  on_threads(options.threads,
-             [&](int threads) { outcome = run_parts(spec, folder.partial(), threads, options); });
+  on_threads(options.threads, [&](int threads) {
+    StudyItems items(name_of(ResultsKind::recording), resolved_json(spec), list, folder.partial(),
+                     options.work);
+    outcome = run_parts(spec, folder.partial(), items, threads, options);
+    if (options.tally) *options.tally = items.tally();
+  });
   if (!outcome.summary.interrupted) folder.put_in_place();
+  return outcome;
+}
+
+RecordingOutcome merge_recording(const std::vector<FoundPart>& parts, const std::filesystem::path& output,
+                                 const ExecuteRecordingOptions& options) {
+  const FoundPart& first = parts.front();
+  const Clock::time_point start = Clock::now();
+  const RecordingSpec spec = parse_recording_spec(first.part.work, (first.folder / "part.json").string());
+  StudyItems items(parts);
+  const ResultsFolder folder(output);
+  RecordingOutcome outcome = empty_outcome(spec);
+  ClockErrorResults clocks = measure_clocks(spec, items, {});
+  outcome.summary.clocks = std::move(clocks.rows);
+  outcome.summary.fits = std::move(clocks.fits);
+  if (auto timings = read_stage_timings(first.folder)) outcome.timings = std::move(*timings);
+  write_outcome(spec, outcome, items, folder.partial());
+  write_run_record(folder.partial(), Json::object(), seconds_since(start), options.threads);
+  folder.put_in_place();
   return outcome;
 }
 

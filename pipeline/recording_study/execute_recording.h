@@ -21,6 +21,9 @@ struct ExecuteRecordingOptions {
   // recorders.
   std::function<std::vector<StageTiming>(const std::filesystem::path& folder, const RecordingHooks& hooks)>
       time_capture = {};
+  WorkOptions work = {};
+  bool fresh = false;          // what `output`.partial holds is not gone on with
+  ItemTally* tally = nullptr;  // told what was computed and what was not
 };
 
 struct RecordingOutcome {
@@ -30,8 +33,13 @@ struct RecordingOutcome {
 
 // Runs the study's parts and writes the results folder: manifest.json, simulator.json, summary.json (equal
 // for equal studies), timings.json (measured) and run.json. Interrupted leaves the parts that were finished
-// in `output`.partial.
+// in `output`.partial. A shard leaves a part folder and an empty summary; the first times. Nothing is written
+// when `output` is among the earlier results and holds just these.
 RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesystem::path& output,
                                    const ExecuteRecordingOptions& options);
+
+// The results that one run would have given, to the byte, but for run.json and timings.json.
+RecordingOutcome merge_recording(const std::vector<FoundPart>& parts, const std::filesystem::path& output,
+                                 const ExecuteRecordingOptions& options);
 
 }  // namespace trilat

@@ -79,7 +79,8 @@ Json json_of(const NetworkSpec& n) {
 }
 
 std::string delays_text(const NetworkSpec& n) {
-  const std::string back = n.jitter_back_s ? fmt::format(", {:g} on the way back", *n.jitter_back_s) : "";
+  const double back_s = n.jitter_back_s.value_or(n.jitter_s);
+  const std::string back = back_s != n.jitter_s ? fmt::format(", {:g} on the way back", back_s) : "";
   return fmt::format("{:g} + exponential of mean {:g}{}; {:g} more one way; {:g} of exchanges lost", n.wire_s,
                      n.jitter_s, back, n.asymmetry_s, n.lost_share);
 }

@@ -5,84 +5,114 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
-#include "datasets/base/files.h"
-#include "datasets/base/version.h"
 #include "pipeline/manifest.h"
 #include "pipeline/results_folder.h"
-#include "pipeline/sweep/interpretation_search.h"
-#include "pipeline/sweep/sweep_runner.h"
+#include "pipeline/sweep/earlier_cells.h"
+#include "pipeline/sweep/sweep_cell_key.h"
+#include "pipeline/sweep/sweep_part.h"
 #include "pipeline/sweep/sweep_timing.h"
 
 namespace trilat {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-SweepSummary summary_of(const SweepPlan& plan, SweepRun run) {
-  SweepSummary s;
-  s.study = plan.spec.name;
-  s.seed = plan.spec.seed;
-  s.trials = plan.spec.trials;
-  s.max_iterations = plan.spec.max_iterations;
-  s.interrupted = run.interrupted;
-  s.skipped = plan.skipped;
-  s.thresholds = plan.spec.thresholds;
-  s.ranges = plan.spec.ranges;
-  for (const SweepReading& reading : plan.readings) s.interpretations.push_back(reading.text);
-  s.cells = std::move(run.cells);
-  if (plan.spec.search && !s.interrupted) s.search = search_interpretations(s, printed_table1());
-  return s;
+bool is_part(const ExecuteSweepOptions& options) { return !options.work.shard.whole(); }
+
+bool holds_part(const fs::path& folder, const SweepPlan& plan, const Shard& shard) {
+  if (!fs::exists(folder / "part.json") || !fs::exists(folder / SweepLog::kFinished)) return false;
+  const WorkPart there = read_part(folder), wanted = part_of(plan, shard);
+  return there.kind == wanted.kind && there.build == wanted.build && there.number == wanted.number &&
+         there.of == wanted.of && there.work == wanted.work;
 }
 
-void write_sweep_manifest(const std::filesystem::path& folder, const SweepPlan& plan) {
-  const Json study = resolved_json(plan.spec);
-  const Json json{{"format", "trilat.manifest"},
-                  {"version", 1},
-                  {"program", kProgramVersion},
-                  {"study", study},
-                  {"study_sha256", hash_of_text(study.dump())},
-                  {"simulated", true},
-                  {"interpretations", plan.readings.size()},
-                  {"skipped", plan.skipped},
-                  {"cells", plan.cells()},
-                  {"trials", plan.cells() * plan.spec.trials},
-                  {"inputs", Json::array()}};
-  write_file(folder / "manifest.json", json_text(json, 1) + "\n");
+// The output holds all that was asked for.
+SweepOutcome unchanged(const SweepPlan& plan, const fs::path& output, const ExecuteSweepOptions& options) {
+  SweepOutcome outcome;
+  outcome.is_part = is_part(options);
+  outcome.folder = output;
+  outcome.unchanged = true;
+  const SweepStripe stripe = stripe_of(plan, options.work.shard);
+  for (std::size_t c = 0; c < plan.cells(); ++c)
+    if (chunks_in_cell(plan, stripe, c) > 0) outcome.tally.reused[output.string()].push_back(c);
+  if (outcome.is_part) return outcome;
+  outcome.summary = read_sweep_summary(output);
+  outcome.timings = read_sweep_timings(output);
+  return outcome;
 }
 
-SweepOutcome execute_into(const SweepPlan& plan, const std::filesystem::path& folder,
+SweepRun run_cells(const SweepPlan& plan, const ResultsFolder& folder, SweepLog& log,
+                   const ExecuteSweepOptions& options) {
+  std::vector<fs::path> folders = options.work.reuse;
+  if (!options.fresh && fs::is_directory(folder.output())) folders.insert(folders.begin(), folder.output());
+  EarlierCells earlier(folders);
+  SweepRunOptions run;
+  if (is_part(options)) run.shard = options.work.shard;
+  run.stop_requested = options.stop_requested;
+  run.progress = options.progress;
+  run.log = &log;
+  run.save_every_s = options.save_every_s;
+  if (!folders.empty()) run.earlier = [&](std::size_t cell) { return earlier.find(key_of_cell(plan, cell)); };
+  return run_sweep(plan, run);
+}
+
+void write_outputs(const SweepPlan& plan, const fs::path& folder, const Shard& shard,
+                   const SweepOutcome& outcome) {
+  if (!outcome.is_part || outcome.summary.interrupted) {
+    write_sweep_results(folder, plan, outcome.summary, outcome.timings);
+    return;
+  }
+  if (outcome.timings) write_sweep_timings(folder, *outcome.timings);
+  write_part(folder, part_of(plan, shard));
+}
+
+SweepOutcome execute_into(const SweepPlan& plan, const ResultsFolder& folder,
                           const ExecuteSweepOptions& options, int threads) {
   const Clock::time_point start = Clock::now();
+  SweepLog log(folder.partial());
+  SweepRun run = run_cells(plan, folder, log, options);
   SweepOutcome outcome;
-  write_sweep_manifest(folder, plan);
-  outcome.summary = summary_of(plan, run_sweep(plan, {options.stop_requested, options.progress}));
+  outcome.is_part = is_part(options);
+  outcome.tally = std::move(run.tally);
   const double trials_s = seconds_since(start);
-  if (plan.spec.time_problems > 0 && !outcome.summary.interrupted) {
+  const bool is_timed = plan.spec.time_problems > 0 && options.work.shard.number == 1;
+  if (is_timed && !run.interrupted) {
     outcome.timings = time_sweep(plan, options.stop_requested, options.timing_progress);
-    outcome.summary.interrupted = !outcome.timings;
+    run.interrupted = !outcome.timings;
   }
-  write_sweep_summary(folder, outcome.summary);
-  if (outcome.timings) write_sweep_timings(folder, *outcome.timings);
+  outcome.summary = summary_of(plan, std::move(run.cells), !run.interrupted && !outcome.is_part);
+  outcome.summary.interrupted = run.interrupted;
+  write_outputs(plan, folder.partial(), options.work.shard, outcome);
   const double wall_s = seconds_since(start);
-  write_run_record(folder, {{"trials_s", trials_s}, {"timing_s", wall_s - trials_s}}, wall_s, threads);
+  write_run_record(
+      folder.partial(),
+      {{"trials_s", trials_s}, {"timing_s", wall_s - trials_s}, {"reused", reused_json(plan, outcome.tally)}},
+      wall_s, threads);
+  if (!run.interrupted) log.finish(outcome.is_part);
   return outcome;
 }
 
 }  // namespace
 
-SweepOutcome execute_sweep(const SweepPlan& plan, const std::filesystem::path& output,
+SweepOutcome execute_sweep(const SweepPlan& plan, const fs::path& output,
                            const ExecuteSweepOptions& options) {
-  const ResultsFolder folder(output);
+  std::optional<ResultsFolder> folder(std::in_place, output,
+                                      options.fresh ? Kept{} : Kept{SweepLog::kFinished, SweepLog::kOpen});
+  const bool is_there = is_part(options) ? holds_part(folder->output(), plan, options.work.shard)
+                                         : holds_sweep(folder->output(), plan);
+  if (is_there && !options.fresh) {
+    folder->discard();
+    return unchanged(plan, folder->output(), options);
+  }
   SweepOutcome outcome;
-  on_threads(options.threads,
-             [&](int threads) { outcome = execute_into(plan, folder.partial(), options, threads); });
-  outcome.folder = outcome.summary.interrupted ? folder.partial() : output;
-  if (!outcome.summary.interrupted) folder.put_in_place();
+  on_threads(options.threads, [&](int threads) { outcome = execute_into(plan, *folder, options, threads); });
+  outcome.folder = outcome.summary.interrupted ? folder->partial() : folder->output();
+  if (!outcome.summary.interrupted) folder->put_in_place();
   return outcome;
 }
 

@@ -15,7 +15,6 @@ namespace {
 constexpr double kLeastThickness = 1e-6;  // of the scatter
 constexpr double kNear_m = 100.0;
 constexpr double kExactStep_m = 1e-13;
-constexpr double kMostDigits = 15.0;
 constexpr int kFirstStage = 32;  // iterations; each further stage is as long as all before
 
 double digits_of(const Eigen::Vector3d& x_m, const Eigen::Vector3d& exact_m) {
@@ -199,7 +198,7 @@ void SweepBlock::add_digits(const SweepCellSolver& cell, std::size_t count, Swee
   solve_nonlinear(all, exact, std::span(estimates_).first(all.size()));
   for (std::size_t i = 0; i < all.size(); ++i)
     if (is_usable(estimates_[i].status) && is_usable(batch_.status[i]))
-      sums.digits.push_back(digits_of(column(batch_.position_m, i), estimates_[i].position_m));
+      sums.add_digits(digits_of(column(batch_.position_m, i), estimates_[i].position_m));
 }
 
 std::unique_ptr<SweepBlock> SweepBlocks::take(int sensors) {

@@ -140,6 +140,14 @@ SweepCellPlace place_of(const SweepPlan& plan, std::size_t cell) {
   return {cell / ranges / thresholds, cell / ranges % thresholds, cell % ranges};
 }
 
+SweepCell with_place(const SweepPlan& plan, SweepCell cell, std::size_t number) {
+  const SweepCellPlace place = place_of(plan, number);
+  cell.interpretation = place.reading;
+  cell.threshold = place.threshold;
+  cell.range = place.range;
+  return cell;
+}
+
 RangeTrialModel trials_of(const SweepPlan& plan, const SweepCellPlace& place) {
   RangeTrialModel model = plan.readings[place.reading].trials;
   model.low_m = plan.spec.ranges[place.range].low_m;

@@ -37,6 +37,8 @@ struct SweepCellPlace {
   std::size_t reading = 0, threshold = 0, range = 0;
 };
 SweepCellPlace place_of(const SweepPlan& plan, std::size_t cell);
+// The cell with its place filled in.
+SweepCell with_place(const SweepPlan& plan, SweepCell cell, std::size_t number);
 
 // The trials and the solver of one cell.
 RangeTrialModel trials_of(const SweepPlan& plan, const SweepCellPlace& place);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr const char* kFormat = "trilat.study";
 constexpr std::uint64_t kMostTrials = 1'000'000'000'000;
-constexpr std::uint64_t kMostIterations = 20'000;
 constexpr std::uint64_t kMostDigitsTrials = 1'000'000;
 constexpr std::uint64_t kMostTimed = 1'000'000;
 constexpr double kLargestError_cm = 1e5;
@@ -160,7 +159,7 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   read_ranges(object, spec.ranges);
   spec.trials = count_within(object, "trials", spec.trials, 1, kMostTrials);
   spec.seed = object.count("seed", spec.seed);
-  spec.max_iterations = count_within(object, "max_iterations", spec.max_iterations, 1, kMostIterations);
+  spec.max_iterations = count_within(object, "max_iterations", spec.max_iterations, 1, kMostSweepIterations);
   spec.digits_trials = count_within(object, "digits_trials", spec.digits_trials, 0, kMostDigitsTrials);
   spec.time_problems = count_within(object, "time_problems", spec.time_problems, 0, kMostTimed);
   spec.time_repeats = count_within(object, "time_repeats", spec.time_repeats, 1, 1000);

@@ -30,6 +30,8 @@ struct SweepRig {
   std::vector<std::array<double, 3>> sensors_m;  // world
 };
 
+inline constexpr std::uint64_t kMostSweepIterations = 20'000;
+
 // study.json, format 1, kind "threshold_sweep": stopping threshold x range of measurement errors x trials,
 // for every combination of what the paper leaves open. The defaults are the paper's Table I.
 struct SweepSpec {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kBinBits = 6;                        // of the mantissa
 constexpr std::uint64_t kFirstOctave = 1023 - 40;  // 1e-12 m
-constexpr std::uint64_t kOctaves = 64;
+constexpr double kBinsPerDigit = 256.0;
 constexpr std::size_t kLanes = 8;
 
 // Eight sums side by side, added up in one order whatever the processor does at once.
@@ -19,34 +19,16 @@ struct LaneSums {
   double total() const { return ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])); }
 };
 
-void add_carefully(double& sum, double& lost, double term) {
-  const double total = sum + term;
-  lost += std::abs(sum) >= std::abs(term) ? (sum - total) + term : (term - total) + sum;
-  sum = total;
-}
-
-double quantile_of(std::vector<double> values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-void describe_digits(const std::vector<double>& digits, SweepCell& cell) {
-  double sum = 0.0;
-  for (const double d : digits) sum += d;
-  cell.digits_trials = digits.size();
-  cell.mean_digits = sum / static_cast<double>(digits.size());
-  cell.p50_digits = quantile_of(digits, 0.5);
-  cell.min_digits = *std::min_element(digits.begin(), digits.end());
-}
-
 }  // namespace
 
-std::size_t Counts::quantile(double share) const {
+std::uint64_t Counts::all() const {
   std::uint64_t all = 0;
   for (const std::uint64_t count : counts_) all += count;
-  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(all)));
+  return all;
+}
+
+std::size_t Counts::quantile(double share) const {
+  const auto rank = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(all())));
   std::uint64_t seen = 0;
   for (std::size_t value = 0; value < counts_.size(); ++value) {
     seen += counts_[value];
@@ -58,7 +40,7 @@ std::size_t Counts::quantile(double share) const {
 std::size_t distance_bin(double distance_m) {
   const std::uint64_t bin = std::bit_cast<std::uint64_t>(distance_m) >> (52 - kBinBits);
   constexpr std::uint64_t first = kFirstOctave << kBinBits;
-  return std::clamp(bin, first, first + (kOctaves << kBinBits) - 1) - first;
+  return std::clamp(bin, first, first + kDistanceBins - 1) - first;
 }
 
 double bin_distance_m(std::size_t bin) {
@@ -69,14 +51,34 @@ double bin_distance_m(std::size_t bin) {
   return 0.5 * (low + high);
 }
 
-void SweepSums::clear() {
-  distance_bins.clear();
-  iteration_counts.clear();
-  digits.clear();
-  sum = lost = {};
+std::size_t digit_bin(double digits) {
+  return static_cast<std::size_t>(std::clamp(digits, 0.0, kMostDigits) * kBinsPerDigit);
+}
+
+double bin_digits(std::size_t bin) { return (static_cast<double>(bin) + 0.5) / kBinsPerDigit; }
+
+void SweepCounts::clear() {
+  for (Counts* bins : {&distance_bins, &iteration_counts, &digit_bins}) bins->clear();
   asked = starts = 0;
   statuses = {};
   max_m = 0.0;
+  min_digits = kMostDigits;
+}
+
+void SweepCounts::add(const SweepCounts& other) {
+  asked += other.asked;
+  starts += other.starts;
+  for (std::size_t i = 0; i < statuses.size(); ++i) statuses[i] += other.statuses[i];
+  max_m = std::max(max_m, other.max_m);
+  min_digits = std::min(min_digits, other.min_digits);
+  distance_bins.add(other.distance_bins);
+  iteration_counts.add(other.iteration_counts);
+  digit_bins.add(other.digit_bins);
+}
+
+void SweepSums::clear() {
+  counts.clear();
+  sum = {};
 }
 
 void SweepSums::add_starts(const SweepOutcomeRows& rows) {
@@ -88,19 +90,19 @@ void SweepSums::add_starts(const SweepOutcomeRows& rows) {
     const double distance_m = std::sqrt(dx * dx + dy * dy + dz * dz);
     const bool finite = std::isfinite(distance_m);
     sums.of[i % kLanes] += finite ? distance_m : 0.0;
-    starts += finite ? 1 : 0;
+    counts.starts += finite ? 1 : 0;
   }
   sum[start] += sums.total();
 }
 
 void SweepSums::add_outcomes(const SweepOutcomeRows& rows) {
   std::array<LaneSums, kTerms> sums;
-  asked += rows.count;
+  counts.asked += rows.count;
   for (std::size_t i = 0; i < rows.count; ++i) {
-    ++statuses[static_cast<std::size_t>(rows.status[i])];
+    ++counts.statuses[static_cast<std::size_t>(rows.status[i])];
     const std::size_t lane = i % kLanes;
     sums[iterations].of[lane] += rows.iterations[i];
-    iteration_counts.add(static_cast<std::size_t>(rows.iterations[i]));
+    counts.iteration_counts.add(static_cast<std::size_t>(rows.iterations[i]));
     if (!is_usable(rows.status[i])) continue;
     const double dx = std::abs(rows.position_m[i] - rows.truth_m[i]);
     const double dy = std::abs(rows.position_m[rows.stride + i] - rows.truth_m[rows.stride + i]);
@@ -112,54 +114,16 @@ void SweepSums::add_outcomes(const SweepOutcomeRows& rows) {
     sums[z].of[lane] += dz;
     sums[distance].of[lane] += distance_m;
     sums[square].of[lane] += square_m2;
-    max_m = std::max(max_m, distance_m);
-    distance_bins.add(distance_bin(distance_m));
+    counts.max_m = std::max(counts.max_m, distance_m);
+    counts.distance_bins.add(distance_bin(distance_m));
   }
   for (const Term term : {x, y, z, distance, square, iterations}) sum[term] += sums[term].total();
 }
 
-void SweepSums::add(const SweepSums& later) {
-  for (std::size_t term = 0; term < kTerms; ++term) {
-    add_carefully(sum[term], lost[term], later.sum[term]);
-    add_carefully(sum[term], lost[term], later.lost[term]);
-  }
-  asked += later.asked;
-  starts += later.starts;
-  for (std::size_t i = 0; i < statuses.size(); ++i) statuses[i] += later.statuses[i];
-  max_m = std::max(max_m, later.max_m);
-  distance_bins.add(later.distance_bins);
-  iteration_counts.add(later.iteration_counts);
-  digits.insert(digits.end(), later.digits.begin(), later.digits.end());
-}
-
-SweepCell SweepSums::cell() const {
-  SweepCell cell;
-  cell.asked = asked;
-  for (std::size_t i = 0; i < statuses.size(); ++i) {
-    if (statuses[i] == 0) continue;
-    cell.statuses[std::string(name_of(static_cast<SolveStatus>(i)))] = statuses[i];
-    if (is_usable(static_cast<SolveStatus>(i))) cell.answered += statuses[i];
-  }
-  if (starts > 0) cell.start_mae_m = (sum[start] + lost[start]) / static_cast<double>(starts);
-  if (cell.asked > 0) {
-    cell.mean_iterations = (sum[iterations] + lost[iterations]) / static_cast<double>(asked);
-    cell.p50_iterations = static_cast<double>(iteration_counts.quantile(0.5));
-    cell.p99_iterations = static_cast<double>(iteration_counts.quantile(0.99));
-    cell.max_iterations = static_cast<double>(iteration_counts.quantile(1.0));
-  }
-  if (cell.answered == 0) return cell;
-  const double n = static_cast<double>(cell.answered);
-  const auto mean = [&](Term term) { return (sum[term] + lost[term]) / n; };
-  cell.mae_m = mean(distance);
-  cell.axis_mae_m = {mean(x), mean(y), mean(z)};
-  cell.rmse_m = std::sqrt(mean(square));
-  if (cell.answered > 1)
-    cell.mae_standard_error_m = std::sqrt(std::max(0.0, mean(square) - cell.mae_m * cell.mae_m) / (n - 1.0));
-  cell.p50_m = std::min(max_m, bin_distance_m(distance_bins.quantile(0.5)));
-  cell.p95_m = std::min(max_m, bin_distance_m(distance_bins.quantile(0.95)));
-  cell.max_m = max_m;
-  if (!digits.empty()) describe_digits(digits, cell);
-  return cell;
+void SweepSums::add_digits(double digits_of_trial) {
+  sum[digits] += digits_of_trial;
+  counts.min_digits = std::min(counts.min_digits, digits_of_trial);
+  counts.digit_bins.add(digit_bin(digits_of_trial));
 }
 
 }  // namespace trilat

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/results/sweep_summary.h"
 #include "evaluators/solvers/solve_status.h"
 
 namespace trilat {
@@ -21,7 +20,7 @@ struct SweepOutcomeRows {
   const SolveStatus* status = nullptr;
 };
 
-// How often each value came. Distances fall into bins of 1/64 of an octave.
+// How often each value came.
 class Counts {
  public:
   void add(std::size_t value, std::uint64_t times = 1) {
@@ -35,31 +34,45 @@ class Counts {
   void clear() { counts_.clear(); }
   // The smallest value that is not exceeded by this share of all; 0 of none.
   std::size_t quantile(double share) const;
+  std::uint64_t all() const;
+  const std::vector<std::uint64_t>& of_value() const { return counts_; }
 
  private:
   std::vector<std::uint64_t> counts_;
 };
+
+// Distances fall into bins of 1/64 of an octave, digits into bins of 1/256.
+inline constexpr std::size_t kDistanceBins = 64 * 64;
 std::size_t distance_bin(double distance_m);
 double bin_distance_m(std::size_t bin);  // its middle
+inline constexpr double kMostDigits = 15.0;
+inline constexpr std::size_t kDigitBins = 15 * 256 + 1;
+std::size_t digit_bin(double digits);
+double bin_digits(std::size_t bin);  // its middle
 
-// Sums over trials, of a chunk or of a whole cell. Chunks are added in their order, with the rounding errors
-// carried along (Neumaier), so that a billion trials lose nothing.
-struct SweepSums {
-  enum Term { x, y, z, distance, square, start, iterations, kTerms };
-  std::array<double, kTerms> sum{}, lost{};
+// What is counted of trials: the same in whatever order and groups they are added.
+struct SweepCounts {
   std::uint64_t asked = 0;
   std::array<std::uint64_t, kSolveStatusCount> statuses{};
-  std::uint64_t starts = 0;
+  std::uint64_t starts = 0;  // that are finite
   double max_m = 0.0;
-  Counts distance_bins, iteration_counts;
-  std::vector<double> digits;
+  double min_digits = kMostDigits;
+  Counts distance_bins, iteration_counts, digit_bins;
+
+  void clear();
+  void add(const SweepCounts& other);
+};
+
+// Over the trials of a chunk, in their order.
+struct SweepSums {
+  enum Term { x, y, z, distance, square, start, iterations, digits, kTerms };
+  SweepCounts counts;
+  std::array<double, kTerms> sum{};
 
   void clear();
   void add_starts(const SweepOutcomeRows& rows);  // position_m: the starts
   void add_outcomes(const SweepOutcomeRows& rows);
-  void add(const SweepSums& later);
-  // Everything but the cell's place.
-  SweepCell cell() const;
+  void add_digits(double digits);  // of one trial
 };
 
 }  // namespace trilat

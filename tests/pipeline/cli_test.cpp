@@ -250,7 +250,7 @@ TEST(RunVerb, AnInterruptWhileEvaluatingLeavesNoResults) {
   const std::string study = file_with(folder, "slow.json", R"({"format": "trilat.study", "version": 1,
       "kind": "accuracy", "name": "slow", "rate_hz": 1000, "methods": [{"method": "ceres"}]})");
   const Process process(folder, {"run", study, "--campaign", folder / "campaign", "-o", folder / "results"});
-  interrupted_at(process, folder / "results.partial/samples.h5");
+  interrupted_at(process, folder / "results.partial/items.jsonl");
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
@@ -295,7 +295,7 @@ TEST(RunVerb, AnInterruptedSweepKeepsWhatIsDone) {
   const ScratchFolder folder;
   const std::string study = file_with(folder, "sweep.json", std::string(kSweep) + "1000000000000}");
   const Process process(folder, {"run", study, "-o", folder / "results"});
-  const Ended ended = interrupted_at(process, folder / "results.partial/manifest.json");
+  const Ended ended = interrupted_at(process, folder / "results.partial");
   EXPECT_THAT(ended.err, HasSubstr("interrupted; what was finished has been kept in "));
   EXPECT_THAT(ended.err, HasSubstr("results.partial"));
   EXPECT_THAT(read_file(folder / "results.partial/summary.json"), HasSubstr("\"interrupted\": true"));

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <thread>
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "pipeline/gate/judge_speed.h"
 #include "pipeline/gate/measure_speed.h"
+#include "pipeline/gate/other_work.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/simulated_speed.h"
@@ -67,6 +72,33 @@ TEST(GateSpeed, WithoutConfirmationThereIsNoAlarm) {
   ASSERT_THAT(alone.findings, SizeIs(1));
   EXPECT_FALSE(alone.findings[0].alarm);
   EXPECT_FALSE(alone.verdict.rerun);
+}
+
+TEST(GateSpeed, WhatIsMeasuredBesideOtherWorkIsToldAndNoAlarm) {
+  SpeedFile busy = measured_speed_night(1, 0.3, 0.3);
+  busy.others_busy = 1.5;
+  const SpeedFile baseline = measured_speed_night(2, 0.0, 0.3);
+  const auto again = [] { return measured_speed_night(3, 0.3, 0.3); };
+  const auto judged = judge_speed(busy, baseline, {}, again);
+  ASSERT_THAT(judged.findings, SizeIs(1));
+  EXPECT_FALSE(judged.findings[0].alarm);
+  EXPECT_THAT(judged.verdict.note, HasSubstr("other programs kept 1.5 processors busy"));
+  const auto disturbed_again =
+      judge_speed(measured_speed_night(1, 0.3, 0.3), baseline, {}, [&] { return busy; });
+  EXPECT_FALSE(disturbed_again.findings.at(0).alarm);
+  EXPECT_TRUE(judge_speed(measured_speed_night(1, 0.3, 0.3), baseline, {}, again).findings.at(0).alarm);
+}
+
+TEST(GateSpeed, SeesThatAnotherProcessWorks) {
+  const OtherWork others;
+  const pid_t child = fork();
+  if (child == 0)
+    for (volatile unsigned n = 0;; ++n) {
+    }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  EXPECT_GT(others.processors(), 0.05);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
 }
 
 TEST(GateSpeed, AFasterSolverIsToldAndNeedsNoRerun) {

@@ -20,7 +20,7 @@ inline constexpr std::array<double, 5> kRunSigma{0.003, 0.010, 0.003, 0.026, 0.0
 // One simulated measurement with noise as measured in these runs: most rounds within 1 %, a fifth off by 8 %
 // either way, and in up to half of the time something on the same core makes a solver a tenth slower.
 inline SpeedFile measured_speed_night(std::uint64_t number, double slower = 0.0, double run_share = 1.0) {
-  SpeedFile speed{"a processor", "a reference", 512, 450.0, {}};
+  SpeedFile speed{"a processor", "a reference", 512, 450.0, 0.0, {}};
   for (std::size_t s = 0; s < kSolvers.size(); ++s) {
     const RandomStream random{7, Purpose::test, number * 16 + s};
     std::uint32_t draw = 0;

@@ -9,7 +9,7 @@
 #include "pipeline/sweep/execute_sweep.h"
 #include "pipeline/sweep/linear_start.h"
 #include "pipeline/sweep/sweep_runner.h"
-#include "pipeline/sweep/sweep_sums.h"
+#include "pipeline/sweep/sweep_totals.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/scratch.h"
 
@@ -223,6 +223,9 @@ TEST(SweepSums, QuantilesComeFromTheCounts) {
   for (const double distance_m : {1e-9, 0.001, 0.0437, 1.0, 123.0})
     EXPECT_NEAR(bin_distance_m(distance_bin(distance_m)) / distance_m, 1.0, 0.008);
   EXPECT_EQ(bin_distance_m(distance_bin(0.0)), 0.0);
+  for (const double digits : {0.0, 0.1, 7.77, 14.999, 15.0})
+    EXPECT_NEAR(bin_digits(digit_bin(digits)), digits, 0.002);
+  EXPECT_EQ(digit_bin(1e9), kDigitBins - 1);
 }
 
 TEST(SweepSums, FollowFromTheTrialsByPencil) {
@@ -230,7 +233,7 @@ TEST(SweepSums, FollowFromTheTrialsByPencil) {
   const SolveStatus status[2] = {SolveStatus::converged, SolveStatus::converged};
   SweepSums sums;
   sums.add_outcomes({2, 2, truth_m, position_m, iterations, status});
-  SweepSums all;
+  SweepTotals all;
   all.add(sums);
   const SweepCell cell = all.cell();
   EXPECT_EQ(cell.mae_m, 4.0);  // 5 and 3
@@ -241,6 +244,21 @@ TEST(SweepSums, FollowFromTheTrialsByPencil) {
   EXPECT_EQ(cell.max_m, 5.0);
   EXPECT_EQ(cell.mean_iterations, 3.0);
   EXPECT_EQ(cell.p50_iterations, 2.0);
+  EXPECT_EQ(cell.digits_trials, 0u);
+  EXPECT_TRUE(std::isnan(cell.mean_digits));
+}
+
+TEST(SweepSums, DigitsFollowFromTheTrialsByPencil) {
+  SweepSums sums;
+  sums.counts.asked = sums.counts.statuses[static_cast<std::size_t>(SolveStatus::converged)] = 3;
+  for (const double digits : {3.0, 15.0, 4.5}) sums.add_digits(digits);
+  SweepTotals all;
+  all.add(sums);
+  const SweepCell cell = all.cell();
+  EXPECT_EQ(cell.digits_trials, 3u);
+  EXPECT_EQ(cell.mean_digits, 7.5);
+  EXPECT_EQ(cell.min_digits, 3.0);
+  EXPECT_NEAR(cell.p50_digits, 4.5, 0.002);
 }
 
 }  // namespace

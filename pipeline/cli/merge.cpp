@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// `trilat merge`.
+#include "datasets/base/build_id.h"
+#include "datasets/base/error.h"
+#include "datasets/results/results_file.h"
+#include "datasets/results/work_part.h"
+#include "pipeline/cli/merge_kinds.h"
+#include "pipeline/cli/simulate_part.h"
+#include "pipeline/cli/verbs.h"
+
+namespace trilat {
+
+int merge(const MergeArguments& arguments) {
+  const std::vector<FoundPart> parts = read_parts(arguments.parts);
+  const FoundPart& first = parts.front();
+  if (first.part.build != build_id())
+    throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
+  if (first.part.kind == kCampaignPart) return merge_simulated_campaign(arguments, parts);
+  const std::pair<ResultsKind, int (*)(const MergeArguments&, const std::vector<FoundPart>&)> kinds[] = {
+      {ResultsKind::accuracy, merge_accuracy},
+      {ResultsKind::calibration, merge_calibration_study},
+      {ResultsKind::error_budget, merge_budget_study},
+      {ResultsKind::recording, merge_recording_study},
+      {ResultsKind::threshold_sweep, merge_threshold_sweep}};
+  for (const auto& [kind, merge_kind] : kinds)
+    if (first.part.kind == name_of(kind)) return merge_kind(arguments, parts);
+  throw InputError(first.folder.string(),
+                   "is a part of kind " + first.part.kind + ", which cannot be merged");
+}
+
+}  // namespace trilat

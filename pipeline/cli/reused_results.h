@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/items/item_store.h"
+
+namespace trilat {
+
+// The earlier results that a run may take from: those named, and what its output holds unless it is to be
+// computed afresh.
+std::vector<std::filesystem::path> reused_results(const RunArguments& arguments);
+
+// What the arguments ask for: all of the work or one shard, and what it may take from.
+WorkOptions work_options(const RunArguments& arguments);
+
+// Says what became of a shard, on stdout.
+void print_part(const std::filesystem::path& output, const Shard& shard, const ItemTally& tally, bool json);
+
+// items, items_computed, items_continued, items_reused.
+Json tally_json(const ItemTally& tally);
+
+// On stderr, what was not computed, when there was such; `items`: what they are called.
+void tell_reuse(const std::string& items, const ItemTally& tally);
+
+// On stderr, what a run that was stopped has left where.
+void tell_interrupted(const std::filesystem::path& folder);
+
+}  // namespace trilat

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/items/hash_cache.h"
+
+#include <ctime>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFile = "hashes.json";
+constexpr const char* kFormat = "trilat.hashes";
+constexpr std::int64_t kSettled_s = 2;
+
+struct Identity {
+  std::string text;
+  std::uintmax_t bytes = 0;
+  std::int64_t changed_s = 0;
+};
+
+std::optional<Identity> identity_of(const std::filesystem::path& file) {
+  struct stat s;
+  if (::stat(file.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return std::nullopt;
+  const auto time = [](const timespec& t) { return fmt::format("{}.{:09}", t.tv_sec, t.tv_nsec); };
+  return Identity{
+      fmt::format("{}:{}:{}:{}:{}", s.st_dev, s.st_ino, s.st_size, time(s.st_mtim), time(s.st_ctim)),
+      static_cast<std::uintmax_t>(s.st_size), std::max<std::int64_t>(s.st_mtim.tv_sec, s.st_ctim.tv_sec)};
+}
+
+}  // namespace
+
+void HashCache::load(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kFile;
+  if (!std::filesystem::exists(path)) return;
+  const Json json = read_json(path);
+  JsonObject object(json, path.string(), "");
+  check_format(object, kFormat, 1);
+  JsonObject files = object.object("files");
+  for (const std::string& identity : files.keys()) sha256_[identity] = files.text(identity);
+}
+
+HashedFile HashCache::hash(const std::filesystem::path& file, const std::function<bool()>& stop_requested) {
+  const auto before = identity_of(file);
+  if (!before) return {};
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = sha256_.find(before->text); known != sha256_.end())
+      return {known->second, before->bytes};
+  }
+  const std::int64_t now_s = std::time(nullptr);
+  try {
+    const std::string sha256 = hash_of_file(file, stop_requested);
+    const auto after = identity_of(file);
+    if (after && after->text == before->text && after->changed_s + kSettled_s <= now_s) {
+      const std::lock_guard lock(mutex_);
+      sha256_[before->text] = sha256;
+    }
+    return {sha256, before->bytes};
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+void HashCache::save(const std::filesystem::path& folder) const {
+  const std::lock_guard lock(mutex_);
+  Json files = Json::object();
+  for (const auto& [identity, sha256] : sha256_) files[identity] = sha256;
+  write_file(folder / kFile, json_text({{"format", kFormat}, {"version", 1}, {"files", files}}, 1) + "\n");
+}
+
+}  // namespace trilat

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/items/study_items.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/build_id.h"
+#include "datasets/base/check.h"
+#include "datasets/base/error.h"
+
+namespace trilat {
+
+StudyItems::StudyItems(std::string kind, Json study, std::vector<PartItem> items,
+                       const std::filesystem::path& folder, const WorkOptions& options)
+    : kind_(std::move(kind)),
+      study_(std::move(study)),
+      items_(std::move(items)),
+      shard_(options.shard),
+      store_(std::make_unique<ItemStore>(folder, options.reuse)) {
+  std::vector<double> costs;
+  for (const PartItem& item : items_) costs.push_back(item.cost);
+  const std::vector<std::uint64_t> owner = shards_of(costs, shard_.of);
+  for (std::size_t i = 0; i < items_.size(); ++i) items_[i].shard = owner[i];
+}
+
+StudyItems::StudyItems(const std::vector<FoundPart>& parts)
+    : kind_(parts.front().part.kind), study_(parts.front().part.work), items_(parts.front().part.items) {
+  for (const FoundPart& found : parts)
+    for (DoneItem& item : read_items(found.folder).items) {
+      std::string id = item.id;
+      done_[id] = std::move(item);
+    }
+  for (const PartItem& item : items_)
+    if (!done_.contains(item.id))
+      throw InputError(parts[item.shard - 1].folder.string(), "does not hold its item " + item.id);
+}
+
+std::optional<Json> StudyItems::outcome(const std::string& id, const std::function<Json()>& compute) {
+  if (!store_) return done_.at(id).outcome;
+  const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
+  TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
+  if (item->shard != shard_.number) return std::nullopt;
+  const std::string key = key_of_item({{"study", study_}, {"item", id}});
+  std::optional<ItemStore::Found> found = store_->find(id, key);
+  Json outcome = found ? std::move(found->outcome) : compute();
+  if (!found) store_->add(id, key, outcome);
+  const std::lock_guard lock(mutex_);
+  done_[id] = {id, key, outcome};
+  return outcome;
+}
+
+void StudyItems::finish(const std::filesystem::path& folder, const std::string& key) {
+  std::vector<DoneItem> done;
+  for (const PartItem& item : items_)
+    if (const auto found = done_.find(item.id); found != done_.end()) done.push_back(found->second);
+  write_items(folder, done, key);
+  if (!whole()) write_part(folder, {kind_, build_id(), shard_.number, shard_.of, study_, items_});
+  if (store_) store_->finish();
+}
+
+bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
+                     std::span<const PartItem> items, ItemTally* tally) {
+  const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
+  if (!asked || !options.shard.whole() || read_items_key(output) != key) return false;
+  for (const PartItem& item : items)
+    if (tally) tally->reused.push_back(item.id);
+  return true;
+}
+
+double number_in(const Json& json) {
+  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<double> numbers_in(const Json& json) {
+  std::vector<double> numbers;
+  for (const Json& value : json) numbers.push_back(number_in(value));
+  return numbers;
+}
+
+}  // namespace trilat

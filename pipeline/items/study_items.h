@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/results/work_part.h"
+#include "pipeline/items/item_store.h"
+
+namespace trilat {
+
+// The work items of a study that makes its own data: each is computed here, found done, or left to another
+// shard. Outcomes are JSON documents.
+class StudyItems {
+ public:
+  // `study`: settings that every item depends on; `items`: all there are, in the order of the study;
+  // `folder`: the unfinished output.
+  StudyItems(std::string kind, Json study, std::vector<PartItem> items, const std::filesystem::path& folder,
+             const WorkOptions& options);
+  // What the parts of a work hold: nothing is computed. InputError when an item is not there.
+  explicit StudyItems(const std::vector<FoundPart>& parts);
+
+  // The outcome of an item, from `compute` when it is this run's and not known; nothing when it is another
+  // shard's. From any thread.
+  std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute);
+  // Whether this run has all items, so that they can be put together.
+  bool whole() const { return shard_.whole(); }
+  // Whether work that belongs to no item (timing) is this run's.
+  bool first() const { return shard_.number == 1; }
+  ItemTally tally() const { return store_ ? store_->tally() : ItemTally{}; }
+  // Writes items.json with `key`, and part.json when this is a shard; removes the journal.
+  void finish(const std::filesystem::path& folder, const std::string& key);
+
+ private:
+  std::string kind_;
+  Json study_;
+  std::vector<PartItem> items_;
+  Shard shard_;
+  std::unique_ptr<ItemStore> store_;  // none when merging
+  std::mutex mutex_;
+  std::map<std::string, DoneItem> done_;
+};
+
+// Whether `output` is asked for earlier results and holds those of this key, whole; then all items count as
+// reused.
+bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
+                     std::span<const PartItem> items, ItemTally* tally);
+
+// A number of an outcome; JSON has none but the finite, so null stands for NaN.
+double number_in(const Json& json);
+std::vector<double> numbers_in(const Json& json);
+
+}  // namespace trilat

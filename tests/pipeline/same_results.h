@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+
+namespace trilat {
+
+// What equal runs need not have in common.
+inline bool is_of_the_machine(const std::string& file) {
+  return file == "run.json" || file == "hashes.json" || file == "timings.json";
+}
+
+inline std::set<std::string> files_in(const std::filesystem::path& folder) {
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.insert(entry.path().lexically_relative(folder).string());
+  return files;
+}
+
+// Two folders hold the same files with the same bytes, those of the machine apart.
+inline void expect_same_results(const std::filesystem::path& one, const std::filesystem::path& other) {
+  EXPECT_EQ(files_in(one), files_in(other));
+  for (const std::string& file : files_in(one))
+    if (!is_of_the_machine(file)) {
+      EXPECT_TRUE(read_file(one / file) == read_file(other / file)) << other / file;
+    }
+}
+
+}  // namespace trilat
