@@ -38,7 +38,10 @@ int lock_folder(const fs::path& partial) {
     const int file = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0) throw OutputError(name.string(), std::string("cannot be created: ") + std::strerror(errno));
     if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+      const int reason = errno;
       ::close(file);
+      if (reason != EWOULDBLOCK)
+        throw OutputError(name.string(), std::string("cannot be locked: ") + std::strerror(reason));
       throw InputError(partial.string(),
                        "is being written by another process; wait for it or take another name");
     }
@@ -79,14 +82,17 @@ void ResultsFolder::put_in_place() const {
   const fs::path old = partial_.string() + ".old";
   std::error_code error;
   fs::remove_all(old, error);
+  bool moved = false;
   if (fs::exists(output_)) {
     if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) == 0) {
       fs::remove_all(partial_, error);
       return;
     }
     fs::rename(output_, old, error);
+    moved = !error;
   }
   if (!error) fs::rename(partial_, output_, error);
+  if (std::error_code ignored; error && moved) fs::rename(old, output_, ignored);
   if (error) throw OutputError(output_.string(), "cannot be put in place: " + error.message());
   fs::remove_all(old, error);
 }

@@ -71,6 +71,12 @@ std::uint64_t work_of(const Plan& plan, std::size_t take) {
   return plan.takes[take].instants * (1 + kWindowedWork * windowed_methods(plan));
 }
 
+// Where an item's take was left: in a part, or a run that was stopped, in a folder of its own.
+std::filesystem::path folder_of(const ItemStore::Found& found, const PlannedTake& planned) {
+  const std::filesystem::path own = found.folder / "takes" / planned.take.id;
+  return std::filesystem::is_directory(own) ? own : found.folder;
+}
+
 std::filesystem::path take_folder(const RunPlace& place, const PlannedTake& planned) {
   return place.folder / "takes" / planned.take.id;
 }
@@ -141,11 +147,13 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
       inputs_of(planned.take, shared.place.hashes, [&] { return shared.must_stop(); });
   try {
     if (!planned.ok) throw InputError(planned.place, planned.problem);
+    for (const TakeInput& input : inputs)
+      if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
     EvaluatedTake take;
     take.key = key_of_take(plan, index, inputs, shared.options.cross_check);
     if (const auto found = shared.place.items.find(planned.take.id, take.key)) {
       take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
-      take.folder = found->folder == shared.place.folder ? take_folder(shared.place, planned) : found->folder;
+      take.folder = folder_of(*found, planned);
       shared.advance(work_of(plan, index));
       return take;
     }

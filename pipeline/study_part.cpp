@@ -156,8 +156,12 @@ StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const
                   {options.cross_check, options.stop_requested, options.progress, options.memory_bytes});
     for (const std::size_t t : mine) bring_here(plan, folder.partial(), t, run.takes[t]);
     put_part(plan, shard, std::move(items), mine, run, options.cross_check, folder.partial());
-    part = {mine.size(), 0, plan.takes.size(), store.tally()};
-    for (const std::size_t t : mine) part.failed += run.takes[t].result.evaluated ? 0 : 1;
+    part = {mine.size(), 0, plan.takes.size(), store.tally(), {}};
+    for (const std::size_t t : mine) {
+      const TakeResult& result = run.takes[t].result;
+      part.failed += result.evaluated ? 0 : 1;
+      part.notes.insert(part.notes.end(), result.notes.begin(), result.notes.end());
+    }
     hashes.save(folder.partial());
     write_run_record(folder.partial(), run.times, seconds_since(start), threads, &part.tally);
     store.finish();

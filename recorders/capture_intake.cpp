@@ -2,6 +2,7 @@
 #include "recorders/capture_intake.h"
 
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "datasets/base/error.h"
@@ -11,8 +12,8 @@
 namespace trilat {
 namespace {
 
-// Makes the event's depth what the file takes. `depth_mm` is room to work in.
-void make_ready(SourceEvent& event, ChunkCompression compression, std::vector<std::uint16_t>& depth_mm) {
+// Makes the event's depth what the file takes.
+void make_ready(SourceEvent& event, ChunkCompression compression) {
   if (const auto* raw = std::get_if<DepthFrame>(&event.data)) {
     event.data = encode_depth_frame(raw->stamp, raw->depth_mm, compression);
     return;
@@ -20,6 +21,7 @@ void make_ready(SourceEvent& event, ChunkCompression compression, std::vector<st
   auto* encoded = std::get_if<EncodedDepthFrame>(&event.data);
   if (!encoded || encoded->compression == compression) return;
   try {
+    std::vector<std::uint16_t> depth_mm(kDepthPixels);
     decode_depth_frame({"a depth frame", encoded->compression, std::move(encoded->chunk)}, depth_mm);
     event.data = encode_depth_frame(encoded->stamp, depth_mm, compression);
   } catch (const InputError& error) {
@@ -49,16 +51,23 @@ bool is_believable(const SourceEvent& event, const SensorDescription& sensor) {
 CaptureIntake::CaptureIntake(const std::vector<std::unique_ptr<FrameSource>>& sources, CaptureQueue& queue,
                              ChunkCompression compression, int workers)
     : sources_(sources), queue_(queue), running_(sources.size()) {
-  std::size_t first_sensor = 0;
-  for (const auto& source : sources) {
-    threads_.emplace_back([this, first_sensor, &source] { carry(*source, first_sensor); });
-    first_sensor += source->header().sensors.size();
+  try {
+    std::size_t first_sensor = 0;
+    for (const auto& source : sources) {
+      threads_.emplace_back([this, first_sensor, &source] { carry(*source, first_sensor); });
+      first_sensor += source->header().sensors.size();
+    }
+    for (int w = 0; w < std::max(1, workers); ++w)
+      threads_.emplace_back([this, compression] { compress(compression); });
+  } catch (...) {  // a thread that cannot be started
+    end();
+    throw;
   }
-  for (int w = 0; w < std::max(1, workers); ++w)
-    threads_.emplace_back([this, compression] { compress(compression); });
 }
 
-CaptureIntake::~CaptureIntake() {
+CaptureIntake::~CaptureIntake() { end(); }
+
+void CaptureIntake::end() {
   stop();
   queue_.close();
   for (std::thread& thread : threads_) thread.join();
@@ -87,9 +96,13 @@ void CaptureIntake::carry(FrameSource& source, std::size_t first_sensor) {
 }
 
 void CaptureIntake::compress(ChunkCompression compression) {
-  std::vector<std::uint16_t> depth_mm(kDepthPixels);
   while (CaptureQueue::Entry* entry = queue_.take_work()) {
-    make_ready(entry->event, compression, depth_mm);
+    try {
+      make_ready(entry->event, compression);
+    } catch (const std::bad_alloc&) {
+      queue_.drop(entry->event.sensor);
+      entry->event.data = SourceNotice{"there was no memory for a depth frame"};
+    }
     queue_.finish(entry);
   }
 }

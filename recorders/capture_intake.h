@@ -27,6 +27,7 @@ class CaptureIntake {
  private:
   void carry(FrameSource& source, std::size_t first_sensor);
   void compress(ChunkCompression compression);
+  void end();
 
   const std::vector<std::unique_ptr<FrameSource>>& sources_;
   CaptureQueue& queue_;

@@ -2,13 +2,17 @@
 #include "reports/draw_figures.h"
 
 #include <cctype>
-#include <filesystem>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
-#include <stdlib.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
@@ -22,31 +26,42 @@ namespace {
 
 constexpr const char* kMissing =
     "gnuplot is not installed (apt-get install gnuplot-nox), so no figure can be drawn";
+constexpr const char* kAllDrawn = "all figures are drawn";
 constexpr std::size_t kMostPicture = 32u << 20;  // bytes
 
-// A folder of this run alone, gone at the end.
-class WorkFolder {
+// A file in memory, which gnuplot inherits: it does not tell when a disk is full or cannot be read.
+class MemoryFile {
  public:
-  WorkFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "trilat-figures-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw OutputError(name, "cannot be made");
-    path_ = name;
+  explicit MemoryFile(std::string_view text = {}) : descriptor_(::memfd_create("figure", 0)) {
+    if (descriptor_ < 0) fail("made");
+    while (!text.empty()) {
+      const ssize_t count = ::write(descriptor_, text.data(), text.size());
+      if (count <= 0) fail("written");
+      text.remove_prefix(static_cast<std::size_t>(count));
+    }
   }
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+  MemoryFile(MemoryFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  ~MemoryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
   }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::string name() const { return fmt::format("/proc/self/fd/{}", descriptor_); }
+  std::string text() const { return read_file(name(), kMostPicture); }
 
  private:
-  std::filesystem::path path_;
+  [[noreturn]] static void fail(const char* doing) {
+    throw OutputError("a file in memory, for a figure,",
+                      fmt::format("cannot be {}: {}", doing, std::strerror(errno)));
+  }
+  int descriptor_;
+};
+
+struct Pictures {
+  MemoryFile svg{}, pdf{};
 };
 
 // Runs gnuplot without the user's settings; what it says goes to `said`. Its exit code, or 127 when there is
 // none.
-int run_gnuplot(const std::string& argument, const std::filesystem::path& said) {
+int run_gnuplot(const std::string& argument, const std::string& said) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -71,21 +86,18 @@ std::string letters_of(std::string id) {
   return id;
 }
 
-// Both pictures of a figure, into files named by its number.
-std::string drawing_of(const Figure& figure, const WorkFolder& folder, std::size_t number) {
-  const auto output = [&](const char* kind) {
-    return "set output '" + (folder / fmt::format("{}.{}", number, kind)).string() + "'\n";
-  };
+// Both pictures of a figure.
+std::string drawing_of(const Figure& figure, const Pictures& pictures) {
+  const auto output = [&](const MemoryFile& file) { return "set output '" + file.name() + "'\n"; };
   const int height_px = figure.equal_scales ? 640 : 480;
   return fmt::format(
              "reset session\nset terminal svg noenhanced size 760,{} dynamic mouse standalone font "
-             "'Helvetica,13' "
-             "background '#ffffff' name '{}'\n",
+             "'Helvetica,13' background '#ffffff' name '{}'\n",
              height_px, letters_of(figure.id)) +
-         output("svg") + gnuplot_script(figure) +
+         output(pictures.svg) + gnuplot_script(figure) +
          fmt::format("set output\nset terminal pdfcairo noenhanced size 16cm,{}cm font 'Helvetica,9'\n",
                      0.02 * height_px + 0.4) +
-         output("pdf") + "replot\nset output\n";
+         output(pictures.pdf) + "replot\nset output\n";
 }
 
 // A PDF has the time when it was drawn in it, 14 digits, which would make every run's another one.
@@ -104,18 +116,21 @@ bool can_draw_figures() { return run_gnuplot("--version", "/dev/null") == 0; }
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures) {
   std::vector<DrawnFigure> drawn;
   if (figures.empty()) return drawn;
-  const WorkFolder folder;
+  std::vector<Pictures> pictures(figures.size());
   std::string script;
-  for (std::size_t k = 0; k < figures.size(); ++k) script += drawing_of(figures[k], folder, k);
-  write_file(folder / "script", script);
-  const int code = run_gnuplot((folder / "script").string(), folder / "said");
+  for (std::size_t k = 0; k < figures.size(); ++k) script += drawing_of(figures[k], pictures[k]);
+  script += fmt::format("print '{}'\n", kAllDrawn);
+  const MemoryFile commands(script), said;
+  const int code = run_gnuplot(commands.name(), said.name());
   if (code == 127) throw InputError("gnuplot", kMissing);
-  if (code != 0)
-    throw InputError("gnuplot", fmt::format("ended with {} and says: {}", code, read_file(folder / "said")));
+  const std::string text = said.text();
+  if (code != 0 || text.find(kAllDrawn) == std::string::npos)
+    throw InputError("gnuplot", fmt::format("ended with {} and says: {}", code, text));
   for (std::size_t k = 0; k < figures.size(); ++k) {
-    DrawnFigure picture{std::move(figures[k]),
-                        svg_with_rules(read_file(folder / fmt::format("{}.svg", k), kMostPicture)),
-                        read_file(folder / fmt::format("{}.pdf", k), kMostPicture)};
+    DrawnFigure picture{std::move(figures[k]), pictures[k].svg.text(), pictures[k].pdf.text()};
+    if (!picture.svg.ends_with("</svg>\n\n") || !picture.pdf.ends_with("%%EOF\n"))
+      throw InputError("gnuplot", "did not draw the figure \"" + picture.figure.id + "\" to its end");
+    picture.svg = svg_with_rules(std::move(picture.svg));
     set_fixed_date(picture.pdf);
     drawn.push_back(std::move(picture));
   }

@@ -34,7 +34,7 @@ void write_attribute(std::int64_t node, const std::string& place, const std::str
   else
     ids.attribute = H5Acreate2(node, name.c_str(), file_type, ids.space, H5P_DEFAULT, H5P_DEFAULT);
   if (ids.attribute < 0 || H5Awrite(ids.attribute, memory_type, value) < 0)
-    throw InputError(place + "@" + name, "cannot be written");
+    throw OutputError(place + "@" + name, "cannot be written");
 }
 
 Ids open_attribute(std::int64_t node, const std::string& place, const std::string& name, H5T_class_t wanted,
@@ -108,7 +108,11 @@ void H5Node::set_number(const std::string& name, double value) {
   write_attribute(id_.id(), place_, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
 }
 
-bool H5Node::has_attribute(const std::string& name) const { return H5Aexists(id_.id(), name.c_str()) > 0; }
+bool H5Node::has_attribute(const std::string& name) const {
+  const htri_t exists = H5Aexists(id_.id(), name.c_str());
+  if (exists < 0) throw InputError(place_ + "@" + name, "cannot be looked up");
+  return exists > 0;
+}
 
 std::string H5Node::text(const std::string& name) const {
   const std::string place = place_ + "@" + name;

@@ -71,7 +71,8 @@ std::span<const std::byte> H5Table::chunk_at(std::uint64_t first_row) {
   const std::vector<hsize_t> offset = first_element(first_row, row_shape_.size());
   const bool last = first_row + stored_.chunk_rows >= rows();
   hsize_t bytes = 0;
-  if (H5Dget_chunk_storage_size(id_.id(), offset.data(), &bytes) < 0) bytes = 0;
+  if (H5Dget_chunk_storage_size(id_.id(), offset.data(), &bytes) < 0)
+    throw InputError(place_, "cannot be read (rows " + std::to_string(first_row) + " and following)");
   if (bytes > 0) {  // a chunk that was never written is all zeros
     std::uint32_t skipped = 0;
     std::vector<std::byte> chunk(bytes <= most_stored_bytes(decoded_.size()) ? bytes : 0);

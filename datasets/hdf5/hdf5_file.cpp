@@ -138,10 +138,13 @@ H5Handle follower_access_list(const std::string& place) {
 H5Handle& H5Handle::operator=(H5Handle&& other) noexcept {
   std::swap(id_, other.id_);
   std::swap(closer_, other.closer_);
+  std::swap(failed_, other.failed_);
   return *this;
 }
 
-H5Handle::~H5Handle() { close(); }
+H5Handle::~H5Handle() {
+  if (close() < 0 && failed_) *failed_ = true;
+}
 
 int H5Handle::close() {
   const Closer closer = std::exchange(closer_, nullptr);
@@ -206,6 +209,7 @@ std::string H5Node::place_of(const std::string& name) const {
 H5Node H5Node::create_group(const std::string& name) {
   H5Node node;
   node.place_ = place_of(name);
+  node.rows_lost_ = rows_lost_;
   const H5Handle list = wrap(H5Pcreate(H5P_GROUP_CREATE), close_list, node.place_, "cannot be prepared");
   H5Pset_obj_track_times(list.id(), false);
   node.id_ = wrap(H5Gcreate2(id_.id(), name.c_str(), H5P_DEFAULT, list.id(), H5P_DEFAULT), close_group,
@@ -224,9 +228,12 @@ H5Node H5Node::group(const std::string& name) const {
 bool H5Node::has(const std::string& name) const {
   prepare_library();
   H5L_info_t info{};
+  const htri_t exists = H5Lexists(id_.id(), name.c_str(), H5P_DEFAULT);
+  // what cannot be read is not said to be absent: much of a file may be
+  if (exists < 0 || (exists > 0 && H5Lget_info(id_.id(), name.c_str(), &info, H5P_DEFAULT) < 0))
+    refuse(place_of(name), "cannot be looked up");
   // Only what lies in this file: soft and external links could lead anywhere.
-  return H5Lexists(id_.id(), name.c_str(), H5P_DEFAULT) > 0 &&
-         H5Lget_info(id_.id(), name.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_HARD;
+  return exists > 0 && info.type == H5L_TYPE_HARD;
 }
 
 std::vector<std::string> H5Node::children(std::size_t limit) const {
@@ -275,6 +282,7 @@ H5Table H5Node::create_table(const std::string& name, H5Type type,
   table.id_ = wrap(
       H5Dcreate2(id_.id(), name.c_str(), file_type(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
       close_dataset, table.place_, "cannot be created");
+  table.id_.tell_failure_to(rows_lost_);
   return table;
 }
 
@@ -311,6 +319,7 @@ H5File H5File::create(const std::filesystem::path& path) {
   H5Pset_obj_track_times(creation.id(), false);
   file.id_ = wrap(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), close_file,
                   path.string(), "cannot be created");
+  file.rows_lost_ = std::make_shared<bool>(false);
   return file;
 }
 
@@ -360,6 +369,8 @@ void H5File::abandon() noexcept {
 
 void H5File::close() {
   flush();
+  if (rows_lost_ && *rows_lost_)
+    throw OutputError(without_colon(place_), "could not be written to its end; is the disk full?");
   if (id_.close() < 0) refuse_output(place_, "cannot be closed");
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,16 +23,21 @@ class H5Handle {
   H5Handle() = default;
   H5Handle(std::int64_t id, Closer closer) : id_(id), closer_(closer) {}
   H5Handle(H5Handle&& other) noexcept
-      : id_(std::exchange(other.id_, -1)), closer_(std::exchange(other.closer_, nullptr)) {}
+      : id_(std::exchange(other.id_, -1)),
+        closer_(std::exchange(other.closer_, nullptr)),
+        failed_(std::move(other.failed_)) {}
   H5Handle& operator=(H5Handle&& other) noexcept;
   ~H5Handle();
   std::int64_t id() const { return id_; }
   // Negative when the library could not close it; once closed, nothing more happens.
   int close();
+  // Sets `failed` when it is destroyed and cannot be closed: what the library still held is lost.
+  void tell_failure_to(std::shared_ptr<bool> failed) { failed_ = std::move(failed); }
 
  private:
   std::int64_t id_ = -1;
   Closer closer_ = nullptr;
+  std::shared_ptr<bool> failed_;
 };
 
 enum class H5Type { u8, u16, u32, u64, i64, f32, f64 };
@@ -137,6 +143,7 @@ class H5Node {
   std::string place_of(const std::string& name) const;
   H5Handle id_;
   std::string place_;
+  std::shared_ptr<bool> rows_lost_;  // of the file: a table that was written could not be closed
 };
 
 // A file opened for one purpose. Files are written in the latest format, so that SWMR writing is
@@ -152,7 +159,7 @@ class H5File : public H5Node {
   // From now on nothing new can be created, and a reader may follow.
   void start_swmr();
   void flush();
-  // Flushes and closes; OutputError when not all reached the file.
+  // Flushes and closes, when all tables are gone; OutputError when not all reached the file.
   void close();
   // After a failed write: nothing more is written, so that what was flushed stays as it is.
   void abandon() noexcept;

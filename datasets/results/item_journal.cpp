@@ -92,8 +92,8 @@ void ItemJournal::add(const DoneItem& item) {
 void ItemJournal::remove() {
   if (file_ >= 0) ::close(file_);
   file_ = -1;
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+  if (::unlink(path_.c_str()) != 0 && errno != ENOENT)
+    throw OutputError(path_.string(), std::string("cannot be removed: ") + std::strerror(errno));
 }
 
 void write_items(const std::filesystem::path& folder, std::span<const DoneItem> items,

@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <system_error>
+#include <typeinfo>
 
 #include <CLI/CLI.hpp>
 
@@ -287,7 +289,11 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "trilat: %s\n", error.what());
     return trilat::kBadInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "trilat: this is a bug of the program, please report it: %s\n", error.what());
-    return trilat::kOurBug;
+    // TBB has no type of its own for a thread that the system does not start
+    const bool refused = typeid(error) == typeid(std::runtime_error);
+    std::fprintf(stderr,
+                 refused ? "trilat: %s\n" : "trilat: this is a bug of the program, please report it: %s\n",
+                 error.what());
+    return refused ? trilat::kBadInput : trilat::kOurBug;
   }
 }

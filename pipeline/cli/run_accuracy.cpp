@@ -63,10 +63,13 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
   return all_ok ? kDone : kItemsFailed;
 }
 
-void print_notes(const ResultsSummary& summary) {
-  for (const TakeNote& note : summary.notes)
+void print_notes(const std::vector<TakeNote>& notes) {
+  for (const TakeNote& note : notes)
     fmt::print(stderr, "{}: take {}: {}: {}\n", note.failed ? "failed" : "note", note.take, note.place,
                note.text);
+}
+
+void print_cross_check(const ResultsSummary& summary) {
   if (!summary.cross_check) return;
   const CrossCheck& c = *summary.cross_check;
   fmt::print(
@@ -110,6 +113,7 @@ int run_shard(const RunArguments& arguments, const StudySpec& study, const Campa
     part = run_study_part(study, campaign, shard, arguments.output, options);
   }
   tell_reuse("takes", part.tally);
+  print_notes(part.notes);
   if (arguments.json) {
     Json document{{"part", arguments.output.string()},
                   {"shard", name_of(shard)},
@@ -126,7 +130,8 @@ int run_shard(const RunArguments& arguments, const StudySpec& study, const Campa
 
 int print_results(const ResultsSummary& summary, const std::filesystem::path& output, Json document,
                   bool json) {
-  print_notes(summary);
+  print_notes(summary.notes);
+  print_cross_check(summary);
   const bool passed = !summary.cross_check || summary.cross_check->passed();
   if (json) {
     document["takes"] = summary.takes;

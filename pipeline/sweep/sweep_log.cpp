@@ -57,9 +57,8 @@ void SweepLog::save(const SweepRecord* open) {
 }
 
 void SweepLog::finish(bool finished_are_wanted) const {
-  std::error_code ignored;
-  std::filesystem::remove(open_, ignored);
-  if (!finished_are_wanted) std::filesystem::remove(finished_, ignored);
+  std::filesystem::remove(open_);
+  if (!finished_are_wanted) std::filesystem::remove(finished_);
 }
 
 }  // namespace trilat

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "tests/support/scratch.h"
 
@@ -48,6 +49,14 @@ TEST(ItemJournal, ANumberThatWasChangedIsNoticed) {
   text.replace(text.find("12345"), 5, "12346");
   write_file(folder / "items.jsonl", text);
   EXPECT_EQ(ItemJournal(folder.path()).find("a", "key"), std::nullopt);
+}
+
+TEST(ItemJournal, IsNotSaidToBeRemovedWhenItIsStillThere) {
+  const ScratchFolder folder;
+  ItemJournal journal(folder.path());
+  std::filesystem::remove(folder / "items.jsonl");
+  std::filesystem::create_directory(folder / "items.jsonl");
+  EXPECT_THROW(journal.remove(), OutputError);
 }
 
 TEST(Items, AreReadAsTheyWereWritten) {

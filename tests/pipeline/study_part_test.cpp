@@ -98,6 +98,26 @@ TEST(StudyPart, AShardThatWasStoppedGoesOnAndEndsWithTheSameBytes) {
   expect_same_results(whole, work.merged(std::vector{part(1), part(2)}));
 }
 
+TEST(StudyPart, AFinishedPartIsTakenOverByTheSameShard) {
+  Divided work;
+  const auto whole = work.whole();
+  const auto parts = work.parts(2);
+  const StudyPart again = run_study_part(work.study, work.campaign, {1, 2}, parts[0], {.reuse = {parts[0]}});
+  EXPECT_GT(again.tally.reused.size(), 0u);
+  EXPECT_THAT(again.tally.computed, IsEmpty());
+  expect_same_results(whole, work.merged(parts));
+}
+
+TEST(StudyPart, ATakeThatFailedIsNamed) {
+  Divided work;
+  const StudyPart part = run_study_part(work.study, work.campaign, {1, 1}, work.folder / "part", {});
+  EXPECT_EQ(part.failed, 1u);
+  const auto failed =
+      std::find_if(part.notes.begin(), part.notes.end(), [](const TakeNote& note) { return note.failed; });
+  ASSERT_NE(failed, part.notes.end());
+  EXPECT_EQ(failed->take, work.campaign.takes[1].id);
+}
+
 TEST(StudyPart, MergingSaysWhatIsMissing) {
   Divided work;
   const auto parts = work.parts(3);

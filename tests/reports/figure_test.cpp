@@ -2,6 +2,7 @@
 #include "reports/figure.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <regex>
 
@@ -233,6 +234,14 @@ TEST(DrawFigures, AFigureWithoutNumbersIsDrawnWithItsAxes) {
   EXPECT_THAT(drawn(Figure{}).svg, HasSubstr("</svg>"));
   EXPECT_THAT(drawn(figure).svg, HasSubstr("nothing"));
   EXPECT_THAT(draw_figures({}), IsEmpty());
+}
+
+TEST(DrawFigures, NoDiskIsNeeded) {
+  const char* before = std::getenv("TMPDIR");
+  const std::string folder = before ? before : "";
+  ::setenv("TMPDIR", "/dev/full", 1);
+  EXPECT_THAT(drawn(small_figure()).svg, HasSubstr("</svg>"));
+  before ? ::setenv("TMPDIR", folder.c_str(), 1) : ::unsetenv("TMPDIR");
 }
 
 TEST(DrawFigures, TextIsEscaped) {
