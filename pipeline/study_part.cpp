@@ -162,6 +162,11 @@ StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const
       part.failed += result.evaluated ? 0 : 1;
       part.notes.insert(part.notes.end(), result.notes.begin(), result.notes.end());
     }
+    // the parts would not belong together when this one alone could not read a take
+    for (std::size_t t = 0; t < plan.takes.size(); ++t)
+      if (const PlannedTake& other = plan.takes[t];
+          !other.ok && !std::binary_search(mine.begin(), mine.end(), t))
+        part.notes.push_back({other.take.id, true, other.place, other.problem});
     hashes.save(folder.partial());
     write_run_record(folder.partial(), run.times, seconds_since(start), threads, &part.tally);
     store.finish();

@@ -18,7 +18,7 @@ struct StudyPart {
   std::size_t takes = 0, failed = 0;  // of this shard
   std::size_t of = 0;                 // all takes of the study
   ItemTally tally;
-  std::vector<TakeNote> notes;  // why takes failed, and what else there is to say of them
+  std::vector<TakeNote> notes;  // why takes failed, those of other shards that cannot be read too
 };
 
 // Computes one shard of a study into a part folder: part.json, items.json, takes/ID/samples.h5 and, beside

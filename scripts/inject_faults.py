@@ -28,6 +28,8 @@ KINDS = {
     "folder": (["mkdir", "mkdirat", "flock"], ["ENOSPC", "EACCES"]),
     "memory": (["mmap", "mremap", "brk"], ["ENOMEM"]),
 }
+# Files in memory, which do not fail, and gnuplot's own.
+NOT_OURS = re.compile("<(/memfd:|/usr/share/gnuplot)")
 
 
 def counted(lines, start):
@@ -44,7 +46,7 @@ def counted(lines, start):
             started = {c: numbers[main, c] for c in kind_of}
         numbers[thread, call] += 1
         number = numbers[thread, call]
-        beside = rest.startswith("2<") or "memfd:" in line  # stderr; files in memory, which do not fail
+        beside = rest.startswith("2<") or NOT_OURS.search(line)
         if started and number > started.get(call, 0) and not beside:
             found.append((kind_of[call], call, number))  # strace counts each thread by itself
     return found
@@ -114,6 +116,10 @@ class Injector:
             if code == 0:
                 return "succeeds without a recording"
             return "" if err.strip() or silent else "fails without a message"
+        if scenario.name == "recover" and code == 0 and files_of(folder / "out") != self.clean["recover"][1]:
+            return "succeeds without all that was there"
+        if code == 1 and "failed" not in err and "broke" not in err:
+            return f"ends with 1 and names no failure: {err[-300:]}"
         verdict, text, _ = run(self.program, "verify out", folder)
         if verdict != 0 and "holds no frames" not in text:
             return f"ends with {code}, and verify with {verdict}: {text[-300:]}"
@@ -137,7 +143,7 @@ class Injector:
             return "" if recorded else f"again: {err[-300:]}"  # recordings are never replaced
         if code not in right or (code == 2 and not err.startswith("trilat: ")):
             return f"again: `{command}` ends with {code}: {err[-300:]}"
-        if scenario.name == "record" or now == clean_files:
+        if scenario.name == "record" or now == clean_files or (scenario.name == "recover" and recorded):
             return ""
         return f"again: other files: {differences(now, clean_files)}"
 
@@ -154,7 +160,7 @@ class Injector:
         trace = folder / "trace"
         lines = trace.read_text(errors="replace").splitlines() if trace.exists() else []
         hit = [line for line in lines if "(INJECTED)" in line]
-        injected = bool(hit) and not any("memfd:" in line for line in hit)
+        injected = bool(hit) and not any(NOT_OURS.search(line) for line in hit)
         silent = any(" write(2<" in line for line in hit)  # nobody can tell
         finding = self.judge(scenario, folder, earlier, result, silent)
         finding = finding or self.again(scenario, folder)

@@ -212,6 +212,10 @@ int give_its_name(const std::filesystem::path& damaged, const std::filesystem::p
   return kDone;
 }
 
+std::uint64_t lost_rows(const SensorRecovery& r) {
+  return r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges;
+}
+
 void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
                     const std::filesystem::path& damaged) {
   fmt::print("{}: everything that had been flushed of {}\n", output.string(), damaged.string());
@@ -219,8 +223,7 @@ void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::fi
              "exchanges", "behind flush", "damaged");
   for (const SensorRecovery& r : recoveries)
     fmt::print("{:<10} {:>12} {:>13} {:>10} {:>14} {:>9}\n", r.name, r.saved.body_frames,
-               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows,
-               r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges);
+               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows, lost_rows(r));
   fmt::print(
       "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
       "you "
@@ -262,7 +265,11 @@ int recover(const RecoverArguments& arguments) {
     fmt::print("{}\n", json_text(json_of(recoveries, output, damaged), 2));
   else
     print_recovery(recoveries, output, damaged);
-  return kDone;
+  if (std::none_of(recoveries.begin(), recoveries.end(), [](const auto& r) { return lost_rows(r) > 0; }))
+    return kDone;
+  fmt::print(stderr, "failed: {} has rows that are damaged or cannot be read; they were left out\n",
+             damaged.string());
+  return kItemsFailed;
 }
 
 }  // namespace trilat

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat run` and `trilat merge` for studies of kind accuracy.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -125,7 +127,9 @@ int run_shard(const RunArguments& arguments, const StudySpec& study, const Campa
     fmt::print("part {}: {} of {} takes, {} failed: {}\n", name_of(shard), part.takes, part.of, part.failed,
                arguments.output.string());
   }
-  return part.failed == 0 ? kDone : kItemsFailed;
+  const bool failed =
+      std::any_of(part.notes.begin(), part.notes.end(), [](const TakeNote& note) { return note.failed; });
+  return failed ? kItemsFailed : kDone;
 }
 
 int print_results(const ResultsSummary& summary, const std::filesystem::path& output, Json document,
