@@ -331,6 +331,8 @@ H5File H5File::open(const std::filesystem::path& path) {
   H5File file;
   file.place_ = path.string() + ":";
   hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  // once more: a disturbance of the moment must not make a finished file an unfinished one
+  if (id < 0) id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) {
     const H5Handle access = follower_access_list(file.place_);
     id = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
