@@ -370,6 +370,8 @@ void H5File::abandon() noexcept {
 }
 
 void H5File::close() {
+  TRILAT_CHECK(H5Fget_obj_count(id_.id(), H5F_OBJ_ALL | H5F_OBJ_LOCAL) == 1,
+               "tables and groups are gone before their file, which else stays open");
   flush();
   if (rows_lost_ && *rows_lost_)
     throw OutputError(without_colon(place_), "could not be written to its end; is the disk full?");

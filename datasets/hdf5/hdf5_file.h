@@ -159,7 +159,7 @@ class H5File : public H5Node {
   // From now on nothing new can be created, and a reader may follow.
   void start_swmr();
   void flush();
-  // Flushes and closes, when all tables are gone; OutputError when not all reached the file.
+  // Flushes and closes; OutputError when not all reached the file. Its tables and groups must be gone.
   void close();
   // After a failed write: nothing more is written, so that what was flushed stays as it is.
   void abandon() noexcept;

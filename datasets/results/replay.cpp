@@ -96,9 +96,11 @@ void write_replay(const std::filesystem::path& folder, std::span<const ReplayTak
   file.set_text("format", kFormat);
   file.set_integer("version", kVersion);
   file.set_text("created_by", kProgramVersion);
-  H5Node all = file.create_group("takes");
-  for (std::size_t t = 0; t < takes.size(); ++t)
-    write_take(all.create_group(fmt::format("{:05}", t)), takes[t]);
+  {
+    H5Node all = file.create_group("takes");
+    for (std::size_t t = 0; t < takes.size(); ++t)
+      write_take(all.create_group(fmt::format("{:05}", t)), takes[t]);
+  }
   file.close();
   sync_file(path);
 }

@@ -136,6 +136,7 @@ std::string refusal_of(const std::filesystem::path& path, const std::string& tab
   add("hidden", H5Type::u32, std::uint32_t{0}, std::uint32_t{0});
   add("exchanged", H5Type::u8, std::uint8_t{0}, std::uint8_t{1});
   add("tracking_id", H5Type::u64, std::uint64_t{0}, std::uint64_t{0});
+  node = {};
   file.close();
   return message_of([&] { TrackerTruthReader(path).read("k1", 0, 2); });
 }

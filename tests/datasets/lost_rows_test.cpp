@@ -48,5 +48,12 @@ TEST(LostRows, AFileWhoseTableCouldNotBeClosedCannotBeClosedEither) {
   }
 }
 
+TEST(LostRows, AFileIsNotClosedWhileAGroupOfItKeepsItOpen) {
+  const ScratchFolder folder;
+  H5File file = H5File::create(folder / "a.h5");
+  const H5Node group = file.create_group("takes");
+  EXPECT_THROW(file.close(), InternalError);
+}
+
 }  // namespace
 }  // namespace trilat
