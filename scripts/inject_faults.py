@@ -29,7 +29,7 @@ KINDS = {
     "memory": (["mmap", "mremap", "brk"], ["ENOMEM"]),
 }
 # Files in memory, which do not fail, and gnuplot's own.
-NOT_OURS = re.compile("<(/memfd:|/usr/share/gnuplot)")
+NOT_OURS = re.compile(r"""[<"](/memfd:|/usr/share/gnuplot)""")
 
 
 def counted(lines, start):
