@@ -28,8 +28,8 @@ KINDS = {
     "folder": (["mkdir", "mkdirat", "flock"], ["ENOSPC", "EACCES"]),
     "memory": (["mmap", "mremap", "brk"], ["ENOMEM"]),
 }
-# Files in memory, which do not fail, and gnuplot's own.
-NOT_OURS = re.compile(r"""[<"](/memfd:|/usr/share/gnuplot)""")
+# Files in memory, which do not fail, and gnuplot's own and its fonts, without which it draws as it can.
+NOT_OURS = re.compile(r"""[<"](/memfd:|/usr/share/(gnuplot|fonts|fontconfig)|/etc/fonts|/var/cache/fontconfig)""")
 
 
 def counted(lines, start):
