@@ -129,7 +129,7 @@ TEST(SweepResume, AKilledProgramGoesOnToTheSameBytes) {
   const std::string sweep = file_with(folder, "sweep.json",
                                       R"({"format": "trilat.study", "version": 1,
       "kind": "threshold_sweep", "name": "long", "thresholds": [1e-2, 1e-4], "stops": ["objective"],
-      "gradients": ["corrected"], "error_ranges_cm": [[5, 15]], "trials": 3000000, )" +
+      "gradients": ["corrected"], "error_ranges_cm": [[5, 15]], "trials": 20000000, )" +
                                           kOneRig + "}");
   const std::string results = (folder / "results").string();
   const fs::path open = folder / "results.partial" / SweepLog::kOpen;
