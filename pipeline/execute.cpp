@@ -36,7 +36,7 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
                      const ExecuteOptions& options, HashCache& hashes) {
   if (std::find(options.reuse.begin(), options.reuse.end(), output) == options.reuse.end()) return false;
   const std::string known = read_items_key(output);
-  if (known.empty()) return false;
+  if (known.empty() || !std::filesystem::exists(output / "samples.h5")) return false;
   const Campaign takes = takes_of(study, campaign);
   RunIdentity run{study,
                   options.cross_check,

@@ -72,9 +72,9 @@ std::uint64_t work_of(const Plan& plan, std::size_t take) {
 }
 
 // Where an item's take was left: in a part, or a run that was stopped, in a folder of its own.
-std::filesystem::path folder_of(const ItemStore::Found& found, const PlannedTake& planned) {
-  const std::filesystem::path own = found.folder / "takes" / planned.take.id;
-  return std::filesystem::is_directory(own) ? own : found.folder;
+std::filesystem::path folder_of(const std::filesystem::path& output, const PlannedTake& planned) {
+  const std::filesystem::path own = output / "takes" / planned.take.id;
+  return std::filesystem::is_directory(own) ? own : output;
 }
 
 std::filesystem::path take_folder(const RunPlace& place, const PlannedTake& planned) {
@@ -151,9 +151,12 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
       if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
     EvaluatedTake take;
     take.key = key_of_take(plan, index, inputs, shared.options.cross_check);
-    if (const auto found = shared.place.items.find(planned.take.id, take.key)) {
+    const auto has_samples = [&](const std::filesystem::path& output) {
+      return std::filesystem::exists(folder_of(output, planned) / "samples.h5");
+    };
+    if (const auto found = shared.place.items.find(planned.take.id, take.key, has_samples)) {
       take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
-      take.folder = folder_of(*found, planned);
+      take.folder = folder_of(found->folder, planned);
       shared.advance(work_of(plan, index));
       return take;
     }

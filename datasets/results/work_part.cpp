@@ -107,6 +107,10 @@ WorkPart read_part(const std::filesystem::path& folder) {
   for (JsonObject& entry : object.objects("items")) {
     part.items.push_back({entry.text("id"), entry.number("cost"), entry.count("shard")});
     entry.finish();
+    const PartItem& item = part.items.back();
+    if (item.shard == 0 || item.shard > part.of) entry.refuse("shard", "must be 1 to the number of shards");
+    if (item.id.starts_with('/') || item.id.find("..") != std::string::npos)
+      entry.refuse("id", "is no name of an item: it would lead out of the part");
   }
   object.finish();
   return part;

@@ -25,8 +25,10 @@ ItemStore::ItemStore(const std::filesystem::path& folder, std::span<const std::f
   }
 }
 
-std::optional<ItemStore::Found> ItemStore::find(const std::string& id, const std::string& key) {
-  if (auto outcome = journal_.find(id, key)) {
+std::optional<ItemStore::Found> ItemStore::find(
+    const std::string& id, const std::string& key,
+    const std::function<bool(const std::filesystem::path&)>& usable) {
+  if (auto outcome = journal_.find(id, key); outcome && (!usable || usable(folder_))) {
     const std::lock_guard lock(mutex_);
     tally_.continued.push_back(id);
     return Found{std::move(*outcome), folder_};
@@ -34,6 +36,7 @@ std::optional<ItemStore::Found> ItemStore::find(const std::string& id, const std
   for (const Earlier& known : earlier_) {
     const auto item = known.items.find(id);
     if (item == known.items.end() || item->second.key != key) continue;
+    if (usable && !usable(known.folder)) continue;
     const std::lock_guard lock(mutex_);
     tally_.reused.push_back(id);
     return Found{item->second.outcome, known.folder};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -40,7 +41,9 @@ class ItemStore {
     Json outcome;
     std::filesystem::path folder;
   };
-  std::optional<Found> find(const std::string& id, const std::string& key);
+  // `usable`: asked whether a folder still holds what belongs to the outcome; without one all do.
+  std::optional<Found> find(const std::string& id, const std::string& key,
+                            const std::function<bool(const std::filesystem::path&)>& usable = {});
   // An item that was computed; it is on the disk when this returns.
   void add(const std::string& id, const std::string& key, const Json& outcome);
   // What the output will hold besides: removes the journal.

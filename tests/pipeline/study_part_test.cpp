@@ -218,6 +218,28 @@ TEST(Reuse, NothingIsTouchedWhenNothingChanged) {
   EXPECT_FALSE(run_study(work.study, work.campaign, whole, {.reuse = {whole}}).unchanged);
 }
 
+TEST(Reuse, WhatWasThrownAwayIsComputedAgain) {
+  Divided work(1, false);
+  const auto whole = work.whole();
+  std::filesystem::remove(whole / "samples.h5");
+  const StudyRun run = run_study(work.study, work.campaign, whole, {.reuse = {whole}});
+  EXPECT_FALSE(run.unchanged);
+  EXPECT_THAT(run.takes.reused, IsEmpty());
+  EXPECT_TRUE(std::filesystem::exists(whole / "samples.h5"));
+}
+
+TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
+  const ScratchFolder folder;
+  const auto said = [&](PartItem item) {
+    write_part(folder.path(), {"campaign", "build", 1, 2, Json::object(), {std::move(item)}});
+    return message_of([&] { read_part(folder.path()); });
+  };
+  EXPECT_THAT(said({"../../secret", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_THAT(said({"/etc", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_THAT(said({"p01-walking", 1.0, 3}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
+  EXPECT_THAT(said({"p01-walking", 1.0, 0}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
+}
+
 TEST(Reuse, WhatFailedIsTriedAgain) {
   Divided work;
   const auto whole = work.whole();
