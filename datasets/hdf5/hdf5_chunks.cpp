@@ -58,7 +58,7 @@ std::optional<ChunkCompression> H5Table::row_compression() const {
 
 bool H5Table::has_filtered_row(std::uint64_t row) const {
   hsize_t bytes = 0;
-  return H5Dget_chunk_storage_size(id_.id(), first_element(row, row_shape_.size()).data(), &bytes) >= 0 &&
+  return H5Dget_chunk_storage_size(id_.id(), first_element(row, row_shape_.size()).data(), &bytes) < 0 ||
          bytes > 0;
 }
 

@@ -74,7 +74,7 @@ class H5Table {
   // leaves the work to the caller's thread. Only with row_compression().
   std::vector<std::byte> read_filtered_row(std::uint64_t row) const;
   // Whether the chunk of such a row is in the file; a killed writer may have announced more rows than it
-  // wrote.
+  // wrote. What cannot be looked up counts as there: who reads it is told.
   bool has_filtered_row(std::uint64_t row) const;
   // For tables of a killed writer. What it last rewrote in place may be half old and half new: the rows are
   // there, and only the checksum behind them is not theirs. From now on such a last chunk is read.

@@ -26,6 +26,8 @@ struct SensorCounts {
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the
   // middle of.
   std::uint64_t torn_rows = 0;
+  // Of an unfinished session: frames from the first on whose number of bodies cannot be read.
+  std::uint64_t unreadable_body_frames = 0;
 };
 
 // A depth frame as it lies in the file. decode_depth_frame() makes it an image, on any thread.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -93,22 +94,24 @@ SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkC
         for (const ClockExchange& exchange : from.clock_exchanges(sensor, first, count))
           to.add_clock_exchange(sensor, exchange);
       });
-  salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
+  recovery.damaged_lists = salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
     for (const DropCount& count : from.drop_counts(sensor)) to.add_drop_count(sensor, count);
   });
-  salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
+  recovery.damaged_lists += salvage(0, 1, [&](std::uint64_t, std::uint64_t) {
     for (const SensorNotice& notice : from.notices(sensor)) to.add_notice(sensor, notice);
   });
   recovery.saved.body_frames -= recovery.damaged_body_frames;
+  recovery.damaged_body_frames += std::exchange(recovery.saved.unreadable_body_frames, 0);
   recovery.saved.bodies = bodies;
   recovery.saved.depth_frames -= recovery.damaged_depth_frames;
   recovery.saved.clock_exchanges -= recovery.damaged_exchanges;
   recovery.saved.torn_rows = 0;
-  to.add_notice(sensor,
-                {0, fmt::format("recovered from a recording that was not closed; left out as damaged: {} "
-                                "body frames, {} depth frames, {} clock exchanges",
-                                recovery.damaged_body_frames, recovery.damaged_depth_frames,
-                                recovery.damaged_exchanges)});
+  to.add_notice(
+      sensor,
+      {0, fmt::format("recovered from a recording that was not closed; left out as damaged: {} "
+                      "body frames, {} depth frames, {} clock exchanges, {} lists of notices or drops",
+                      recovery.damaged_body_frames, recovery.damaged_depth_frames, recovery.damaged_exchanges,
+                      recovery.damaged_lists)});
   to.flush();
   return recovery;
 }

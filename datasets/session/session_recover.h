@@ -18,6 +18,7 @@ struct SensorRecovery {
   std::uint64_t torn_rows = 0;  // written after the last flush, in part
   // Left out, because their stored data are not what was written or cannot be.
   std::uint64_t damaged_body_frames = 0, damaged_depth_frames = 0, damaged_exchanges = 0;
+  std::uint64_t damaged_lists = 0;  // of notices or of drop counts, which are left out whole
 };
 
 // Copies all that was flushed of a session whose writer was killed into a new, complete session; compressed

@@ -69,18 +69,30 @@ std::array<std::uint64_t, 6> flushed_rows(const H5Node& node, bool complete) {
   return limits;
 }
 
+// Reads counts up to the first that cannot be read, and says how many there are before it.
+std::uint64_t read_until_damaged(const H5Table& table, std::uint64_t first, std::span<std::uint8_t> counts) {
+  for (std::uint64_t i = 0; i < counts.size(); ++i) try {
+      table.read(first + i, counts.subspan(i, 1));
+    } catch (const InputError&) {
+      return i;
+    }
+  return counts.size();
+}
+
 // Follows the body counts through all frames: how many frames have all their bodies, and where
 // bodies start. Without `complete`, counts that cannot be read are the end.
 void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows, bool complete) {
   std::vector<std::uint8_t> block(kBodyCheckpoint);
   std::uint64_t row = 0, frame = 0;
   while (frame < frames) {
-    const std::uint64_t count = std::min(kBodyCheckpoint, frames - frame);
+    std::uint64_t count = std::min(kBodyCheckpoint, frames - frame);
     try {
       t.body_count.read(frame, std::span(block).first(count));
     } catch (const InputError&) {
       if (complete) throw;
-      break;
+      count = read_until_damaged(t.body_count, frame, std::span(block).first(count));
+      t.counts.unreadable_body_frames = frames - frame - count;
+      frames = frame + count;
     }
     t.body_row_at.push_back(row);
     for (std::uint64_t i = 0; i < count; ++i) {

@@ -213,7 +213,7 @@ int give_its_name(const std::filesystem::path& damaged, const std::filesystem::p
 }
 
 std::uint64_t lost_rows(const SensorRecovery& r) {
-  return r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges;
+  return r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges + r.damaged_lists;
 }
 
 void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
@@ -242,7 +242,8 @@ Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesyste
                        {"torn_rows", r.torn_rows},
                        {"damaged_body_frames", r.damaged_body_frames},
                        {"damaged_depth_frames", r.damaged_depth_frames},
-                       {"damaged_exchanges", r.damaged_exchanges}});
+                       {"damaged_exchanges", r.damaged_exchanges},
+                       {"damaged_lists", r.damaged_lists}});
   return {
       {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
 }

@@ -394,10 +394,9 @@ TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
   EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
 }
 
-// The bytes of `wanted`, once in the file, with one bit changed.
-void flip_a_bit_of(const std::filesystem::path& path, float wanted) {
+// `pattern`, once in the file, with one bit changed.
+void flip_a_bit_of(const std::filesystem::path& path, const std::string& pattern) {
   std::string bytes = read_file(path);
-  const std::string pattern(reinterpret_cast<const char*>(&wanted), sizeof wanted);
   const std::size_t at = bytes.find(pattern);
   ASSERT_NE(at, std::string::npos);
   bytes[at] = static_cast<char>(bytes[at] ^ 1);
@@ -421,7 +420,7 @@ TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
       if (i % 20 == 19) writer.flush();
     }
   }  // never finished
-  flip_a_bit_of(partial_name(path), kMark);
+  flip_a_bit_of(partial_name(path), std::string(reinterpret_cast<const char*>(&kMark), sizeof kMark));
   // a read that also touches the last chunk must not believe the damaged one
   EXPECT_THAT(message_of([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
               HasSubstr("position_m: cannot be read"));
@@ -437,6 +436,30 @@ TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
   EXPECT_EQ(session.counts(0).clock_exchanges, 99u);
   EXPECT_EQ(session.counts(1).body_frames, 99u);
   EXPECT_EQ(session.body_frames(0, 0, 1)[0].stamp.sequence, 32);
+}
+
+TEST(SessionRecover, CountsAndNoticesThatCannotBeReadAreCountedAsDamaged) {
+  const auto path = scratch("lists.h5"), saved = scratch("lists_saved.h5");
+  std::string counts;  // of the second 32 frames
+  {
+    SessionWriter writer(path, header_of(1));
+    for (std::int64_t i = 0; i < 100; ++i) {
+      const auto bodies = static_cast<int>(i * i % 7 % 4);
+      if (i >= 32 && i < 64) counts += static_cast<char>(bodies);
+      writer.add_body_frame(0, frame_of(i, bodies));
+      writer.add_notice(0, {i, "what was seen at " + std::to_string(1000 + i)});
+      if (i % 20 == 19) writer.flush();
+    }
+  }  // never finished
+  flip_a_bit_of(partial_name(path), counts);
+  flip_a_bit_of(partial_name(path), "what was seen at 1001");
+  std::filesystem::remove(saved);
+  const auto recoveries = recover_session(partial_name(path), saved);
+  EXPECT_EQ(recoveries.at(0).saved.body_frames, 32u);
+  EXPECT_EQ(recoveries[0].damaged_body_frames, 68u);  // what lies behind unknown counts, too
+  EXPECT_EQ(recoveries[0].damaged_lists, 1u);
+  EXPECT_THAT(SessionReader(saved).notices(0).back().text,
+              HasSubstr("68 body frames, 0 depth frames, 0 clock exchanges, 1 lists"));
 }
 
 TEST(SessionClock, ALineOfExchangesGivesOffsetAndDrift) {
