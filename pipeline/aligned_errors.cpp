@@ -33,6 +33,8 @@ AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind
         solved[k].offset = sums[k].trained;
       else
         solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums[k].whole, kind);
+      const Eigen::Quaterniond& rotation = solved[k].alignment.truth_from_estimate.rotation;
+      solved[k].turns = rotation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
     }
   }
   return solved;
@@ -62,28 +64,6 @@ TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Ax
     result.push_back({solve_table(own, axes, kind, training_end),
                       solve_table(on_both, axes, kind, training_end),
                       solve_table(reference_on_both, axes, kind, training_end)});
-  return result;
-}
-
-AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
-                      const JointAlignment& a) {
-  AlignedError result;
-  result.asked = view.block.first_instant + i >= a.first_instant;
-  if (!result.asked) return result;
-  const SolveStatus status = view.status(slot);
-  if (!is_usable(status)) {
-    result.status = status;
-    return result;
-  }
-  const Eigen::Vector3d truth_m = view.truth(i, j);
-  Eigen::Vector3d aligned_m = Eigen::Vector3d::Constant(kNaN);
-  if (a.kind == AlignmentKind::joint_offset)
-    aligned_m = a.offset.corrected(view.estimate(slot), view.heading_rad(i));
-  else if (a.alignment.status == AlignmentStatus::aligned)
-    aligned_m = a.alignment.truth_from_estimate * view.estimate(slot);
-  if (!aligned_m.allFinite()) return result;
-  result.status = status;
-  result.error_m = aligned_m - truth_m;
   return result;
 }
 

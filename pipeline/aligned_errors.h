@@ -29,6 +29,14 @@ struct JointAlignment {
   Alignment alignment;              // of every kind but joint_offset
   JointOffset offset;               // of joint_offset
   std::uint64_t first_instant = 0;  // those before were trained on and do not count
+  bool turns = true;                // false: the alignment only moves
+
+  Eigen::Vector3d aligned_m(const Eigen::Vector3d& estimate_m, double heading_rad) const {
+    if (kind == AlignmentKind::joint_offset) return offset.corrected(estimate_m, heading_rad);
+    if (alignment.status != AlignmentStatus::aligned) return Eigen::Vector3d::Constant(kNaN);
+    if (!turns) return estimate_m + alignment.truth_from_estimate.translation_m;
+    return alignment.truth_from_estimate * estimate_m;
+  }
 };
 
 using AlignmentTable = std::vector<JointAlignment>;  // joint * methods + method
@@ -70,8 +78,9 @@ void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
                  const Visit& visit, const EndBlock& end_block) {
   constexpr std::uint64_t kBlock = 1024;
   const std::uint64_t instants = samples.header().takes[take].instants;
+  SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    const SampleBlock block = samples.read(take, first, std::min(kBlock, instants - first), columns);
+    samples.read(take, first, std::min(kBlock, instants - first), columns, block);
     const SampleView view{block, axes};
     for (std::uint64_t i = 0; i < block.instants; ++i)
       for (std::size_t j = 0; j < axes.joints; ++j) {
@@ -94,8 +103,22 @@ struct AlignedError {
   Eigen::Vector3d error_m = Eigen::Vector3d::Constant(kNaN);
   bool asked = true;
 };
-AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
-                      const JointAlignment& alignment);
+inline AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+                             const JointAlignment& alignment) {
+  AlignedError result;
+  result.asked = view.block.first_instant + i >= alignment.first_instant;
+  if (!result.asked) return result;
+  const SolveStatus status = view.status(slot);
+  if (!is_usable(status)) {
+    result.status = status;
+    return result;
+  }
+  const Eigen::Vector3d aligned_m = alignment.aligned_m(view.estimate(slot), view.heading_rad(i));
+  if (!aligned_m.allFinite()) return result;
+  result.status = status;
+  result.error_m = aligned_m - view.truth(i, j);
+  return result;
+}
 inline AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m,
                              std::size_t slot, const AlignmentTable& alignments) {
   return error_of(view, i, j, slot, alignments[j * view.axes.methods + m]);

@@ -40,7 +40,7 @@ void copy_take(const SamplesFile* from, std::size_t number, SamplesFile& to, std
   for (std::uint64_t first = 0; first < instants; first += step) {
     const std::uint64_t count = std::min(step, instants - first);
     if (from)
-      block = from->read(number, first, count);
+      from->read(number, first, count, SampleColumns::all, block);
     else
       block.reset(first, count, header.joints.size(), header.methods.size());
     to.write(take, block);

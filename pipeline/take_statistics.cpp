@@ -192,10 +192,11 @@ TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const S
                            const TakeAlignments& alignments) {
   const std::uint64_t instants = samples.header().takes[take].instants;
   TakeGatherer gatherer(layout, alignments, layout.blocks(instants));
+  SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kWindow) {
     const std::uint64_t end = std::min(first + kWindow, instants);
     const std::uint64_t from = first - std::min(first, kMargin), to = std::min(end + kMargin, instants);
-    const SampleBlock block = samples.read(take, from, to - from, SampleColumns::positions);
+    samples.read(take, from, to - from, SampleColumns::positions, block);
     gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
   }
   return gatherer.finish();

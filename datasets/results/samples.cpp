@@ -171,11 +171,20 @@ void SamplesFile::write_errors(std::size_t take, std::uint64_t first_instant,
 
 SampleBlock SamplesFile::read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,
                               SampleColumns columns) const {
+  SampleBlock block;
+  read(take, first_instant, instants, columns, block);
+  return block;
+}
+
+void SamplesFile::read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,
+                       SampleColumns columns, SampleBlock& b) const {
   const TakeTables& t = state_->takes.at(take);
-  SampleBlock b;
-  b.reset(first_instant, instants, state_->header.joints.size(), state_->header.methods.size());
-  const auto get = [&](const H5Table& table, auto& values) {
-    table.read(first_instant, std::span(values.data(), values.size()));
+  const bool all = columns == SampleColumns::all;
+  b.first_instant = first_instant;
+  b.instants = instants;
+  const auto get = [&](const H5Table& table, auto& values, bool wanted = true) {
+    values.resize(wanted ? instants * table.row_elements() : 0);
+    if (wanted) table.read(first_instant, std::span(values.data(), values.size()));
   };
   get(t.time_ns, b.time_ns);
   get(t.heading_rad, b.heading_rad);
@@ -184,12 +193,10 @@ SampleBlock SamplesFile::read(std::size_t take, std::uint64_t first_instant, std
   get(t.status, b.status);
   get(t.occluded, b.occluded);
   check_block(b, t, state_->header.status_names.size());
-  if (columns == SampleColumns::positions) return b;
-  get(t.ranges, b.ranges);
-  get(t.iterations, b.iterations);
-  get(t.cost_m2, b.cost_m2);
-  get(t.gdop, b.gdop);
-  return b;
+  get(t.ranges, b.ranges, all);
+  get(t.iterations, b.iterations, all);
+  get(t.cost_m2, b.cost_m2, all);
+  get(t.gdop, b.gdop, all);
 }
 
 std::vector<float> SamplesFile::read_errors(std::size_t take, std::uint64_t first_instant,

@@ -49,7 +49,7 @@ struct SampleBlock {
 };
 
 // Which columns of a block to read: positions are time, heading, truth, occluded,
-// estimate and status.
+// estimate and status; the others are empty then.
 enum class SampleColumns { positions, all };
 
 // samples.h5 (version 2). Written slot by slot: blocks may come in any order and from any thread, the
@@ -70,6 +70,9 @@ class SamplesFile {
   void write_errors(std::size_t take, std::uint64_t first_instant, std::span<const float> error_m);
   SampleBlock read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants,
                    SampleColumns columns = SampleColumns::all) const;
+  // The same into the memory of an earlier block.
+  void read(std::size_t take, std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
+            SampleBlock& block) const;
   std::vector<float> read_errors(std::size_t take, std::uint64_t first_instant, std::uint64_t instants) const;
 
  private:

@@ -27,6 +27,33 @@ bool spans_plane(const Eigen::Matrix3d& scatter_m2) {
   return sum > 0.0 && pairs > kLeast * sum * sum;
 }
 
+// The rotation R with the largest trace(R^T m), from the singular values.
+Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& m) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+// The same; where m has full rank and turns no left hand into a right one it is the factor of m's polar
+// decomposition, which Newton's iteration finds in a tenth of the time (Higham 1986).
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
+  constexpr int kMost = 30;
+  constexpr double kFullRank = 1e-7, kSettled = 1e-12;
+  const double size = m.norm();
+  if (!(m.determinant() > kFullRank * size * size * size)) return rotation_by_svd(m);
+  Eigen::Matrix3d x = m / size;
+  for (int i = 0; i < kMost; ++i) {
+    const Eigen::Matrix3d inverse = x.inverse();
+    const double scale = std::sqrt(inverse.norm() / x.norm());
+    const Eigen::Matrix3d next = 0.5 * (scale * x + inverse.transpose() / scale);
+    const double step = (next - x).norm();
+    x = next;
+    if (step < kSettled) return x;
+  }
+  return rotation_by_svd(m);
+}
+
 }  // namespace
 
 double mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const Eigen::Vector3d> truth_m) {
@@ -51,11 +78,8 @@ double pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const E
   }
   if (!cross_m2.allFinite() || !spans_plane(estimate_scatter_m2) || !spans_plane(truth_scatter_m2))
     return kNaN;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross_m2, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
-  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  const double scale = svd.singularValues().dot(signs) / estimate_scatter_m2.trace();
+  const Eigen::Matrix3d rotation = nearest_rotation(cross_m2);
+  const double scale = rotation.cwiseProduct(cross_m2).sum() / estimate_scatter_m2.trace();
   double sum_m = 0.0;
   for (std::size_t j = 0; j < estimate_m.size(); ++j)
     sum_m += (scale * (rotation * (estimate_m[j] - estimate_mean_m)) - (truth_m[j] - truth_mean_m)).norm();

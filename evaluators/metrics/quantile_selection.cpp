@@ -11,20 +11,28 @@
 namespace trilat {
 namespace {
 
-constexpr int kDigitBits = 11;
-constexpr int kFirstShift = 55;  // digits at 55, 44, 33, 22, 11, 0; the first one has 9 bits
-constexpr std::uint64_t kDigitMask = (1u << kDigitBits) - 1u;
+constexpr int kDigitBits = 12;
+constexpr int kFirstShift = 51;  // digits at 51, below the sign, which is 0, then at 39, 27, 15, 3 and 0
+constexpr std::int64_t kMostKept = 16384;
+
+int bits_at(int shift) { return shift == 0 ? kFirstShift % kDigitBits : kDigitBits; }
+
+std::size_t digit_count(int shift) { return std::size_t{1} << bits_at(shift); }
+
+std::uint64_t digit_of(std::uint64_t bits, int shift) { return (bits >> shift) & (digit_count(shift) - 1); }
 
 std::uint64_t above_digit(std::uint64_t bits, int shift) {
-  return shift == kFirstShift ? 0 : bits >> (shift + kDigitBits);
+  return shift == kFirstShift ? 0 : bits >> (shift + bits_at(shift));
 }
+
+int next_shift(int shift) { return shift == 0 ? -1 : std::max(0, shift - kDigitBits); }
 
 }  // namespace
 
 QuantileSelection::QuantileSelection(std::vector<double> quantiles)
     : wanted_(std::move(quantiles)), shift_(kFirstShift) {
   for (const double q : wanted_) TRILAT_CHECK(q >= 0.0 && q <= 1.0, "a quantile is in [0, 1]");
-  prefixes_.push_back({0, std::vector<std::int64_t>(kDigitMask + 1)});
+  prefixes_.push_back({0, {}, {}});
 }
 
 QuantileSelection::Prefix* QuantileSelection::find_prefix(std::uint64_t bits) {
@@ -38,7 +46,13 @@ void QuantileSelection::add(double value) {
   const std::uint64_t bits = std::bit_cast<std::uint64_t>(value + 0.0);  // -0 becomes 0
   ++shown_;
   Prefix* prefix = find_prefix(above_digit(bits, shift_));
-  if (prefix) ++prefix->histogram[(bits >> shift_) & kDigitMask];
+  if (!prefix) return;
+  if (keeps_values_) {
+    prefix->values.push_back(value + 0.0);
+    return;
+  }
+  if (prefix->histogram.empty()) prefix->histogram.resize(digit_count(shift_));
+  ++prefix->histogram[digit_of(bits, shift_)];
 }
 
 void QuantileSelection::merge_pass(const QuantileSelection& later) {
@@ -47,9 +61,12 @@ void QuantileSelection::merge_pass(const QuantileSelection& later) {
       "only the same pass of the same selection merges");
   shown_ += later.shown_;
   for (std::size_t p = 0; p < prefixes_.size(); ++p) {
-    TRILAT_CHECK(prefixes_[p].bits == later.prefixes_[p].bits, "both follow the same values");
-    for (std::size_t d = 0; d <= kDigitMask; ++d)
-      prefixes_[p].histogram[d] += later.prefixes_[p].histogram[d];
+    Prefix& mine = prefixes_[p];
+    const Prefix& other = later.prefixes_[p];
+    TRILAT_CHECK(mine.bits == other.bits, "both follow the same values");
+    mine.histogram.resize(std::max(mine.histogram.size(), other.histogram.size()));
+    for (std::size_t d = 0; d < other.histogram.size(); ++d) mine.histogram[d] += other.histogram[d];
+    mine.values.insert(mine.values.end(), other.values.begin(), other.values.end());
   }
 }
 
@@ -63,35 +80,57 @@ void QuantileSelection::start_ranks() {
   }
 }
 
-void QuantileSelection::settle_digit(Rank& rank) const {
+// Says how many values of this pass share the digits settled so far.
+std::int64_t QuantileSelection::settle_digit(Rank& rank) const {
   const std::uint64_t above = above_digit(rank.bits, shift_);
   const auto prefix =
       std::find_if(prefixes_.begin(), prefixes_.end(), [&](const Prefix& p) { return p.bits == above; });
-  TRILAT_CHECK(prefix != prefixes_.end(), "every rank has a prefix");
+  TRILAT_CHECK(prefix != prefixes_.end() && !prefix->histogram.empty(), "every pass shows the same values");
   std::uint64_t digit = 0;
-  while (digit < kDigitMask && rank.within >= prefix->histogram[digit])
+  while (digit + 1 < prefix->histogram.size() && rank.within >= prefix->histogram[digit])
     rank.within -= prefix->histogram[digit++];
   TRILAT_CHECK(rank.within < prefix->histogram[digit], "every pass shows the same values");
   rank.bits |= digit << shift_;
+  return prefix->histogram[digit];
 }
 
-void QuantileSelection::open_prefixes() {
-  prefixes_.clear();
-  if (done()) return;
-  for (const Rank& rank : ranks_) {
-    const std::uint64_t above = above_digit(rank.bits, shift_);
-    if (!find_prefix(above)) prefixes_.push_back({above, std::vector<std::int64_t>(kDigitMask + 1)});
+// Opens the prefixes of the next pass.
+void QuantileSelection::settle_digits() {
+  std::vector<Prefix> next;
+  std::int64_t followed = 0;
+  for (Rank& rank : ranks_) {
+    const std::int64_t sharing = settle_digit(rank);
+    const std::uint64_t bits = rank.bits >> shift_;
+    if (std::any_of(next.begin(), next.end(), [&](const Prefix& p) { return p.bits == bits; })) continue;
+    next.push_back({bits, {}, {}});
+    followed += sharing;
   }
+  prefixes_ = std::move(next);
+  shift_ = count_ == 0 ? -1 : next_shift(shift_);
+  keeps_values_ = followed <= kMostKept;
+}
+
+void QuantileSelection::settle_all() {
+  for (Rank& rank : ranks_) {
+    Prefix* prefix = find_prefix(above_digit(rank.bits, shift_));
+    TRILAT_CHECK(prefix && rank.within < std::ssize(prefix->values), "every pass shows the same values");
+    const auto wanted = prefix->values.begin() + rank.within;
+    std::nth_element(prefix->values.begin(), wanted, prefix->values.end());
+    rank.bits = std::bit_cast<std::uint64_t>(*wanted);
+  }
+  prefixes_.clear();
+  shift_ = -1;
 }
 
 void QuantileSelection::end_pass() {
   TRILAT_CHECK(!done(), "a pass ends before the end");
   if (shift_ == kFirstShift) start_ranks();
   TRILAT_CHECK(shown_ == count_, "every pass shows the same values");
-  for (Rank& rank : ranks_) settle_digit(rank);
-  shift_ = count_ == 0 ? -1 : shift_ - kDigitBits;
+  if (keeps_values_)
+    settle_all();
+  else
+    settle_digits();
   shown_ = 0;
-  open_prefixes();
 }
 
 std::vector<double> QuantileSelection::quantiles() const {

@@ -8,8 +8,9 @@
 namespace trilat {
 
 // Exact quantiles of any number of values in bounded memory: the same values are shown once per
-// pass, in any order, and each pass fixes the next 11 bits of every order statistic wanted. Doubles
-// >= 0 sort like their IEEE 754 bits, so six passes settle all 64. About 16 KiB for each distinct
+// pass, in any order. Doubles >= 0 sort like their IEEE 754 bits: each pass settles the next 12 bits of
+// every order statistic wanted, so six settle all. Once at most 16384 values share the settled bits of
+// those wanted, a pass keeps these and is the last; most often it is the third. 32 KiB for each distinct
 // prefix, at most two a quantile.
 //
 //   while (!selection.done()) { for (x : values) selection.add(x); selection.end_pass(); }
@@ -37,16 +38,18 @@ class QuantileSelection {
 
  private:
   struct Prefix {
-    std::uint64_t bits = 0;  // of the values it counts, from shift_ + 11 up
-    std::vector<std::int64_t> histogram;
+    std::uint64_t bits = 0;               // of the values it counts, from shift_ + 11 up
+    std::vector<std::int64_t> histogram;  // of their next digit; none before the first value
+    std::vector<double> values;           // themselves, in the last pass
   };
   struct Rank {
     std::int64_t within = 0;  // among the values that share the prefix
     std::uint64_t bits = 0;   // settled so far
   };
   void start_ranks();
-  void settle_digit(Rank& rank) const;
-  void open_prefixes();
+  std::int64_t settle_digit(Rank& rank) const;
+  void settle_digits();
+  void settle_all();
   Prefix* find_prefix(std::uint64_t bits);
 
   std::vector<double> wanted_;
@@ -55,6 +58,7 @@ class QuantileSelection {
   std::int64_t count_ = -1;  // not known before the first pass has ended
   std::int64_t shown_ = 0;   // in this pass
   int shift_ = 0;            // of the digit this pass settles; negative when done
+  bool keeps_values_ = false;
 };
 
 // The same for values in memory.

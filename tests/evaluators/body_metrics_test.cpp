@@ -38,6 +38,36 @@ TEST(BodyMetrics, PaMpjpeForgivesRotationTranslationAndScaleAndNothingElse) {
   EXPECT_GT(pa_mpjpe_m(estimate, truth), 0.01);
 }
 
+// Umeyama's by singular values; from bodies of full rank to flat and mirrored ones.
+TEST(BodyMetrics, PaMpjpeIsThatOfUmeyama) {
+  const RandomStream random{41, Purpose::test, 0};
+  std::uint32_t draw = 0;
+  const auto somewhere = [&](const Vector3d& size) {
+    Vector3d point;
+    for (int axis = 0; axis < 3; ++axis) point[axis] = random.uniform(draw++, -size[axis], size[axis]);
+    return point;
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    const double depth = trial % 4 == 0 ? 0.0 : std::pow(10.0, -(trial % 10));
+    const double noise = trial % 3 == 0 ? 0.5 : 0.02, mirror = trial % 5 == 0 ? -1.0 : 1.0;
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.01 * trial, somewhere(Vector3d::Ones()).normalized()).toRotationMatrix();
+    Eigen::Matrix3Xd truth(3, 9), estimate(3, 9);
+    std::vector<Vector3d> truths, estimates;
+    for (int j = 0; j < 9; ++j) {
+      truth.col(j) = somewhere({0.4, 0.9, depth});
+      const Vector3d hand(mirror * truth(0, j), truth(1, j), truth(2, j));
+      estimate.col(j) = turn * (hand + somewhere({noise, noise, noise * depth})) + Vector3d(1, 2, 3);
+      truths.push_back(truth.col(j));
+      estimates.push_back(estimate.col(j));
+    }
+    const Eigen::Matrix4d best = Eigen::umeyama(estimate, truth);
+    const Eigen::Matrix3Xd laid =
+        (best.topLeftCorner<3, 3>() * estimate).colwise() + best.topRightCorner<3, 1>();
+    EXPECT_NEAR(pa_mpjpe_m(estimates, truths), (laid - truth).colwise().norm().mean(), 1e-9) << trial;
+  }
+}
+
 TEST(BodyMetrics, PaMpjpeOfASmallerTriangleIsNothing) {
   const double h = std::sqrt(3.0) / 2.0;
   const std::vector<Vector3d> truth{{0, 0, 0}, {1, 0, 0}, {0.5, h, 0}};

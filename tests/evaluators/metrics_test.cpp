@@ -85,6 +85,25 @@ TEST(Quantiles, MergedPassesAreThoseOfTheWhole) {
   EXPECT_EQ(whole.count(), 1000);
 }
 
+// Many values of a few leading bits: no pass can keep them before their digits have told them apart.
+TEST(Quantiles, ManyValuesCloseTogetherNeedMorePassesThanFewDo) {
+  const RandomStream random{33, Purpose::test, 0};
+  const auto passes = [&](std::uint32_t count) {
+    std::vector<double> values;
+    for (std::uint32_t i = 0; i < count; ++i) values.push_back(1.0 + random.uniform(i, 0.0, 1e-4));
+    QuantileSelection selection(kErrorQuantiles);
+    int n = 0;
+    for (; !selection.done(); ++n) {
+      for (const double value : values) selection.add(value);
+      selection.end_pass();
+    }
+    expect_as_sorted(values);
+    return n;
+  };
+  EXPECT_EQ(passes(1000), 2);
+  EXPECT_EQ(passes(60'000), 4);
+}
+
 TEST(Quantiles, RefuseWhatBreaksThePromise) {
   EXPECT_THROW(QuantileSelection({1.5}), InternalError);
   QuantileSelection selection({0.5});
