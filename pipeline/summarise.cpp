@@ -109,7 +109,7 @@ class DistanceSource {
   }
 
  private:
-  static constexpr std::size_t kCellBytes = 200'000;  // of one selection's histograms
+  static constexpr std::size_t kCellBytes = 200'000;  // of one selection
 
   std::size_t cells_a_batch() const {
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());

@@ -11,11 +11,11 @@
 namespace trilat {
 namespace {
 
-constexpr int kDigitBits = 12;
-constexpr int kFirstShift = 51;  // digits at 51, below the sign, which is 0, then at 39, 27, 15, 3 and 0
-constexpr std::int64_t kMostKept = 16384;
+constexpr int kDigitBits = 10;   // so that the histograms of many cells stay in the processor's caches
+constexpr int kFirstShift = 51;  // digits at 51, of 12 bits, then at 41, 31, 21, 11, 1 and 0
+constexpr std::int64_t kMostKept = 32768;
 
-int bits_at(int shift) { return shift == 0 ? kFirstShift % kDigitBits : kDigitBits; }
+int bits_at(int shift) { return shift == kFirstShift ? 12 : shift == 0 ? 1 : kDigitBits; }
 
 std::size_t digit_count(int shift) { return std::size_t{1} << bits_at(shift); }
 

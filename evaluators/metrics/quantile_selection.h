@@ -8,10 +8,10 @@
 namespace trilat {
 
 // Exact quantiles of any number of values in bounded memory: the same values are shown once per
-// pass, in any order. Doubles >= 0 sort like their IEEE 754 bits: each pass settles the next 12 bits of
-// every order statistic wanted, so six settle all. Once at most 16384 values share the settled bits of
-// those wanted, a pass keeps these and is the last; most often it is the third. 32 KiB for each distinct
-// prefix, at most two a quantile.
+// pass, in any order. Doubles >= 0 sort like their IEEE 754 bits: the first pass settles the 12 leading
+// bits of every order statistic wanted, each further one 10 more. Once at most 32768 values share the
+// settled bits of those wanted, a pass keeps these and is the last; most often it is the third. 8 KiB for
+// each distinct prefix, at most two a quantile, or 256 KiB of values.
 //
 //   while (!selection.done()) { for (x : values) selection.add(x); selection.end_pass(); }
 //

@@ -2,59 +2,21 @@
 // What it costs to compute a threshold sweep in shards: processor time of all processes against that of one
 // run, and what follows for shards of ten seconds.
 // Usage: sweep_shards_benchmark TRILAT [TRIALS [SHARDS]]
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "datasets/base/files.h"
+#include "tests/benchmarks/program_cost.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-struct Cost {
-  double cpu_s = 0.0, wall_s = 0.0;
-  long peak_kb = 0;
-  void add(const Cost& other) {
-    cpu_s += other.cpu_s;
-    wall_s += other.wall_s;
-  }
-};
-
-double seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-// Runs the program to its end, which must be a good one.
-Cost cost_of(std::vector<std::string> arguments, const fs::path& output) {
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const auto start = Clock::now();
-  const pid_t child = fork();
-  if (child == 0) {
-    if (std::freopen(output.c_str(), "w", stdout) == nullptr) _exit(126);
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  rusage usage{};
-  if (wait4(child, &status, 0, &usage) != child || status != 0) {
-    fmt::print(stderr, "{} {} failed\n", arguments[0], arguments[1]);
-    std::exit(1);
-  }
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime),
-          std::chrono::duration<double>(Clock::now() - start).count(), usage.ru_maxrss};
-}
 
 std::string study_of(const std::string& trials) {
   return R"({"format": "trilat.study", "version": 1, "kind": "threshold_sweep", "name": "benchmark",
@@ -73,14 +35,14 @@ int run(const std::string& program, const std::string& trials, int shards) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return cost_of(arguments, folder / "stdout.txt");
   };
-  const Cost one = run_into("one", {});
-  Cost parts;
+  const ProgramCost one = run_into("one", {});
+  ProgramCost parts;
   std::vector<std::string> merge{program, "merge", "-o", folder / "merged", "--json"};
   for (int k = 1; k <= shards; ++k) {
     merge.push_back(folder / fmt::format("part{}", k));
     parts.add(run_into(fmt::format("part{}", k), {"--shard", fmt::format("{}/{}", k, shards)}));
   }
-  const Cost merged = cost_of(merge, folder / "stdout.txt");
+  const ProgramCost merged = cost_of(merge, folder / "stdout.txt");
   const double each_s = (parts.cpu_s - one.cpu_s) / shards;
   fmt::print("one run: {:.2f} s processor, {:.2f} s wall\n", one.cpu_s, one.wall_s);
   fmt::print("{} shards: {:.2f} s processor, {:.2f} s wall: {:.3f} s more each\n", shards, parts.cpu_s,
