@@ -55,7 +55,7 @@ class EveryKind : public testing::TestWithParam<const char*> {};
 TEST_P(EveryKind, MergesToTheBytesOfOneRun) {
   Study study(GetParam());
   ASSERT_EQ(study.run("whole").code, 0);
-  for (const std::uint64_t shards : {1u, 2u, 7u}) {
+  for (const std::uint64_t shards : {1u, 2u, 7u, 64u}) {
     for (std::uint64_t k = 1; k <= shards; ++k) {
       const Ended part = study.run(fmt::format("part{}", k), {"--shard", fmt::format("{}/{}", k, shards)});
       ASSERT_EQ(part.code, 0) << part.err;
@@ -135,13 +135,19 @@ TEST(SimulateParts, MergeToTheCampaignThatOneSimulationMakes) {
     return run_trilat(folder, more).code;
   };
   ASSERT_EQ(simulate("whole"), 0);
-  ASSERT_EQ(simulate("part1", {"--shard", "1/2"}), 0);
-  ASSERT_EQ(simulate("part2", {"--shard", "2/2"}), 0);
-  const std::vector<std::string> merge{"merge", (folder / "part1").string(), (folder / "part2").string(),
-                                       "-o", (folder / "merged").string()};
-  const Ended merged = run_trilat(folder, merge);
-  ASSERT_EQ(merged.code, 0) << merged.err;
-  expect_same_results(folder / "whole", folder / "merged");
+  std::vector<std::string> merge;
+  for (const int shards : {1, 2, 7, 64}) {
+    const std::string output = (folder / fmt::format("merged{}", shards)).string();
+    merge = {"merge", "-o", output};
+    for (int k = 1; k <= shards; ++k) {
+      const std::string part = fmt::format("part{}of{}", k, shards);
+      ASSERT_EQ(simulate(part, {"--shard", fmt::format("{}/{}", k, shards)}), 0);
+      merge.push_back((folder / part).string());
+    }
+    const Ended merged = run_trilat(folder, merge);
+    ASSERT_EQ(merged.code, 0) << merged.err;
+    expect_same_results(folder / "whole", output);
+  }
   EXPECT_THAT(run_trilat(folder, merge).err, HasSubstr("recordings are never replaced"));
 }
 
