@@ -45,8 +45,10 @@ AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
                           const std::vector<AlignmentKind>& kinds, double training_share,
                           std::size_t reference) {
-  const auto training_end = static_cast<std::uint64_t>(
-      std::llround(training_share * static_cast<double>(samples.header().takes[take].instants)));
+  const bool any_is_trained = std::any_of(kinds.begin(), kinds.end(), is_trained);
+  const auto instants = static_cast<double>(samples.header().takes[take].instants);
+  const auto training_end =
+      any_is_trained ? static_cast<std::uint64_t>(std::llround(training_share * instants)) : 0;
   SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
   stream_take(
       samples, take, axes, SampleColumns::positions,

@@ -197,6 +197,14 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
   return plan;
 }
 
+std::vector<std::string> activities_of(const Plan& plan) {
+  std::vector<std::string> activities;
+  for (const PlannedTake& planned : plan.takes)
+    if (std::find(activities.begin(), activities.end(), planned.take.activity) == activities.end())
+      activities.push_back(planned.take.activity);
+  return activities;
+}
+
 std::string table_group(Joint joint) {
   const auto group = group_of(joint);
   return std::string(group ? *group : name_of(joint));

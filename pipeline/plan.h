@@ -61,6 +61,9 @@ Campaign takes_of(const StudySpec& study, Campaign campaign);
 Plan make_plan(const StudySpec& study, const Campaign& campaign,
                const std::function<void(double)>& progress = {});
 
+// Each once, in the order of the takes.
+std::vector<std::string> activities_of(const Plan& plan);
+
 // The row a joint belongs to in the tables: its group, or its own name.
 std::string table_group(Joint joint);
 

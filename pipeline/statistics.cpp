@@ -196,11 +196,7 @@ void add_statistics(const Plan& plan, const RunOutcome& outcome, const SamplesFi
     if (outcome.evaluated[t]) statistics[t] = gather_take(samples, t, layout, alignments[t]);
   });
   const CellIndex index(summary);
-  std::vector<std::string> activities;
-  for (const PlannedTake& take : plan.takes)
-    if (std::find(activities.begin(), activities.end(), take.take.activity) == activities.end())
-      activities.push_back(take.take.activity);
-  for (const std::string& activity : activities)
+  for (const std::string& activity : activities_of(plan))
     add_activity(takes_of(plan, outcome, activity, statistics), layout, plan, activity, index, summary);
 }
 

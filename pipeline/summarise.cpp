@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <set>
+#include <span>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/aligned_errors.h"
 #include "pipeline/parallel.h"
+#include "pipeline/spilled_values.h"
 #include "pipeline/statistics.h"
 
 namespace trilat {
@@ -44,16 +44,12 @@ struct TakeSums {
   }
 };
 
-// The distances of one take's answered samples, by cell.
-using TakeDistances = std::vector<std::vector<double>>;
-
-// Adds one take to sums, writes the error column of the first alignment, and keeps the distances when asked
-// to.
+// Adds one take to sums, writes the error column of the first alignment, and gives away the distances of
+// answered samples: to the groups of its condition, which begin at `first_group` with a cell each.
 TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, const TakeAlignments& alignments,
-                  TakeDistances* distances_m) {
+                  SpilledValues::Writer distances_m, std::size_t first_group) {
   TakeSums sums(axes.cells());
   std::vector<float> errors;
-  if (distances_m) distances_m->resize(axes.cells());
   const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                          const SampleView& view) {
     errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
@@ -63,7 +59,7 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
       for (std::size_t set = 0; set < view.sets(i, j); ++set) {
         const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
         sums.add(cell, e, view.block, slot);
-        if (distances_m && is_usable(e.status)) (*distances_m)[cell].push_back(e.error_m.norm());
+        if (is_usable(e.status)) distances_m.add(first_group + cell, e.error_m.norm());
       }
       for (int axis = 0; a == 0 && axis < 3; ++axis)
         errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
@@ -74,88 +70,23 @@ TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, cons
     samples.write_errors(take, block.first_instant, errors);
     errors.clear();
   });
+  distances_m.finish();
   return sums;
 }
 
-// Where the quantiles get their distances: from memory while they fit, else from the samples again, once per
-// pass.
-class DistanceSource {
- public:
-  DistanceSource(const SamplesFile& samples, const Axes& axes, const std::vector<TakeAlignments>& alignments,
-                 std::uint64_t budget_bytes)
-      : samples_(samples), axes_(axes), alignments_(alignments), budget_bytes_(budget_bytes) {
-    std::uint64_t instants = 0;
-    for (const TakeShape& take : samples.header().takes) instants += take.instants;
-    const std::uint64_t bytes =
-        instants * axes.joints * axes.methods * axes.alignments * axes.sets * sizeof(double);
-    if (bytes <= budget_bytes) kept_.resize(samples.header().takes.size());
-  }
-  TakeDistances* keep(std::size_t take) { return kept_.empty() ? nullptr : &kept_[take]; }
-
-  std::vector<QuantileSelection> quantiles(const std::vector<std::size_t>& takes) const {
-    std::vector<QuantileSelection> all;
-    const std::size_t step = kept_.empty() ? cells_a_batch() : axes_.cells();
-    for (std::size_t first = 0; first < axes_.cells(); first += step) {
-      std::vector<QuantileSelection> batch(std::min(step, axes_.cells() - first),
-                                           QuantileSelection(kErrorQuantiles));
-      if (kept_.empty())
-        while (std::any_of(batch.begin(), batch.end(), [](const auto& s) { return !s.done(); }))
-          stream_pass(takes, first, batch);
-      else
-        select_from_memory(takes, batch);
-      std::move(batch.begin(), batch.end(), std::back_inserter(all));
+std::vector<QuantileSelection> quantiles_of(const SpilledValues& distances_m, std::size_t first_group,
+                                            std::size_t cells) {
+  std::vector<QuantileSelection> selections(cells, QuantileSelection(kErrorQuantiles));
+  parallel_for_index(cells, 1, [&](std::size_t cell) {
+    while (!selections[cell].done()) {
+      distances_m.visit(first_group + cell, [&](std::span<const double> values_m) {
+        for (double distance_m : values_m) selections[cell].add(distance_m);
+      });
+      selections[cell].end_pass();
     }
-    return all;
-  }
-
- private:
-  static constexpr std::size_t kCellBytes = 200'000;  // of one selection
-
-  std::size_t cells_a_batch() const {
-    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    return std::max<std::size_t>(1, budget_bytes_ / (kCellBytes * (threads + 1)));
-  }
-
-  void select_from_memory(const std::vector<std::size_t>& takes,
-                          std::vector<QuantileSelection>& selections) const {
-    parallel_for_index(selections.size(), 1, [&](std::size_t cell) {
-      while (!selections[cell].done()) {
-        for (std::size_t t : takes)
-          for (double distance_m : kept_[t][cell]) selections[cell].add(distance_m);
-        selections[cell].end_pass();
-      }
-    });
-  }
-
-  void stream_pass(const std::vector<std::size_t>& takes, std::size_t first,
-                   std::vector<QuantileSelection>& selections) const {
-    tbb::enumerable_thread_specific<std::vector<QuantileSelection>> local(selections);
-    parallel_for_index(takes.size(), 1, [&](std::size_t t) {
-      std::vector<QuantileSelection>& mine = local.local();
-      const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                             const SampleView& view) {
-        for (std::size_t k = 0; k < view.sets(i, j) * axes_.alignments; ++k) {
-          const std::size_t set = k / axes_.alignments, a = k % axes_.alignments;
-          const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
-          if (cell < first || cell >= first + mine.size()) continue;
-          const AlignedError e = error_of(view, i, j, m, slot, alignments_[takes[t]][a].own);
-          if (is_usable(e.status)) mine[cell - first].add(e.error_m.norm());
-        }
-      };
-      stream_take(samples_, takes[t], axes_, SampleColumns::positions, visit, [](const SampleBlock&) {});
-    });
-    for (const auto& mine : local)
-      for (std::size_t c = 0; c < selections.size(); ++c) selections[c].merge_pass(mine[c]);
-    for (QuantileSelection& selection : selections)
-      if (!selection.done()) selection.end_pass();  // one without any answer is done after the first
-  }
-
-  const SamplesFile& samples_;
-  const Axes& axes_;
-  const std::vector<TakeAlignments>& alignments_;
-  std::uint64_t budget_bytes_;
-  std::vector<TakeDistances> kept_;
-};
+  });
+  return selections;
+}
 
 SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelection& quantiles) {
   const ErrorStatistics s = ErrorStatistics::of(sums.errors[cell], quantiles);
@@ -183,12 +114,11 @@ SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelect
   return result;
 }
 
-void add_condition(const DistanceSource& distances, const std::vector<std::size_t>& takes, const Axes& axes,
-                   const std::vector<TakeSums>& by_take, const std::string& activity,
+void add_condition(const std::vector<QuantileSelection>& quantiles, const std::vector<std::size_t>& takes,
+                   const Axes& axes, const std::vector<TakeSums>& by_take, const std::string& activity,
                    ResultsSummary& summary) {
   TakeSums sums(axes.cells());
   for (std::size_t t : takes) sums.merge(by_take[t]);
-  const auto quantiles = distances.quantiles(takes);
   for (std::size_t c = 0; c < axes.cells(); ++c) {
     SummaryCell cell = cell_of(sums, c, quantiles[c]);
     if (cell.asked == 0) continue;
@@ -226,13 +156,10 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   summary.takes_failed =
       static_cast<std::uint64_t>(std::count(outcome.evaluated.begin(), outcome.evaluated.end(), false));
   std::set<std::string> participants;
-  for (const PlannedTake& take : plan.takes) {
-    participants.insert(take.take.participant);
-    if (std::find(summary.conditions.begin(), summary.conditions.end(), take.take.activity) !=
-        summary.conditions.end())
-      continue;
-    summary.conditions.push_back(take.take.activity);
-    if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(take.take.activity));
+  for (const PlannedTake& take : plan.takes) participants.insert(take.take.participant);
+  for (const std::string& activity : activities_of(plan)) {
+    summary.conditions.push_back(activity);
+    if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
   }
   summary.participants = participants.size();
   for (const Method& method : plan.methods) summary.methods.push_back(method.spec.name);
@@ -249,22 +176,28 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
                          std::uint64_t budget_bytes, const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
   const Axes axes = axes_of(plan, summary.groups);
+  const std::vector<std::string> activities = activities_of(plan);
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,
+                            threads);
   std::vector<TakeAlignments> alignments(plan.takes.size());
-  DistanceSource distances(samples, axes, alignments, budget_bytes);
   std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
+    const auto activity = std::find(activities.begin(), activities.end(), plan.takes[t].take.activity);
+    const auto first_group = static_cast<std::size_t>(activity - activities.begin()) * axes.cells();
     alignments[t] =
         align_take(samples, t, axes, plan.study.alignments, plan.study.training_share, plan.reference);
-    sums[t] = sum_take(samples, t, axes, alignments[t], distances.keep(t));
+    sums[t] = sum_take(samples, t, axes, alignments[t], SpilledValues::Writer(distances_m), first_group);
   });
-  if (progress) progress(0.3);
-  for (const std::string& condition : summary.conditions) {
+  if (progress) progress(0.5);
+  for (std::size_t a = 0; a < activities.size(); ++a) {
     std::vector<std::size_t> takes;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
-      if (plan.takes[t].take.activity == condition) takes.push_back(t);
-    if (!takes.empty()) add_condition(distances, takes, axes, sums, condition, summary);
+      if (plan.takes[t].take.activity == activities[a]) takes.push_back(t);
+    add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), takes, axes, sums, activities[a],
+                  summary);
   }
-  if (progress) progress(0.5);
+  if (progress) progress(0.6);
   add_statistics(plan, outcome, samples, axes, alignments, summary);
   if (progress) progress(1.0);
   return summary;

@@ -115,6 +115,7 @@ SamplesFile SamplesFile::create(const std::filesystem::path& path, const Samples
 SamplesFile SamplesFile::open(const std::filesystem::path& path) {
   SamplesFile samples;
   State& s = *samples.state_;
+  s.path = path;
   s.file = H5File::open(path);
   if (!s.file.has_attribute("format") || s.file.text("format") != kFormat)
     throw InputError(path.string(), "is not a samples file of this program");
@@ -145,6 +146,7 @@ void SamplesFile::finish() {
   sync_file(state_->path);
 }
 
+const std::filesystem::path& SamplesFile::path() const { return state_->path; }
 const SamplesHeader& SamplesFile::header() const { return state_->header; }
 
 void SamplesFile::write(std::size_t take, const SampleBlock& b) {

@@ -62,6 +62,7 @@ class SamplesFile {
   SamplesFile(SamplesFile&&) noexcept;
   ~SamplesFile();
 
+  const std::filesystem::path& path() const;
   const SamplesHeader& header() const;
   void write(std::size_t take, const SampleBlock& block);
   // Closes a file that was created, with all of it on the disk; OutputError when that cannot be.

@@ -39,15 +39,16 @@ Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& m) {
 // decomposition, which Newton's iteration finds in a tenth of the time (Higham 1986).
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
   constexpr int kMost = 30;
-  constexpr double kFullRank = 1e-7, kSettled = 1e-12;
+  constexpr double kFullRank = 1e-7, kNear = 0.1, kSettled = 1e-12;
   const double size = m.norm();
   if (!(m.determinant() > kFullRank * size * size * size)) return rotation_by_svd(m);
   Eigen::Matrix3d x = m / size;
+  double step = 1.0;
   for (int i = 0; i < kMost; ++i) {
     const Eigen::Matrix3d inverse = x.inverse();
-    const double scale = std::sqrt(inverse.norm() / x.norm());
+    const double scale = step < kNear ? 1.0 : std::sqrt(inverse.norm() / x.norm());
     const Eigen::Matrix3d next = 0.5 * (scale * x + inverse.transpose() / scale);
-    const double step = (next - x).norm();
+    step = (next - x).norm();
     x = next;
     if (step < kSettled) return x;
   }

@@ -13,6 +13,7 @@
 #include "recorders/network/tls_keys.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/sound_files.h"
+#include "tests/fuzz/sound_parts.h"
 #include "tests/fuzz/sound_results.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
@@ -63,6 +64,13 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
   for (std::size_t i = 0; i < files.size(); ++i)
     write_chosen(seed("results", files[i].folder.filename().string() + "_" + files[i].name), i,
                  files[i].text);
+  for (std::size_t i = 0; i < kSoundPartFiles.size(); ++i) {
+    const SoundPartFile& file = kSoundPartFiles[i];
+    const fs::path path = sound / "parts" / file.folder / file.name;
+    const std::string text =
+        fs::exists(path) ? json_in(file, read_file(path)) : R"({"id": "a", "key": "b", "outcome": {}})";
+    write_chosen(seed("parts", file.folder + "_" + file.name), i, text);
+  }
   write_chosen(seed("samples", "samples"), 0, read_file(sound / "accuracy" / "samples.h5"));
   write_chosen(seed("samples", "replay"), 1, read_file(sound / "accuracy" / "replay.h5"));
   const FuzzFolder scratch("seeds");

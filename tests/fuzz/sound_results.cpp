@@ -6,8 +6,10 @@
 #include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/speed_file.h"
+#include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/execute.h"
 #include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/study_part.h"
 #include "pipeline/sweep/execute_sweep.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
@@ -18,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr Shard kOnePart{1, 1};
+
 void write_accuracy(const fs::path& scratch) {
   const Campaign campaign = simulate_into(scratch / "campaign", walking_spec(2, 0.5));
   const StudySpec study = study_of(
@@ -25,6 +29,7 @@ void write_accuracy(const fs::path& scratch) {
                      {"name": "mean", "method": "mean"}],
          "alignments": ["mean", "none"], "resamples": 200, "rate_hz": 10)");
   execute_study(study, campaign, scratch / "accuracy", {.threads = 1});
+  run_study_part(study, campaign, kOnePart, scratch / "parts/accuracy", {.threads = 1});
 }
 
 void write_sweep(const fs::path& scratch) {
@@ -32,14 +37,25 @@ void write_sweep(const fs::path& scratch) {
       sweep_plan_of(kOneRig + R"(, "trials": 20, "digits_trials": 10, "max_iterations": 50, "search": true,
                                  "time_problems": 16, "time_repeats": 1)");
   execute_sweep(plan, scratch / "sweep", {.threads = 1});
+  execute_sweep(plan, scratch / "parts/sweep", {.threads = 1, .work = {kOnePart, {}}});
 }
 
 void write_recording(const fs::path& scratch) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 100,
           "sensors": 3, "runs": 1, "capture_s": 0, "methods": [{"name": "linear", "method": "linear"}]})";
-  execute_recording(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"),
-                    scratch / "recording", {.threads = 1});
+  const RecordingSpec spec = parse_recording_spec(parse_json(text, "recording.json"), "recording.json");
+  execute_recording(spec, scratch / "recording", {.threads = 1});
+  execute_recording(spec, scratch / "parts/recording", {.threads = 1, .work = {kOnePart, {}}});
+}
+
+void write_calibration_part(const fs::path& folder) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "tiny", "units": 1,
+          "samples": 1, "near_samples": 1, "frames": 1, "distortion_units": 1, "distortion_frames": 1,
+          "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1, "effect_joints": 10})";
+  execute_calibration(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json"),
+                      folder, {.threads = 1, .work = {kOnePart, {}}});
 }
 
 void write_budget(const fs::path& folder) {
@@ -82,6 +98,7 @@ void write_sound_results(const fs::path& scratch) {
   write_calibration_summary(scratch / "calibration", hand_made_calibration());
   write_budget(scratch / "budget");
   write_gate_files(scratch / "gate");
+  write_calibration_part(scratch / "parts/calibration");
 }
 
 }  // namespace trilat

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// A file of a part of a study among sound ones, or of a journal: the first byte chooses which, JSON follows.
+// The part is merged.
+#include <cstdlib>
+#include <fstream>
+
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "datasets/results/item_journal.h"
+#include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/study_part.h"
+#include "pipeline/sweep/merge_sweep.h"
+#include "tests/fuzz/fuzz_folder.h"
+#include "tests/fuzz/sound_parts.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path copied_to(const fs::path& scratch) {
+  const char* sound = std::getenv("TRILAT_SOUND_RESULTS");
+  if (!sound) std::abort();
+  fs::copy(fs::path(sound) / "parts", scratch / "parts", fs::copy_options::recursive);
+  return scratch / "parts";
+}
+
+void put(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+// The file with its document, or the document of its first line, replaced.
+std::string replaced(const SoundPartFile& file, const std::string& sound, const std::string& json) {
+  if (!file.is_line) return json;
+  const std::size_t end = sound.find('\n');
+  return hash_of_text(json) + ' ' + json + (end == std::string::npos ? "\n" : sound.substr(end));
+}
+
+void merge(const fs::path& part, const fs::path& output) {
+  const std::vector<FoundPart> parts = read_parts(std::vector{part});
+  const std::string& kind = parts[0].part.kind;
+  if (kind == "accuracy") merge_study(parts, output / kind, {.threads = 1});
+  if (kind == "threshold_sweep") merge_sweep(parts, output / kind, {});
+  if (kind == "recording") merge_recording(parts, output / kind, {.threads = 1});
+  if (kind == "calibration") merge_calibration(parts, output / kind, {.threads = 1});
+}
+
+template <class Work>
+void tolerate_bad_input(const Work& work) {
+  try {
+    work();
+  } catch (const InputError&) {
+  }
+}
+
+}  // namespace
+}  // namespace trilat
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace trilat;
+  static const FuzzFolder scratch("parts");
+  static const std::filesystem::path parts = copied_to(scratch.path());
+  if (size == 0) return 0;
+  const SoundPartFile& file = kSoundPartFiles[data[0] % kSoundPartFiles.size()];
+  const std::filesystem::path path = parts / file.folder / file.name;
+  const bool journal = file.name == "items.jsonl";
+  const std::string sound = journal ? "" : read_file(path);
+  put(path, replaced(file, sound, {reinterpret_cast<const char*>(data) + 1, size - 1}));
+  if (journal)
+    tolerate_bad_input([&] { ItemJournal(parts / file.folder).find("p01-walking", ""); });
+  else
+    tolerate_bad_input([&] { merge(parts / file.folder, scratch.path() / "merged"); });
+  put(path, sound);
+  return 0;
+}
