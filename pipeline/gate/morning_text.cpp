@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -122,6 +123,32 @@ std::string studies_text(const GateReport& report) {
   return text;
 }
 
+// Which methods the alarms are about, those with the most first; empty when a look at the headings tells.
+std::string methods_text(const GateReport& report) {
+  constexpr std::size_t kFewHeadings = 3, kMost = 5;
+  if (together(report.findings, true).size() <= kFewHeadings) return "";
+  struct Hit {
+    std::string method;
+    std::size_t places = 0;
+    std::set<std::string> studies = {};
+  };
+  std::vector<Hit> hits;
+  for (const GateFinding& f : report.findings) {
+    if (!f.alarm || f.method.empty()) continue;
+    auto hit = std::find_if(hits.begin(), hits.end(), [&](const Hit& h) { return h.method == f.method; });
+    if (hit == hits.end()) hit = hits.insert(hits.end(), Hit{f.method});
+    ++hit->places;
+    hit->studies.insert(f.study);
+  }
+  std::stable_sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.places > b.places; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(hits.size(), kMost); ++i)
+    text += fmt::format("{}{} ({} places in {} studies)", text.empty() ? "by method: " : ", ", hits[i].method,
+                        hits[i].places, hits[i].studies.size());
+  if (hits.size() > kMost) text += fmt::format(" and {} more", hits.size() - kMost);
+  return text.empty() ? text : text + "\n";
+}
+
 }  // namespace
 
 std::string morning_text(const GateReport& report) {
@@ -130,7 +157,7 @@ std::string morning_text(const GateReport& report) {
   text += quiet ? ": nothing is worse than the baseline" : " thing(s) are worse than the baseline";
   text += fmt::format(" ({}", report.baseline);
   if (!report.baseline_time.empty()) text += ", of " + report.baseline_time;
-  text += ")\n";
+  text += ")\n" + methods_text(report);
   add_list(report, true, text);
   const auto better = together(report.findings, false);
   if (!better.empty()) {

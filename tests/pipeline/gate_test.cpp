@@ -279,6 +279,26 @@ TEST(Gate, ATornLastLineOfTheHistoryIsToldAndReplaced) {
   expect_refused(nights.gate({"--history", history.string()}), "history.jsonl:1");
 }
 
+TEST(Gate, ManyAlarmsAreSummedUpByMethod) {
+  GateReport report;
+  const auto alarm = [&](const char* study, const char* method, const char* group) {
+    GateFinding finding;
+    finding.kind = FindingKind::accuracy;
+    finding.direction = Direction::worse;
+    finding.alarm = true;
+    finding.study = study;
+    finding.method = method;
+    finding.group = group;
+    report.findings.push_back(finding);
+  };
+  for (const char* study : {"a", "b", "c"}) alarm(study, "nonlinear", "head");
+  EXPECT_THAT(morning_text(report), Not(HasSubstr("by method")));  // three headings tell
+  alarm("a", "nonlinear", "wrist");
+  alarm("c", "mean", "head");
+  EXPECT_THAT(morning_text(report),
+              HasSubstr("\nby method: nonlinear (4 places in 3 studies), mean (1 places in 1 studies)\n"));
+}
+
 TEST(Gate, WritesJunitThatAnXmlReaderTakes) {
   Nights nights;
   nights.write(larger_errors(1.1));
