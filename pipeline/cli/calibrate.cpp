@@ -93,7 +93,7 @@ int calibrate_shard(const CalibrateArguments& arguments, const Shard& shard) {
     tally = search_wand_part(arguments.sessions, wand_method(arguments), wand_options(arguments, progress),
                              shard, arguments.output);
   });
-  tell_reuse("runs of frames", tally);
+  tell_reuse("items", tally);
   print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
 }
