@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration/calibrate_two_positions.h"
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
-#include "pipeline/calibration/floor_plane.h"
 
 namespace trilat {
 namespace {
@@ -20,12 +18,10 @@ const RestingBall& ball_at(const WandViews& views, std::size_t position, std::si
 
 }  // namespace
 
-Calibration calibrate_two_positions(const WandViews& views, const std::filesystem::path& path,
+Calibration calibrate_two_positions(const WandViews& views, const std::string& place,
                                     const TwoPositionOptions& options, std::optional<double> movement_m,
-                                    bool upright) {
-  const std::string place = path.string();
+                                    std::span<const std::optional<FloorPlane>> floors) {
   if (views.positions.size() < 2) throw InputError(place, "shows the wand at rest at fewer than two places");
-  const SessionReader session(path);
   const std::size_t sensors = views.evidence.size();
   if (!movement_m) {
     movement_m = 0.0;
@@ -43,8 +39,7 @@ Calibration calibrate_two_positions(const WandViews& views, const std::filesyste
   calibration.positions = 2;
   for (std::size_t s = 0; s < sensors; ++s) {
     TwoPositionOptions own = options;
-    if (const auto floor = floor_seen_by(session, s); floor && !upright)
-      own.up_in_sensor = floor->up_in_sensor;
+    if (floors[s]) own.up_in_sensor = floors[s]->up_in_sensor;
     const TwoPositionPose pose =
         solve_two_positions(ball_at(views, 0, s, place).centre_in_sensor_m,
                             ball_at(views, 1, s, place).centre_in_sensor_m, *movement_m, own);
@@ -57,7 +52,6 @@ Calibration calibrate_two_positions(const WandViews& views, const std::filesyste
     result.used = 2;
     calibration.sensors.push_back(result);
   }
-  calibration.sources = {{path.filename().string(), hash_of_file(path)}};
   return calibration;
 }
 

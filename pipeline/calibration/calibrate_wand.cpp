@@ -1,233 +1,51 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration/calibrate_wand.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "datasets/base/content_hash.h"
-#include "datasets/base/error.h"
-#include "datasets/base/version.h"
-#include "evaluators/calibration/rig_start.h"
-#include "pipeline/calibration/wand_in_world.h"
+#include "pipeline/calibration/calibrate_two_positions.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewestPositions = 3;
-
-// The ball's surface is what the sensor measures: nearer than the centre by the radius along the ray.
-double surface_depth_m(const Eigen::Vector3d& centre_in_sensor_m, double ball_radius_m) {
-  return centre_in_sensor_m.z() * (1.0 - ball_radius_m / centre_in_sensor_m.norm());
-}
-
-RigProblem problem_of(const std::vector<WandPosition>& positions, std::size_t sensors, double ball_radius_m) {
-  RigProblem problem{sensors, positions.size(), {}};
-  for (std::size_t p = 0; p < positions.size(); ++p)
-    for (const RestingBall& ball : positions[p].seen)
-      problem.observations.push_back({ball.sensor, p, ball.centre_in_sensor_m, ball.covariance_m2,
-                                      surface_depth_m(ball.centre_in_sensor_m, ball_radius_m)});
-  return problem;
-}
-
-std::string counts_text(const std::map<std::string, std::uint64_t>& counts) {
-  std::string text;
-  for (const auto& [name, count] : counts)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
-  return text;
-}
-
-// Why a sensor without a single rest has none.
-std::string why_nothing_seen(const SensorEvidence& search) {
-  const auto count = [&](WandStatus status) {
-    const auto entry = search.statuses.find(name_of(status));
-    return entry == search.statuses.end() ? std::uint64_t{0} : entry->second;
-  };
-  const std::string counts = fmt::format(" ({} frames: {})", search.frames, counts_text(search.statuses));
-  if (count(WandStatus::several_candidates) > search.frames / 4)
-    return "sees more than one ball; remove the second, or cover what reflects it" + counts;
-  if (count(WandStatus::cut_by_edge) > search.frames / 4)
-    return "sees the ball only at the edge of its image" + counts;
-  if (count(WandStatus::out_of_range) > search.frames / 4)
-    return "sees the ball only out of its range; 0.8 to 3 m is good" + counts;
-  if (count(WandStatus::found) > 0)
-    return "never sees the ball at rest for half a second; hold it still at every place" + counts;
-  return "never sees the ball; is the radius right, and does it stand free in front of the sensor?" + counts;
-}
-
-// `saw_alone`: sensors that saw the ball, but only where no other did.
-void check_placement(const RigStart& start, const WandViews& views, const std::vector<bool>& saw_alone,
-                     const std::string& place) {
-  std::string placed;
-  for (std::size_t s = 0; s < start.placement.size(); ++s)
-    if (start.placement[s] == SensorPlacement::placed)
-      placed += (placed.empty() ? "" : ", ") + views.evidence[s].name;
-  const auto no_common_view = [&](const std::string& who) {
-    return InputError(place, who + "has fewer than three wand positions in common with any of " + placed +
-                                 "; hold the wand where both see it");
-  };
-  for (std::size_t s = 0; s < start.placement.size(); ++s) {
-    const std::string who = "sensor \"" + views.evidence[s].name + "\" ";
-    switch (start.placement[s]) {
-      case SensorPlacement::placed:
-        break;
-      case SensorPlacement::nothing_seen:
-        if (saw_alone[s]) throw no_common_view(who);
-        throw InputError(place, who + why_nothing_seen(views.evidence[s]));
-      case SensorPlacement::no_common_view:
-        throw no_common_view(who);
-      case SensorPlacement::points_on_line:
-        throw InputError(place, who + "is undetermined: the wand positions it has in common with " + placed +
-                                    " lie on a line; hold the wand at different heights and to both sides");
-      case SensorPlacement::disagrees:
-        throw InputError(place, who + "sees the ball where no pose brings it together with " + placed +
-                                    "; are the intrinsics this sensor's own, and was the rig left alone?");
-    }
-  }
-}
-
-RigGauge gauge_of(const WandViews& views, const CalibrateWandOptions& options) {
-  RigGauge gauge;
-  if (options.world)
-    gauge.known_points =
-        known_positions(*options.world, std::span(views.positions).first(views.positions_of_first));
-  else
-    gauge.first_points = FirstPoints{{0, 1, 2}, options.movement_m, options.movement_sigma_m};
-  return gauge;
-}
-
-void check_refined(const RigRefinement& refined, const WandViews& views, const std::string& place) {
-  if (refined.status == RigStatus::gauge_undetermined)
-    throw InputError(place,
-                     "does not fix the world: the first three wand positions lie on a line or were not "
-                     "seen well; begin with an origin, a second place along x and a third one above");
-  if (refined.status == RigStatus::sensor_undetermined)
-    for (std::size_t s = 0; s < refined.sensors.size(); ++s)
-      if (refined.sensors[s].used < 3)
-        throw InputError(place,
-                         "sensor \"" + views.evidence[s].name +
-                             "\" is undetermined: fewer than three of its wand positions agree with the "
-                             "other sensors'");
-  bool stated = true;
-  for (const RefinedSensor& sensor : refined.sensors) stated = stated && sensor.covariance.allFinite();
-  if (refined.status == RigStatus::converged && !stated)
-    throw InputError(place, "does not determine all poses: their covariance cannot be found");
-  if (refined.status != RigStatus::converged)
-    throw InputError(place, "cannot be calibrated: the refinement ended with " + name_of(refined.status));
-}
-
-SensorPose pose_from(const RefinedSensor& refined, const std::string& name) {
-  SensorPose pose;
-  pose.name = name;
-  pose.world_from_sensor = refined.world_from_sensor;
-  pose.covariance = refined.covariance;
-  pose.rotation_sigma_rad = std::sqrt(refined.covariance.topLeftCorner<3, 3>().trace() / 3.0);
-  pose.position_sigma_m = std::sqrt(refined.covariance.bottomRightCorner<3, 3>().trace() / 3.0);
-  pose.depth_offset_m = refined.depth_offset_m;
-  pose.depth_offset_sigma_m = refined.depth_offset_sigma_m;
-  pose.residual_rms_m = refined.rms_m;
-  pose.used = refined.used;
-  pose.left_out = refined.rejected;
-  return pose;
-}
-
-// What was left out, with its distance from where the others see the ball.
-std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRefinement& refined,
-                                          const WandViews& views) {
-  std::vector<RejectedSighting> rejected;
-  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (refined.used[i]) continue;
-    const PointObservation& o = problem.observations[i];
-    const Eigen::Vector3d there_m = refined.sensors[o.sensor].world_from_sensor * o.point_in_sensor_m;
-    const Eigen::Vector3d& point_m = refined.point_in_world_m[o.point];
-    rejected.push_back({views.evidence[o.sensor].name, o.point + 1,
-                        (views.positions[o.point].first - views.positions[0].first).seconds(),
-                        point_m.allFinite() ? (there_m - point_m).norm() : 0.0});
-  }
-  return rejected;
-}
-
-void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
-  constexpr double kLeast_m = 0.3;
-  const std::optional<double> seen_m = seen_movement_m(views);
-  if (options.world || !seen_m) return;
-  if (*seen_m < kLeast_m)
-    throw InputError(
-        place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x axis and "
-                           "should be a metre apart, {} m at least",
-                           *seen_m, kLeast_m));
-  if (options.movement_m &&
-      std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
-    throw InputError("--movement-m",
-                     fmt::format("is {:.3f}, but the sensors saw the ball move by {:.3f} m from its "
-                                 "first place to its second",
-                                 *options.movement_m, *seen_m));
-}
-
-// One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
-// wrong without looking so.
-void check_agreement(const RigRefinement& refined, const WandViews& views, const std::string& place) {
-  constexpr double kMost = 1.0 / 3.0;
-  for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
-    const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
-    if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))
-      throw InputError(place,
-                       fmt::format("sensor \"{}\" disagrees with the others at {} of the {} places where it "
-                                   "sees the ball; are the intrinsics its own, and was the rig left alone?",
-                                   views.evidence[s].name, refined.sensors[s].rejected, all));
-  }
-}
-
-}  // namespace
-
-WandCalibration calibrate_views(WandViews views, const std::string& place,
-                                const CalibrateWandOptions& options) {
-  const std::vector<bool> saw_before = sensors_that_saw(views);
-  keep_useful_positions(views);
-  const RigProblem problem =
-      problem_of(views.positions, views.evidence.size(), options.search.find.ball_radius_m);
-  const RigStart start = start_rig(problem, {});
-  check_placement(start, views, saw_before, place);
-  if (views.positions.size() < kFewestPositions)
-    throw InputError(place,
-                     fmt::format("shows the wand at rest at {} places; three are the least, fifty are good",
-                                 views.positions.size()));
-  check_movement(views, options, place);
-  RigRefinementOptions refinement;
-  if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
-  refinement.covariance_floor_m =
-      options.depth_correction ? options.covariance_floor_m : options.uncorrected_depth_sigma_m;
-  const RigRefinement refined =
-      refine_rig(problem, start.reference_from_sensor, start.reference, gauge_of(views, options), refinement);
-  check_refined(refined, views, place);
-  check_agreement(refined, views, place);
+WandCalibration calibrate_by_two(const WandWork& work, WandViews views) {
+  const bool corrected = work.method == WandMethod::two_positions;
+  const TwoPositionOptions options{corrected, corrected, corrected, Eigen::Vector3d::UnitY()};
+  std::vector<std::optional<FloorPlane>> floors;
+  for (const RecordedSensor& sensor : work.recordings.front().sensors) floors.push_back(sensor.floor);
   WandCalibration result;
-  Calibration& calibration = result.calibration;
-  calibration.method = "wand";
-  calibration.world = options.world ? "optitrack" : "wand";
-  calibration.simulated = views.simulated;
-  calibration.program = kProgramVersion;
-  calibration.positions = views.positions.size();
-  calibration.reduced_chi2 = std::isfinite(refined.reduced_chi2) ? refined.reduced_chi2 : 0.0;
-  for (std::size_t s = 0; s < refined.sensors.size(); ++s)
-    calibration.sensors.push_back(pose_from(refined.sensors[s], views.evidence[s].name));
-  calibration.rejected = rejected_of(problem, refined, views);
-  result.position_in_world_m = refined.point_in_world_m;
+  result.calibration =
+      calibrate_two_positions(views, work.recordings.front().place, options, work.options.movement_m, floors);
   result.views = std::move(views);
   return result;
 }
 
-WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& sessions,
-                               const CalibrateWandOptions& options) {
-  WandCalibration result = calibrate_views(view_wand(sessions, options), sessions.front().string(), options);
-  std::vector<std::filesystem::path> files = sessions;
-  if (options.world) files.push_back(options.world->mocap);
-  for (const auto& [name, file] : options.intrinsics) files.push_back(file);
-  for (const auto& file : files)
-    result.calibration.sources.push_back(
-        {file.filename().string(), hash_of_file(file, options.search.stop_requested)});
+}  // namespace
+
+WandCalibration calibrate_searched(const WandWork& work,
+                                   const std::vector<std::vector<SensorSearch>>& searches) {
+  WandViews views;
+  for (std::size_t r = 0; r < work.recordings.size(); ++r)
+    add_recording(views, work.recordings[r], searches.at(r), work.options.positions);
+  WandCalibration result =
+      work.method == WandMethod::wand
+          ? calibrate_views(std::move(views), work.recordings.front().place, work.options)
+          : calibrate_by_two(work, std::move(views));
+  result.calibration.sources = sources_of(work);
   return result;
+}
+
+WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& sessions,
+                               const CalibrateWandOptions& options, WandMethod method) {
+  WandWork work = make_wand_work(sessions, method, options);
+  // before minutes of work
+  if (WandInWorld* world = work.options.world ? &*work.options.world : nullptr; world && !world->track)
+    world->track = read_wand_track(world->mocap, world->asset);
+  std::vector<std::vector<SensorSearch>> searches;
+  for (const WandRecording& recording : work.recordings)
+    searches.push_back(search_wand(SessionReader(recording.place), intrinsics_of(recording), options.search));
+  for (WandRecording& recording : work.recordings)
+    recording.sha256 = hash_of_file(recording.place, options.search.stop_requested);
+  return calibrate_searched(work, searches);
 }
 
 }  // namespace trilat

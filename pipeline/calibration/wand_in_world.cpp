@@ -27,21 +27,30 @@ struct Mean {
 
 }  // namespace
 
-std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
-  OptitrackCsvReader reader(world.mocap);
-  const std::size_t asset = find_asset(reader.header(), world.asset, world.mocap.string());
+WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset_name) {
+  OptitrackCsvReader reader(mocap);
+  const std::size_t asset = find_asset(reader.header(), asset_name, mocap.string());
   if (!reader.header().assets[asset].has_position)
-    throw InputError(world.mocap.string(), "holds no position of \"" + world.asset + "\"");
+    throw InputError(mocap.string(), "holds no position of \"" + asset_name + "\"");
   reader.read_only({asset});
   FrozenFilter frames(reader);
-  std::vector<Mean> means(positions.size());
+  WandTrack track;
   MocapFrame frame;
   while (frames.next(frame)) {
     if (!frame.poses[asset].has_position()) continue;
-    const HostTime time{world.mocap_start_host_ns + frame.time.ns};
+    track.times.push_back(frame.time);
+    track.position_m.push_back(frame.poses[asset].position_m);
+  }
+  return track;
+}
+
+std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
+  const WandTrack track = world.track ? *world.track : read_wand_track(world.mocap, world.asset);
+  std::vector<Mean> means(positions.size());
+  for (std::size_t i = 0; i < track.times.size(); ++i) {
+    const HostTime time{world.mocap_start_host_ns + track.times[i].ns};
     for (std::size_t p = 0; p < positions.size(); ++p)
-      if (positions[p].first <= time && time <= positions[p].last)
-        means[p].add(frame.poses[asset].position_m);
+      if (positions[p].first <= time && time <= positions[p].last) means[p].add(track.position_m[i]);
   }
   std::vector<KnownPoint> known;
   for (std::size_t p = 0; p < positions.size(); ++p)

@@ -1,14 +1,37 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "datasets/base/time.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/ceres/rig_refinement.h"
-#include "pipeline/calibration/calibrate_wand.h"
 
 namespace trilat {
+
+// Where an OptiTrack export has the wand's ball, in the order of time; without frozen stretches.
+struct WandTrack {
+  std::vector<MocapTime> times;
+  std::vector<Eigen::Vector3d> position_m;  // one a time
+};
+
+// An OptiTrack export of the wand, which ties the calibration to OptiTrack's world.
+struct WandInWorld {
+  std::filesystem::path mocap;
+  std::string asset;  // whose position is the ball's centre
+  std::int64_t mocap_start_host_ns = 0;
+  double sigma_m = 0.001;
+  std::optional<WandTrack> track = std::nullopt;  // read from the export where it is not here
+};
+
+// InputError when the export has no such asset, or not its position.
+WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset);
 
 // Where OptiTrack saw the wand while it rested: the mean over each position's interval. Positions that the
 // export does not cover, or at which the asset moved by more than 5 mm, are left out. InputError when fewer

@@ -3,89 +3,112 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 
+#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/session/session_clock.h"
 #include "pipeline/parallel.h"
 
 namespace trilat {
-namespace {
 
-constexpr std::uint64_t kBlock = 60;  // neighbouring frames that one thread searches
-
-struct Block {
-  std::size_t sensor = 0;
-  std::uint64_t first = 0, count = 0;
-};
-
-struct FrameResult {
-  HostTime time;
-  WandSighting sighting;
-};
-
-std::vector<Block> blocks_of(const SessionReader& session) {
-  std::vector<Block> blocks;
-  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
-    for (std::uint64_t first = 0; first < session.counts(s).depth_frames; first += kBlock)
-      blocks.push_back({s, first, std::min(kBlock, session.counts(s).depth_frames - first)});
-  return blocks;
+void append(SensorSearch& search, const SensorSearch& next) {
+  search.frames += next.frames;
+  for (const auto& [status, count] : next.statuses) search.statuses[status] += count;
+  for (const TimedSighting& sighting : next.found)
+    if (search.found.empty() || search.found.back().time < sighting.time) search.found.push_back(sighting);
 }
 
-std::vector<FrameResult> search_block(const SessionReader& session, const Block& block, const DepthRays& rays,
-                                      const SensorClockMap& host_from_sensor,
-                                      const WandSearchOptions& options) {
-  std::vector<FrameResult> results;
+std::vector<FrameRun> runs_of(std::span<const std::uint64_t> frames_of_sensor, std::uint64_t length) {
+  TRILAT_CHECK(length > 0 && length % kWandBlock == 0, "a run of frames is made of whole blocks");
+  std::vector<FrameRun> runs;
+  for (std::size_t s = 0; s < frames_of_sensor.size(); ++s)
+    for (std::uint64_t first = 0; first < frames_of_sensor[s]; first += length)
+      runs.push_back({s, first, std::min(length, frames_of_sensor[s] - first)});
+  return runs;
+}
+
+// What all frames of a sensor need, made when the first is searched.
+struct WandSearcher::Sensor {
+  std::once_flag once;
+  DepthRays rays;
+  SensorClockMap host_from_sensor;
+};
+
+WandSearcher::WandSearcher(const SessionReader& session, std::vector<DepthIntrinsics> intrinsics,
+                           const WandSearchOptions& options)
+    : session_(session), intrinsics_(std::move(intrinsics)), options_(options) {
+  for (std::size_t s = 0; s < intrinsics_.size(); ++s) sensors_.push_back(std::make_unique<Sensor>());
+}
+
+WandSearcher::~WandSearcher() = default;
+
+WandSearcher::Sensor& WandSearcher::sensor(std::size_t index) {
+  Sensor& sensor = *sensors_.at(index);
+  std::call_once(sensor.once, [&] {
+    sensor.rays = depth_rays(intrinsics_[index]);
+    sensor.host_from_sensor = fit_sensor_clock(session_, index);
+  });
+  return sensor;
+}
+
+SensorSearch WandSearcher::search_block(const FrameRun& block) {
+  const Sensor& sensor = this->sensor(block.sensor);
+  SensorSearch result;
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   const std::vector<FrameStamp> stamps =
-      session.stamps(block.sensor, FrameStream::depth, block.first, block.count);
+      session_.stamps(block.sensor, FrameStream::depth, block.first, block.count);
   std::optional<Eigen::Vector3d> before_m;
   for (std::uint64_t i = 0; i < block.count; ++i) {
-    if (options.stop_requested && options.stop_requested()) throw Interrupted();
-    decode_depth_frame(session.stored_depth_frame(block.sensor, block.first + i), depth_mm);
-    if (i % options.whole_image_every == 0) before_m.reset();
-    FrameResult result;
-    result.time = host_from_sensor(stamps[i]);
+    if (options_.stop_requested && options_.stop_requested()) throw Interrupted();
+    decode_depth_frame(session_.stored_depth_frame(block.sensor, block.first + i), depth_mm);
+    if (i % options_.whole_image_every == 0) before_m.reset();
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
-    result.sighting = find_wand(image, rays, options.find, before_m);
-    if (before_m && result.sighting.status != WandStatus::found)
-      result.sighting = find_wand(image, rays, options.find);
+    WandSighting sighting = find_wand(image, sensor.rays, options_.find, before_m);
+    if (before_m && sighting.status != WandStatus::found)
+      sighting = find_wand(image, sensor.rays, options_.find);
     before_m.reset();
-    if (result.sighting.status == WandStatus::found) before_m = result.sighting.centre_in_sensor_m;
-    results.push_back(std::move(result));
+    SensorSearch frame{{}, {{name_of(sighting.status), 1}}, 1};
+    if (sighting.status == WandStatus::found) {
+      before_m = sighting.centre_in_sensor_m;
+      frame.found.push_back({sensor.host_from_sensor(stamps[i]), sighting});
+    }
+    append(result, frame);
   }
-  return results;
+  return result;
 }
 
-}  // namespace
+SensorSearch WandSearcher::search(const FrameRun& run, const std::function<void(std::uint64_t)>& searched) {
+  std::vector<SensorSearch> blocks((run.count + kWandBlock - 1) / kWandBlock);
+  parallel_for_index(blocks.size(), 1, [&](std::size_t b) {
+    const std::uint64_t from = b * kWandBlock;
+    const FrameRun block{run.sensor, run.first + from, std::min(kWandBlock, run.count - from)};
+    blocks[b] = search_block(block);
+    if (searched) searched(block.count);
+  });
+  SensorSearch search;
+  for (const SensorSearch& block : blocks) append(search, block);
+  return search;
+}
 
 std::vector<SensorSearch> search_wand(const SessionReader& session,
                                       const std::vector<DepthIntrinsics>& intrinsics,
                                       const WandSearchOptions& options) {
-  const std::size_t sensors = session.header().sensors.size();
-  std::vector<DepthRays> rays;
-  std::vector<SensorClockMap> clocks;
-  for (std::size_t s = 0; s < sensors; ++s) {
-    rays.push_back(depth_rays(intrinsics[s]));
-    clocks.push_back(session.counts(s).depth_frames > 0 ? fit_sensor_clock(session, s) : SensorClockMap{});
-  }
-  const std::vector<Block> blocks = blocks_of(session);
-  std::vector<std::vector<FrameResult>> results(blocks.size());
-  std::atomic<std::size_t> done{0};
-  parallel_for_index(blocks.size(), 1, [&](std::size_t b) {
-    const std::size_t s = blocks[b].sensor;
-    results[b] = search_block(session, blocks[b], rays[s], clocks[s], options);
-    if (options.progress) options.progress(static_cast<double>(++done) / static_cast<double>(blocks.size()));
+  std::vector<std::uint64_t> frames;
+  std::uint64_t all = 0;
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
+    all += frames.emplace_back(session.counts(s).depth_frames);
+  WandSearcher searcher(session, intrinsics, options);
+  const std::vector<FrameRun> runs = runs_of(frames, kWandBlock);
+  std::vector<SensorSearch> results(runs.size());
+  std::atomic<std::uint64_t> done{0};
+  parallel_for_index(runs.size(), 1, [&](std::size_t r) {
+    results[r] = searcher.search(runs[r]);
+    done += runs[r].count;
+    if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(all));
   });
-  std::vector<SensorSearch> searches(sensors);
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (const FrameResult& result : results[b]) {
-      SensorSearch& search = searches[blocks[b].sensor];
-      ++search.frames;
-      ++search.statuses[name_of(result.sighting.status)];
-      const bool rises = search.found.empty() || search.found.back().time < result.time;
-      if (result.sighting.status == WandStatus::found && rises)
-        search.found.push_back({result.time, result.sighting});
-    }
+  std::vector<SensorSearch> searches(frames.size());
+  for (std::size_t r = 0; r < runs.size(); ++r) append(searches[runs[r].sensor], results[r]);
   return searches;
 }
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,16 +25,56 @@ struct WandSearchOptions {
   std::function<void(double)> progress = {};
 };
 
-// What one sensor's depth frames show of the wand.
+// What one sensor's depth frames show of the wand, all of them or some neighbours.
 struct SensorSearch {
   std::vector<TimedSighting> found;               // in the order of time
   std::map<std::string, std::uint64_t> statuses;  // of all frames, by name; sums to frames
   std::uint64_t frames = 0;
 };
 
-// Searches every depth frame of a session, on the threads of the current arena and with a few frames in
-// memory. `intrinsics` holds one entry a sensor. The result does not depend on the number of threads.
-// Interrupted when asked to stop.
+// Adds what the frames that follow show. Found is only what rises in time.
+void append(SensorSearch& search, const SensorSearch& next);
+
+// Neighbouring depth frames of one sensor.
+struct FrameRun {
+  std::size_t sensor = 0;
+  std::uint64_t first = 0, count = 0;
+};
+
+// Frames are searched in blocks of so many, each for itself.
+inline constexpr std::uint64_t kWandBlock = 60;
+
+// All frames of all sensors in runs of `length`, a multiple of kWandBlock; the last of a sensor may be
+// shorter. Sensors one after the other, their runs in the order of the frames.
+std::vector<FrameRun> runs_of(std::span<const std::uint64_t> frames_of_sensor, std::uint64_t length);
+
+// Searches runs of a session's depth frames. What runs show, appended in their order, does not depend on
+// their length.
+class WandSearcher {
+ public:
+  // `intrinsics`: one entry a sensor. The session must live as long.
+  WandSearcher(const SessionReader& session, std::vector<DepthIntrinsics> intrinsics,
+               const WandSearchOptions& options);
+  ~WandSearcher();
+  WandSearcher(const WandSearcher&) = delete;
+  WandSearcher& operator=(const WandSearcher&) = delete;
+
+  // On the threads of the current arena, from any of them, with a few frames in memory; calls `searched` with
+  // the number of frames that are done, from any thread. Interrupted when asked to stop.
+  SensorSearch search(const FrameRun& run, const std::function<void(std::uint64_t)>& searched = {});
+
+ private:
+  struct Sensor;
+  Sensor& sensor(std::size_t index);
+  SensorSearch search_block(const FrameRun& block);
+
+  const SessionReader& session_;
+  std::vector<DepthIntrinsics> intrinsics_;
+  WandSearchOptions options_;
+  std::vector<std::unique_ptr<Sensor>> sensors_;
+};
+
+// All depth frames of a session, one entry a sensor. The result does not depend on the number of threads.
 std::vector<SensorSearch> search_wand(const SessionReader& session,
                                       const std::vector<DepthIntrinsics>& intrinsics,
                                       const WandSearchOptions& options);

@@ -3,29 +3,8 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "datasets/base/error.h"
-#include "datasets/calibration/opencv_intrinsics.h"
-
 namespace trilat {
 namespace {
-
-std::vector<DepthIntrinsics> intrinsics_of(const SessionReader& session, const ViewWandOptions& options) {
-  std::vector<DepthIntrinsics> result;
-  for (const SensorDescription& sensor : session.header().sensors) result.push_back(sensor.intrinsics);
-  for (const auto& [name, file] : options.intrinsics) {
-    const std::size_t sensor = session.sensor_index(name);
-    for (std::size_t other = 0; other < result.size(); ++other)
-      if (other != sensor && file.parent_path().filename() == session.header().sensors[other].serial)
-        throw InputError(file.string(), "lies in the folder of serial " +
-                                            session.header().sensors[other].serial + ", which is sensor \"" +
-                                            session.header().sensors[other].name + "\", not \"" + name + '"');
-    result[sensor] = read_opencv_intrinsics(file, session.header().sensors[sensor].intrinsics.width_px,
-                                            session.header().sensors[sensor].intrinsics.height_px);
-  }
-  return result;
-}
 
 void add_evidence(SensorEvidence& evidence, const SensorSearch& search,
                   const std::vector<RestingBall>& rests) {
@@ -39,27 +18,6 @@ void add_evidence(SensorEvidence& evidence, const SensorSearch& search,
   }
 }
 
-void check_session(const SessionReader& session, const std::vector<SensorEvidence>& known) {
-  bool same = known.empty() || known.size() == session.header().sensors.size();
-  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
-    const std::string& name = session.header().sensors[s].name;
-    same = same && (known.empty() || known[s].name == name);
-    if (session.counts(s).depth_frames == 0)
-      throw InputError(session.path().string() + ":/sensors/" + name,
-                       "has no depth frames, in which the wand could be found; `--method bodies` needs none");
-  }
-  for (const SensorDescription& sensor : session.header().sensors)
-    if (sensor.intrinsics.width_px != kDepthWidth || sensor.intrinsics.height_px != kDepthHeight)
-      throw InputError(
-          session.path().string() + ":/sensors/" + sensor.name,
-          fmt::format("says that its image has {} x {} pixels; depth frames have {} x {}",
-                      sensor.intrinsics.width_px, sensor.intrinsics.height_px, kDepthWidth, kDepthHeight));
-  if (!same)
-    throw InputError(session.path().string(),
-                     "has other sensors than the first session; all recordings must "
-                     "be of one rig");
-}
-
 // Whether a sensor that saw both saw the ball in one place.
 bool are_one_place(const WandPosition& a, const WandPosition& b, double within_m) {
   for (const RestingBall& one : a.seen)
@@ -71,28 +29,23 @@ bool are_one_place(const WandPosition& a, const WandPosition& b, double within_m
 
 }  // namespace
 
-WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const ViewWandOptions& options) {
-  WandViews views;
-  for (const auto& path : sessions) {
-    const SessionReader session(path);
-    check_session(session, views.evidence);
-    if (views.evidence.empty())
-      for (const SensorDescription& sensor : session.header().sensors)
-        views.evidence.push_back({.name = sensor.name, .statuses = {}});
-    const auto searches = search_wand(session, intrinsics_of(session, options), options.search);
-    std::vector<RestingBall> rests;
-    for (std::size_t s = 0; s < searches.size(); ++s) {
-      const std::vector<RestingBall> more = find_rests(searches[s].found, s, options.positions);
-      add_evidence(views.evidence[s], searches[s], more);
-      rests.insert(rests.end(), more.begin(), more.end());
-    }
-    // One recording at a time: the host clocks of two need not be the same.
-    auto positions = find_wand_positions(std::move(rests), options.positions);
-    views.positions.insert(views.positions.end(), positions.begin(), positions.end());
-    views.simulated = views.simulated || session.header().simulated;
-    if (&path == &sessions.front()) views.positions_of_first = views.positions.size();
+void add_recording(WandViews& views, const WandRecording& recording, std::span<const SensorSearch> searches,
+                   const WandPositionOptions& options) {
+  const bool first = views.evidence.empty();
+  if (first)
+    for (const RecordedSensor& sensor : recording.sensors)
+      views.evidence.push_back({.name = sensor.name, .statuses = {}});
+  std::vector<RestingBall> rests;
+  for (std::size_t s = 0; s < searches.size(); ++s) {
+    const std::vector<RestingBall> more = find_rests(searches[s].found, s, options);
+    add_evidence(views.evidence[s], searches[s], more);
+    rests.insert(rests.end(), more.begin(), more.end());
   }
-  return views;
+  // One recording at a time: the host clocks of two need not be the same.
+  auto positions = find_wand_positions(std::move(rests), options);
+  views.positions.insert(views.positions.end(), positions.begin(), positions.end());
+  views.simulated = views.simulated || recording.simulated;
+  if (first) views.positions_of_first = views.positions.size();
 }
 
 std::vector<bool> sensors_that_saw(const WandViews& views) {

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "pipeline/calibration/wand_recording.h"
 #include "pipeline/calibration/wand_search.h"
 
 namespace trilat {
@@ -33,12 +33,12 @@ struct WandViews {
 struct ViewWandOptions {
   WandSearchOptions search;
   WandPositionOptions positions;
-  std::vector<std::pair<std::string, std::filesystem::path>> intrinsics = {};  // sensor and OpenCV file
+  NamedIntrinsics intrinsics = {};  // instead of the sessions' own
 };
 
-// Finds where the wand was held. InputError names the sensor that has no depth or other images, the recording
-// with other sensors than the first, or the intrinsics file that cannot be this sensor's.
-WandViews view_wand(const std::vector<std::filesystem::path>& sessions, const ViewWandOptions& options);
+// Adds where the wand was held in a recording. `searches`: one a sensor.
+void add_recording(WandViews& views, const WandRecording& recording, std::span<const SensorSearch> searches,
+                   const WandPositionOptions& options);
 
 // One entry a sensor.
 std::vector<bool> sensors_that_saw(const WandViews& views);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pipeline/calibration/calibrate_wand.h"
+#include "pipeline/calibration/calibrate_views.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/study_units.h"
 

@@ -61,7 +61,8 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("sessions", c.sessions,
                    "session.h5 of one rig, in which the wand is held still at many places")
       ->required();
-  verb->add_option("-o,--output", c.output, "calibration.json")->required();
+  verb->add_option("-o,--output", c.output, "calibration.json; with --shard the folder of the part")
+      ->required();
   verb->add_option("--method", c.method,
                    "wand: all positions, refined together; bodies: a tracked person instead of a wand; "
                    "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed")
@@ -86,6 +87,8 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
       ->capture_default_str();
   verb->add_flag("--no-depth-correction", c.no_depth_correction,
                  "do not estimate each sensor's depth offset and wiggle beside its pose");
+  verb->add_option("--shard", c.shard,
+                   "k/n: search only part k of n of the depth frames, into a folder for `trilat merge`");
   verb->add_option("--threads", c.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -144,7 +147,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   auto* merge_verb =
       app.add_subcommand("merge", "the parts that --shard has written -> what one run would have");
   merge_verb->add_option("parts", a.merge.parts, "folders of all parts, in any order")->required();
-  merge_verb->add_option("-o,--output", a.merge.output, "results, or campaign")->required();
+  merge_verb->add_option("-o,--output", a.merge.output, "results, campaign, or calibration.json")->required();
   merge_verb->add_option("--threads", a.merge.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/work_part.h"
+#include "pipeline/calibration/wand_part.h"
 #include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/simulate_part.h"
 #include "pipeline/cli/verbs.h"
@@ -15,6 +16,7 @@ int merge(const MergeArguments& arguments) {
   const FoundPart& first = parts.front();
   if (first.part.build != build_id())
     throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
+  if (first.part.kind == kWandPart) return merge_wand_calibration(arguments, parts);
   if (first.part.kind == kCampaignPart) return merge_simulated_campaign(arguments, parts);
   const std::pair<ResultsKind, int (*)(const MergeArguments&, const std::vector<FoundPart>&)> kinds[] = {
       {ResultsKind::accuracy, merge_accuracy},

@@ -15,5 +15,6 @@ int merge_budget_study(const MergeArguments& arguments, const std::vector<FoundP
 int merge_simulated_campaign(const MergeArguments& arguments, const std::vector<FoundPart>& parts);
 int merge_recording_study(const MergeArguments& arguments, const std::vector<FoundPart>& parts);
 int merge_threshold_sweep(const MergeArguments& arguments, const std::vector<FoundPart>& parts);
+int merge_wand_calibration(const MergeArguments& arguments, const std::vector<FoundPart>& parts);
 
 }  // namespace trilat

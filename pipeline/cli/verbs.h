@@ -88,6 +88,7 @@ struct CalibrateArguments {
   std::optional<double> movement_m;
   double movement_sigma_m = 0.001;
   bool no_depth_correction = false;
+  std::string shard;  // k/n, or empty: all of it
   int threads = 0;
   bool json = false;
 };

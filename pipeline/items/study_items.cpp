@@ -37,12 +37,14 @@ StudyItems::StudyItems(const std::vector<FoundPart>& parts)
       throw InputError(parts[item.shard - 1].folder.string(), "does not hold its item " + item.id);
 }
 
-std::optional<Json> StudyItems::outcome(const std::string& id, const std::function<Json()>& compute) {
+std::optional<Json> StudyItems::outcome(const std::string& id, const std::function<Json()>& compute,
+                                        const std::optional<Json>& settings) {
   if (!store_) return done_.at(id).outcome;
   const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
   TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
   if (item->shard != shard_.number) return std::nullopt;
-  const std::string key = key_of_item({{"study", study_}, {"item", id}});
+  const std::string key = key_of_item(settings ? Json{{"settings", *settings}, {"item", id}}
+                                               : Json{{"study", study_}, {"item", id}});
   std::optional<ItemStore::Found> found = store_->find(id, key);
   Json outcome = found ? std::move(found->outcome) : compute();
   if (!found) store_->add(id, key, outcome);

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "datasets/results/work_part.h"
 #include "pipeline/items/item_store.h"
 
@@ -28,8 +30,9 @@ class StudyItems {
   explicit StudyItems(const std::vector<FoundPart>& parts);
 
   // The outcome of an item, from `compute` when it is this run's and not known; nothing when it is another
-  // shard's. From any thread.
-  std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute);
+  // shard's. `settings`: all that the item depends on, where that is not the whole study. From any thread.
+  std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute,
+                              const std::optional<Json>& settings = std::nullopt);
   // Whether this run has all items, so that they can be put together.
   bool whole() const { return shard_.whole(); }
   // Whether work that belongs to no item (timing) is this run's.

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT
 // From depth frames, tracked bodies and hand-made sightings to sensor poses.
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/results/summary.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/synthetic/depth_renderer.h"
-#include "datasets/synthetic/room_scene.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_two_positions.h"
 #include "pipeline/calibration/calibrate_wand.h"
@@ -20,6 +16,7 @@
 #include "pipeline/calibration_study/simulated_run.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
+#include "tests/pipeline/wand_sessions.h"
 
 namespace trilat {
 namespace {
@@ -29,28 +26,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
-
-constexpr std::int64_t kStart_ns = 5'000'000'000'000;
-constexpr std::int64_t kPlaceEvery_ns = 1'200'000'000;
-constexpr std::int64_t kFrame_ns = 33'333'300;
-constexpr int kFramesOfPlace = 20;
-
-// Three places that define the wand's frame, and more to both sides and at different heights.
-const std::vector<Vector3d> kPlaces{{0.0, 1.0, 0.0},  {0.6, 1.0, 0.1},   {0.1, 1.5, 0.0}, {-0.5, 0.7, 0.3},
-                                    {0.4, 1.3, -0.5}, {-0.4, 1.6, -0.3}, {0.3, 0.6, 0.5}, {-0.6, 1.1, -0.5}};
-
-std::vector<RigidTransform> rig_of(std::size_t sensors) {
-  const double heights_m[] = {0.8, 1.7, 1.1, 2.0};
-  std::vector<RigidTransform> rig;
-  for (std::size_t s = 0; s < sensors; ++s) {
-    const double angle = 0.5 + static_cast<double>(s) * std::numbers::pi / 2.0;
-    rig.push_back(world_from_sensor_looking_at({2.0 * std::sin(angle), heights_m[s], 2.0 * std::cos(angle)},
-                                               {0.0, 1.0, 0.0}));
-  }
-  return rig;
-}
-
-std::string name_of_sensor(std::size_t sensor) { return "k" + std::to_string(sensor + 1); }
 
 RigidTransform wand_from_world(const std::vector<Vector3d>& places) {
   Eigen::Matrix3d axes;
@@ -65,53 +40,6 @@ void expect_pose(const SensorPose& pose, const RigidTransform& truth, double lim
   EXPECT_LT((pose.world_from_sensor.translation_m - truth.translation_m).norm(), limit_m) << pose.name;
   EXPECT_LT(angle_between_rad(pose.world_from_sensor.rotation, truth.rotation), limit_deg * kRadPerDegree)
       << pose.name;
-}
-
-SessionHeader header_of(std::size_t sensors, bool has_depth = true) {
-  SessionHeader header;
-  header.simulated = true;
-  for (std::size_t s = 0; s < sensors; ++s) {
-    SensorDescription sensor;
-    sensor.name = name_of_sensor(s);
-    sensor.serial = "serial" + std::to_string(s + 1);
-    sensor.source = "simulated";
-    sensor.has_depth = has_depth;
-    header.sensors.push_back(sensor);
-  }
-  return header;
-}
-
-DepthScene ball_in_room(const Vector3d& place, double radius_m = 0.075) {
-  DepthScene scene;
-  append_room(scene, {}, {0.0, 1.0, 0.0});
-  append_wand(scene, place, Vector3d(0.3, -0.9, 0.1).normalized(), {.ball_radius_m = radius_m});
-  return scene;
-}
-
-// Each scene for 20 frames, as exact sensors see it that round to millimetres; a pause between them.
-void record(const std::filesystem::path& path, const std::vector<RigidTransform>& rig,
-            const std::vector<DepthScene>& scenes, const SessionHeader& header, int frames = kFramesOfPlace) {
-  SessionWriter writer(path, header);
-  const DepthRenderer renderer({}, noise_free_depth(), {});
-  std::vector<std::uint16_t> depth_mm(kDepthPixels);
-  for (std::size_t s = 0; s < rig.size(); ++s)
-    for (std::size_t p = 0; p < scenes.size(); ++p) {
-      renderer.render(scenes[p], rig[s], {1, Purpose::depth_pixel, random_item(0, s, 0, p)}, depth_mm);
-      EncodedDepthFrame frame = encode_depth_frame({}, depth_mm, ChunkCompression::blosc);
-      for (int f = 0; f < frames; ++f) {
-        const std::int64_t time_ns = static_cast<std::int64_t>(p) * kPlaceEvery_ns + f * kFrame_ns;
-        frame.stamp = {static_cast<std::int64_t>(p) * kFramesOfPlace + f, 1000 + time_ns / 100,
-                       kStart_ns + time_ns};
-        writer.add_depth_frame(s, frame);
-      }
-    }
-  writer.finish();
-}
-
-void record_wand(const std::filesystem::path& path, const std::vector<RigidTransform>& rig) {
-  std::vector<DepthScene> scenes;
-  for (const Vector3d& place : kPlaces) scenes.push_back(ball_in_room(place));
-  record(path, rig, scenes, header_of(rig.size()));
 }
 
 // What sensors without an error would have seen of the ball at rest.
@@ -437,31 +365,9 @@ TEST(CalibrateViews, AWrongSightingIsListedWithItsPlaceAndTime) {
   EXPECT_EQ(result.calibration.sensors[1].left_out, 1u);
 }
 
-// The ball at its places, or on its way for the whole time, at 100 Hz. The last digits are never still.
-void write_export(const std::filesystem::path& path, bool rests) {
-  MocapHeader header;
-  header.take_name = "wand";
-  header.capture_rate_hz = header.export_rate_hz = 100.0;
-  header.assets = {{AssetType::rigid_body, "Wand", "1", "", true, true}};
-  OptitrackCsvWriter writer(path, header);
-  for (int f = 0; f < 960; ++f) {
-    MocapFrame frame;
-    frame.index = f;
-    const double time_s = 0.01 * f;
-    const Vector3d place =
-        rests ? kPlaces[static_cast<std::size_t>(f / 120)] : Vector3d(0.2 * time_s, 1.0, 0.0);
-    MocapPose pose;
-    pose.position_m = place + Vector3d::Constant(f % 2 == 0 ? 2e-5 : -2e-5);
-    pose.rotation = Eigen::Quaterniond::Identity();
-    frame.poses = {pose};
-    writer.write(frame);
-  }
-  writer.finish();
-}
-
 TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
   const ScratchFolder folder;
-  write_export(folder / "wand.csv", true);
+  write_wand_export(folder / "wand.csv", true);
   const auto rig = rig_of(3);
   CalibrateWandOptions options;
   options.world = WandInWorld{folder / "wand.csv", "Wand", kStart_ns};
@@ -472,8 +378,8 @@ TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
 
 TEST(CalibrateViews, AnExportThatDoesNotShowTheWandAtRestIsRefused) {
   const ScratchFolder folder;
-  write_export(folder / "moving.csv", false);
-  write_export(folder / "wand.csv", true);
+  write_wand_export(folder / "moving.csv", false);
+  write_wand_export(folder / "wand.csv", true);
   const WandViews views = views_of(rig_of(2), kPlaces, always);
   const auto complaint = [&](const char* file, const char* asset, std::int64_t start_ns) {
     CalibrateWandOptions options;
@@ -487,19 +393,23 @@ TEST(CalibrateViews, AnExportThatDoesNotShowTheWandAtRestIsRefused) {
   EXPECT_THAT(complaint("wand.csv", "Ball", kStart_ns), AllOf(HasSubstr("Ball"), HasSubstr("Wand")));
 }
 
-// Of each sensor one body frame that has nobody in it, but the floor.
+// Of each sensor one body frame.
 void record_floors(const std::filesystem::path& path, const std::vector<RigidTransform>& rig) {
   SessionWriter writer(path, header_of(rig.size(), false));
-  for (std::size_t s = 0; s < rig.size(); ++s) {
-    const Eigen::Vector3f up = (rig[s].rotation.conjugate() * Vector3d::UnitY()).cast<float>();
-    BodyFrame frame;
-    frame.stamp = {0, 0, kStart_ns};
-    frame.floor_plane = {up.x(), up.y(), up.z(), static_cast<float>(rig[s].translation_m.y())};
-    writer.add_body_frame(s, frame);
-  }
+  for (std::size_t s = 0; s < rig.size(); ++s)
+    writer.add_body_frame(s, floor_seen_from(rig[s], {0, 0, kStart_ns}));
   writer.finish();
 }
 
+std::vector<std::optional<FloorPlane>> read_floors(const std::filesystem::path& path) {
+  const SessionReader session(path);
+  std::vector<std::optional<FloorPlane>> floors;
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
+    floors.push_back(floor_seen_by(session, s));
+  return floors;
+}
+
+const std::vector<std::optional<FloorPlane>> kNoFloors(4);
 const std::vector<Vector3d> kTwoPlaces{{0.0, 1.0, 0.0}, {0.6, 1.0, 0.2}};
 const TwoPositionOptions kCorrected{.horizontal_axes = true, .signed_angle = true, .translation = true};
 
@@ -510,34 +420,30 @@ TEST(CalibrateTwoPositions, CorrectedTheyUseEachSensorsFloor) {
   const WandViews views = views_of(rig, kTwoPlaces, always);
   const RigidTransform wand =
       wand_from_world({kTwoPlaces[0], kTwoPlaces[1], kTwoPlaces[0] + Vector3d::UnitY()});
+  const auto recorded = read_floors(folder / "session.h5");
   const Calibration calibration =
-      calibrate_two_positions(views, folder / "session.h5", kCorrected, std::nullopt, false);
+      calibrate_two_positions(views, "session.h5", kCorrected, std::nullopt, recorded);
   ASSERT_EQ(calibration.sensors.size(), 4u);
   for (std::size_t s = 0; s < 4; ++s) expect_pose(calibration.sensors[s], wand * rig[s], 1e-6, 1e-4);
   // Taken to stand upright, they keep the angle by which they look up or down.
   const Calibration upright =
-      calibrate_two_positions(views, folder / "session.h5", kCorrected, std::nullopt, true);
+      calibrate_two_positions(views, "session.h5", kCorrected, std::nullopt, kNoFloors);
   EXPECT_GT(angle_between_rad(upright.sensors[3].world_from_sensor.rotation, (wand * rig[3]).rotation),
             20.0 * kRadPerDegree);
 }
 
 TEST(CalibrateTwoPositions, AsPrintedEverySensorIsAtTheOrigin) {
-  const ScratchFolder folder;
-  SessionWriter(folder / "session.h5", header_of(2)).finish();
   const Calibration calibration =
-      calibrate_two_positions(views_of(rig_of(2), kTwoPlaces, always), folder / "session.h5", {}, 0.7, true);
+      calibrate_two_positions(views_of(rig_of(2), kTwoPlaces, always), "session.h5", {}, 0.7, kNoFloors);
   EXPECT_EQ(calibration.method, "two positions, as printed");
   for (const SensorPose& pose : calibration.sensors)
     EXPECT_EQ(pose.world_from_sensor.translation_m, Vector3d::Zero());
 }
 
 TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
-  const ScratchFolder folder;
-  const std::filesystem::path session = folder / "session.h5";
-  SessionWriter(session, header_of(3)).finish();
   const auto complaint = [&](const WandViews& views, const TwoPositionOptions& options) {
     return message_of(
-        [&] { static_cast<void>(calibrate_two_positions(views, session, options, 0.7, true)); });
+        [&] { static_cast<void>(calibrate_two_positions(views, "session.h5", options, 0.7, kNoFloors)); });
   };
   for (const TwoPositionOptions& options : {TwoPositionOptions{}, kCorrected}) {
     EXPECT_THAT(complaint(views_of(rig_of(3), kTwoPlaces,

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/calibration/calibration.h"
+#include "pipeline/calibration/wand_in_world.h"
+#include "pipeline/calibration/wand_views.h"
+
+namespace trilat {
+
+struct CalibrateWandOptions : ViewWandOptions {
+  std::optional<WandInWorld> world = std::nullopt;
+  std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
+  double movement_sigma_m = 0.001;
+  bool depth_correction = true;
+  // What the covariance of a ball's centre leaves out: rounding to millimetres, the outline, the lens model.
+  double covariance_floor_m = 0.0003;
+  // And what it leaves out, too, where depth offsets are not estimated.
+  double uncorrected_depth_sigma_m = 0.014;
+};
+
+struct WandCalibration {
+  Calibration calibration;
+  WandViews views;
+  std::vector<Eigen::Vector3d> position_in_world_m;  // NaN when nothing of it was used
+};
+
+// Sensor poses from what a wand showed that was held still at many places (see the README). The first three
+// places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says where the wand
+// was. InputError at `place` says which sensor cannot be placed and why.
+WandCalibration calibrate_views(WandViews views, const std::string& place,
+                                const CalibrateWandOptions& options);
+
+}  // namespace trilat

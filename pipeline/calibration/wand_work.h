@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/calibration/calibrate_views.h"
+
+namespace trilat {
+
+// All positions, refined together; the paper's eq. 6 and 7, corrected; and as printed.
+enum class WandMethod { wand, two_positions, printed };
+std::string name_of(WandMethod method);
+
+// 20 s of a Kinect: short enough to share one recording out, long enough that writing it down costs nothing.
+inline constexpr std::uint64_t kFramesOfItem = 600;
+
+// All that a calibration from a wand is made from, but for what the depth frames show.
+struct WandWork {
+  WandMethod method = WandMethod::wand;
+  CalibrateWandOptions options;
+  std::vector<WandRecording> recordings = {};
+  std::uint64_t frames_of_item = kFramesOfItem;  // how it is divided among shards, in multiples of kWandBlock
+  std::vector<CalibrationSource> other_sources = {};  // besides the recordings
+};
+
+// InputError as read_wand_recordings(). The recordings' hashes are left out.
+WandWork make_wand_work(const std::vector<std::filesystem::path>& sessions, WandMethod method,
+                        const CalibrateWandOptions& options);
+// The recordings and the others.
+std::vector<CalibrationSource> sources_of(const WandWork& work);
+
+// What must be equal in parts of one work. It comes back without folders and sha256 of the recordings, and
+// options that no command line sets come back with their defaults.
+Json json_of(const WandWork& work);
+WandWork read_wand_work(const Json& json, const std::string& place);
+Json json_of(const DepthIntrinsics& intrinsics);
+
+}  // namespace trilat
