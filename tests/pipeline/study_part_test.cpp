@@ -235,6 +235,8 @@ TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
     return message_of([&] { read_part(folder.path()); });
   };
   EXPECT_THAT(said({"../../secret", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_THAT(said({"rigs//run-1", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_EQ(said({"rigs/walk..1", 1.0, 1}), "no error");
   EXPECT_THAT(said({"/etc", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
   EXPECT_THAT(said({"p01-walking", 1.0, 3}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
   EXPECT_THAT(said({"p01-walking", 1.0, 0}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
