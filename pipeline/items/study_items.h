@@ -16,6 +16,9 @@
 
 namespace trilat {
 
+// The key of an item of a study whose settings all its items depend on.
+std::string key_in_study(const Json& study, const std::string& id);
+
 // The work items of a study that makes its own data: each is computed here, found done, or left to another
 // shard. Outcomes are JSON documents.
 class StudyItems {
@@ -28,14 +31,15 @@ class StudyItems {
   explicit StudyItems(const std::vector<FoundPart>& parts);
 
   // The outcome of an item, from `compute` when it is this run's and not known; nothing when it is another
-  // shard's. From any thread.
-  std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute);
+  // shard's. `usable`: as of ItemStore. From any thread.
+  std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute,
+                              const ItemStore::Usable& usable = {});
   // Whether this run has all items, so that they can be put together.
   bool whole() const { return shard_.whole(); }
   // Whether work that belongs to no item (timing) is this run's.
   bool first() const { return shard_.number == 1; }
   ItemTally tally() const { return store_ ? store_->tally() : ItemTally{}; }
-  // Writes items.json with `key`, and part.json when this is a shard; removes the journal.
+  // Writes items.json with `key`, and part.json when this is a shard.
   void finish(const std::filesystem::path& folder, const std::string& key);
 
  private:
