@@ -13,6 +13,7 @@
 #include "pipeline/results_folder.h"
 #include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
+#include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
 
 namespace trilat {
@@ -36,7 +37,11 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
                      const ExecuteOptions& options, HashCache& hashes) {
   if (std::find(options.reuse.begin(), options.reuse.end(), output) == options.reuse.end()) return false;
   const std::string known = read_items_key(output);
-  if (known.empty() || !std::filesystem::exists(output / "samples.h5")) return false;
+  // a journal is there when it could not be removed at the end: then all is put in place again
+  if (known.empty() || std::filesystem::exists(output / ItemJournal::kFile)) return false;
+  for (const char* file :
+       {"samples.h5", "replay.h5", "manifest.json", "summary.json", "tracking.json", "run.json"})
+    if (!std::filesystem::exists(output / file)) return false;
   const Campaign takes = takes_of(study, campaign);
   RunIdentity run{study,
                   options.cross_check,
@@ -56,12 +61,14 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
 void run_into(const StudySpec& study, const Campaign& campaign, const ResultsFolder& folder,
               const ExecuteOptions& options, HashCache& hashes, int threads, StudyRun& run) {
   const Clock::time_point start = Clock::now();
+  std::vector<FilesWritten> written;
+  for (const Take& take : takes_of(study, campaign).takes) written.push_back(files_written(take));
   const Plan plan = make_plan(study, campaign);
   ItemStore items(folder.partial(), options.reuse);
   std::vector<std::size_t> all(plan.takes.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   TakesRun takes = run_takes(
-      plan, all, {folder.partial(), items, hashes},
+      plan, all, {folder.partial(), items, hashes, std::move(written)},
       {options.cross_check, options.stop_requested, share_of(options, 0.0, kRunShare), options.memory_bytes});
   run.takes = items.tally();
   const RunParts parts{plan, std::move(takes.takes), options.cross_check,
@@ -71,9 +78,8 @@ void run_into(const StudySpec& study, const Campaign& campaign, const ResultsFol
                {options.stop_requested, share_of(options, kRunShare, 1.0 - kRunShare), options.memory_bytes});
   hashes.save(folder.partial());
   write_run_record(folder.partial(), takes.times, seconds_since(start), threads, &run.takes);
-  items.finish();
-  std::filesystem::remove_all(folder.partial() / "takes");
-  folder.put_in_place();
+  items.check_earlier();
+  folder.put_in_place({kTakesFolder, ItemJournal::kFile});
 }
 
 }  // namespace
@@ -90,7 +96,7 @@ StudyRun run_study(const StudySpec& study, const Campaign& campaign, const std::
       for (const Take& take : takes_of(study, campaign).takes) run.takes.reused.push_back(take.id);
       return;
     }
-    const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{"items.jsonl", "takes"});
+    const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile, kTakesFolder});
     run_into(study, campaign, folder, options, hashes, threads, run);
   });
   return run;

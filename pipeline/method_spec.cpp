@@ -167,13 +167,15 @@ Json resolved_json(const MethodSpec& m) {
     entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
   if (m.kind == MethodKind::nonlinear || m.kind == MethodKind::newton) {
     const NonlinearOptions& o = m.nonlinear;
-    entry["gradient"] = kGradients[static_cast<std::size_t>(o.gradient)];
-    entry["damping"] = kDampings[static_cast<std::size_t>(o.damping)];
+    if (m.kind == MethodKind::nonlinear) {  // of newton they are no choice
+      entry["gradient"] = kGradients[static_cast<std::size_t>(o.gradient)];
+      entry["damping"] = kDampings[static_cast<std::size_t>(o.damping)];
+      entry["printed_unit_m"] = o.printed_unit_m;
+    }
     entry["stop"] = kStops[static_cast<std::size_t>(o.stop)];
     entry["threshold_cm2"] = o.threshold_m2 / kSquareMetresPerSquareCentimetre;
     entry["step_tolerance_m"] = o.step_tolerance_m;
     entry["max_iterations"] = o.max_iterations;
-    entry["printed_unit_m"] = o.printed_unit_m;
     entry["same_residual_m"] = o.same_residual_m;
     entry["start"] = kStarts[static_cast<std::size_t>(o.start)];
     entry["loss"] = kLosses[static_cast<std::size_t>(o.loss)];

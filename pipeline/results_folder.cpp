@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
@@ -15,21 +16,58 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/strict_json.h"
+#include "datasets/results/work_part.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
 
-void check_output(const fs::path& output) {
+bool is_mount_point(const fs::path& folder) {
+  struct statx s;
+  return ::statx(AT_FDCWD, folder.c_str(), 0, STATX_BASIC_STATS, &s) == 0 &&
+         (s.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
+bool has_format(const fs::path& file, const char* format) {
+  if (!fs::is_regular_file(file)) return false;
+  try {
+    const Json json = read_json(file);
+    return json.is_object() && json.contains("format") && json["format"] == format;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+// A workflow engine removes the one file that it knows of before it makes an output anew; the others still
+// tell that it is ours. Recordings have neither of the two.
+bool is_ours(const fs::path& folder) {
+  const bool results = fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
+                       fs::exists(folder / "run.json");
+  return results || has_format(folder / "run.json", "trilat.run") ||
+         has_format(folder / "manifest.json", "trilat.manifest");
+}
+
+void check_output(const fs::path& output, const std::string& part_kind) {
   if (!fs::exists(output)) return;
+  if (is_mount_point(output))
+    throw InputError(output.string(),
+                     "is a mount point, for which finished results cannot be exchanged; name a folder in it");
+  if (fs::exists(output / "part.json")) {
+    if (const std::string kind = read_part(output).kind; kind != part_kind)
+      throw InputError(output.string(),
+                       "is a part of kind " + kind +
+                           ", which --shard has made, and is not replaced by something else; "
+                           "choose another name or remove it");
+    return;
+  }
   const bool empty = fs::is_directory(output) && fs::is_empty(output);
-  const bool results = fs::exists(output / "summary.json") && fs::exists(output / "manifest.json") &&
-                       fs::exists(output / "run.json");
-  const bool part = fs::exists(output / "part.json");
-  if (!empty && !results && !part)
+  if (!empty && !is_ours(output))
     throw InputError(output.string(), "exists and is not a results folder; choose another name or remove it");
 }
+
+fs::path old_name(const fs::path& partial) { return partial.string() + ".old"; }
 
 // Held as long as the process fills the folder. It lies beside it, so that it is never part of an output.
 int lock_folder(const fs::path& partial) {
@@ -55,12 +93,25 @@ int lock_folder(const fs::path& partial) {
 
 }  // namespace
 
-ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept)
-    : output_(folder.has_filename() ? folder : folder.parent_path()),  // "results/"
-      partial_(partial_name(output_)) {
-  check_output(output_);
+fs::path output_name(const fs::path& folder) {
+  const fs::path name = folder.has_filename() ? folder : folder.parent_path();  // "results/"
+  const bool is_dots = name.filename() == "." || name.filename() == "..";
+  if (!is_dots && !fs::is_symlink(name)) return name;
+  std::error_code error;
+  fs::path there = fs::canonical(name, error);
+  if (error)
+    throw InputError(name.string(), "is a link that leads to no folder; make that, or remove the link");
+  return there;
+}
+
+ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept, const std::string& part_kind)
+    : output_(output_name(folder)), partial_(partial_name(output_)) {
+  check_output(output_, part_kind);
   if (partial_.has_parent_path()) make_folder(partial_.parent_path());
   lock_ = lock_folder(partial_);
+  // from a process that was killed between two renames
+  if (const fs::path old = old_name(partial_); !fs::exists(output_) && fs::is_directory(old))
+    fs::rename(old, output_);
   if (fs::is_directory(partial_)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(partial_))
       if (std::find(kept.begin(), kept.end(), entry.path().filename().string()) == kept.end())
@@ -78,8 +129,8 @@ ResultsFolder::~ResultsFolder() {
 
 // The older folder and the new one change names at once, where the file system can do that; else there is a
 // moment in which the output has neither.
-void ResultsFolder::put_in_place() const {
-  const fs::path old = partial_.string() + ".old";
+void ResultsFolder::exchange() const {
+  const fs::path old = old_name(partial_);
   std::error_code error;
   fs::remove_all(old, error);
   bool moved = false;
@@ -97,9 +148,13 @@ void ResultsFolder::put_in_place() const {
   fs::remove_all(old, error);
 }
 
-void ResultsFolder::discard() const {
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
+void ResultsFolder::put_in_place(const Kept& unfinished) const {
+  exchange();
+  for (const std::string& name : unfinished) {
+    std::error_code error;
+    fs::remove_all(output_ / name, error);
+    if (error) throw OutputError((output_ / name).string(), "cannot be removed: " + error.message());
+  }
 }
 
 void on_threads(int threads, const std::function<void(int)>& work) {

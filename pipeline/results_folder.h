@@ -6,29 +6,37 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/item_journal.h"
+
 namespace trilat {
 
 using Kept = std::vector<std::string>;  // names of files and folders
 
-// A results folder, or a part of one, that is filled beside its name and put in place at the end; an older
-// one of that name is replaced, any other folder is refused. What is not put in place stays as
-// `output`.partial.
+// The name under which an output is put in place: what a link leads to, without a slash at the end.
+std::filesystem::path output_name(const std::filesystem::path& folder);
+
+// A results folder, or a part of one, that is filled beside its name and put in place at the end. Older
+// results of that name are replaced, a part by parts of its kind only, any other folder is refused. What is
+// not put in place stays as `output`.partial.
 class ResultsFolder {
  public:
-  // Of a folder that was left unfinished, `kept` stays, all else is removed. InputError when another process
-  // is filling it.
-  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {});
+  // Of a folder that was left unfinished, `kept` stays, all else is removed. `part_kind`: WorkPart::kind of
+  // what will be written; empty for results. InputError when another process is filling it.
+  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {},
+                         const std::string& part_kind = {});
   ~ResultsFolder();
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;
 
   const std::filesystem::path& partial() const { return partial_; }
   const std::filesystem::path& output() const { return output_; }
-  void put_in_place() const;
-  // Leaves the older output as it is: nothing changed.
-  void discard() const;
+  // `unfinished`: what only an unfinished output needs; it is removed afterwards, so that whatever happens
+  // the work goes on from it.
+  void put_in_place(const Kept& unfinished = {ItemJournal::kFile}) const;
 
  private:
+  void exchange() const;
+
   std::filesystem::path output_, partial_;
   int lock_ = -1;
 };

@@ -18,6 +18,7 @@
 #include "pipeline/replay_take.h"
 #include "pipeline/solve_block.h"
 #include "pipeline/take_data.h"
+#include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
 #include "pipeline/tracking_check.h"
 
@@ -69,16 +70,6 @@ TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
 // How much the progress counts a take.
 std::uint64_t work_of(const Plan& plan, std::size_t take) {
   return plan.takes[take].instants * (1 + kWindowedWork * windowed_methods(plan));
-}
-
-// Where an item's take was left: in a part, or a run that was stopped, in a folder of its own.
-std::filesystem::path folder_of(const std::filesystem::path& output, const PlannedTake& planned) {
-  const std::filesystem::path own = output / "takes" / planned.take.id;
-  return std::filesystem::is_directory(own) ? own : output;
-}
-
-std::filesystem::path take_folder(const RunPlace& place, const PlannedTake& planned) {
-  return place.folder / "takes" / planned.take.id;
 }
 
 // Solves the take block by block into `samples`.
@@ -151,18 +142,18 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
       if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
     EvaluatedTake take;
     take.key = key_of_take(plan, index, inputs, shared.options.cross_check);
-    const auto has_samples = [&](const std::filesystem::path& output) {
-      return std::filesystem::exists(folder_of(output, planned) / "samples.h5");
-    };
-    if (const auto found = shared.place.items.find(planned.take.id, take.key, has_samples)) {
+    const auto holds = [&](const ItemStore::Found& there) { return holds_take(plan, index, there.folder); };
+    if (const auto found = shared.place.items.find(planned.take.id, take.key, holds)) {
+      check_unchanged(planned.take, shared.place.written.at(index));
       take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
-      take.folder = folder_of(found->folder, planned);
+      take.folder = folder_of_take(found->folder, planned.take.id);
       shared.advance(work_of(plan, index));
       return take;
     }
     check_memory(plan, planned, shared.options.memory_bytes);
-    take.folder = take_folder(shared.place, planned);
+    take.folder = own_folder(shared.place.folder, planned.take.id);
     take.result = evaluate_take(shared, index, take.folder);
+    check_unchanged(planned.take, shared.place.written.at(index));
     take.result.inputs = std::move(inputs);
     for (TakeNote& note : take.result.notes) note = within_campaign(note, plan.campaign);
     shared.place.items.add(planned.take.id, take.key, json_of(take.result));

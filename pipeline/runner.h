@@ -14,6 +14,7 @@
 #include "pipeline/items/item_store.h"
 #include "pipeline/memory_budget.h"
 #include "pipeline/plan.h"
+#include "pipeline/take_key.h"
 #include "pipeline/take_result.h"
 
 namespace trilat {
@@ -38,6 +39,7 @@ struct RunPlace {
   std::filesystem::path folder;  // the unfinished output; a take's samples go to takes/ID
   ItemStore& items;
   HashCache& hashes;
+  std::vector<FilesWritten> written;  // by take, from before the plan was made
 };
 
 struct TakesRun {

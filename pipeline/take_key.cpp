@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
+#include "pipeline/items/file_identity.h"
 #include "pipeline/items/item_store.h"
 #include "pipeline/replay_take.h"
 
@@ -25,18 +27,35 @@ Json json_of(const Take& take, std::span<const TakeInput> inputs) {
 
 }  // namespace
 
+std::vector<TakeFile> files_of(const Take& take) {
+  std::vector<TakeFile> files{{"session", take.session},
+                              {"calibration", take.calibration},
+                              {"mocap", take.mocap},
+                              {"mapping", take.mapping}};
+  if (!take.tracker_truth.empty()) files.push_back({"tracker_truth", take.tracker_truth});
+  return files;
+}
+
+FilesWritten files_written(const Take& take) {
+  FilesWritten written;
+  for (const TakeFile& file : files_of(take)) written.push_back(when_written(file.path));
+  return written;
+}
+
+void check_unchanged(const Take& take, const FilesWritten& before) {
+  const std::vector<TakeFile> files = files_of(take);
+  for (std::size_t f = 0; f < files.size(); ++f)
+    if (when_written(files[f].path) != before.at(f))
+      throw InputError(files[f].path.string(), "changed while the take was evaluated; run again");
+}
+
 std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,
                                  const std::function<bool()>& stop_requested) {
   std::vector<TakeInput> inputs;
-  const auto add = [&](const char* role, const std::filesystem::path& path) {
-    const HashedFile file = hashes.hash(path, stop_requested);
-    inputs.push_back({role, path.filename().string(), file.bytes, file.sha256});
-  };
-  add("session", take.session);
-  add("calibration", take.calibration);
-  add("mocap", take.mocap);
-  add("mapping", take.mapping);
-  if (!take.tracker_truth.empty()) add("tracker_truth", take.tracker_truth);
+  for (const TakeFile& file : files_of(take)) {
+    const HashedFile hashed = hashes.hash(file.path, stop_requested);
+    inputs.push_back({file.role, file.path.filename().string(), hashed.bytes, hashed.sha256});
+  }
   return inputs;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
@@ -12,6 +13,20 @@
 #include "pipeline/take_result.h"
 
 namespace trilat {
+
+// The files that a take is made of, by what they are.
+struct TakeFile {
+  const char* role;
+  std::filesystem::path path;
+};
+std::vector<TakeFile> files_of(const Take& take);
+
+// When each of its files was last written. To be asked before a take is planned, and given to
+// check_unchanged() when it was evaluated: InputError when a file was written meanwhile, since what was
+// computed then belongs to no one content of it.
+using FilesWritten = std::vector<std::string>;
+FilesWritten files_written(const Take& take);
+void check_unchanged(const Take& take, const FilesWritten& before);
 
 // The files of a take with their hashes. Interrupted when asked to stop.
 std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,

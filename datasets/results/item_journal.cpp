@@ -20,7 +20,7 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 Json json_of(const DoneItem& item) { return {{"id", item.id}, {"key", item.key}, {"outcome", item.outcome}}; }
 
-// A line is the hash of the rest of it, a space, and the item.
+// A line is the hash of the rest of it, a space, and the item; one without a key says that it is forgotten.
 std::string line_of(const DoneItem& item) {
   const std::string text = json_text(json_of(item), -1);
   return hash_of_text(text) + ' ' + text + '\n';
@@ -47,14 +47,17 @@ std::map<std::string, DoneItem> read_journal(const std::filesystem::path& path) 
   for (std::string line; std::getline(file, line);)
     if (auto item = read_line(line, path.string())) {
       std::string id = item->id;
-      items[id] = std::move(*item);
+      if (item->key.empty())
+        items.erase(id);
+      else
+        items[id] = std::move(*item);
     }
   return items;
 }
 
 }  // namespace
 
-ItemJournal::ItemJournal(const std::filesystem::path& folder) : path_(folder / "items.jsonl") {
+ItemJournal::ItemJournal(const std::filesystem::path& folder) : path_(folder / kFile) {
   items_ = read_journal(path_);
   std::string text;  // without what is torn, so that nothing is appended to half a line
   for (const auto& [id, item] : items_) text += line_of(item);
@@ -75,8 +78,20 @@ std::optional<Json> ItemJournal::find(const std::string& id, const std::string& 
 }
 
 void ItemJournal::add(const DoneItem& item) {
-  const std::string line = line_of(item);
   const std::lock_guard lock(mutex_);
+  append(item);
+  items_[item.id] = item;
+}
+
+void ItemJournal::forget(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  if (!items_.contains(id)) return;
+  append({id, "", nullptr});
+  items_.erase(id);
+}
+
+void ItemJournal::append(const DoneItem& item) {
+  const std::string line = line_of(item);
   for (std::string_view rest = line; !rest.empty();) {
     const ssize_t count = ::write(file_, rest.data(), rest.size());
     if (count < 0 && errno == EINTR) continue;
@@ -86,14 +101,6 @@ void ItemJournal::add(const DoneItem& item) {
   }
   if (::fdatasync(file_) != 0)
     throw OutputError(path_.string(), std::string("cannot be synced to disk: ") + std::strerror(errno));
-  items_[item.id] = item;
-}
-
-void ItemJournal::remove() {
-  if (file_ >= 0) ::close(file_);
-  file_ = -1;
-  if (::unlink(path_.c_str()) != 0 && errno != ENOENT)
-    throw OutputError(path_.string(), std::string("cannot be removed: ") + std::strerror(errno));
 }
 
 void write_items(const std::filesystem::path& folder, std::span<const DoneItem> items,

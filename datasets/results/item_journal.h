@@ -22,10 +22,12 @@ struct DoneItem {
   Json outcome;
 };
 
-// What a run has done so far, in `folder`/items.jsonl beside its unfinished output: one line an item, so that
+// What a run has done so far, in `folder`/items.jsonl of its unfinished output: one line an item, so that
 // a run that was stopped, however it was, goes on from there.
 class ItemJournal {
  public:
+  static constexpr const char* kFile = "items.jsonl";
+
   // Opens the journal or begins one. Lines that are torn or were not written by us are left out.
   explicit ItemJournal(const std::filesystem::path& folder);
   ~ItemJournal();
@@ -36,10 +38,13 @@ class ItemJournal {
   std::optional<Json> find(const std::string& id, const std::string& key) const;
   // From any thread; the item is on the disk when this returns. OutputError when it cannot be.
   void add(const DoneItem& item);
-  // Closes and removes the file: the output is finished, or will tell by itself what was done.
-  void remove();
+  // Nothing is known of the item any more, when this returns also on the disk: what lies beside the journal
+  // for it may now be overwritten.
+  void forget(const std::string& id);
 
  private:
+  void append(const DoneItem& item);
+
   std::filesystem::path path_;
   mutable std::mutex mutex_;
   std::map<std::string, DoneItem> items_;

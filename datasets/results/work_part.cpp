@@ -2,20 +2,28 @@
 #include "datasets/results/work_part.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/plain_name.h"
 #include "datasets/base/version.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kMostShards = 1'000'000;
 constexpr std::size_t kMostBytes = std::size_t{1} << 28;
 constexpr std::size_t kMostNamed = 10;
+
+// None that would lead out of the part.
+bool is_item_id(std::string_view id) {
+  for (std::size_t end; (end = id.find('/')) != std::string_view::npos; id.remove_prefix(end + 1))
+    if (!is_plain_name(id.substr(0, end))) return false;
+  return is_plain_name(id);
+}
 
 std::string name_of(const WorkPart& part) { return fmt::format("{}/{}", part.number, part.of); }
 
@@ -101,7 +109,8 @@ WorkPart read_part(const std::filesystem::path& folder) {
   part.build = object.text("build");
   part.number = object.count("shard");
   part.of = object.count("shards");
-  if (part.of == 0 || part.of > kMostShards) object.refuse("shards", "must be 1 to 1000000");
+  if (part.of == 0 || part.of > kMostShards)
+    object.refuse("shards", fmt::format("must be 1 to {}", kMostShards));
   if (part.number == 0 || part.number > part.of) object.refuse("shard", "must be 1 to the number of shards");
   part.work = object.value("work");
   for (JsonObject& entry : object.objects("items")) {
@@ -109,8 +118,9 @@ WorkPart read_part(const std::filesystem::path& folder) {
     entry.finish();
     const PartItem& item = part.items.back();
     if (item.shard == 0 || item.shard > part.of) entry.refuse("shard", "must be 1 to the number of shards");
-    if (item.id.starts_with('/') || item.id.find("..") != std::string::npos)
-      entry.refuse("id", "is no name of an item: it would lead out of the part");
+    if (!is_item_id(item.id))
+      entry.refuse("id",
+                   "is no name of an item: letters, digits, '-', '_' or '.', parts of it divided by '/'");
   }
   object.finish();
   return part;

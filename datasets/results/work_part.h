@@ -13,9 +13,11 @@
 
 namespace trilat {
 
+inline constexpr std::uint64_t kMostShards = 100'000;
+
 // One item of a work that several processes share.
 struct PartItem {
-  std::string id;
+  std::string id;           // plain names with '/' between them
   double cost = 1.0;        // estimated, in any unit that all items share
   std::uint64_t shard = 1;  // whose it is, from 1
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/take/campaign.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <set>
 
@@ -9,6 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/plain_name.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -21,14 +21,6 @@ void check_format(JsonObject& object, const char* format) {
   if (object.text("format") != format) object.refuse("format", std::string("must be \"") + format + '"');
   if (object.integer("version") != 1)
     object.refuse("version", "is another version; this program reads version 1");
-}
-
-bool is_plain_name(const std::string& text) {
-  return !text.empty() && text.size() <= 100 && text[0] != '.' &&
-         std::all_of(text.begin(), text.end(), [](char c) {
-           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-                  c == '_' || c == '.';
-         });
 }
 
 Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePaths outside) {

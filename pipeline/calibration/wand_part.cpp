@@ -89,7 +89,7 @@ void search_recording(const WandWork& work, std::size_t r, const std::vector<Run
     const auto compute = [&] {
       return Json{{"sha256", hash_of_file(recording.place, work.options.search.stop_requested)}};
     };
-    if (items.outcome(hash_item(r), compute, Json{{"recording", recording.fingerprint}}))
+    if (items.outcome(hash_item(r), compute, {.settings = Json{{"recording", recording.fingerprint}}}))
       progress.add(hash_cost(recording));
   };
   const auto search = [&](const RunItem& item) {
@@ -103,7 +103,7 @@ void search_recording(const WandWork& work, std::size_t r, const std::vector<Run
                         {"intrinsics", json_of(recording.sensors[item.run.sensor].intrinsics)},
                         {"ball_radius_m", work.options.search.find.ball_radius_m},
                         {"frames", item.run.count}};
-    if (items.outcome(item.id, compute, settings) && !searched) progress.add(item.run.count);
+    if (items.outcome(item.id, compute, {.settings = settings}) && !searched) progress.add(item.run.count);
   };
   parallel_for_index(runs.size() + 1, 1, [&](std::size_t i) { i == 0 ? hash() : search(runs[i - 1]); });
 }
@@ -167,15 +167,14 @@ ItemTally search_wand_part(const std::vector<fs::path>& sessions, WandMethod met
     recording.fingerprint = fingerprint_of(SessionReader(recording.place));
   const auto runs = run_items(work);
   const std::vector<PartItem> all = part_items(work, runs);
-  const ResultsFolder folder(output, {"items.jsonl"});
+  const ResultsFolder folder(output, {ItemJournal::kFile}, kWandPart);
   std::vector<fs::path> earlier;
   if (fs::is_directory(folder.output())) earlier.push_back(folder.output());
   StudyItems items(kWandPart, json_of(work), all, folder.partial(), {shard, earlier});
   SharedProgress progress(all, shard, options.search.progress);
   if (const auto& world = work.options.world)
-    items.outcome(
-        kMocapItem, [&] { return json_of(read_wand_track(world->mocap, world->asset)); },
-        Json{{"mocap", work.other_sources.front().sha256}, {"asset", world->asset}});
+    items.outcome(kMocapItem, [&] { return json_of(read_wand_track(world->mocap, world->asset)); },
+                  {.settings = Json{{"mocap", work.other_sources.front().sha256}, {"asset", world->asset}}});
   for (std::size_t r = 0; r < runs.size(); ++r) search_recording(work, r, runs[r], items, progress);
   items.finish(folder.partial(), "");
   folder.put_in_place();

@@ -100,14 +100,17 @@ std::vector<PartItem> list_of_items() {
   return items;
 }
 
-BudgetSummary summary_of(const Json& work) {
+BudgetSummary summary_of(const Json& json, const std::string& place) {
+  JsonObject work(json, place, "/work");
   BudgetSummary budget;
-  budget.study = work.at("study").at("name").get<std::string>();
-  budget.campaign = work.at("campaign").get<std::string>();
-  budget.seed = work.at("seed").get<std::uint64_t>();
-  budget.participants = work.at("participants").get<std::uint64_t>();
-  budget.calibration_sigma_m = work.at("calibration_sigma_m").get<double>();
-  budget.calibration_sigma_rad = work.at("calibration_sigma_deg").get<double>() * kRadPerDegree;
+  budget.study = work.object("study").text("name");
+  budget.campaign = work.text("campaign");
+  budget.seed = work.count("seed");
+  budget.participants = work.count("participants");
+  budget.calibration_sigma_m = work.number("calibration_sigma_m");
+  budget.calibration_sigma_rad = work.number("calibration_sigma_deg") * kRadPerDegree;
+  work.text("sha256");
+  work.finish();
   return budget;
 }
 
@@ -117,11 +120,11 @@ void add_source(ErrorSource source, const Json& rows, BudgetSummary& budget) {
   for (const Json& row : rows) budget.rows.push_back(read_budget_row(JsonObject(row, name_of(source), "")));
 }
 
-// `compute` makes the rows of a source that is not known.
-BudgetSummary put_together(const Json& work, StudyItems& items, const std::filesystem::path& folder,
+// `budget`: without its rows; `compute` makes those of a source that is not known.
+BudgetSummary put_together(BudgetSummary budget, const Json& work, StudyItems& items,
+                           const std::filesystem::path& folder,
                            const std::vector<DeclaredParameter>& parameters,
                            const std::function<Json(ErrorSource)>& compute) {
-  BudgetSummary budget = summary_of(work);
   for (const ErrorSource source : error_sources())
     if (const auto rows = items.outcome(name_of(source), [&] { return compute(source); }))
       add_source(source, *rows, budget);
@@ -143,13 +146,15 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
   const std::vector<PartItem> list = list_of_items();
   if (is_done_already(output, options.work, key_of_item(work), list, options.tally))
     return read_budget_summary(output);
-  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{"items.jsonl"});
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
+                             options.work.shard.whole() ? "" : name_of(ResultsKind::error_budget));
   BudgetSummary budget;
   on_threads(options.threads, [&](int threads) {
     StudyItems items(name_of(ResultsKind::error_budget), work, list, folder.partial(), options.work);
-    budget = put_together(
-        work, items, folder.partial(), declared_parameters(spec.simulation),
-        [&](ErrorSource source) { return measure_source(spec, source, folder.partial() / "work", options); });
+    budget = put_together(summary_of(work, output.string()), work, items, folder.partial(),
+                          declared_parameters(spec.simulation), [&](ErrorSource source) {
+                            return measure_source(spec, source, folder.partial() / "work", options);
+                          });
     if (options.tally) *options.tally = items.tally();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     write_run_record(folder.partial(), Json::object(), wall.count(), threads);
@@ -161,10 +166,12 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
 BudgetSummary merge_budget(const std::vector<FoundPart>& parts, const std::filesystem::path& output,
                            const BudgetOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  const FoundPart& first = parts.front();
+  const BudgetSummary head = summary_of(first.part.work, (first.folder / "part.json").string());
   StudyItems items(parts);
   const ResultsFolder folder(output);
-  const BudgetSummary budget = put_together(parts.front().part.work, items, folder.partial(),
-                                            read_declared_parameters(parts.front().folder), {});
+  const BudgetSummary budget = put_together(head, first.part.work, items, folder.partial(),
+                                            read_declared_parameters(first.folder), {});
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   write_run_record(folder.partial(), Json::object(), wall.count(), options.threads);
   folder.put_in_place();

@@ -4,11 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/results_folder.h"
 #include "reports/calibration_tables.h"
 #include "reports/render.h"
 
@@ -33,7 +35,7 @@ int print_plan(const CalibrationSpec& spec, bool json) {
 
 int print_results(const CalibrationSummary& summary, const std::filesystem::path& output, Json document,
                   bool json) {
-  const std::filesystem::path folder = summary.interrupted ? output.string() + ".partial" : output.string();
+  const std::filesystem::path folder = summary.interrupted ? partial_name(output_name(output)) : output;
   if (json) {
     document.update(
         Json{{"results", folder.string()}, {"simulated", true}, {"interrupted", summary.interrupted}});

@@ -4,12 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/results_folder.h"
 #include "reports/render.h"
 #include "reports/table4.h"
 
@@ -33,7 +35,7 @@ int print_plan(const RecordingSpec& spec, bool json) {
 int print_results(const RecordingOutcome& outcome, const std::filesystem::path& output, Json document,
                   bool json) {
   const bool interrupted = outcome.summary.interrupted;
-  const std::filesystem::path folder = interrupted ? output.string() + ".partial" : output.string();
+  const std::filesystem::path folder = interrupted ? partial_name(output_name(output)) : output;
   if (json) {
     document.update(Json{{"results", folder.string()}, {"simulated", true}, {"interrupted", interrupted}});
     fmt::print("{}\n", json_text(document, 2));

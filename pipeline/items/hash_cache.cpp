@@ -2,17 +2,15 @@
 #include "pipeline/items/hash_cache.h"
 
 #include <ctime>
-#include <optional>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/stat.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
+#include "pipeline/items/file_identity.h"
 
 namespace trilat {
 namespace {
@@ -20,21 +18,6 @@ namespace {
 constexpr const char* kFile = "hashes.json";
 constexpr const char* kFormat = "trilat.hashes";
 constexpr std::int64_t kSettled_s = 2;
-
-struct Identity {
-  std::string text;
-  std::uintmax_t bytes = 0;
-  std::int64_t changed_s = 0;
-};
-
-std::optional<Identity> identity_of(const std::filesystem::path& file) {
-  struct stat s;
-  if (::stat(file.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return std::nullopt;
-  const auto time = [](const timespec& t) { return fmt::format("{}.{:09}", t.tv_sec, t.tv_nsec); };
-  return Identity{
-      fmt::format("{}:{}:{}:{}:{}", s.st_dev, s.st_ino, s.st_size, time(s.st_mtim), time(s.st_ctim)),
-      static_cast<std::uintmax_t>(s.st_size), std::max<std::int64_t>(s.st_mtim.tv_sec, s.st_ctim.tv_sec)};
-}
 
 }  // namespace
 
@@ -53,16 +36,16 @@ HashedFile HashCache::hash(const std::filesystem::path& file, const std::functio
   if (!before) return {};
   {
     const std::lock_guard lock(mutex_);
-    if (const auto known = sha256_.find(before->text); known != sha256_.end())
+    if (const auto known = sha256_.find(before->changed); known != sha256_.end())
       return {known->second, before->bytes};
   }
   const std::int64_t now_s = std::time(nullptr);
   try {
     const std::string sha256 = hash_of_file(file, stop_requested);
     const auto after = identity_of(file);
-    if (after && after->text == before->text && after->changed_s + kSettled_s <= now_s) {
+    if (after && after->changed == before->changed && after->changed_s + kSettled_s <= now_s) {
       const std::lock_guard lock(mutex_);
-      sha256_[before->text] = sha256;
+      sha256_[before->changed] = sha256;
     }
     return {sha256, before->bytes};
   } catch (const InputError&) {

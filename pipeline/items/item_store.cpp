@@ -4,6 +4,7 @@
 #include "datasets/base/build_id.h"
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "pipeline/items/file_identity.h"
 
 namespace trilat {
 
@@ -16,7 +17,7 @@ ItemStore::ItemStore(const std::filesystem::path& folder, std::span<const std::f
   for (const std::filesystem::path& earlier : reuse) {
     if (!std::filesystem::is_directory(earlier))
       throw InputError(earlier.string(), "is no folder whose results could be used again");
-    Earlier known{earlier, {}};
+    Earlier known{earlier, when_written(earlier / "items.json"), false, {}};
     for (DoneItem& item : read_items(earlier).items) {
       std::string id = item.id;
       known.items[id] = std::move(item);
@@ -25,21 +26,26 @@ ItemStore::ItemStore(const std::filesystem::path& folder, std::span<const std::f
   }
 }
 
-std::optional<ItemStore::Found> ItemStore::find(
-    const std::string& id, const std::string& key,
-    const std::function<bool(const std::filesystem::path&)>& usable) {
-  if (auto outcome = journal_.find(id, key); outcome && (!usable || usable(folder_))) {
-    const std::lock_guard lock(mutex_);
-    tally_.continued.push_back(id);
-    return Found{std::move(*outcome), folder_};
+std::optional<ItemStore::Found> ItemStore::find(const std::string& id, const std::string& key,
+                                                const Usable& usable) {
+  if (auto outcome = journal_.find(id, key)) {
+    Found found{std::move(*outcome), folder_};
+    if (!usable || usable(found)) {
+      const std::lock_guard lock(mutex_);
+      tally_.continued.push_back(id);
+      return found;
+    }
   }
-  for (const Earlier& known : earlier_) {
+  journal_.forget(id);  // before its files are made anew
+  for (Earlier& known : earlier_) {
     const auto item = known.items.find(id);
     if (item == known.items.end() || item->second.key != key) continue;
-    if (usable && !usable(known.folder)) continue;
+    Found found{item->second.outcome, known.folder};
+    if (usable && !usable(found)) continue;
     const std::lock_guard lock(mutex_);
+    known.used = true;
     tally_.reused.push_back(id);
-    return Found{item->second.outcome, known.folder};
+    return found;
   }
   return std::nullopt;
 }
@@ -48,6 +54,13 @@ void ItemStore::add(const std::string& id, const std::string& key, const Json& o
   journal_.add({id, key, outcome});
   const std::lock_guard lock(mutex_);
   tally_.computed.push_back(id);
+}
+
+void ItemStore::check_earlier() const {
+  const std::lock_guard lock(mutex_);
+  for (const Earlier& known : earlier_)
+    if (known.used && when_written(known.folder / "items.json") != known.written)
+      throw InputError(known.folder.string(), "was replaced while its results were used again; run again");
 }
 
 ItemTally ItemStore::tally() const {

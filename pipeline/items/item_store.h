@@ -41,18 +41,21 @@ class ItemStore {
     Json outcome;
     std::filesystem::path folder;
   };
-  // `usable`: asked whether a folder still holds what belongs to the outcome; without one all do.
-  std::optional<Found> find(const std::string& id, const std::string& key,
-                            const std::function<bool(const std::filesystem::path&)>& usable = {});
+  using Usable = std::function<bool(const Found&)>;
+  // `usable`: asked whether a folder still holds what belongs to the outcome; without one all do. What an
+  // earlier run left of the item in this folder is forgotten unless it is what was found.
+  std::optional<Found> find(const std::string& id, const std::string& key, const Usable& usable = {});
   // An item that was computed; it is on the disk when this returns.
   void add(const std::string& id, const std::string& key, const Json& outcome);
-  // What the output will hold besides: removes the journal.
-  void finish() { journal_.remove(); }
+  // For those who read files of an earlier output: InputError when it was replaced since this was made.
+  void check_earlier() const;
   ItemTally tally() const;
 
  private:
   struct Earlier {
     std::filesystem::path folder;
+    std::string written;  // its items.json
+    bool used = false;
     std::map<std::string, DoneItem> items;
   };
   std::filesystem::path folder_;

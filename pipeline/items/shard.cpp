@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "datasets/base/error.h"
+#include "datasets/results/work_part.h"
 
 namespace trilat {
 namespace {

@@ -16,8 +16,6 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-inline constexpr std::uint64_t kMostShards = 100'000;
-
 // "3/7"; InputError at `place` when it is not k/n with 1 <= k <= n.
 Shard parse_shard(const std::string& text, const std::string& place);
 

@@ -12,6 +12,10 @@
 
 namespace trilat {
 
+std::string key_in_study(const Json& study, const std::string& id) {
+  return key_of_item({{"study", study}, {"item", id}});
+}
+
 StudyItems::StudyItems(std::string kind, Json study, std::vector<PartItem> items,
                        const std::filesystem::path& folder, const WorkOptions& options)
     : kind_(std::move(kind)),
@@ -38,14 +42,14 @@ StudyItems::StudyItems(const std::vector<FoundPart>& parts)
 }
 
 std::optional<Json> StudyItems::outcome(const std::string& id, const std::function<Json()>& compute,
-                                        const std::optional<Json>& settings) {
+                                        const OutcomeOptions& options) {
   if (!store_) return done_.at(id).outcome;
   const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
   TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
   if (item->shard != shard_.number) return std::nullopt;
-  const std::string key = key_of_item(settings ? Json{{"settings", *settings}, {"item", id}}
-                                               : Json{{"study", study_}, {"item", id}});
-  std::optional<ItemStore::Found> found = store_->find(id, key);
+  const std::string key = options.settings ? key_of_item({{"settings", *options.settings}, {"item", id}})
+                                           : key_in_study(study_, id);
+  std::optional<ItemStore::Found> found = store_->find(id, key, options.usable);
   Json outcome = found ? std::move(found->outcome) : compute();
   if (!found) store_->add(id, key, outcome);
   const std::lock_guard lock(mutex_);
@@ -59,13 +63,15 @@ void StudyItems::finish(const std::filesystem::path& folder, const std::string& 
     if (const auto found = done_.find(item.id); found != done_.end()) done.push_back(found->second);
   write_items(folder, done, key);
   if (!whole()) write_part(folder, {kind_, build_id(), shard_.number, shard_.of, study_, items_});
-  if (store_) store_->finish();
 }
 
 bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
                      std::span<const PartItem> items, ItemTally* tally) {
   const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
   if (!asked || !options.shard.whole() || read_items_key(output) != key) return false;
+  for (const char* file : {"manifest.json", "summary.json", "run.json"})
+    if (!std::filesystem::exists(output / file)) return false;
+  if (std::filesystem::exists(output / ItemJournal::kFile)) return false;  // it could not be removed
   for (const PartItem& item : items)
     if (tally) tally->reused.push_back(item.id);
   return true;

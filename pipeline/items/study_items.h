@@ -18,6 +18,14 @@
 
 namespace trilat {
 
+// The key of an item of a study whose settings all its items depend on.
+std::string key_in_study(const Json& study, const std::string& id);
+
+struct OutcomeOptions {
+  std::optional<Json> settings = {};  // all that the item depends on, where that is not the whole study
+  ItemStore::Usable usable = {};      // of an outcome that is known
+};
+
 // The work items of a study that makes its own data: each is computed here, found done, or left to another
 // shard. Outcomes are JSON documents.
 class StudyItems {
@@ -30,15 +38,15 @@ class StudyItems {
   explicit StudyItems(const std::vector<FoundPart>& parts);
 
   // The outcome of an item, from `compute` when it is this run's and not known; nothing when it is another
-  // shard's. `settings`: all that the item depends on, where that is not the whole study. From any thread.
+  // shard's. From any thread.
   std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute,
-                              const std::optional<Json>& settings = std::nullopt);
+                              const OutcomeOptions& options = {});
   // Whether this run has all items, so that they can be put together.
   bool whole() const { return shard_.whole(); }
   // Whether work that belongs to no item (timing) is this run's.
   bool first() const { return shard_.number == 1; }
   ItemTally tally() const { return store_ ? store_->tally() : ItemTally{}; }
-  // Writes items.json with `key`, and part.json when this is a shard; removes the journal.
+  // Writes items.json with `key`, and part.json when this is a shard.
   void finish(const std::filesystem::path& folder, const std::string& key);
 
  private:

@@ -27,6 +27,7 @@ class EarlierCells {
  private:
   struct Earlier {
     std::filesystem::path folder;
+    std::string written;  // its items.json
     std::size_t items = 0;
     std::map<std::string, std::size_t> number_of_key;
     std::vector<SweepRecord::Reused> cells;  // once one was asked for

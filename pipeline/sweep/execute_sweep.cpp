@@ -24,6 +24,11 @@ double seconds_since(Clock::time_point start) {
 
 bool is_part(const ExecuteSweepOptions& options) { return !options.work.shard.whole(); }
 
+// What only an unfinished output needs could not be removed when it was put in place.
+bool holds_unfinished(const fs::path& folder, bool is_part) {
+  return fs::exists(folder / SweepLog::kOpen) || (!is_part && fs::exists(folder / SweepLog::kFinished));
+}
+
 bool holds_part(const fs::path& folder, const SweepPlan& plan, const Shard& shard) {
   if (!fs::exists(folder / "part.json") || !fs::exists(folder / SweepLog::kFinished)) return false;
   const WorkPart there = read_part(folder), wanted = part_of(plan, shard);
@@ -93,26 +98,24 @@ SweepOutcome execute_into(const SweepPlan& plan, const ResultsFolder& folder,
       folder.partial(),
       {{"trials_s", trials_s}, {"timing_s", wall_s - trials_s}, {"reused", reused_json(plan, outcome.tally)}},
       wall_s, threads);
-  if (!run.interrupted) log.finish(outcome.is_part);
   return outcome;
 }
 
 }  // namespace
 
-SweepOutcome execute_sweep(const SweepPlan& plan, const fs::path& output,
-                           const ExecuteSweepOptions& options) {
-  std::optional<ResultsFolder> folder(std::in_place, output,
-                                      options.fresh ? Kept{} : Kept{SweepLog::kFinished, SweepLog::kOpen});
-  const bool is_there = is_part(options) ? holds_part(folder->output(), plan, options.work.shard)
-                                         : holds_sweep(folder->output(), plan);
-  if (is_there && !options.fresh) {
-    folder->discard();
-    return unchanged(plan, folder->output(), options);
-  }
+SweepOutcome execute_sweep(const SweepPlan& plan, const fs::path& asked, const ExecuteSweepOptions& options) {
+  const fs::path output = output_name(asked);
+  const bool is_there =
+      is_part(options) ? holds_part(output, plan, options.work.shard) : holds_sweep(output, plan);
+  if (is_there && !options.fresh && !holds_unfinished(output, is_part(options)))
+    return unchanged(plan, output, options);
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{SweepLog::kFinished, SweepLog::kOpen},
+                             is_part(options) ? kSweepPart : "");
   SweepOutcome outcome;
-  on_threads(options.threads, [&](int threads) { outcome = execute_into(plan, *folder, options, threads); });
-  outcome.folder = outcome.summary.interrupted ? folder->partial() : folder->output();
-  if (!outcome.summary.interrupted) folder->put_in_place();
+  on_threads(options.threads, [&](int threads) { outcome = execute_into(plan, folder, options, threads); });
+  outcome.folder = outcome.summary.interrupted ? folder.partial() : folder.output();
+  if (!outcome.summary.interrupted)
+    folder.put_in_place(outcome.is_part ? Kept{SweepLog::kOpen} : Kept{SweepLog::kFinished, SweepLog::kOpen});
   return outcome;
 }
 

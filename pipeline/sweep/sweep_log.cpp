@@ -56,9 +56,4 @@ void SweepLog::save(const SweepRecord* open) {
   if (open != nullptr) write_file(open_, line_of(*open) + '\n');
 }
 
-void SweepLog::finish(bool finished_are_wanted) const {
-  std::filesystem::remove(open_);
-  if (!finished_are_wanted) std::filesystem::remove(finished_);
-}
-
 }  // namespace trilat

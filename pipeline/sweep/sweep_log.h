@@ -28,8 +28,6 @@ class SweepLog {
   void add(const SweepRecord& finished);
   // All that was added, and the open cell if there is one, are on the disk when this returns.
   void save(const SweepRecord* open);
-  // Nothing is open any more; the finished cells are forgotten too, unless they are wanted.
-  void finish(bool finished_are_wanted) const;
 
  private:
   void append_pending();

@@ -56,7 +56,7 @@ SweepSummary summary_of(const SweepPlan& plan, std::vector<SweepCell> cells, boo
 }
 
 bool holds_sweep(const std::filesystem::path& folder, const SweepPlan& plan) {
-  for (const char* file : {"manifest.json", "summary.json", "items.json"})
+  for (const char* file : {"manifest.json", "summary.json", "items.json", "run.json"})
     if (!std::filesystem::exists(folder / file)) return false;
   return read_file(folder / "manifest.json") == manifest_text(plan) &&
          (plan.spec.time_problems == 0 || read_sweep_timings(folder)) && has_same_items(folder, plan);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/sweep/sweep_stripe.h"
 
+#include "datasets/results/work_part.h"
+
 namespace trilat {
 namespace {
 

@@ -51,12 +51,21 @@ TEST(ItemJournal, ANumberThatWasChangedIsNoticed) {
   EXPECT_EQ(ItemJournal(folder.path()).find("a", "key"), std::nullopt);
 }
 
-TEST(ItemJournal, IsNotSaidToBeRemovedWhenItIsStillThere) {
+TEST(ItemJournal, WhatWasForgottenStaysForgottenUntilItIsDoneAgain) {
   const ScratchFolder folder;
+  {
+    ItemJournal journal(folder.path());
+    journal.add({"a", "key", 1});
+    journal.add({"b", "key", 2});
+    journal.forget("a");
+    journal.forget("never done");
+    EXPECT_EQ(journal.find("a", "key"), std::nullopt);
+  }
   ItemJournal journal(folder.path());
-  std::filesystem::remove(folder / "items.jsonl");
-  std::filesystem::create_directory(folder / "items.jsonl");
-  EXPECT_THROW(journal.remove(), OutputError);
+  EXPECT_EQ(journal.find("a", "key"), std::nullopt);
+  EXPECT_THAT(journal.find("b", "key"), Optional(Json(2)));
+  journal.add({"a", "key", 3});
+  EXPECT_THAT(ItemJournal(folder.path()).find("a", "key"), Optional(Json(3)));
 }
 
 TEST(Items, AreReadAsTheyWereWritten) {

@@ -5,7 +5,12 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <tbb/global_control.h>
 
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "pipeline/cli/execute_budget.h"
+#include "pipeline/cli/simulate_part.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"
@@ -149,6 +154,114 @@ TEST(SimulateParts, MergeToTheCampaignThatOneSimulationMakes) {
     expect_same_results(folder / "whole", output);
   }
   EXPECT_THAT(run_trilat(folder, merge).err, HasSubstr("recordings are never replaced"));
+}
+
+// Three recordings of half a second.
+struct Simulated {
+  ScratchFolder folder;
+
+  void spec(int seed) {
+    write_file(folder / "simulation.json",
+               fmt::format(R"({{"format": "trilat.simulation", "version": 1, "name": "short", "seed": {},
+                 "participants": 3, "activities": [{{"name": "walking", "duration_s": 0.5}}]}})",
+                           seed));
+  }
+  ItemTally part(const std::filesystem::path& output, const Shard& shard,
+                 const SimulatePartOptions& options = {}) {
+    const auto file = folder / "simulation.json";
+    return simulate_part(read_simulation(file, {}), hash_of_file(file), shard, output, options);
+  }
+};
+
+TEST(SimulateParts, ASeedThatChangedAndChangedBackBetweenStopsLeavesNoOtherRecordings) {
+  Simulated simulated;
+  const auto stop_in = [&](int seed, const char* recording) {
+    simulated.spec(seed);
+    const auto session = simulated.folder / "part.partial" / recording / "session.h5";
+    std::filesystem::remove_all(session.parent_path());
+    const auto is_begun = [=] { return std::filesystem::exists(session.parent_path()); };
+    tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_THROW(simulated.part(simulated.folder / "part", {1, 1}, {is_begun, {}}), Interrupted);
+  };
+  stop_in(1, "p03-walking");
+  stop_in(2, "p02-walking");
+  simulated.spec(1);
+  simulated.part(simulated.folder / "part", {1, 1});
+  simulated.part(simulated.folder / "at-once", {1, 1});
+  expect_same_results(simulated.folder / "at-once", simulated.folder / "part");
+}
+
+TEST(SimulateParts, AFinishedPartIsLeftAloneAndNothingElseReplacesIt) {
+  Simulated simulated;
+  simulated.spec(1);
+  const auto part = simulated.folder / "part";
+  simulated.part(part, {1, 2});
+  const auto before = std::filesystem::last_write_time(part / "items.json");
+  EXPECT_THAT(simulated.part(part, {1, 2}).reused, testing::SizeIs(2));
+  std::filesystem::remove(part / "part.json");
+  EXPECT_THAT(simulated.part(part, {1, 2}).computed, testing::IsEmpty());
+  EXPECT_EQ(read_part(part).number, 1u);
+  EXPECT_EQ(std::filesystem::last_write_time(part / "items.json"), before);
+  const auto refused = [&] { return message_of([&] { simulated.part(part, {1, 2}); }); };
+  EXPECT_THAT(message_of([&] { simulated.part(part, {2, 2}); }), HasSubstr("recordings are never replaced"));
+  simulated.spec(2);
+  EXPECT_THAT(refused(), HasSubstr("recordings are never replaced"));
+  simulated.spec(1);
+  std::filesystem::remove(part / "p01-walking/mocap.csv");
+  EXPECT_THAT(refused(), HasSubstr("recordings are never replaced"));
+  write_file(simulated.folder / "study.json", kRecording);
+  EXPECT_THAT(
+      run_trilat(simulated.folder, {"run", (simulated.folder / "study.json").string(), "-o", part.string()})
+          .err,
+      HasSubstr("is a part of kind campaign"));
+  EXPECT_TRUE(std::filesystem::exists(part / "p01-walking/session.h5"));
+}
+
+TEST(SimulateParts, AreNotMergedWithoutAllFilesOfTheirRecordings) {
+  Simulated simulated;
+  simulated.spec(1);
+  const std::vector<std::filesystem::path> parts{simulated.folder / "part"};
+  simulated.part(parts[0], {1, 1});
+  const auto said = [&] {
+    return message_of([&] { merge_campaign(read_parts(parts), simulated.folder / "merged"); });
+  };
+  const auto session = parts[0] / "p02-walking/session.h5";
+  std::filesystem::rename(session, simulated.folder / "aside");
+  EXPECT_THAT(said(), HasSubstr("p02-walking/session.h5: is missing or has another size"));
+  std::filesystem::rename(simulated.folder / "aside", session);
+  const Json good = read_json(parts[0] / "part.json");
+  for (const Json& work : {Json::object(), Json::array(), Json{{"simulation", 1}, {"sha256", ""}}}) {
+    Json json = good;
+    json["work"] = work;
+    write_file(parts[0] / "part.json", json_text(json, 1));
+    EXPECT_THAT(said(), HasSubstr("part.json /work")) << work;
+  }
+  write_file(parts[0] / "part.json", json_text(good, 1));
+  EXPECT_EQ(said(), "no error");
+}
+
+TEST(Merge, RefusesABudgetsPartThatWasWrittenByHand) {
+  const ScratchFolder folder;
+  const Json good{
+      {"study", {{"name", "tiny"}}}, {"campaign", "short"},          {"seed", 1},   {"participants", 1},
+      {"calibration_sigma_m", 0.0},  {"calibration_sigma_deg", 0.0}, {"sha256", ""}};
+  const auto said = [&](const Json& work) {
+    return message_of([&] {
+      merge_budget({{folder.path(), {"error_budget", "build", 1, 1, work, {}}}}, folder / "merged", {});
+    });
+  };
+  Json json = good;
+  json["seed"] = "one";
+  EXPECT_THAT(said(json), HasSubstr("part.json /work/seed: must be"));
+  json.erase("seed");
+  EXPECT_THAT(said(json), HasSubstr("part.json /work/seed: is missing"));
+  EXPECT_THAT(said(Json::array()), HasSubstr("part.json /work"));
+}
+
+TEST(StudyItems, OptionsThatWouldHaveNoEffectAreRefused) {
+  Study study(kRecording);
+  EXPECT_THAT(study.run("out", {"--dry-run", "--shard", "9/3"}).err, HasSubstr("--shard: is \"9/3\""));
+  EXPECT_THAT(study.run("out", {"--memory-mb", "500"}).err, HasSubstr("--memory-mb: is for studies of kind"));
 }
 
 }  // namespace

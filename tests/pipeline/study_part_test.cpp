@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
 #include "datasets/results/samples.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
@@ -150,6 +151,61 @@ TEST(StudyPart, MergingRefusesWhatDoesNotBelongTogether) {
               HasSubstr("it is shard 1/3, the first is 1/2"));
 }
 
+TEST(StudyPart, MergingRefusesShardsThatReadOtherFilesAndNamesTheTake) {
+  Divided work(2, false);
+  run_study_part(work.study, work.campaign, {1, 2}, work.folder / "part", {});
+  const std::string id = work.campaign.takes[0].id;
+  const auto said = [&] {
+    run_study_part(work.study, work.campaign, {2, 2}, work.folder / "other", {});
+    return message_of([&] { read_parts(std::array{work.folder / "part", work.folder / "other"}); });
+  };
+  EXPECT_EQ(said(), "no error");
+  const Campaign before = work.campaign;
+  const auto moved = work.folder / "moved.json";
+  Calibration calibration = read_calibration(before.takes[0].calibration);
+  calibration.sensors[0].world_from_sensor.translation_m.x() += 0.01;
+  write_calibration(moved, calibration);
+  work.campaign.takes[0].calibration = moved;
+  EXPECT_THAT(said(), HasSubstr("/inputs/" + id +
+                                "/calibration/file is \"calibration.json\" in the first and "
+                                "\"moved.json\" here"));
+  work.campaign = before;
+  std::ofstream(before.takes[0].mocap, std::ios::app) << "\n";
+  EXPECT_THAT(said(), HasSubstr("/inputs/" + id + "/mocap/bytes is "));
+  std::filesystem::resize_file(before.takes[0].mocap, std::filesystem::file_size(before.takes[0].mocap) - 1);
+  EXPECT_EQ(said(), "no error");
+  write_calibration(before.takes[0].calibration, calibration);
+  EXPECT_THAT(said(), HasSubstr("/inputs/" + id + "/calibration/sha256 is "));
+}
+
+TEST(StudyPart, EveryKindOfMethodMergesToTheBytesOfOneRun) {
+  Divided work(1, false);
+  work.study = study_of(R"("resamples": 0, "methods": [{"method": "linear"}, {"method": "newton"},
+      {"method": "ceres"}, {"method": "tracked_mean"}, {"method": "single", "sensors": ["k1"]},
+      {"method": "weighted_mean", "occlusion": "corrected"}, {"method": "median"}, {"method": "robust_mean"},
+      {"method": "kalman"}, {"method": "window"}])");
+  expect_same_results(work.whole(), work.merged(work.parts(2)));
+}
+
+TEST(StudyPart, APartThatWasWrittenByHandIsRefusedAtItsPlace) {
+  Divided work(1, false);
+  const auto parts = work.parts(1);
+  const Json good = read_json(parts[0] / "part.json");
+  const auto said = [&](const char* pointer, const Json& value) {
+    Json json = good;
+    if (value.is_discarded())
+      json["work"].erase(pointer);
+    else
+      json["work"][pointer] = value;
+    write_file(parts[0] / "part.json", json_text(json, 1));
+    return message_of([&] { work.merged(parts); });
+  };
+  EXPECT_THAT(said("cross_check", Json(Json::value_t::discarded)),
+              HasSubstr("part.json /work/cross_check: is missing"));
+  EXPECT_THAT(said("cross_check", 1), HasSubstr("part.json /work/cross_check"));
+  EXPECT_THAT(said("takes", Json::array()), HasSubstr("/work/takes: must be the items"));
+}
+
 TEST(StudyPart, ASamplesFileThatIsCutIsAnErrorAndNoResult) {
   Divided work;
   const auto parts = work.parts(2);
@@ -228,6 +284,91 @@ TEST(Reuse, WhatWasThrownAwayIsComputedAgain) {
   EXPECT_TRUE(std::filesystem::exists(whole / "samples.h5"));
 }
 
+TEST(Reuse, AReplayThatWasThrownAwayIsMadeAgain) {
+  Divided work(1, false);
+  const auto whole = work.whole();
+  work.study.name = "another";  // of the summary alone
+  const auto fresh = work.folder / "fresh";
+  execute_study(work.study, work.campaign, fresh, {});
+  std::filesystem::remove(whole / "replay.h5");
+  run_study(work.study, work.campaign, work.folder / "results", {.reuse = {whole}});
+  expect_same_results(fresh, work.folder / "results");
+  std::filesystem::remove(fresh / "replay.h5");
+  EXPECT_FALSE(run_study(work.study, work.campaign, fresh, {.reuse = {fresh}}).unchanged);
+  EXPECT_TRUE(std::filesystem::exists(fresh / "replay.h5"));
+}
+
+TEST(Reuse, WhatCouldNotBeRemovedAtTheEndIsRemovedByTheNextRun) {
+  Divided work(1, false);
+  const auto whole = work.whole();
+  const auto results = work.folder / "results";
+  std::filesystem::copy(whole, results);
+  const StudyPart part = run_study_part(work.study, work.campaign, {1, 1}, work.folder / "part", {});
+  std::filesystem::rename(work.folder / "part/takes", results / "takes");
+  write_file(results / ItemJournal::kFile, "");
+  EXPECT_THAT(run_study(work.study, work.campaign, results, {.reuse = {results}}).takes.reused,
+              SizeIs(part.takes));
+  expect_same_results(whole, results);
+}
+
+TEST(Reuse, TheOneFileThatAWorkflowEngineRemovesIsMadeAgainFromTheOthers) {
+  Divided work(2, false);
+  const auto whole = work.whole();
+  std::filesystem::copy(whole, work.folder / "results");
+  std::filesystem::remove(work.folder / "results/manifest.json");
+  const StudyRun run =
+      run_study(work.study, work.campaign, work.folder / "results", {.reuse = {work.folder / "results"}});
+  EXPECT_THAT(run.takes.computed, IsEmpty());
+  expect_same_results(whole, work.folder / "results");
+  const auto parts = work.parts(2);
+  std::filesystem::remove(parts[0] / "part.json");
+  const StudyPart part = run_study_part(work.study, work.campaign, {1, 2}, parts[0], {.reuse = {parts[0]}});
+  EXPECT_THAT(part.tally.computed, IsEmpty());
+  expect_same_results(whole, work.merged(parts));
+}
+
+TEST(Reuse, AFileThatIsReplacedDuringTheRunFailsItsTakesInsteadOfGivingThemItsHash) {
+  Divided work(1, false);
+  const auto file = work.campaign.takes[0].calibration;
+  std::once_flag once;
+  const auto replace = [&] {
+    std::call_once(once, [&] {
+      Calibration calibration = read_calibration(file);
+      calibration.sensors[0].world_from_sensor.translation_m.x() += 0.1;
+      write_calibration(file, calibration);
+    });
+    return false;
+  };
+  const StudyRun run = run_study(work.study, work.campaign, work.folder / "results",
+                                 {.threads = 1, .stop_requested = replace});
+  EXPECT_EQ(run.summary.takes_failed, run.summary.takes);
+  ASSERT_THAT(run.summary.notes, Not(IsEmpty()));
+  EXPECT_THAT(run.summary.notes[0].text, HasSubstr("changed while the take was evaluated"));
+  EXPECT_THAT(run.takes.computed, IsEmpty());
+}
+
+TEST(Reuse, EarlierResultsThatAreReplacedMeanwhileAreNotTakenForThoseThatWereFound) {
+  Divided work(1, false);
+  const auto whole = work.whole();
+  StudySpec other = study_of(R"("methods": [{"method": "mean"}, {"method": "nonlinear", "max_iterations": 1},
+      {"method": "geometric"}, {"method": "rts"}])");
+  execute_study(other, work.campaign, work.folder / "other", {});
+  work.study.name = "another";
+  std::once_flag once;
+  const auto replace = [&](double) {
+    std::call_once(once, [&] {
+      std::filesystem::rename(whole, work.folder / "aside");
+      std::filesystem::rename(work.folder / "other", whole);
+    });
+  };
+  EXPECT_THAT(message_of([&] {
+                run_study(work.study, work.campaign, work.folder / "results",
+                          {.threads = 1, .progress = replace, .reuse = {whole}});
+              }),
+              HasSubstr("whole: was replaced while its results were used again"));
+  EXPECT_FALSE(std::filesystem::exists(work.folder / "results"));
+}
+
 TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
   const ScratchFolder folder;
   const auto said = [&](PartItem item) {
@@ -235,6 +376,8 @@ TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
     return message_of([&] { read_part(folder.path()); });
   };
   EXPECT_THAT(said({"../../secret", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_THAT(said({"rigs//run-1", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_EQ(said({"rigs/walk..1", 1.0, 1}), "no error");
   EXPECT_THAT(said({"/etc", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
   EXPECT_THAT(said({"p01-walking", 1.0, 3}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
   EXPECT_THAT(said({"p01-walking", 1.0, 0}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
@@ -271,6 +414,25 @@ TEST(Reuse, ARunThatWasKilledGoesOn) {
   EXPECT_GT(said.at("items_continued").get<int>(), 0);
   run_trilat(work.folder, command("whole"));
   expect_same_results(work.folder / "whole", work.folder / "results");
+}
+
+TEST(Reuse, SettingsThatChangedAndChangedBackBetweenStopsLeaveNoSamplesOfTheOthers) {
+  Divided work(2, false);
+  const auto whole = work.whole();
+  const auto output = work.folder / "results";
+  const auto stop_in_take = [&](const StudySpec& study, std::size_t take) {
+    const auto folder = work.folder / "results.partial/takes" / work.campaign.takes[take].id;
+    std::filesystem::remove_all(folder);
+    const auto is_begun = [=] { return std::filesystem::exists(folder / "samples.h5"); };
+    EXPECT_THROW(run_study(study, work.campaign, output, {.threads = 1, .stop_requested = is_begun}),
+                 Interrupted);
+  };
+  stop_in_take(work.study, 2);
+  stop_in_take(study_of(R"("methods": [{"method": "mean"}, {"method": "nonlinear", "max_iterations": 1},
+      {"method": "geometric"}, {"method": "rts"}])"),
+               1);
+  EXPECT_THAT(run_study(work.study, work.campaign, output, {}).takes.computed, SizeIs(4));
+  expect_same_results(whole, output);
 }
 
 TEST(Reuse, TwoRunsCannotFillOneFolder) {

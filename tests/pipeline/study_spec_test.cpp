@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/study_spec.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
 #include "pipeline/method.h"
@@ -39,6 +41,24 @@ TEST(Study, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
       {R"("methods": [])", "study.json /methods: must hold at least one method"}};
   for (const auto& [members, message] : cases)
     EXPECT_THAT(refusal_of(members), HasSubstr(message)) << members;
+}
+
+TEST(Study, WhatIsWrittenOutIsReadAsTheSameForEveryKindOfMethod) {
+  std::string methods;
+  for (const std::string& kind : method_kind_names())
+    for (const char* more : {"", R"(, "occlusion": "corrected", "fewest_sensors": 2)"})
+      if (kind != "single" || *more == '\0')
+        methods +=
+            (methods.empty() ? "" : ", ") + fmt::format(R"({{"method": "{}", "name": "{}{}"{}}})", kind, kind,
+                                                        *more == '\0' ? "" : " occluded", more);
+  methods += R"(, {"method": "nonlinear", "name": "paper", "gradient": "printed", "damping": "none",
+      "threshold_cm2": 0.3, "max_iterations": 7, "start": "linear", "printed_unit_m": 0.01},
+      {"method": "linear", "name": "pairs", "reference": "all_pairs"})";
+  const Json once =
+      resolved_json(study_of(R"("alignments": ["held_out", "none"], "methods": [)" + methods + "]"));
+  const Json twice =
+      resolved_json(parse_study(parse_json(json_text(once, -1), "study.json"), "study.json", {}));
+  EXPECT_EQ(json_text(once, -1), json_text(twice, -1));
 }
 
 TEST(Study, ErrorsOfAMethodNameItsPlaceInTheList) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <array>
+
 #include <gmock/gmock.h>
 
 #include "pipeline/sweep/earlier_cells.h"
@@ -32,6 +34,28 @@ TEST(SweepReuse, WithNothingChangedNothingIsWritten) {
   EXPECT_EQ(second.folder, folder / "results");
   EXPECT_EQ(read_file(folder / "results/run.json"), record);
   EXPECT_FALSE(fs::exists(folder / "results.partial"));
+}
+
+TEST(SweepReuse, WithNothingChangedWhatAnotherSweepLeftUnfinishedStays) {
+  const ScratchFolder folder;
+  const SweepPlan plan = plan_with("[1, 1e-4]");
+  execute_sweep(plan, folder / "results", {});
+  make_folder(folder / "results.partial");
+  write_file(folder / "results.partial" / SweepLog::kFinished, "cells of another sweep\n");
+  EXPECT_TRUE(execute_sweep(plan, folder / "results", {}).unchanged);
+  EXPECT_TRUE(fs::exists(folder / "results.partial" / SweepLog::kFinished));
+}
+
+TEST(SweepReuse, ResultsThatAreReplacedWhileTheyAreReadAreRefused) {
+  const ScratchFolder folder;
+  const SweepPlan plan = plan_with("[1]");
+  execute_sweep(plan, folder / "results", {});
+  execute_sweep(plan_with("[1e-4]"), folder / "other", {});
+  EarlierCells earlier(std::array{folder / "results"});
+  fs::rename(folder / "results", folder / "aside");
+  fs::rename(folder / "other", folder / "results");
+  EXPECT_THAT(message_of([&] { earlier.find(items_of(plan).front().key); }),
+              HasSubstr("results: was replaced while its results were used again"));
 }
 
 TEST(SweepReuse, FreshComputesAllAgain) {

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/items/file_identity.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+namespace trilat {
+
+std::optional<FileIdentity> identity_of(const std::filesystem::path& file) {
+  struct stat s;
+  if (::stat(file.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return std::nullopt;
+  const auto time = [](const timespec& t) { return fmt::format("{}.{:09}", t.tv_sec, t.tv_nsec); };
+  FileIdentity identity;
+  identity.written = fmt::format("{}:{}:{}:{}", s.st_dev, s.st_ino, s.st_size, time(s.st_mtim));
+  identity.changed = identity.written + ':' + time(s.st_ctim);
+  identity.bytes = static_cast<std::uintmax_t>(s.st_size);
+  identity.changed_s = std::max<std::int64_t>(s.st_mtim.tv_sec, s.st_ctim.tv_sec);
+  return identity;
+}
+
+std::string when_written(const std::filesystem::path& file) {
+  const auto identity = identity_of(file);
+  return identity ? identity->written : "";
+}
+
+}  // namespace trilat
