@@ -16,6 +16,8 @@ int merge(const MergeArguments& arguments) {
   const FoundPart& first = parts.front();
   if (first.part.build != build_id())
     throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
+  if (arguments.memory_mb && first.part.kind != name_of(ResultsKind::accuracy))
+    throw InputError("--memory-mb", "is for parts of kind accuracy; others need little");
   if (first.part.kind == kWandPart) return merge_wand_calibration(arguments, parts);
   if (first.part.kind == kCampaignPart) return merge_simulated_campaign(arguments, parts);
   const std::pair<ResultsKind, int (*)(const MergeArguments&, const std::vector<FoundPart>&)> kinds[] = {

@@ -173,11 +173,12 @@ int run_accuracy_study(const RunArguments& arguments, const Json& json) {
 
 int merge_accuracy(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
   ResultsSummary summary;
+  ExecuteOptions options{.threads = arguments.threads, .stop_requested = stop_requested};
+  if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
   {
     Progress progress("merging");
-    summary =
-        merge_study(parts, arguments.output,
-                    {arguments.threads, false, stop_requested, [&](double share) { progress.set(share); }});
+    options.progress = [&](double share) { progress.set(share); };
+    summary = merge_study(parts, arguments.output, options);
   }
   return print_results(summary, arguments.output,
                        {{"results", arguments.output.string()}, {"parts", parts.size()}}, arguments.json);

@@ -125,6 +125,7 @@ struct MergeArguments {
   std::vector<std::filesystem::path> parts;
   std::filesystem::path output;
   int threads = 0;
+  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
   bool json = false;
 };
 int merge(const MergeArguments& arguments);
