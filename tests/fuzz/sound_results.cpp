@@ -75,7 +75,7 @@ void write_budget(const fs::path& folder) {
 void write_gate_files(const fs::path& folder) {
   make_folder(folder);
   write_accepted(folder, {"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
-  write_speed(folder, {"a processor", "kernel 1", 64, 120.0, {{"nonlinear", {1.0, 1.1, 0.9}, 130.0}}});
+  write_speed(folder, {"a processor", "kernel 1", 64, 120.0, 0.1, {{"nonlinear", {1.0, 1.1, 0.9}, 130.0}}});
   HistoryEntry night;
   night.time = "2026-01-01T03:00:00Z";
   night.program = "trilat";
