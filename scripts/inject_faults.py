@@ -52,6 +52,10 @@ def counted(lines, start):
     return found
 
 
+# What only an unfinished output needs.
+UNFINISHED = re.compile(r"(items|sums|open)\.jsonl$|takes/")
+
+
 class Injector:
     def __init__(self, program, work):
         self.program, self.work = program, work
@@ -104,7 +108,9 @@ class Injector:
         if not err.startswith("trilat: ") and "\ntrilat: " not in err and not silent:
             return f"fails without a message: {err[-300:]}"
         if scenario.whole:
-            whole = now in ({}, earlier, clean_files)
+            # finished, and only what the unfinished output needed could not be removed: that is said, and no harm
+            rest = {n: h for n, h in now.items() if n in clean_files or not UNFINISHED.match(n)}
+            whole = now in ({}, earlier, clean_files) or ("cannot be removed" in err and rest == clean_files)
             return "" if whole else f"leaves what looks finished: {differences(now, clean_files)}"
         half = [n for n, h in now.items() if not n.endswith(".partial") and clean_files.get(n) != h]
         return f"leaves half files: {half}" if half else ""
