@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "datasets/base/content_hash.h"
-#include "datasets/base/error.h"
 #include "datasets/results/item_journal.h"
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/recording_study/execute_recording.h"
@@ -13,6 +12,7 @@
 #include "pipeline/sweep/merge_sweep.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/sound_parts.h"
+#include "tests/fuzz/tolerate_bad_input.h"
 
 namespace trilat {
 namespace {
@@ -44,14 +44,6 @@ void merge(const fs::path& part, const fs::path& output) {
   if (kind == "threshold_sweep") merge_sweep(parts, output / kind, {});
   if (kind == "recording") merge_recording(parts, output / kind, {.threads = 1});
   if (kind == "calibration") merge_calibration(parts, output / kind, {.threads = 1});
-}
-
-template <class Work>
-void tolerate_bad_input(const Work& work) {
-  try {
-    work();
-  } catch (const InputError&) {
-  }
 }
 
 }  // namespace
