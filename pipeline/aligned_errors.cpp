@@ -42,19 +42,19 @@ AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind
 
 }  // namespace
 
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds, double training_share,
-                          std::size_t reference) {
+TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
+  const Axes& axes = layout.axes;
+  const std::vector<AlignmentKind>& kinds = layout.alignments;
   const bool any_is_trained = std::any_of(kinds.begin(), kinds.end(), is_trained);
   const auto instants = static_cast<double>(samples.header().takes[take].instants);
   const auto training_end =
-      any_is_trained ? static_cast<std::uint64_t>(std::llround(training_share * instants)) : 0;
+      any_is_trained ? static_cast<std::uint64_t>(std::llround(layout.training_share * instants)) : 0;
   SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
   stream_take(
       samples, take, axes, SampleColumns::positions,
       [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
         if (!is_usable(view.status(slot))) return;
-        const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, reference);
+        const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
         own[k].add(view, i, j, slot, training_end);
         if (!is_usable(view.status(reference_slot))) return;
         on_both[k].add(view, i, j, slot, training_end);

@@ -9,19 +9,9 @@
 #include "evaluators/alignment/alignment.h"
 #include "evaluators/alignment/joint_offset.h"
 #include "evaluators/solvers/solve_status.h"
+#include "pipeline/statistics_layout.h"
 
 namespace trilat {
-
-// The axes of a results folder: what its samples are numbered by, and which cell of the summary a sample
-// belongs to. Sets: all samples and, when the study wants them apart, those that a sensor sees occluded.
-struct Axes {
-  std::size_t joints = 0, methods = 0, groups = 0, alignments = 0, sets = 1;
-  std::vector<std::size_t> group_of_joint;
-  std::size_t cell(std::size_t set, std::size_t group, std::size_t method, std::size_t alignment) const {
-    return ((set * groups + group) * methods + method) * alignments + alignment;
-  }
-  std::size_t cells() const { return sets * groups * methods * alignments; }
-};
 
 // How one joint and method of a take is laid over the truth.
 struct JointAlignment {
@@ -91,10 +81,7 @@ void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
   }
 }
 
-// `training_share`: of the take's instants, at its start.
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
-                          const std::vector<AlignmentKind>& kinds, double training_share,
-                          std::size_t reference);
+TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout);
 
 // The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved;
 // what was trained on is not asked.

@@ -3,21 +3,24 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <atomic>
 #include <map>
+#include <mutex>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/replay.h"
 #include "pipeline/manifest.h"
+#include "pipeline/parallel.h"
 #include "pipeline/replay_take.h"
+#include "pipeline/running_time.h"
 #include "pipeline/summarise.h"
+#include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
 
 namespace trilat {
 namespace {
 
-constexpr double kCopyShare = 0.3;           // of the progress; the rest is the summary
 constexpr std::uint64_t kBlockRows = 65536;  // samples that are copied at once
 
 // The samples file of one folder, and which of its takes is which.
@@ -58,28 +61,42 @@ void check_shape(const OpenSamples& from, const SamplesHeader& wanted, std::size
     throw InputError(place, "has samples of another shape of the take \"" + wanted.takes[take].id + '"');
 }
 
-// Takes that lie in one folder follow each other more often than not, so one folder is open at a time.
-SamplesFile gather_samples(const RunParts& parts, const std::filesystem::path& folder,
-                           const AssembleOptions& options) {
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(parts.plan));
-  std::optional<OpenSamples> from;
-  std::filesystem::path open_folder;
-  for (std::size_t t = 0; t < parts.takes.size(); ++t) {
-    if (options.stop_requested && options.stop_requested()) throw Interrupted();
-    const EvaluatedTake& take = parts.takes[t];
-    if (take.result.evaluated) {
-      if (!from || open_folder != take.folder) from.emplace(take.folder);
-      open_folder = take.folder;
-      check_shape(*from, samples.header(), t, (take.folder / "samples.h5").string());
-      copy_take(&from->file, from->number.at(samples.header().takes[t].id), samples, t);
-    } else {
-      copy_take(nullptr, 0, samples, t);
+// Copies takes from where they are, one at a time, while the threads summarise others.
+class Gatherer {
+ public:
+  Gatherer(const RunParts& parts, SamplesFile& samples, const std::function<bool()>& stop_requested)
+      : parts_(parts),
+        samples_(samples),
+        stop_requested_(stop_requested),
+        layout_(statistics_layout(parts.plan)) {}
+
+  std::optional<TakeSummary> bring(std::size_t t) {
+    if (stop_requested_ && stop_requested_()) throw Interrupted();
+    const EvaluatedTake& take = parts_.takes[t];
+    const std::lock_guard lock(mutex_);
+    if (!take.result.evaluated) {
+      copy_take(nullptr, 0, samples_, t);
+      return TakeSummary{{}, empty_statistics(layout_, 0)};
     }
-    if (options.progress)
-      options.progress(kCopyShare * static_cast<double>(t + 1) / static_cast<double>(parts.takes.size()));
+    const auto from = open_.try_emplace(take.folder, take.folder).first;
+    const OpenSamples& there = from->second;
+    check_shape(there, samples_.header(), t, (take.folder / "samples.h5").string());
+    std::optional<TakeSummary> known;
+    if (!parts_.summary_key.empty())
+      known = read_take_summary(take.folder, parts_.summary_key, layout_, parts_.plan.takes[t].instants);
+    copy_take(&there.file, there.number.at(samples_.header().takes[t].id), samples_, t);
+    if (there.number.size() == 1) open_.erase(from);
+    return known;
   }
-  return samples;
-}
+
+ private:
+  const RunParts& parts_;
+  SamplesFile& samples_;
+  const std::function<bool()>& stop_requested_;
+  StatisticsLayout layout_;
+  std::mutex mutex_;
+  std::map<std::filesystem::path, OpenSamples> open_;  // of several takes, or of the one being copied
+};
 
 ReplayTake replay_in(const std::filesystem::path& folder, const std::string& id) {
   std::vector<ReplayTake> there = read_replay(folder);
@@ -114,6 +131,21 @@ RunIdentity identity_of(const RunParts& parts) {
 
 }  // namespace
 
+void summarise_takes(const Plan& plan, std::span<const std::size_t> takes,
+                     const std::filesystem::path& folder, const std::string& key, StageTimes& times,
+                     const SummariseHooks& hooks) {
+  const RunningTime start;
+  const StatisticsLayout layout = statistics_layout(plan);
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(takes.size(), 1, [&](std::size_t k) {
+    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    const std::filesystem::path own = own_folder(folder, plan.takes[takes[k]].take.id);
+    write_take_summary(own, key, summarise_take(SamplesFile::open(own / "samples.h5"), 0, layout));
+    if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(takes.size()));
+  });
+  times.summarise_s = start.seconds();
+}
+
 void copy_samples(const Plan& plan, std::size_t take, const std::filesystem::path& from,
                   const std::filesystem::path& to) {
   std::filesystem::remove_all(to);
@@ -136,15 +168,14 @@ std::vector<DoneItem> items_of(const Plan& plan, std::span<const EvaluatedTake> 
 
 ResultsSummary assemble(const RunParts& parts, const std::filesystem::path& folder, StageTimes& times,
                         const AssembleOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  SamplesFile samples = gather_samples(parts, folder, options);
+  const RunningTime start;
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(parts.plan));
   const RunOutcome outcome = outcome_of(parts.plan, parts.takes, parts.cross_check);
-  const ResultsSummary summary =
-      summarise(parts.plan, outcome, samples, std::min(kDistancesInMemoryBytes, options.memory_bytes / 2),
-                [&](double share) {
-                  if (options.progress) options.progress(kCopyShare + (1.0 - kCopyShare) * share);
-                });
-  times.summarise_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Gatherer gatherer(parts, samples, options.stop_requested);
+  const ResultsSummary summary = summarise(
+      parts.plan, outcome, samples, [&](std::size_t t) { return gatherer.bring(t); },
+      std::min(kDistancesInMemoryBytes, options.memory_bytes / 2), options.progress);
+  times.summarise_s = start.seconds();
   samples.finish();
   write_manifest(folder, parts.plan, parts.takes);
   write_summary(folder, summary);

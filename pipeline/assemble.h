@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "datasets/results/declared_parameters.h"
@@ -25,6 +26,7 @@ struct RunParts {
   bool cross_check = false;
   std::vector<DeclaredParameter> parameters;
   std::optional<GdopMap> gdop;
+  std::string summary_key = {};  // that the takes' own summaries were made with; empty: they have none
 };
 
 struct AssembleOptions {
@@ -38,6 +40,16 @@ struct AssembleOptions {
 // InputError when the samples of a take are not where they should be.
 ResultsSummary assemble(const RunParts& parts, const std::filesystem::path& folder, StageTimes& times,
                         const AssembleOptions& options);
+
+struct SummariseHooks {
+  std::function<bool()> stop_requested = {};
+  std::function<void(double)> progress = {};
+};
+
+// Summarises takes that are in folders of their own below `folder`, each into a file beside its samples.
+void summarise_takes(const Plan& plan, std::span<const std::size_t> takes,
+                     const std::filesystem::path& folder, const std::string& key, StageTimes& times,
+                     const SummariseHooks& hooks);
 
 // Copies the samples of one take, and its replay where it has one, from one folder to a new one.
 void copy_samples(const Plan& plan, std::size_t take, const std::filesystem::path& from,

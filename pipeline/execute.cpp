@@ -2,7 +2,6 @@
 #include "pipeline/execute.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 
 #include "datasets/results/declared_parameters.h"
@@ -13,24 +12,14 @@
 #include "pipeline/results_folder.h"
 #include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
+#include "pipeline/running_time.h"
 #include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
 
 namespace trilat {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kRunShare = 0.8;  // of the progress; the rest is the summary
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::function<void(double)> share_of(const ExecuteOptions& options, double before, double share) {
-  if (!options.progress) return {};
-  return [&options, before, share](double done) { options.progress(before + share * done); };
-}
 
 // Whether `output` holds what this run would give, to the byte.
 bool is_done_already(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& output,
@@ -60,24 +49,24 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
 
 void run_into(const StudySpec& study, const Campaign& campaign, const ResultsFolder& folder,
               const ExecuteOptions& options, HashCache& hashes, int threads, StudyRun& run) {
-  const Clock::time_point start = Clock::now();
+  const RunningTime start;
   std::vector<FilesWritten> written;
   for (const Take& take : takes_of(study, campaign).takes) written.push_back(files_written(take));
   const Plan plan = make_plan(study, campaign);
   ItemStore items(folder.partial(), options.reuse);
   std::vector<std::size_t> all(plan.takes.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  TakesRun takes = run_takes(
-      plan, all, {folder.partial(), items, hashes, std::move(written)},
-      {options.cross_check, options.stop_requested, share_of(options, 0.0, kRunShare), options.memory_bytes});
+  TakesRun takes = run_takes(plan, all, {folder.partial(), items, hashes, std::move(written)},
+                             {options.cross_check, options.stop_requested,
+                              share_of(options.progress, 0.0, kRunShare), options.memory_bytes});
   run.takes = items.tally();
   const RunParts parts{plan, std::move(takes.takes), options.cross_check,
                        read_declared_parameters(campaign.folder), rig_gdop(plan)};
-  run.summary =
-      assemble(parts, folder.partial(), takes.times,
-               {options.stop_requested, share_of(options, kRunShare, 1.0 - kRunShare), options.memory_bytes});
+  run.summary = assemble(
+      parts, folder.partial(), takes.times,
+      {options.stop_requested, share_of(options.progress, kRunShare, 1.0 - kRunShare), options.memory_bytes});
   hashes.save(folder.partial());
-  write_run_record(folder.partial(), takes.times, seconds_since(start), threads, &run.takes);
+  write_run_record(folder.partial(), takes.times, start.seconds(), threads, &run.takes);
   items.check_earlier();
   folder.put_in_place({kTakesFolder, ItemJournal::kFile});
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/skeleton/skeleton.h"
 #include "pipeline/condition_statistics.h"
 #include "pipeline/parallel.h"
 
@@ -122,16 +121,17 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
 
 // The takes of an activity that have samples, and whose they are.
 ConditionTakes takes_of(const Plan& plan, const RunOutcome& outcome, const std::string& activity,
-                        const std::vector<TakeStatistics>& statistics) {
+                        std::span<const TakeSummary> summaries) {
   std::vector<const TakeStatistics*> takes;
   std::vector<std::size_t> participants;
   std::vector<std::string> names;
   for (std::size_t t = 0; t < plan.takes.size(); ++t) {
     const Take& take = plan.takes[t].take;
-    if (take.activity != activity || !outcome.evaluated[t] || statistics[t].cells.rows() == 0) continue;
+    if (take.activity != activity || !outcome.evaluated[t] || summaries[t].statistics.cells.rows() == 0)
+      continue;
     auto name = std::find(names.begin(), names.end(), take.participant);
     if (name == names.end()) name = names.insert(names.end(), take.participant);
-    takes.push_back(&statistics[t]);
+    takes.push_back(&summaries[t].statistics);
     participants.push_back(static_cast<std::size_t>(name - names.begin()));
   }
   return condition_takes(std::move(takes), std::move(participants), {plan.study.resamples, 1});
@@ -157,47 +157,13 @@ void add_activity(const ConditionTakes& condition, const StatisticsLayout& layou
 
 }  // namespace
 
-StatisticsLayout statistics_layout(const Plan& plan, const SamplesHeader& samples, const Axes& axes) {
-  StatisticsLayout layout;
-  layout.axes = axes;
-  layout.reference = plan.reference;
-  const auto& kinds = plan.study.alignments;
-  const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
-  if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());
-  layout.rate_hz = plan.study.rate_hz;
-  for (const Bone& bone : kBones) {
-    const auto from = std::find(plan.joints.begin(), plan.joints.end(), bone.parent);
-    const auto to = std::find(plan.joints.begin(), plan.joints.end(), bone.child);
-    if (from != plan.joints.end() && to != plan.joints.end())
-      layout.bones.emplace_back(from - plan.joints.begin(), to - plan.joints.begin());
-  }
-  const std::uint64_t row_bytes =
-      sizeof(double) * (axes.cells() * CellColumns::count + axes.methods * BodySumColumns::count);
-  const std::uint64_t most = std::max<std::uint64_t>({kBlockSumBytes / row_bytes, samples.takes.size(), 1});
-  layout.block_instants =
-      static_cast<std::uint64_t>(std::max(1LL, std::llround(plan.study.block_s * plan.study.rate_hz)));
-  const auto rows = [&] {
-    std::uint64_t sum = 0;
-    for (const TakeShape& take : samples.takes) sum += layout.blocks(take.instants);
-    return sum;
-  };
-  while (rows() > std::min(most, std::max<std::uint64_t>(kMostBlocks, samples.takes.size())))
-    layout.block_instants *= 2;
-  return layout;
-}
-
-void add_statistics(const Plan& plan, const RunOutcome& outcome, const SamplesFile& samples, const Axes& axes,
-                    const std::vector<TakeAlignments>& alignments, ResultsSummary& summary) {
-  const StatisticsLayout layout = statistics_layout(plan, samples.header(), axes);
+void add_statistics(const Plan& plan, const RunOutcome& outcome, const StatisticsLayout& layout,
+                    std::span<const TakeSummary> takes, ResultsSummary& summary) {
   summary.resamples = plan.study.resamples;
   summary.block_s = static_cast<double>(layout.block_instants) / layout.rate_hz;
-  std::vector<TakeStatistics> statistics(plan.takes.size());
-  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    if (outcome.evaluated[t]) statistics[t] = gather_take(samples, t, layout, alignments[t]);
-  });
   const CellIndex index(summary);
   for (const std::string& activity : activities_of(plan))
-    add_activity(takes_of(plan, outcome, activity, statistics), layout, plan, activity, index, summary);
+    add_activity(takes_of(plan, outcome, activity, takes), layout, plan, activity, index, summary);
 }
 
 }  // namespace trilat

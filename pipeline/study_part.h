@@ -21,8 +21,9 @@ struct StudyPart {
   std::vector<TakeNote> notes;  // why takes failed, those of other shards that cannot be read too
 };
 
-// Computes one shard of a study into a part folder: part.json, items.json, takes/ID/samples.h5 and, beside
-// them, what the results take over as it is. Written aside, put in place and gone on with like results.
+// Computes one shard of a study into a part folder: part.json, items.json, takes/ID with
+// samples.h5 and summary.bin, and, beside them, what the results take over as it is. Written aside, put in
+// place and gone on with like results.
 StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const Shard& shard,
                          const std::filesystem::path& output, const ExecuteOptions& options);
 

@@ -2,6 +2,7 @@
 #include "pipeline/summarise.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -9,6 +10,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "datasets/base/error.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/aligned_errors.h"
 #include "pipeline/parallel.h"
@@ -18,60 +20,46 @@
 namespace trilat {
 namespace {
 
-// Everything one take adds to the cells of its condition.
-struct TakeSums {
-  std::vector<ErrorSums> errors;
-  std::vector<CompensatedSum> gdop, iterations;
-  std::vector<std::uint64_t> with_gdop;
+constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at the end of each
 
-  explicit TakeSums(std::size_t cells) : errors(cells), gdop(cells), iterations(cells), with_gdop(cells) {}
-  void add(std::size_t cell, const AlignedError& e, const SampleBlock& block, std::size_t slot) {
-    errors[cell].add(e.status, e.error_m);
-    if (!is_usable(e.status)) return;
-    iterations[cell].add(block.iterations[slot]);
-    const float value = block.gdop[slot];
-    if (!std::isfinite(value)) return;
-    gdop[cell].add(static_cast<double>(value));
-    ++with_gdop[cell];
-  }
-  void merge(const TakeSums& later) {
-    for (std::size_t c = 0; c < errors.size(); ++c) {
-      errors[c].merge(later.errors[c]);
-      gdop[c].merge(later.gdop[c]);
-      iterations[c].merge(later.iterations[c]);
-      with_gdop[c] += later.with_gdop[c];
-    }
-  }
-};
-
-// Adds one take to sums, writes the error column of the first alignment, and gives away the distances of
-// answered samples: to the groups of its condition, which begin at `first_group` with a cell each.
-TakeSums sum_take(SamplesFile& samples, std::size_t take, const Axes& axes, const TakeAlignments& alignments,
-                  SpilledValues::Writer distances_m, std::size_t first_group) {
-  TakeSums sums(axes.cells());
+// Writes the error column of the first alignment and gives away the distances of answered samples: to the
+// groups of its condition, which begin at `first_group` with a cell each. Their sums, by cell.
+std::vector<CompensatedSum> write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
+                                         const std::vector<AlignmentTable>& alignments,
+                                         SpilledValues::Writer distances_m, std::size_t first_group) {
+  std::vector<CompensatedSum> sums_m(axes.cells());
   std::vector<float> errors;
   const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                          const SampleView& view) {
     errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t a = 0; a < axes.alignments; ++a) {
-      const AlignedError e = error_of(view, i, j, m, slot, alignments[a].own);
-      if (!e.asked) continue;
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
+      if (!e.asked || !is_usable(e.status)) continue;
+      const double distance_m = e.error_m.norm();
       for (std::size_t set = 0; set < view.sets(i, j); ++set) {
         const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
-        sums.add(cell, e, view.block, slot);
-        if (is_usable(e.status)) distances_m.add(first_group + cell, e.error_m.norm());
+        distances_m.add(first_group + cell, distance_m);
+        sums_m[cell].add(distance_m);
       }
       for (int axis = 0; a == 0 && axis < 3; ++axis)
         errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
     }
   };
-  stream_take(samples, take, axes, SampleColumns::all, visit, [&](const SampleBlock& block) {
+  stream_take(samples, take, axes, SampleColumns::positions, visit, [&](const SampleBlock& block) {
     errors.resize(block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
     samples.write_errors(take, block.first_instant, errors);
     errors.clear();
   });
   distances_m.finish();
-  return sums;
+  return sums_m;
+}
+
+// The same distances were added in the same order when the take was summarised, so the sums are equal to the
+// bit.
+bool is_of_samples(const TakeSummary& summary, const std::vector<CompensatedSum>& distances_m) {
+  for (std::size_t cell = 0; cell < distances_m.size(); ++cell)
+    if (summary.statistics.sums[cell].errors.distance_m().value() != distances_m[cell].value()) return false;
+  return true;
 }
 
 std::vector<QuantileSelection> quantiles_of(const SpilledValues& distances_m, std::size_t first_group,
@@ -88,8 +76,8 @@ std::vector<QuantileSelection> quantiles_of(const SpilledValues& distances_m, st
   return selections;
 }
 
-SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelection& quantiles) {
-  const ErrorStatistics s = ErrorStatistics::of(sums.errors[cell], quantiles);
+SummaryCell cell_of(const CellSums& sums, const QuantileSelection& quantiles) {
+  const ErrorStatistics s = ErrorStatistics::of(sums.errors, quantiles);
   SummaryCell result;
   result.asked = static_cast<std::uint64_t>(s.asked);
   result.answered = static_cast<std::uint64_t>(s.answered);
@@ -107,20 +95,19 @@ SummaryCell cell_of(const TakeSums& sums, std::size_t cell, const QuantileSelect
   result.p90_m = s.p90_m;
   result.p95_m = s.p95_m;
   result.max_m = s.max_m;
-  if (sums.with_gdop[cell] > 0)
-    result.mean_gdop = sums.gdop[cell].value() / static_cast<double>(sums.with_gdop[cell]);
+  if (sums.with_gdop > 0) result.mean_gdop = sums.gdop.value() / static_cast<double>(sums.with_gdop);
   if (result.answered > 0)
-    result.mean_iterations = sums.iterations[cell].value() / static_cast<double>(result.answered);
+    result.mean_iterations = sums.iterations.value() / static_cast<double>(result.answered);
   return result;
 }
 
 void add_condition(const std::vector<QuantileSelection>& quantiles, const std::vector<std::size_t>& takes,
-                   const Axes& axes, const std::vector<TakeSums>& by_take, const std::string& activity,
+                   const Axes& axes, const std::vector<TakeSummary>& by_take, const std::string& activity,
                    ResultsSummary& summary) {
-  TakeSums sums(axes.cells());
-  for (std::size_t t : takes) sums.merge(by_take[t]);
   for (std::size_t c = 0; c < axes.cells(); ++c) {
-    SummaryCell cell = cell_of(sums, c, quantiles[c]);
+    CellSums sums;
+    for (std::size_t t : takes) sums.merge(by_take[t].statistics.sums[c]);
+    SummaryCell cell = cell_of(sums, quantiles[c]);
     if (cell.asked == 0) continue;
     cell.alignment = summary.alignments[c % axes.alignments];
     cell.method = summary.methods[c / axes.alignments % axes.methods];
@@ -129,22 +116,6 @@ void add_condition(const std::vector<QuantileSelection>& quantiles, const std::v
     cell.condition = all ? activity : occluded_condition(activity);
     summary.cells.push_back(std::move(cell));
   }
-}
-
-Axes axes_of(const Plan& plan, std::vector<std::string>& groups) {
-  Axes axes;
-  axes.joints = plan.joints.size();
-  axes.methods = plan.methods.size();
-  axes.alignments = plan.study.alignments.size();
-  axes.sets = plan.study.occluded_apart ? 2 : 1;
-  for (Joint joint : plan.joints) {
-    const std::string group = table_group(joint);
-    auto found = std::find(groups.begin(), groups.end(), group);
-    if (found == groups.end()) found = groups.insert(groups.end(), group);
-    axes.group_of_joint.push_back(static_cast<std::size_t>(found - groups.begin()));
-  }
-  axes.groups = groups.size();
-  return axes;
 }
 
 ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
@@ -162,6 +133,7 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
     if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
   }
   summary.participants = participants.size();
+  summary.groups = groups_of(plan);
   for (const Method& method : plan.methods) summary.methods.push_back(method.spec.name);
   summary.reference = plan.methods[plan.reference].spec.name;
   for (AlignmentKind kind : plan.study.alignments) summary.alignments.emplace_back(name_of(kind));
@@ -173,32 +145,39 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
 }  // namespace
 
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         std::uint64_t budget_bytes, const std::function<void(double)>& progress) {
+                         const BringTake& bring, std::uint64_t budget_bytes,
+                         const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
-  const Axes axes = axes_of(plan, summary.groups);
+  const StatisticsLayout layout = statistics_layout(plan);
+  const Axes& axes = layout.axes;
   const std::vector<std::string> activities = activities_of(plan);
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,
                             threads);
-  std::vector<TakeAlignments> alignments(plan.takes.size());
-  std::vector<TakeSums> sums(plan.takes.size(), TakeSums(axes.cells()));
+  std::vector<TakeSummary> takes(plan.takes.size());
+  std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    const auto activity = std::find(activities.begin(), activities.end(), plan.takes[t].take.activity);
+    const Take& take = plan.takes[t].take;
+    const auto activity = std::find(activities.begin(), activities.end(), take.activity);
     const auto first_group = static_cast<std::size_t>(activity - activities.begin()) * axes.cells();
-    alignments[t] =
-        align_take(samples, t, axes, plan.study.alignments, plan.study.training_share, plan.reference);
-    sums[t] = sum_take(samples, t, axes, alignments[t], SpilledValues::Writer(distances_m), first_group);
+    std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
+    takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
+    const std::vector<CompensatedSum> sums_m =
+        write_errors(samples, t, axes, takes[t].alignments, SpilledValues::Writer(distances_m), first_group);
+    if (known && !is_of_samples(takes[t], sums_m))
+      throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
+    takes[t].alignments = {};
+    if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
   });
-  if (progress) progress(0.5);
   for (std::size_t a = 0; a < activities.size(); ++a) {
-    std::vector<std::size_t> takes;
+    std::vector<std::size_t> of_activity;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
-      if (plan.takes[t].take.activity == activities[a]) takes.push_back(t);
-    add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), takes, axes, sums, activities[a],
-                  summary);
+      if (plan.takes[t].take.activity == activities[a]) of_activity.push_back(t);
+    add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), of_activity, axes, takes,
+                  activities[a], summary);
   }
-  if (progress) progress(0.6);
-  add_statistics(plan, outcome, samples, axes, alignments, summary);
+  if (progress) progress(kCellsShare);
+  add_statistics(plan, outcome, layout, takes, summary);
   if (progress) progress(1.0);
   return summary;
 }

@@ -18,17 +18,13 @@ using GroupNoise = std::vector<Mean>;
 
 class TakeGatherer {
  public:
-  TakeGatherer(const StatisticsLayout& layout, const TakeAlignments& alignments, std::uint64_t blocks)
-      : layout_(layout), axes_(layout.axes), alignments_(alignments) {
-    const auto rows = static_cast<Eigen::Index>(blocks);
-    result_.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes_.cells() * CellColumns::count));
-    result_.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes_.methods * BodySumColumns::count));
-    result_.one_frame.resize(axes_.cells());
-    result_.of_method.resize(axes_.methods);
-    result_.of_group.resize(axes_.groups);
-    noise_m2_.assign(axes_.groups, GroupNoise(blocks));
-    lengths_.resize(axes_.methods * layout.bones.size());
-  }
+  TakeGatherer(const StatisticsLayout& layout, const TakeAlignments& alignments, std::uint64_t instants)
+      : layout_(layout),
+        axes_(layout.axes),
+        alignments_(alignments),
+        result_(empty_statistics(layout, instants)),
+        noise_m2_(axes_.groups, GroupNoise(layout.blocks(instants))),
+        lengths_(axes_.methods * layout.bones.size()) {}
 
   // The instants [first, end) of the view; those around them are only looked at.
   void add(const SampleView& view, std::uint64_t first, std::uint64_t end) {
@@ -86,8 +82,11 @@ class TakeGatherer {
     const std::size_t sets = view.sets(i, j);
     const bool has_later = has_truth(view, i, j, 0, 1), has_earlier = has_truth(view, i, j, 1, 0);
     for (std::size_t m = 0; m < axes_.methods; ++m) {
-      const AlignedError e = error_of(view, i, j, m, view.slot(i, j, m), alignments_[a].own);
+      const std::size_t slot = view.slot(i, j, m);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
       if (!e.asked) return;
+      for (std::size_t set = 0; set < sets; ++set)
+        add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
       if (!is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
       const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
@@ -109,6 +108,16 @@ class TakeGatherer {
         if (has_earlier) result_.one_frame[cell].earlier_m.add(earlier_m);
       }
     }
+  }
+
+  static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
+    sums.errors.add(e.status, e.error_m);
+    if (!is_usable(e.status)) return;
+    sums.iterations.add(block.iterations[slot]);
+    const float gdop = block.gdop[slot];
+    if (!std::isfinite(gdop)) return;
+    sums.gdop.add(static_cast<double>(gdop));
+    ++sums.with_gdop;
   }
 
   // The distances of a method and the reference where both answer, aligned on such samples.
@@ -188,15 +197,35 @@ class TakeGatherer {
 
 }  // namespace
 
+void CellSums::merge(const CellSums& later) {
+  errors.merge(later.errors);
+  gdop.merge(later.gdop);
+  iterations.merge(later.iterations);
+  with_gdop += later.with_gdop;
+}
+
+TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants) {
+  const Axes& axes = layout.axes;
+  const auto rows = static_cast<Eigen::Index>(layout.blocks(instants));
+  TakeStatistics empty;
+  empty.sums.resize(axes.cells());
+  empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
+  empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
+  empty.one_frame.resize(axes.cells());
+  empty.of_method.resize(axes.methods);
+  empty.of_group.resize(axes.groups);
+  return empty;
+}
+
 TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout,
                            const TakeAlignments& alignments) {
   const std::uint64_t instants = samples.header().takes[take].instants;
-  TakeGatherer gatherer(layout, alignments, layout.blocks(instants));
+  TakeGatherer gatherer(layout, alignments, instants);
   SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kWindow) {
     const std::uint64_t end = std::min(first + kWindow, instants);
     const std::uint64_t from = first - std::min(first, kMargin), to = std::min(end + kMargin, instants);
-    samples.read(take, from, to - from, SampleColumns::positions, block);
+    samples.read(take, from, to - from, SampleColumns::all, block);
     gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
   }
   return gatherer.finish();

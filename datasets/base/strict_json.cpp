@@ -86,6 +86,12 @@ std::string json_text(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+Json numbers_json(std::span<const double> numbers) {
+  Json array = Json::array();
+  for (const double number : numbers) array.push_back(std::isfinite(number) ? Json(number) : Json());
+  return array;
+}
+
 std::string first_repeated(const std::vector<std::string>& texts) {
   std::set<std::string> seen;
   for (const std::string& text : texts)
@@ -198,12 +204,44 @@ std::size_t JsonObject::choice(const std::string& key, const std::vector<std::st
   return has(key) ? choice(key, known) : fallback;
 }
 
-std::vector<double> JsonObject::numbers(const std::string& key, std::size_t size) {
+const Json& JsonObject::need_array(const std::string& key, std::size_t size, const char* what) {
   const Json& value = need(key);
   if (!value.is_array() || value.size() != size)
-    refuse(key, "must be an array of " + std::to_string(size) + " numbers");
+    refuse(key, "must be an array of " + std::to_string(size) + ' ' + what);
+  return value;
+}
+
+std::vector<double> JsonObject::numbers(const std::string& key, std::size_t size) {
   std::vector<double> result;
-  for (const Json& element : value) result.push_back(as_number(key, element));
+  for (const Json& element : need_array(key, size, "numbers")) result.push_back(as_number(key, element));
+  return result;
+}
+
+std::vector<double> JsonObject::numbers_or_none(const std::string& key, std::size_t size) {
+  std::vector<double> result;
+  for (const Json& element : need_array(key, size, "numbers or null"))
+    result.push_back(element.is_null() ? std::numeric_limits<double>::quiet_NaN() : as_number(key, element));
+  return result;
+}
+
+std::vector<std::int64_t> JsonObject::integers(const std::string& key, std::size_t size) {
+  std::vector<std::int64_t> result;
+  for (const Json& element : need_array(key, size, "integers")) {
+    if (!element.is_number_integer() ||
+        (element.is_number_unsigned() &&
+         element.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max()))
+      refuse(key, "must hold integers below 2^63, has " + type_of(element));
+    result.push_back(element.get<std::int64_t>());
+  }
+  return result;
+}
+
+std::vector<std::uint64_t> JsonObject::counts(const std::string& key, std::size_t size) {
+  std::vector<std::uint64_t> result;
+  for (const Json& element : need_array(key, size, "counts")) {
+    if (!element.is_number_unsigned()) refuse(key, "must hold integers >= 0, has " + type_of(element));
+    result.push_back(element.get<std::uint64_t>());
+  }
   return result;
 }
 

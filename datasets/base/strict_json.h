@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +25,9 @@ Json read_json(const std::filesystem::path& path);
 
 // The document as text. Names from outside need not be UTF-8: bytes that are not become U+FFFD.
 std::string json_text(const Json& json, int indent);
+
+// An array of numbers, with null for what is not finite; JsonObject::numbers_or_none reads it.
+Json numbers_json(std::span<const double> numbers);
 
 // The first text that an earlier one equals; empty when all differ.
 std::string first_repeated(const std::vector<std::string>& texts);
@@ -52,6 +56,10 @@ class JsonObject {
   std::size_t choice(const std::string& key, const std::vector<std::string>& known);
   std::size_t choice(const std::string& key, const std::vector<std::string>& known, std::size_t fallback);
   std::vector<double> numbers(const std::string& key, std::size_t size);
+  // The same with null for what is not finite, which JSON has no number for; it comes back as NaN.
+  std::vector<double> numbers_or_none(const std::string& key, std::size_t size);
+  std::vector<std::int64_t> integers(const std::string& key, std::size_t size);
+  std::vector<std::uint64_t> counts(const std::string& key, std::size_t size);
   std::vector<std::string> texts(const std::string& key);
   std::vector<std::string> texts(const std::string& key, std::vector<std::string> fallback);
   JsonObject object(const std::string& key);
@@ -71,6 +79,7 @@ class JsonObject {
  private:
   const Json* find(const std::string& key);
   const Json& need(const std::string& key);
+  const Json& need_array(const std::string& key, std::size_t size, const char* what);
   double as_number(const std::string& key, const Json& value) const;
 
   const Json* value_;

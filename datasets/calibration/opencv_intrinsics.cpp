@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -163,10 +164,15 @@ DepthIntrinsics read(const std::filesystem::path& path, int width_px, int height
 
 DepthIntrinsics read_opencv_intrinsics(const std::filesystem::path& path, int width_px, int height_px) {
   const SilentOpenCv silent;
+  const InputError not_one(path.string(), fmt::format("is not a file of OpenCV's FileStorage; {}", kWanted));
   try {
     return read(path, width_px, height_px);
   } catch (const cv::Exception&) {
-    throw InputError(path.string(), fmt::format("is not a file of OpenCV's FileStorage; {}", kWanted));
+    throw not_one;
+  } catch (const std::length_error&) {  // its parser lets these through
+    throw not_one;
+  } catch (const std::out_of_range&) {
+    throw not_one;
   }
 }
 

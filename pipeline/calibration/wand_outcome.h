@@ -9,12 +9,12 @@
 
 namespace trilat {
 
-// What items of a wand search came to, as documents that read back to the last bit. InputError at `place` and
-// the JSON pointer `pointer` when one is not as it was written.
+// What items of a wand search came to, as documents that read back to the last bit. InputError at `place`
+// when one is not as it was written.
 Json json_of(const SensorSearch& search);
-SensorSearch read_sensor_search(const Json& json, const std::string& place, const std::string& pointer);
+SensorSearch read_sensor_search(const Json& json, const std::string& place);
 
 Json json_of(const WandTrack& track);
-WandTrack read_wand_track(const Json& json, const std::string& place, const std::string& pointer);
+WandTrack wand_track_of(const Json& json, const std::string& place);
 
 }  // namespace trilat

@@ -127,33 +127,29 @@ std::vector<std::vector<RunItem>> run_items(const WandWork& work, const FoundPar
 // What the parts hold, each item with the place for errors.
 class HeldOutcomes {
  public:
-  explicit HeldOutcomes(const std::vector<FoundPart>& parts) : items_(parts) {
-    for (const PartItem& item : parts.front().part.items)
-      place_[item.id] = (parts[item.shard - 1].folder / "items.json").string();
-  }
+  explicit HeldOutcomes(const std::vector<FoundPart>& parts) : items_(parts) {}
   Json outcome(const std::string& id) { return *items_.outcome(id, {}); }
-  const std::string& place(const std::string& id) const { return place_.at(id); }
+  std::string place(const std::string& id) const { return items_.place_of(id); }
 
-  WandTrack track() { return read_wand_track(outcome(kMocapItem), place(kMocapItem), kMocapItem); }
+  WandTrack track() { return wand_track_of(outcome(kMocapItem), place(kMocapItem)); }
   std::string sha256(std::size_t recording) {
     const std::string id = hash_item(recording);
     const Json json = outcome(id);
-    JsonObject object(json, place(id), id);
+    JsonObject object(json, place(id), "");
     std::string sha256 = object.text("sha256");
     object.finish();
     return sha256;
   }
   SensorSearch search(const RunItem& item) {
-    SensorSearch search = read_sensor_search(outcome(item.id), place(item.id), item.id);
+    SensorSearch search = read_sensor_search(outcome(item.id), place(item.id));
     if (search.frames != item.run.count)
-      throw InputError(place(item.id) + ' ' + item.id,
+      throw InputError(place(item.id),
                        fmt::format("is of {} frames, not of {}", search.frames, item.run.count));
     return search;
   }
 
  private:
   StudyItems items_;
-  std::map<std::string, std::string> place_;
 };
 
 }  // namespace

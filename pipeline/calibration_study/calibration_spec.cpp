@@ -40,6 +40,7 @@ void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
   spec.positions = count_within(object, "positions", spec.positions, 3, 1000);
   spec.position_frames = count_within(object, "position_frames", spec.position_frames, 1, 100);
   spec.bodies_s = number_within(object, "bodies_s", spec.bodies_s, 0.0, 600.0);
+  spec.bodies_instants = count_within(object, "bodies_instants", spec.bodies_instants, 1, 10'000);
 }
 
 }  // namespace
@@ -94,6 +95,7 @@ Json resolved_json(const CalibrationSpec& s) {
           {"positions", s.positions},
           {"position_frames", s.position_frames},
           {"bodies_s", s.bodies_s},
+          {"bodies_instants", s.bodies_instants},
           {"effect_joints", s.effect_joints},
           {"range_sigma_m", s.range_sigma_m},
           {"sensor_sigmas_m", s.sensor_sigmas_m}};

@@ -33,7 +33,8 @@ struct CalibrationSpec {
   std::uint64_t runs = 200;
   std::uint64_t positions = 50;
   std::uint64_t position_frames = 3;
-  double bodies_s = 20.0;  // of walking, for the calibration from bodies
+  double bodies_s = 20.0;               // of walking, for the calibration from bodies
+  std::uint64_t bodies_instants = 100;  // at which the bodies are compared
   // Joints that are found with uncertain sensors.
   std::uint64_t effect_joints = 20'000;
   double range_sigma_m = 0.025;

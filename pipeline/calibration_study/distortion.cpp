@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/distortion.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -94,21 +95,32 @@ DistortionCurve measure_unit(const CalibrationSpec& spec, std::uint64_t number, 
 }
 
 Json json_of(const DistortionCurve& curve) {
-  return {{"unit_offset_m", curve.unit_offset_m},     {"valid", curve.valid},
-          {"depth_error_m", curve.depth_error_m},     {"depth_residual_m", curve.depth_residual_m},
-          {"printed_error_m", curve.printed_error_m}, {"lens_error_m", curve.lens_error_m}};
+  return {{"unit_offset_m", curve.unit_offset_m},
+          {"valid", curve.valid},
+          {"depth_error_m", numbers_json(curve.depth_error_m)},
+          {"depth_residual_m", numbers_json(curve.depth_residual_m)},
+          {"printed_error_m", numbers_json(curve.printed_error_m)},
+          {"lens_error_m", numbers_json(curve.lens_error_m)}};
 }
 
-DistortionCurve read_curve(const CalibrationSpec& spec, std::uint64_t unit, const Json& json) {
-  return {spec.wall_m,
-          spec.distortion_frames,
-          unit,
-          number_in(json.at("unit_offset_m")),
-          json.at("valid").get<std::vector<std::uint64_t>>(),
-          numbers_in(json.at("depth_error_m")),
-          numbers_in(json.at("depth_residual_m")),
-          numbers_in(json.at("printed_error_m")),
-          numbers_in(json.at("lens_error_m"))};
+DistortionCurve read_curve(const CalibrationSpec& spec, std::uint64_t unit, const Json& json,
+                           const std::string& place) {
+  JsonObject object(json, place, "");
+  const auto column = [&](const char* key) { return object.numbers_or_none(key, kDepthWidth); };
+  DistortionCurve curve{spec.wall_m,
+                        spec.distortion_frames,
+                        unit,
+                        object.number("unit_offset_m"),
+                        object.counts("valid", kDepthWidth),
+                        column("depth_error_m"),
+                        column("depth_residual_m"),
+                        column("printed_error_m"),
+                        column("lens_error_m")};
+  if (std::any_of(curve.valid.begin(), curve.valid.end(),
+                  [&](std::uint64_t frames) { return frames > spec.distortion_frames; }))
+    object.refuse("valid", "counts more frames than there are");
+  object.finish();
+  return curve;
 }
 
 }  // namespace
@@ -127,7 +139,7 @@ std::vector<DistortionCurve> measure_distortion(const CalibrationSpec& spec, Stu
   for (std::uint64_t u = 0; u < spec.distortion_units; ++u)
     if (const auto outcome =
             items.outcome(distortion_item(u), [&] { return json_of(measure_unit(spec, u, hooks, done)); }))
-      curves.push_back(read_curve(spec, u, *outcome));
+      curves.push_back(read_curve(spec, u, *outcome, items.place_of(distortion_item(u))));
   if (!items.whole()) curves.clear();
   return curves;
 }

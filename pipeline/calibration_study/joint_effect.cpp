@@ -148,6 +148,7 @@ EffectRow row_of(const CalibrationSpec& spec, const Case& c, const std::vector<S
   row.answered = static_cast<std::uint64_t>(count);
   if (count == 0.0) return row;
   row.rmse_m = std::sqrt(squares_m2 / count);
+  if (spec.rig.heights_m.size() < 3) return row;  // they do not determine a place: there is no bound
   row.bound_m = std::sqrt(bound_total_m2 / asked);
   for (const Sums& block : blocks) {
     ratios.push_back(block.squares_m2[method] / (bound_total_m2 / asked));

@@ -57,7 +57,7 @@ std::vector<Method> methods() {
 // One sensor's error in one run.
 struct PoseError {
   double position_m = ErrorSpread::kNone, rotation_rad = ErrorSpread::kNone;
-  int covered = 0, asked = 0;  // of the stated intervals
+  std::uint64_t covered = 0, asked = 0;  // of the stated intervals
 };
 
 struct RunOutcome {
@@ -163,7 +163,7 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
   write_walk(spec, truth, run, method.option, session);
   RunOutcome outcome;
   try {
-    const BodyCalibration result = calibrate_bodies(session, {});
+    const BodyCalibration result = calibrate_bodies(session, {.instants = spec.bodies_instants});
     const auto& poses = result.calibration.sensors;
     const std::size_t reference = result.reference;
     outcome = compare(poses, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
@@ -196,8 +196,8 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
                                  : e.rotation_rad;
       good += e.position_m <= (bodies ? kGoodBodies_m : kGoodPosition_m) &&
               e.rotation_rad <= (bodies ? kGoodBodies_rad : kGoodRotation_rad);
-      run_covered += e.covered;
-      run_asked += e.asked;
+      run_covered += static_cast<double>(e.covered);
+      run_asked += static_cast<double>(e.asked);
     }
     if (run_asked == 0.0) continue;
     covered.push_back(run_covered);
@@ -234,37 +234,72 @@ std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vect
   return outcomes;
 }
 
-Json json_of(const std::vector<RunOutcome>& outcomes) {
-  Json json = Json::array();
-  for (const RunOutcome& outcome : outcomes) {
-    Json sensors = Json::array(), poses = Json::array();
-    for (const PoseError& e : outcome.sensors)
-      sensors.push_back({e.position_m, e.rotation_rad, e.covered, e.asked});
-    for (const RigidTransform& pose : outcome.in_world.world_from_sensor) {
-      const Eigen::Quaterniond& q = pose.rotation;
-      const Eigen::Vector3d& t = pose.translation_m;
-      poses.push_back({q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
-    }
-    json.push_back({{"failed", outcome.failed}, {"sensors", sensors}, {"poses_wxyz_m", poses}});
+Json json_of(const RunOutcome& outcome) {
+  std::vector<double> position_m, rotation_rad, poses_wxyz_m;
+  std::vector<std::uint64_t> covered, asked;
+  for (const PoseError& e : outcome.sensors) {
+    position_m.push_back(e.position_m);
+    rotation_rad.push_back(e.rotation_rad);
+    covered.push_back(e.covered);
+    asked.push_back(e.asked);
   }
-  return json;
+  for (const RigidTransform& pose : outcome.in_world.world_from_sensor) {
+    const Eigen::Quaterniond& q = pose.rotation;
+    const Eigen::Vector3d& t = pose.translation_m;
+    poses_wxyz_m.insert(poses_wxyz_m.end(), {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+  }
+  return {{"failed", outcome.failed},
+          {"position_m", numbers_json(position_m)},
+          {"rotation_rad", numbers_json(rotation_rad)},
+          {"covered", covered},
+          {"asked", asked},
+          {"poses_wxyz_m", numbers_json(poses_wxyz_m)}};
 }
 
-std::vector<RunOutcome> read_run(const Json& json) {
-  std::vector<RunOutcome> outcomes;
-  for (const Json& entry : json) {
-    RunOutcome outcome;
-    outcome.failed = entry.at("failed").get<bool>();
-    for (const Json& e : entry.at("sensors"))
-      outcome.sensors.push_back(
-          {number_in(e.at(0)), number_in(e.at(1)), e.at(2).get<int>(), e.at(3).get<int>()});
-    for (const Json& pose : entry.at("poses_wxyz_m")) {
-      const std::vector<double> n = numbers_in(pose);
-      outcome.in_world.world_from_sensor.push_back(
-          {Eigen::Quaterniond(n.at(0), n.at(1), n.at(2), n.at(3)), {n.at(4), n.at(5), n.at(6)}});
-    }
-    outcomes.push_back(std::move(outcome));
+// `sensors`: of the rig.
+RunOutcome read_outcome(JsonObject& object, std::size_t sensors) {
+  RunOutcome outcome;
+  if (!object.has("failed")) object.refuse("failed", "is missing");
+  outcome.failed = object.boolean("failed", true);
+  const std::size_t judged = object.value("position_m").size();
+  // bodies place all but one; nobody who failed need have any
+  if (judged > sensors || (!outcome.failed && judged + 1 < sensors))
+    object.refuse("position_m", "must be one number for each sensor that is placed");
+  const auto position_m = object.numbers_or_none("position_m", judged);
+  const auto rotation_rad = object.numbers_or_none("rotation_rad", judged);
+  const auto covered = object.counts("covered", judged), asked = object.counts("asked", judged);
+  for (std::size_t s = 0; s < judged; ++s) {
+    outcome.sensors.push_back({position_m[s], rotation_rad[s], covered[s], asked[s]});
+    if (position_m[s] < 0.0 || rotation_rad[s] < 0.0 ||
+        std::isnan(position_m[s]) != std::isnan(rotation_rad[s]) || covered[s] > asked[s] || asked[s] > 6)
+      object.refuse("position_m", "and the lists beside it hold what no pose's error is");
   }
+  const std::size_t placed = outcome.failed && object.value("poses_wxyz_m").empty() ? 0 : sensors;
+  const auto n = object.numbers_or_none("poses_wxyz_m", 7 * placed);
+  for (std::size_t s = 0; s < placed; ++s)
+    outcome.in_world.world_from_sensor.push_back(
+        {Eigen::Quaterniond(n[7 * s], n[7 * s + 1], n[7 * s + 2], n[7 * s + 3]),
+         {n[7 * s + 4], n[7 * s + 5], n[7 * s + 6]}});
+  for (const RigidTransform& pose : outcome.in_world.world_from_sensor)
+    if (!outcome.failed && !(std::abs(pose.rotation.norm() - 1.0) < 1e-6 && pose.translation_m.norm() < 1e6))
+      object.refuse("poses_wxyz_m", "must be rotations of unit length and places");
+  object.finish();
+  return outcome;
+}
+
+Json json_of(const std::vector<RunOutcome>& outcomes) {
+  Json methods = Json::array();
+  for (const RunOutcome& outcome : outcomes) methods.push_back(json_of(outcome));
+  return {{"methods", methods}};
+}
+
+std::vector<RunOutcome> read_run(const Json& json, const std::string& place, std::size_t sensors) {
+  JsonObject object(json, place, "");
+  std::vector<RunOutcome> outcomes;
+  for (JsonObject& method : object.objects("methods")) outcomes.push_back(read_outcome(method, sensors));
+  if (outcomes.size() != methods().size())
+    object.refuse("methods", "must be " + std::to_string(methods().size()));
+  object.finish();
   return outcomes;
 }
 
@@ -297,8 +332,8 @@ RigTrialResults measure_rigs(const CalibrationSpec& spec, const std::filesystem:
     const auto outcome =
         items.outcome(rig_item(r), [&] { return json_of(measure_run(spec, truth, r, scratch, hooks)); });
     if (outcome) {
-      std::vector<RunOutcome> run = read_run(*outcome);
-      for (std::size_t m = 0; m < all.size(); ++m) outcomes[m][r] = std::move(run.at(m));
+      std::vector<RunOutcome> run = read_run(*outcome, items.place_of(rig_item(r)), truth.size());
+      for (std::size_t m = 0; m < all.size(); ++m) outcomes[m][r] = std::move(run[m]);
     }
     if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(spec.runs));
   });

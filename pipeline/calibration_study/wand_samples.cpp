@@ -202,22 +202,33 @@ std::vector<SampleOutcome> measure_unit(const CalibrationSpec& spec, std::uint64
 }
 
 Json json_of(const std::vector<SampleOutcome>& outcomes) {
-  Json json = Json::array();
+  Json images = Json::array();
   for (const SampleOutcome& outcome : outcomes) {
     Json statuses = Json::array();
-    for (const WandStatus status : outcome.status) statuses.push_back(static_cast<int>(status));
-    json.push_back({{"error_m", outcome.error_m}, {"status", statuses}});
+    for (const WandStatus status : outcome.status) statuses.push_back(static_cast<unsigned>(status));
+    images.push_back({{"error_m", numbers_json(outcome.error_m)}, {"status", statuses}});
   }
-  return json;
+  return {{"images", images}};
 }
 
-std::vector<SampleOutcome> read_outcomes(const Json& json) {
+// `images`: both of every sample; `methods`: that each was searched with.
+std::vector<SampleOutcome> read_outcomes(const Json& json, const std::string& place, std::size_t images,
+                                         std::size_t methods) {
+  JsonObject object(json, place, "");
   std::vector<SampleOutcome> outcomes;
-  for (const Json& entry : json) {
-    outcomes.push_back({numbers_in(entry.at("error_m")), {}});
-    for (const Json& status : entry.at("status"))
-      outcomes.back().status.push_back(static_cast<WandStatus>(status.get<int>()));
+  for (JsonObject& image : object.objects("images")) {
+    outcomes.push_back({image.numbers_or_none("error_m", methods), {}});
+    for (const std::uint64_t status : image.counts("status", methods)) {
+      if (status > static_cast<std::uint64_t>(WandStatus::not_ended))
+        image.refuse("status", "must hold numbers of statuses");
+      const double error_m = outcomes.back().error_m[outcomes.back().status.size()];
+      if (error_m < 0.0) image.refuse("error_m", "must be 0 or more");
+      outcomes.back().status.push_back(static_cast<WandStatus>(status));
+    }
+    image.finish();
   }
+  if (outcomes.size() != images) object.refuse("images", "must be " + std::to_string(images));
+  object.finish();
   return outcomes;
 }
 
@@ -234,15 +245,17 @@ std::vector<PartItem> wand_items(const CalibrationSpec& spec) {
 WandSampleResults measure_wand(const CalibrationSpec& spec, StudyItems& items, const StudyHooks& hooks) {
   WandSampleResults results;
   if (spec.samples + spec.near_samples == 0) return results;
+  const std::uint64_t images = 2 * (spec.samples + spec.near_samples);
+  const std::vector<Variant> methods = variants(spec.ball_radius_m);
   std::vector<std::vector<SampleOutcome>> units;
-  Progress progress{hooks, 2 * (spec.samples + spec.near_samples) * spec.units};
+  Progress progress{hooks, images * spec.units};
   for (std::uint64_t u = 0; u < spec.units; ++u) {
     const auto outcome =
         items.outcome(wand_item(u), [&] { return json_of(measure_unit(spec, u, hooks, progress)); });
-    if (outcome) units.push_back(read_outcomes(*outcome));
+    if (outcome)
+      units.push_back(read_outcomes(*outcome, items.place_of(wand_item(u)), images, methods.size()));
   }
   if (!items.whole()) return results;
-  const std::vector<Variant> methods = variants(spec.ball_radius_m);
   std::vector<std::vector<ClusteredError>> all(2 * methods.size()), recommended(all), near(all);
   for (Scene kind : {Scene::far_wall, Scene::room})
     for (const Variant& variant : methods)

@@ -2,7 +2,6 @@
 #include "pipeline/items/study_items.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -35,6 +34,7 @@ StudyItems::StudyItems(const std::vector<FoundPart>& parts)
     for (DoneItem& item : read_items(found.folder).items) {
       std::string id = item.id;
       done_[id] = std::move(item);
+      folder_of_[id] = found.folder;
     }
   for (const PartItem& item : items_)
     if (!done_.contains(item.id))
@@ -53,8 +53,15 @@ std::optional<Json> StudyItems::outcome(const std::string& id, const std::functi
   Json outcome = found ? std::move(found->outcome) : compute();
   if (!found) store_->add(id, key, outcome);
   const std::lock_guard lock(mutex_);
+  if (found) folder_of_[id] = found->folder;
   done_[id] = {id, key, outcome};
   return outcome;
+}
+
+std::string StudyItems::place_of(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = folder_of_.find(id);
+  return (known == folder_of_.end() ? "" : (known->second / "items.json").string() + ' ') + "item " + id;
 }
 
 void StudyItems::finish(const std::filesystem::path& folder, const std::string& key) {
@@ -75,16 +82,6 @@ bool is_done_already(const std::filesystem::path& output, const WorkOptions& opt
   for (const PartItem& item : items)
     if (tally) tally->reused.push_back(item.id);
   return true;
-}
-
-double number_in(const Json& json) {
-  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
-
-std::vector<double> numbers_in(const Json& json) {
-  std::vector<double> numbers;
-  for (const Json& value : json) numbers.push_back(number_in(value));
-  return numbers;
 }
 
 }  // namespace trilat

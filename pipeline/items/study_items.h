@@ -41,6 +41,8 @@ class StudyItems {
   // shard's. From any thread.
   std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute,
                               const OutcomeOptions& options = {});
+  // Where the outcome of an item stands, for errors. From any thread.
+  std::string place_of(const std::string& id) const;
   // Whether this run has all items, so that they can be put together.
   bool whole() const { return shard_.whole(); }
   // Whether work that belongs to no item (timing) is this run's.
@@ -55,17 +57,14 @@ class StudyItems {
   std::vector<PartItem> items_;
   Shard shard_;
   std::unique_ptr<ItemStore> store_;  // none when merging
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, DoneItem> done_;
+  std::map<std::string, std::filesystem::path> folder_of_;  // by item, where it was not computed here
 };
 
 // Whether `output` is asked for earlier results and holds those of this key, whole; then all items count as
 // reused.
 bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
                      std::span<const PartItem> items, ItemTally* tally);
-
-// A number of an outcome; JSON has none but the finite, so null stands for NaN.
-double number_in(const Json& json);
-std::vector<double> numbers_in(const Json& json);
 
 }  // namespace trilat

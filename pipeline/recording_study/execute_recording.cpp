@@ -2,7 +2,6 @@
 #include "pipeline/recording_study/execute_recording.h"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 
 #include <nlohmann/json.hpp>
@@ -16,15 +15,10 @@
 #include "pipeline/recording_study/clock_errors.h"
 #include "pipeline/recording_study/processing_time.h"
 #include "pipeline/results_folder.h"
+#include "pipeline/running_time.h"
 
 namespace trilat {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void write_recording_manifest(const std::filesystem::path& folder, const RecordingSpec& spec) {
   const Json study = resolved_json(spec);
@@ -74,20 +68,20 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
                            int threads, const ExecuteRecordingOptions& options) {
   RecordingOutcome outcome = empty_outcome(spec);
   Json times = Json::object();
-  const Clock::time_point start = Clock::now();
+  const RunningTime start;
   try {
     ClockErrorResults clocks = measure_clocks(spec, items, hooks_of(options, "clocks"));
     outcome.summary.clocks = std::move(clocks.rows);
     outcome.summary.fits = std::move(clocks.fits);
-    times["clocks_s"] = seconds_since(start);
-    const Clock::time_point timing = Clock::now();
+    times["clocks_s"] = start.seconds();
+    const RunningTime timing;
     if (items.first()) time_stages(spec, folder, options, outcome.timings);
-    times["timing_s"] = seconds_since(timing);
+    times["timing_s"] = timing.seconds();
   } catch (const Interrupted&) {
     outcome.summary.interrupted = true;
   }
   write_outcome(spec, outcome, items, folder);
-  write_run_record(folder, times, seconds_since(start), threads);
+  write_run_record(folder, times, start.seconds(), threads);
   return outcome;
 }
 
@@ -115,7 +109,7 @@ RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesys
 RecordingOutcome merge_recording(const std::vector<FoundPart>& parts, const std::filesystem::path& output,
                                  const ExecuteRecordingOptions& options) {
   const FoundPart& first = parts.front();
-  const Clock::time_point start = Clock::now();
+  const RunningTime start;
   const RecordingSpec spec = parse_recording_spec(first.part.work, (first.folder / "part.json").string());
   StudyItems items(parts);
   const ResultsFolder folder(output);
@@ -125,7 +119,7 @@ RecordingOutcome merge_recording(const std::vector<FoundPart>& parts, const std:
   outcome.summary.fits = std::move(clocks.fits);
   if (auto timings = read_stage_timings(first.folder)) outcome.timings = std::move(*timings);
   write_outcome(spec, outcome, items, folder.partial());
-  write_run_record(folder.partial(), Json::object(), seconds_since(start), options.threads);
+  write_run_record(folder.partial(), Json::object(), start.seconds(), options.threads);
   folder.put_in_place();
   return outcome;
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/sweep/execute_sweep.h"
 
-#include <chrono>
-
 #include <nlohmann/json.hpp>
 
 #include "pipeline/manifest.h"
 #include "pipeline/results_folder.h"
+#include "pipeline/running_time.h"
 #include "pipeline/sweep/earlier_cells.h"
 #include "pipeline/sweep/sweep_cell_key.h"
 #include "pipeline/sweep/sweep_part.h"
@@ -16,12 +15,6 @@ namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 bool is_part(const ExecuteSweepOptions& options) { return !options.work.shard.whole(); }
 
 // What only an unfinished output needs could not be removed when it was put in place.
@@ -78,13 +71,13 @@ void write_outputs(const SweepPlan& plan, const fs::path& folder, const Shard& s
 
 SweepOutcome execute_into(const SweepPlan& plan, const ResultsFolder& folder,
                           const ExecuteSweepOptions& options, int threads) {
-  const Clock::time_point start = Clock::now();
+  const RunningTime start;
   SweepLog log(folder.partial());
   SweepRun run = run_cells(plan, folder, log, options);
   SweepOutcome outcome;
   outcome.is_part = is_part(options);
   outcome.tally = std::move(run.tally);
-  const double trials_s = seconds_since(start);
+  const double trials_s = start.seconds();
   const bool is_timed = plan.spec.time_problems > 0 && options.work.shard.number == 1;
   if (is_timed && !run.interrupted) {
     outcome.timings = time_sweep(plan, options.stop_requested, options.timing_progress);
@@ -93,7 +86,7 @@ SweepOutcome execute_into(const SweepPlan& plan, const ResultsFolder& folder,
   outcome.summary = summary_of(plan, std::move(run.cells), !run.interrupted && !outcome.is_part);
   outcome.summary.interrupted = run.interrupted;
   write_outputs(plan, folder.partial(), options.work.shard, outcome);
-  const double wall_s = seconds_since(start);
+  const double wall_s = start.seconds();
   write_run_record(
       folder.partial(),
       {{"trials_s", trials_s}, {"timing_s", wall_s - trials_s}, {"reused", reused_json(plan, outcome.tally)}},

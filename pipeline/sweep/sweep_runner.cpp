@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kFirstSave_s = 1.0;
+constexpr double kFirstSave_s = 0.25;
 
 class Runner {
  public:

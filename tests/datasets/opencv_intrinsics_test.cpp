@@ -118,6 +118,12 @@ TEST_F(OpenCvIntrinsics, GivesOneClearErrorForFilesOfAnotherKind) {
   }
 }
 
+TEST_F(OpenCvIntrinsics, RefusesNumbersThatItsLibraryStumblesOver) {
+  EXPECT_THAT(complaint("%YAML:1.b\n---\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   :cols: 3\n   dt: d\n"
+                        "   data: [ 365.4, . 5240,.8, -0.26, 5., 0., 0.09 ]\n"),
+              HasSubstr("is not a file of OpenCV's FileStorage"));
+}
+
 // OpenCV's own parser never returns from these.
 TEST_F(OpenCvIntrinsics, RefusesDocumentsThatItsLibraryWouldHangOn) {
   for (const std::string text : {"%YAML:1.0\n   cols: 3\nncv-matrix\n   dt: 0.\n",

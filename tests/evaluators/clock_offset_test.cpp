@@ -27,16 +27,17 @@ struct Disturbance {
   double duration_s = 20.0;
   double drift = 0.0;
   double lost_share = 0.02;
+  double truth_hz = 120.0;
 };
 
-// A person seen at 30 Hz with noise, and exactly at 120 Hz; truth(t + offset) is what the estimate shows at
+// A person seen at 30 Hz with noise, and exactly at truth_hz; truth(t + offset) is what the estimate shows at
 // t.
 Recording record(const Motion& motion, double offset_s, std::uint64_t seed, const Disturbance& d = {}) {
   Recording recording;
   for (std::size_t j = 0; j < kJoints.size(); ++j) {
     PointPath estimate, truth;
-    for (int i = 0; i < static_cast<int>(d.duration_s * 120.0); ++i) {
-      const double t = i / 120.0;
+    for (int i = 0; i < static_cast<int>(d.duration_s * d.truth_hz); ++i) {
+      const double t = i / d.truth_hz;
       truth.time_s.push_back(t);
       truth.position_m.push_back(motion(t).at(kJoints[j]));
     }
@@ -64,13 +65,12 @@ Motion walker(std::uint64_t person) {
 
 TEST(ClockOffset, IsFoundWithinAMillisecondInTwentySecondsOfWalking) {
   int within = 0, covered = 0;
-  const int trials = 60;
+  const int trials = 20;
   double squares = 0.0;
   for (int k = 0; k < trials; ++k) {
-    const double offset_s =
-        RandomStream{11, Purpose::test, static_cast<std::uint64_t>(k)}.uniform(0, -0.1, 0.1);
-    const ClockOffset found =
-        find(record(walker(static_cast<std::uint64_t>(k)), offset_s, static_cast<std::uint64_t>(k)));
+    const auto number = static_cast<std::uint64_t>(k);
+    const double offset_s = RandomStream{11, Purpose::test, number}.uniform(0, -0.1, 0.1);
+    const ClockOffset found = find(record(walker(number), offset_s, number, {.truth_hz = 60.0}));
     ASSERT_EQ(found.status, ClockOffsetStatus::found) << k << ' ' << name_of(found.status);
     const double off = found.offset_s - offset_s;
     squares += off * off;
@@ -78,8 +78,8 @@ TEST(ClockOffset, IsFoundWithinAMillisecondInTwentySecondsOfWalking) {
     covered += found.low_s <= offset_s && offset_s <= found.high_s;
   }
   RecordProperty("rms_ms", std::to_string(1e3 * std::sqrt(squares / trials)));
-  EXPECT_GE(within, 57);   // 95 %
-  EXPECT_GE(covered, 52);  // 87 %: of 60 at 95 % fewer is less likely than 1 in 50
+  EXPECT_GE(within, 19);   // 95 %
+  EXPECT_GE(covered, 17);  // 85 %: of 20 at 95 % fewer is less likely than 1 in 50
 }
 
 TEST(ClockOffset, WithoutNoiseIsExactToASmallPartOfAFrame) {

@@ -127,8 +127,8 @@ TEST(ErrorSpread, AnIntervalNeedsFourClustersAndResamplesThemWhole) {
 
 CalibrationSpec tiny_spec() {
   return spec_of(R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
-      "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 3,
-      "effect_joints": 200)");
+      "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
+      "bodies_instants": 6, "effect_joints": 200)");
 }
 
 TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
@@ -262,6 +262,18 @@ TEST(JointEffect, ACalibrationThatIsShiftedAsAWholeShiftsTheJoints) {
   EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").rmse_m, 0.05, 1e-3);
   EXPECT_NEAR(effect_of(rows, "wand", "mean").rmse_m, 0.05, 1e-3);
   EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").sensor_sigma_m, 0.05 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(JointEffect, TwoSensorsDetermineNoPlaceSoThereIsNoBound) {
+  CalibrationSpec spec =
+      spec_of(R"(, "rig": {"heights_m": [0.6, 2.2]}, "effect_joints": 200, "sensor_sigmas_m": [0.01])");
+  const auto rows = measure_effect(spec, true_rig(spec), {}, {});
+  EXPECT_EQ(effect_of(rows, "10 mm an axis", "nonlinear").answered, 0u);
+  const EffectRow& mean = effect_of(rows, "10 mm an axis", "mean");
+  EXPECT_EQ(mean.answered, 200u);
+  EXPECT_GT(mean.rmse_m, 0.0);
+  EXPECT_TRUE(std::isnan(mean.bound_m));
+  EXPECT_TRUE(std::isnan(mean.ratio_low));
 }
 
 }  // namespace

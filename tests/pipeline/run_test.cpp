@@ -161,7 +161,7 @@ TEST(Run, QuantilesAreTheSameFromMemoryAndFromTheFile) {
   const RunOutcome outcome = outcome_of(plan, std::vector<EvaluatedTake>(plan.takes.size()), false);
   const auto summary_with = [&](const char* name, std::uint64_t budget_bytes) {
     std::filesystem::create_directories(folder / name);
-    write_summary(folder / name, summarise(plan, outcome, samples, budget_bytes));
+    write_summary(folder / name, summarise(plan, outcome, samples, {}, budget_bytes));
     return read_file(folder / name / "summary.json");
   };
   const std::string memory = summary_with("memory", kDistancesInMemoryBytes);

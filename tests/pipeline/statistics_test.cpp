@@ -189,10 +189,7 @@ TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
   }
   const StudySpec study = study_with(R"("alignments": ["none"], "block_s": 2)");
   const Plan plan = make_plan(study, campaign);
-  Axes axes;
-  axes.joints = axes.groups = axes.alignments = 1;
-  axes.methods = plan.methods.size();
-  const StatisticsLayout layout = statistics_layout(plan, samples_header(plan), axes);
+  const StatisticsLayout layout = statistics_layout(plan);
   EXPECT_EQ(layout.blocks(plan.takes[0].instants), 1u);
   EXPECT_EQ(layout.blocks(plan.takes[5].instants), 3u);
   const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
@@ -205,21 +202,21 @@ TEST(Statistics, BlocksGrowUntilTheirSumsFit) {
   Plan plan;
   plan.methods.resize(25);
   plan.study.rate_hz = 30.0;
-  Axes axes;
-  axes.joints = axes.groups = 9;
-  axes.methods = 25;
-  axes.alignments = 5;
-  axes.sets = 2;
-  SamplesHeader header;
-  for (int t = 0; t < 20; ++t) header.takes.push_back({"t", 30 * 3600});
-  const StatisticsLayout layout = statistics_layout(plan, header, axes);
-  std::uint64_t rows = 0;
-  for (const TakeShape& take : header.takes) rows += layout.blocks(take.instants);
-  EXPECT_LE(rows * sizeof(double) * (axes.cells() * CellColumns::count + 25 * BodySumColumns::count),
-            kBlockSumBytes);
+  plan.study.occluded_apart = true;
+  plan.study.alignments.assign(5, AlignmentKind::none);
+  for (int j = 0; j < kJointCount; ++j) plan.joints.push_back(static_cast<Joint>(j));
+  PlannedTake take;
+  take.instants = 30 * 3600;
+  plan.takes.assign(20, take);
+  const StatisticsLayout layout = statistics_layout(plan);
+  const std::uint64_t row_bytes =
+      sizeof(double) * (layout.axes.cells() * CellColumns::count + 25 * BodySumColumns::count);
+  EXPECT_LE(20 * layout.blocks(take.instants) * row_bytes, kBlockSumBytes);
+  EXPECT_GT(layout.block_instants, 30u);
   EXPECT_EQ(layout.block_instants % 30, 0u);
-  header.takes.assign(2, {"t", 300});
-  EXPECT_EQ(statistics_layout(plan, header, axes).block_instants, 30u);
+  take.instants = 300;
+  plan.takes.assign(2, take);
+  EXPECT_EQ(statistics_layout(plan).block_instants, 30u);
 }
 
 TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {

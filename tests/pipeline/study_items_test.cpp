@@ -9,8 +9,11 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/cli/execute_budget.h"
 #include "pipeline/cli/simulate_part.h"
+#include "pipeline/recording_study/execute_recording.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"
@@ -21,10 +24,11 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr const char* kCalibration = R"({"format": "trilat.study", "version": 1, "kind": "calibration",
-    "name": "tiny", "units": 3, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 2,
-    "distortion_frames": 3, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 2, "effect_joints": 100})";
+    "name": "tiny", "units": 2, "samples": 1, "near_samples": 0, "frames": 1, "distortion_units": 2,
+    "distortion_frames": 1, "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 2, "positions": 4, "position_frames": 1,
+    "bodies_s": 0.5, "bodies_instants": 3, "effect_joints": 50, "sensor_sigmas_m": [0.01]})";
 constexpr const char* kRecording = R"({"format": "trilat.study", "version": 1, "kind": "recording",
-    "name": "tiny", "frames": 90, "sensors": 2, "runs": 2, "capture_s": 0,
+    "name": "tiny", "frames": 60, "sensors": 2, "runs": 2, "capture_s": 0,
     "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}],
     "methods": [{"method": "linear"}, {"method": "nonlinear"}]})";
 constexpr const char* kBudget = R"({"format": "trilat.study", "version": 1, "kind": "error_budget",
@@ -32,7 +36,7 @@ constexpr const char* kBudget = R"({"format": "trilat.study", "version": 1, "kin
     "methods": [{"method": "mean"}, {"method": "nonlinear"}]})";
 constexpr const char* kSimulation =
     R"({"format": "trilat.simulation", "version": 1, "name": "short", "seed": 3,
-    "participants": 1, "activities": [{"name": "walking", "duration_s": 1}], "body_tracker": {}})";
+    "participants": 1, "activities": [{"name": "walking", "duration_s": 0.3}], "body_tracker": {}})";
 
 // Runs of the program, each in a folder of its own name.
 struct Study {
@@ -43,6 +47,7 @@ struct Study {
     write_file(file, text);
     write_file(folder / "simulation.json", kSimulation);
   }
+  Json json() const { return read_json(file); }
   Ended run(const std::string& output, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"run", file, "-o", (folder / output).string(), "--json"});
     return run_trilat(folder, more);
@@ -55,24 +60,70 @@ struct Study {
   }
 };
 
-class EveryKind : public testing::TestWithParam<const char*> {};
+struct Kind {
+  const char* name;
+  const char* text;
+  void (*execute)(const Study& study, const std::filesystem::path& output, const Shard& shard);
+  void (*merge)(const std::vector<FoundPart>& parts, const std::filesystem::path& output);
+};
+void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
+
+const Kind kKinds[] = {
+    {"Calibration", kCalibration,
+     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
+       execute_calibration(parse_calibration_spec(study.json(), study.file), output, {.work = {shard, {}}});
+     },
+     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
+       merge_calibration(parts, output, {});
+     }},
+    {"Recording", kRecording,
+     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
+       execute_recording(parse_recording_spec(study.json(), study.file), output, {.work = {shard, {}}});
+     },
+     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
+       merge_recording(parts, output, {});
+     }},
+    {"Budget", kBudget,
+     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
+       execute_budget(parse_budget(study.json(), study.file, study.folder.path(), {}), output,
+                      {.work = {shard, {}}});
+     },
+     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
+       merge_budget(parts, output, {});
+     }}};
+
+class EveryKind : public testing::TestWithParam<Kind> {};
 
 TEST_P(EveryKind, MergesToTheBytesOfOneRun) {
-  Study study(GetParam());
-  ASSERT_EQ(study.run("whole").code, 0);
+  const Kind& kind = GetParam();
+  const Study study(kind.text);
+  kind.execute(study, study.folder / "whole", {});
   for (const std::uint64_t shards : {1u, 2u, 7u, 64u}) {
-    for (std::uint64_t k = 1; k <= shards; ++k) {
-      const Ended part = study.run(fmt::format("part{}", k), {"--shard", fmt::format("{}/{}", k, shards)});
-      ASSERT_EQ(part.code, 0) << part.err;
+    std::vector<std::filesystem::path> parts;
+    for (std::uint64_t k = shards; k >= 1; --k) {
+      parts.push_back(study.folder / fmt::format("part{}of{}", k, shards));
+      kind.execute(study, parts.back(), {k, shards});
     }
-    const Ended merged = study.merge(shards, "merged");
-    ASSERT_EQ(merged.code, 0) << merged.err;
-    expect_same_results(study.folder / "whole", study.folder / "merged");
+    const auto merged = study.folder / fmt::format("merged{}", shards);
+    kind.merge(read_parts(parts), merged);
+    expect_same_results(study.folder / "whole", merged);
   }
 }
 
+TEST_P(EveryKind, TheProgramMergesItsPartsToTheBytesOfItsOneRun) {
+  Study study(GetParam().text);
+  ASSERT_EQ(study.run("whole").code, 0);
+  for (const char* k : {"1", "2"}) {
+    const Ended part = study.run(fmt::format("part{}", k), {"--shard", fmt::format("{}/2", k)});
+    ASSERT_EQ(part.code, 0) << part.err;
+  }
+  const Ended merged = study.merge(2, "merged");
+  ASSERT_EQ(merged.code, 0) << merged.err;
+  expect_same_results(study.folder / "whole", study.folder / "merged");
+}
+
 TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
-  Study study(GetParam());
+  Study study(GetParam().text);
   ASSERT_EQ(study.run("whole").code, 0);
   const Json again = parse_json(study.run("whole").out, "stdout");
   EXPECT_EQ(again.at("items_computed"), 0);
@@ -84,12 +135,8 @@ TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
   EXPECT_EQ(parse_json(study.run("whole", {"--fresh"}).out, "stdout").at("items_reused"), 0);
 }
 
-std::string name_of_kind(const testing::TestParamInfo<const char*>& kind) {
-  constexpr const char* kNames[] = {"Calibration", "Recording", "Budget"};
-  return kNames[kind.index];
-}
-INSTANTIATE_TEST_SUITE_P(StudyItems, EveryKind, testing::Values(kCalibration, kRecording, kBudget),
-                         name_of_kind);
+INSTANTIATE_TEST_SUITE_P(StudyItems, EveryKind, testing::ValuesIn(kKinds),
+                         [](const auto& kind) { return std::string(kind.param.name); });
 
 TEST(StudyItems, AnItemOfAnotherShardHasNoOutcomeHere) {
   const ScratchFolder folder;

@@ -25,7 +25,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr const char* kMethods = R"("occluded_apart": true, "resamples": 200, "block_s": 0.2,
-    "alignments": ["mean", "none"], "methods": [
+    "alignments": ["mean", "none", "rigid", "first", "held_out", "joint_offset"], "methods": [
     {"method": "mean"}, {"method": "nonlinear"}, {"method": "geometric"}, {"method": "rts"}])";
 
 // Takes of two activities; one cannot be evaluated.

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // 24 cells of three chunks, the last one not full; searched, timed, and with digits in two chunks of three.
 SweepPlan searched_plan() {
-  return sweep_plan_of(kOneRig + R"(, "stops": ["objective"], "trials": 17000, "max_iterations": 60,
+  return sweep_plan_of(kOneRig + R"(, "stops": ["objective"], "trials": 17000, "max_iterations": 20,
       "search": true, "time_problems": 5, "time_repeats": 1)");
 }
 

@@ -206,7 +206,7 @@ TEST(WandPart, APartThatWasChangedIsRefusedWithThePlace) {
     return message;
   };
   EXPECT_THAT(complaint("items.json", R"({"found":60})", R"({"found":59})"),
-              AllOf(HasSubstr("items.json r1-s1-f0"), HasSubstr("is of 59 frames, not of 60")));
+              AllOf(HasSubstr("items.json item r1-s1-f0"), HasSubstr("is of 59 frames, not of 60")));
   EXPECT_THAT(complaint("items.json", R"("pixels":[)", R"("pixels":[0.5,)"), HasSubstr("pixels"));
   EXPECT_THAT(complaint("items.json", R"("sha256":)", R"("sha512":)"), HasSubstr("sha256"));
   EXPECT_THAT(complaint("part.json", R"("depth_frames": 75)", R"("depth_frames": 75000000000000)"),
@@ -223,7 +223,7 @@ TEST(WandOutcome, ReadsBackToTheLastBit) {
   sighting.covariance_m2 << 1e-300, 1.0 / 7.0, -0.0, 4.0, 5.0, 6.0, 7.0, 8.0, std::nextafter(9.0, 10.0);
   search.found.push_back({HostTime{9'007'199'254'740'993}, sighting});
   const std::string text = json_text(json_of(search), -1);
-  const SensorSearch again = read_sensor_search(parse_json(text, "here"), "here", "");
+  const SensorSearch again = read_sensor_search(parse_json(text, "here"), "here");
   EXPECT_EQ(json_text(json_of(again), -1), text);
   ASSERT_THAT(again.found, SizeIs(1));
   EXPECT_EQ(again.frames, 3u);

@@ -46,7 +46,7 @@ with tempfile.TemporaryDirectory() as folder:
     for compression in ("blosc", "deflate"):
         session = str(Path(folder) / f"{compression}.h5")
         subprocess.run(
-            [trilat, "record", "--source", "synthetic:2,duration=1.5,speed=max", "--compression", compression, "-o", session],
+            [trilat, "record", "--source", "synthetic:2,duration=0.4,speed=max", "--compression", compression, "-o", session],
             check=True, capture_output=True)
         told = json.loads(subprocess.run([trilat, "info", "--json", session], check=True, capture_output=True).stdout)
         with h5py.File(session) as file:

@@ -187,6 +187,11 @@ double seconds_of_a_whole_recording(const std::filesystem::path& folder) {
   return seconds;
 }
 
+void remove_files(const Trial& trial) {
+  for (const char* tail : {"", ".partial", ".saved.h5"})
+    std::filesystem::remove(trial.session.string() + tail);
+}
+
 int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   const double whole_s = seconds_of_a_whole_recording(folder);
@@ -200,6 +205,7 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
       trial.kill_after_s = draw * whole_s;
     else
       trial.file_limit_bytes = static_cast<rlim_t>(draw * static_cast<double>(whole_bytes));
+    remove_files(trial);  // an earlier torture was killed itself
     const Outcome outcome = run(trial);
     complete += outcome.complete;
     empty += outcome.nothing_flushed;
@@ -210,8 +216,7 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
                            : fmt::format("disk full at {} bytes", trial.file_limit_bytes),
                  outcome.problem);
     } else {
-      for (const char* tail : {"", ".partial", ".saved.h5"})
-        std::filesystem::remove(trial.session.string() + tail);
+      remove_files(trial);
     }
   }
   fmt::print(

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <utility>
+
+namespace trilat {
+
+// Wall clock since it was made.
+class RunningTime {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Who is told the progress of a stage that is `share` of the whole and begins when `before` of it is done.
+inline std::function<void(double)> share_of(std::function<void(double)> progress, double before,
+                                            double share) {
+  if (!progress) return {};
+  return [progress = std::move(progress), before, share](double done) { progress(before + share * done); };
+}
+
+}  // namespace trilat

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/take_summary.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "evaluators/solvers/solve_status.h"
+#include "pipeline/execute.h"
+#include "pipeline/study_part.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+
+namespace trilat {
+namespace {
+
+using ::testing::HasSubstr;
+
+// One take with two alignments, one of them trained, and samples that a sensor sees occluded.
+struct OneTake {
+  ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  StudySpec study = study_of(R"("occluded_apart": true, "block_s": 0.2,
+      "alignments": ["rigid", "none", "joint_offset"], "methods": [{"method": "mean"}, {"method": "single"}])");
+  Plan plan = make_plan(study, campaign);
+  StatisticsLayout layout = statistics_layout(plan);
+  std::uint64_t instants = plan.takes[0].instants;
+  TakeSummary summary;
+
+  OneTake() {
+    execute_study(study, campaign, folder / "results", {});
+    summary = summarise_take(SamplesFile::open(folder / "results/samples.h5"), 0, layout);
+    write_take_summary(folder.path(), "key", summary);
+  }
+  std::string file() const { return read_file(folder / "summary.bin"); }
+  void put(const std::string& text) const { write_file(folder / "summary.bin", text + hash_of_text(text)); }
+  std::string said(const std::string& key = "key") const {
+    return message_of([&] { read_take_summary(folder.path(), key, layout, instants); });
+  }
+};
+
+TEST(TakeSummary, ComesBackAsItWasToTheBit) {
+  const OneTake take;
+  const std::string first = take.file();
+  const TakeSummary read = read_take_summary(take.folder.path(), "key", take.layout, take.instants);
+  EXPECT_GT(read.statistics.sums[0].errors.answered(), 0);
+  EXPECT_EQ(read.statistics.cells, take.summary.statistics.cells);
+  EXPECT_EQ(read.alignments[2][0].offset.in_body_m(), take.summary.alignments[2][0].offset.in_body_m());
+  EXPECT_EQ(read.alignments[2][0].first_instant, take.summary.alignments[2][0].first_instant);
+  EXPECT_EQ(read.alignments[0][0].turns, take.summary.alignments[0][0].turns);
+  EXPECT_FALSE(read.statistics.of_group[0].noise_sigma_m.empty());
+  write_take_summary(take.folder.path(), "key", read);
+  EXPECT_EQ(take.file(), first);
+}
+
+TEST(TakeSummary, OfAnotherStudyIsRefused) {
+  EXPECT_THAT(OneTake().said("other"), HasSubstr("summary.bin: was made for another study"));
+}
+
+TEST(TakeSummary, AnyByteThatChangedIsNoticed) {
+  const OneTake take;
+  const std::string good = take.file();
+  for (std::size_t at = 0; at < good.size(); at += 1 + good.size() / 50) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    write_file(take.folder / "summary.bin", bad);
+    EXPECT_THAT(take.said(), HasSubstr("summary.bin: is damaged")) << at;
+  }
+}
+
+TEST(TakeSummary, OfAnotherLengthIsRefused) {
+  OneTake take;
+  const std::string file = take.file(), good = file.substr(0, file.size() - 64);
+  take.put(good.substr(0, good.size() - 8));
+  EXPECT_THAT(take.said(), HasSubstr("summary.bin: has another shape than its take"));
+  take.put(good + "more");
+  EXPECT_THAT(take.said(), HasSubstr("summary.bin: has another shape than its take"));
+  take.put(good);
+  EXPECT_EQ(take.said(), "no error");
+  take.instants *= 2;
+  EXPECT_THAT(take.said(), HasSubstr("summary.bin: has another shape than its take"));
+}
+
+TEST(TakeSummary, APartWithoutItCannotBeMergedAndSaysSo) {
+  const OneTake take;
+  const std::filesystem::path part = take.folder / "part";
+  run_study_part(take.study, take.campaign, {1, 1}, part, {});
+  const std::filesystem::path own = part / "takes" / take.campaign.takes[0].id;
+  std::filesystem::remove(own / "summary.bin");
+  const auto merge = [&] { merge_study(read_parts(std::array{part}), take.folder / "merged", {}); };
+  EXPECT_THAT(message_of(merge), HasSubstr("summary.bin"));
+  EXPECT_FALSE(std::filesystem::exists(take.folder / "merged"));
+}
+
+// What merging says when `change` was made to the samples of a finished part.
+template <class Change>
+std::string said_of_samples(const OneTake& take, const std::string& name, const Change& change) {
+  const std::filesystem::path part = take.folder / name;
+  run_study_part(take.study, take.campaign, {1, 1}, part, {});
+  const std::filesystem::path samples = part / "takes" / take.campaign.takes[0].id / "samples.h5";
+  const SamplesFile good = SamplesFile::open(samples);
+  SampleBlock block = good.read(0, 0, take.instants);
+  const auto answered = std::find_if(block.status.begin(), block.status.end(), [](std::uint8_t status) {
+    return is_usable(static_cast<SolveStatus>(status));
+  });
+  change(block, static_cast<std::size_t>(answered - block.status.begin()));
+  SamplesFile changed = SamplesFile::create(take.folder / "changed.h5", good.header());
+  changed.write(0, block);
+  changed.finish();
+  std::filesystem::rename(take.folder / "changed.h5", samples);
+  const std::string said =
+      message_of([&] { merge_study(read_parts(std::array{part}), take.folder / "merged", {}); });
+  EXPECT_EQ(std::filesystem::exists(take.folder / "merged"), said == "no error");
+  std::filesystem::remove_all(take.folder / "merged");
+  return said;
+}
+
+TEST(TakeSummary, SamplesThatChangedBehindItAreRefused) {
+  const OneTake take;
+  EXPECT_THAT(said_of_samples(take, "fewer",
+                              [](SampleBlock& block, std::size_t slot) {
+                                block.status[slot] = static_cast<std::uint8_t>(SolveStatus::not_solved);
+                              }),
+              HasSubstr("summary.bin: is not of the samples beside it"));
+  EXPECT_THAT(
+      said_of_samples(take, "moved",
+                      [](SampleBlock& block, std::size_t slot) { block.estimate_m[3 * slot] += 1e-9; }),
+      HasSubstr("summary.bin: is not of the samples beside it"));
+  EXPECT_EQ(said_of_samples(take, "same", [](SampleBlock&, std::size_t) {}), "no error");
+}
+
+TEST(TakeSummary, CountsThatCannotBeAreRefused) {
+  const OneTake take;
+  const std::string file = take.file(), good = file.substr(0, file.size() - 64);
+  const std::size_t first = good.find("key\n") + 4;
+  const std::size_t alignments = 3 * take.layout.axes.joints * take.layout.axes.methods;
+  constexpr std::size_t kAlignmentBytes = 1 + 1 + 4 * 8 + 3 * 8 + 8 + 8 + 3 * 8 + 8 + 1;
+  const std::size_t asked = first + alignments * kAlignmentBytes;
+  for (const std::int64_t wrong : {std::int64_t{-5}, std::numeric_limits<std::int64_t>::max()}) {
+    std::string bad = good;
+    std::memcpy(&bad[asked], &wrong, sizeof wrong);
+    take.put(bad);
+    EXPECT_THAT(take.said(), HasSubstr("summary.bin: counts samples that cannot be")) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace trilat
