@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -55,7 +56,8 @@ struct H5Layout {
 
 // Rows of one shape and type. Shape and storage are checked when a table is opened (check_stored_rows()), so
 // that reads never exceed what the file really holds; filters are undone by this program, not by the library.
-// All errors are InputError with the place `file.h5:/path`. One thread at a time may use a table.
+// All errors are InputError with the place `file.h5:/path`. Any number of threads may read a table; while one
+// writes, no other may use it.
 class H5Table {
  public:
   std::uint64_t rows() const;
@@ -96,8 +98,14 @@ class H5Table {
   void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
   // False when the library says no.
   bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
-  void read_filtered(std::uint64_t first_row, std::span<std::byte> rows);
-  std::span<const std::byte> chunk_at(std::uint64_t first_row);
+  // The chunk that was decoded last: small reads in a row are of the same one.
+  struct DecodedChunk {
+    std::mutex mutex;  // over both
+    std::optional<std::uint64_t> first_row;
+    std::vector<std::byte> rows;
+  };
+  void read_filtered(std::uint64_t first_row, std::span<std::byte> rows) const;
+  void decode_chunk_at(std::uint64_t first_row, DecodedChunk& decoded) const;
   void extend_to(std::uint64_t rows);
 
   H5Handle id_;
@@ -106,8 +114,7 @@ class H5Table {
   std::uint64_t row_elements_ = 1;
   StoredRows stored_;  // of a table that was opened
   bool torn_end_accepted_ = false;
-  std::optional<std::uint64_t> decoded_first_row_;
-  std::vector<std::byte> decoded_;  // the chunk of that row
+  std::unique_ptr<DecodedChunk> decoded_ = std::make_unique<DecodedChunk>();
 };
 
 // A group, or the root of a file.

@@ -44,8 +44,7 @@ enum class FrameStream { bodies, depth };
 // Reads session.h5 in blocks, so that memory does not depend on the recording's length. Opens a
 // file that is being written, or whose writer was killed: then up to the last flush. Counts are what all
 // columns of a table hold in common; nothing is read on the word of a stored length. InputError with
-// `file.h5:/path` for whatever is not as this format version has it. Separate readers may be used by separate
-// threads.
+// `file.h5:/path` for whatever is not as this format version has it. Any number of threads may read from one.
 class SessionReader {
  public:
   explicit SessionReader(const std::filesystem::path& path);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <atomic>
+#include <thread>
+
 #include <gmock/gmock.h>
 
 #include "datasets/session/session_reader.h"
@@ -28,6 +31,35 @@ TEST(StoredRows, EveryPipelineThatIsReadGivesWhatTheLibraryWrote) {
     for (std::size_t i = 0; i < stamps.size(); ++i)
       ASSERT_EQ(stamps[i].sequence, sequence[i + 3]) << "pipeline " << pipeline;
   }
+}
+
+// Searching the wand reads the stamps of one sensor on all threads.
+TEST(StoredRows, ThreadsThatReadTheSameTableGetTheirOwnRows) {
+  const ScratchFolder folder;
+  SessionHeader header;
+  header.sensors.resize(1);
+  header.sensors[0].name = "k1";
+  SessionWriter writer(folder / "session.h5", header);
+  constexpr std::int64_t kFrames = 30'000, kThreads = 3, kShare = kFrames / kThreads, kBlock = 100;
+  for (std::int64_t i = 0; i < kFrames; ++i)
+    writer.add_body_frame(0, {{i, 333'333 * i, 33'333'300 * i}, {}, {}});
+  writer.finish();
+
+  const SessionReader session(folder / "session.h5");
+  std::atomic<std::int64_t> wrong{0};
+  const auto read_share = [&](std::int64_t thread) {  // which lies in chunks of its own, nearly
+    for (int pass = 0; pass < 40; ++pass)
+      for (std::int64_t first = thread * kShare; first < (thread + 1) * kShare; first += kBlock) {
+        const auto stamps = session.stamps(0, FrameStream::bodies, static_cast<std::uint64_t>(first), kBlock);
+        for (std::int64_t i = 0; i < kBlock; ++i)
+          wrong += stamps[static_cast<std::size_t>(i)].sequence != first + i;
+      }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::int64_t t = 0; t < kThreads; ++t) threads.emplace_back(read_share, t);
+  }
+  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A file of a part of a study among sound ones, or of a journal: the first byte chooses which, JSON follows.
-// The part is merged.
+// A file of a part of a study among sound ones, or of a journal: the first byte chooses which, its text
+// follows. The part is merged.
 #include <cstdlib>
 #include <fstream>
 
-#include "datasets/base/content_hash.h"
+#include "datasets/base/files.h"
 #include "datasets/results/item_journal.h"
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/recording_study/execute_recording.h"
@@ -30,13 +30,6 @@ void put(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
-// The file with its document, or the document of its first line, replaced.
-std::string replaced(const SoundPartFile& file, const std::string& sound, const std::string& json) {
-  if (!file.is_line) return json;
-  const std::size_t end = sound.find('\n');
-  return hash_of_text(json) + ' ' + json + (end == std::string::npos ? "\n" : sound.substr(end));
-}
-
 void merge(const fs::path& part, const fs::path& output) {
   const std::vector<FoundPart> parts = read_parts(std::vector{part});
   const std::string& kind = parts[0].part.kind;
@@ -58,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::filesystem::path path = parts / file.folder / file.name;
   const bool journal = file.name == "items.jsonl";
   const std::string sound = journal ? "" : read_file(path);
-  put(path, replaced(file, sound, {reinterpret_cast<const char*>(data) + 1, size - 1}));
+  put(path, replaced_in(file, sound, {reinterpret_cast<const char*>(data) + 1, size - 1}));
   if (journal)
     tolerate_bad_input([&] { ItemJournal(parts / file.folder).find("p01-walking", ""); });
   else
