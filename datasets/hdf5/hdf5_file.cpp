@@ -174,7 +174,8 @@ void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
   transfer(first, const_cast<void*>(data), elements, type, true);
 }
 
-bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
+bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type,
+                        bool write) const {
   std::vector<hsize_t> start(1 + row_shape_.size(), 0);
   std::vector<hsize_t> count{elements / row_elements_};
   count.insert(count.end(), row_shape_.begin(), row_shape_.end());
@@ -188,7 +189,8 @@ bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t element
                 : H5Dread(id_.id(), memory, from, to, H5P_DEFAULT, data)) >= 0;
 }
 
-void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) {
+void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type,
+                       bool write) const {
   if (elements == 0) return;
   TRILAT_CHECK(elements % row_elements_ == 0, "whole rows are transferred");
   prepare_library();

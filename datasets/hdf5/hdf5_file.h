@@ -87,7 +87,7 @@ class H5Table {
   }
   template <class T>
   void read(std::uint64_t first_row, std::span<T> values) const {
-    const_cast<H5Table*>(this)->transfer(first_row, values.data(), values.size(), h5_type_of<T>(), false);
+    transfer(first_row, values.data(), values.size(), h5_type_of<T>(), false);
   }
   // Bytes that the rows take in the file, filters applied.
   std::uint64_t stored_bytes() const;
@@ -95,9 +95,9 @@ class H5Table {
  private:
   friend class H5Node;
   void append_raw(const void* data, std::size_t elements, H5Type type);
-  void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
+  void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) const;
   // False when the library says no.
-  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write);
+  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) const;
   // The chunk that was decoded last: small reads in a row are of the same one.
   struct DecodedChunk {
     std::mutex mutex;  // over both

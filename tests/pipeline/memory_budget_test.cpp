@@ -7,6 +7,7 @@
 #include "pipeline/execute.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
+#include "tests/pipeline/same_results.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -97,21 +98,29 @@ TEST(MemoryBudget, OnlyTheTakeThatIsTooLongFails) {
   EXPECT_THAT(summary.notes.back().text, HasSubstr("of memory to evaluate"));
 }
 
-TEST(MemoryBudget, TheVerbTakesTheLimitInMegabytes) {
+TEST(MemoryBudget, TheVerbsTakeTheLimitInMegabytes) {
   const ScratchFolder folder;
   simulate_into(folder / "campaign", walking_spec(1));
   const std::string study = file_with(
       folder, "study.json",
       std::string(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "mine", )") +
           kMethods + "}");
-  const auto run = [&](const std::string& megabytes) {
-    return run_trilat(folder, {"run", study, "--campaign", (folder / "campaign").string(), "-o",
-                               (folder / "results").string(), "--memory-mb", megabytes});
+  const auto run = [&](const std::string& output, const std::string& megabytes,
+                       std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"run", study, "--campaign", (folder / "campaign").string(), "-o",
+                               (folder / output).string(), "--memory-mb", megabytes});
+    return run_trilat(folder, more);
   };
-  const Ended refused = run("1");
+  const Ended refused = run("results", "1");
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("more than the 1 MB allowed"), HasSubstr("--memory-mb")));
-  EXPECT_EQ(run("2000").code, 0);
+  EXPECT_EQ(run("results", "2000").code, 0);
+  // merging needs less than evaluating
+  EXPECT_EQ(run("part", "2000", {"--shard", "1/1"}).code, 0);
+  const std::string merged = (folder / "merged").string();
+  EXPECT_EQ(run_trilat(folder, {"merge", (folder / "part").string(), "-o", merged, "--memory-mb", "1"}).code,
+            0);
+  expect_same_results(folder / "results", merged);
 }
 
 }  // namespace

@@ -68,6 +68,14 @@ TEST(StudyPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
     expect_same_results(whole, work.merged(work.parts(shards, {.cross_check = true})));
 }
 
+TEST(StudyPart, MergedInHardlyAnyMemoryTheBytesAreTheSame) {
+  Divided work(2);
+  const auto whole = work.whole(), output = work.folder / "merged";
+  const auto parts = work.parts(2);
+  merge_study(read_parts(parts), output, {.memory_bytes = 0});
+  expect_same_results(whole, output);
+}
+
 TEST(StudyPart, EveryTakeIsInExactlyOneShardAndTheSharesAreBalanced) {
   Divided work(6, false);
   const Plan plan = make_plan(work.study, work.campaign);
