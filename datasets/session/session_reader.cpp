@@ -135,6 +135,11 @@ const SensorCounts& SessionReader::counts(std::size_t sensor) const {
   return state_->sensors.at(sensor).counts;
 }
 
+std::uint64_t SessionReader::depth_stored_bytes(std::size_t sensor) const {
+  const SensorTables& t = state_->sensors.at(sensor);
+  return t.depth_frames ? t.depth_frames->stored_bytes() : 0;
+}
+
 std::size_t SessionReader::sensor_index(const std::string& name) const {
   std::string known;
   for (std::size_t i = 0; i < state_->header.sensors.size(); ++i) {

@@ -20,7 +20,6 @@ struct SensorCounts {
   std::uint64_t clock_exchanges = 0;
   std::uint64_t drop_counts = 0;
   std::uint64_t notices = 0;
-  std::uint64_t depth_stored_bytes = 0;
   std::optional<ChunkCompression> depth_compression =
       std::nullopt;  // none where chunks are not as we write them
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the
@@ -57,6 +56,8 @@ class SessionReader {
   // False when the recording was not closed properly (or still goes on).
   bool complete() const;
   const SensorCounts& counts(std::size_t sensor) const;
+  // What the sensor's depth frames take in the file; 0 without depth. Looks at every chunk's entry.
+  std::uint64_t depth_stored_bytes(std::size_t sensor) const;
   std::size_t sensor_index(const std::string& name) const;  // InputError listing those that exist
 
   // Each reads rows [first, first + count) and refuses a range beyond counts().

@@ -155,7 +155,6 @@ void count_depth(SensorTables& t, std::uint64_t limit) {
     while (count > 0 && !t.depth_frames->has_filtered_row(count - 1)) --count;
   t.counts.depth_frames = count;
   t.counts.torn_rows += rows.most - count;
-  t.counts.depth_stored_bytes = t.depth_frames->stored_bytes();
 }
 
 SensorTables open_all(const H5Node& node) {

@@ -34,15 +34,16 @@ WandCalibration calibrate_searched(const WandWork& work,
   return result;
 }
 
-WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& sessions,
+WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method) {
+  const std::vector<SessionReader> sessions = open_sessions(files);
   WandWork work = make_wand_work(sessions, method, options);
   // before minutes of work
   if (WandInWorld* world = work.options.world ? &*work.options.world : nullptr; world && !world->track)
     world->track = read_wand_track(world->mocap, world->asset);
   std::vector<std::vector<SensorSearch>> searches;
-  for (const WandRecording& recording : work.recordings)
-    searches.push_back(search_wand(SessionReader(recording.place), intrinsics_of(recording), options.search));
+  for (std::size_t r = 0; r < sessions.size(); ++r)
+    searches.push_back(search_wand(sessions[r], intrinsics_of(work.recordings[r]), options.search));
   for (WandRecording& recording : work.recordings)
     recording.sha256 = hash_of_file(recording.place, options.search.stop_requested);
   return calibrate_searched(work, searches);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <type_traits>
 
 #include "datasets/base/content_hash.h"
@@ -10,7 +11,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kDepthFrameEvery = 600;
+constexpr std::uint64_t kDepthFrameEvery = 1200;
 constexpr std::uint64_t kStampsAtOnce = 65536;
 
 template <class Rows>
@@ -31,12 +32,13 @@ void add_stamps(ContentHash& hash, const SessionReader& session, std::size_t sen
 
 std::string fingerprint_of(const SessionReader& session) {
   ContentHash hash;
+  add_rows(hash, std::array{std::uint64_t{std::filesystem::file_size(session.path())}});
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
     const SensorDescription& sensor = session.header().sensors[s];
     const SensorCounts& counts = session.counts(s);
     for (const std::string& text : {sensor.name, sensor.serial, sensor.source}) add_rows(hash, text);
     add_rows(hash, std::array{sensor.tick_ns, sensor.latency_ns});
-    add_rows(hash, std::array{counts.body_frames, counts.depth_frames, counts.depth_stored_bytes});
+    add_rows(hash, std::array{counts.body_frames, counts.depth_frames});
     add_stamps(hash, session, s, FrameStream::bodies, counts.body_frames);
     add_stamps(hash, session, s, FrameStream::depth, counts.depth_frames);
     add_rows(hash, session.clock_exchanges(s));

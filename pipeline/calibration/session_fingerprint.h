@@ -7,8 +7,8 @@
 
 namespace trilat {
 
-// Tells recordings apart without reading all of them: a hash of what the sensors are, of every time stamp and
-// clock exchange, of how many bytes the depth frames take, and of one frame in 600.
+// Tells recordings apart without reading all of them: a hash of how long the file is, of what the sensors
+// are, of every time stamp and clock exchange, and of one depth frame in 1200.
 std::string fingerprint_of(const SessionReader& session);
 
 }  // namespace trilat

@@ -80,10 +80,9 @@ class SharedProgress {
 };
 
 // The items of one recording that are this shard's.
-void search_recording(const WandWork& work, std::size_t r, const std::vector<RunItem>& runs,
-                      StudyItems& items, SharedProgress& progress) {
+void search_recording(const WandWork& work, std::size_t r, const SessionReader& session,
+                      const std::vector<RunItem>& runs, StudyItems& items, SharedProgress& progress) {
   const WandRecording& recording = work.recordings[r];
-  const SessionReader session(recording.place);
   WandSearcher searcher(session, intrinsics_of(recording), work.options.search);
   const auto hash = [&] {
     const auto compute = [&] {
@@ -154,13 +153,14 @@ class HeldOutcomes {
 
 }  // namespace
 
-ItemTally search_wand_part(const std::vector<fs::path>& sessions, WandMethod method,
+ItemTally search_wand_part(const std::vector<fs::path>& files, WandMethod method,
                            const CalibrateWandOptions& options, const Shard& shard, const fs::path& output,
                            std::uint64_t frames_of_item) {
+  const std::vector<SessionReader> sessions = open_sessions(files);
   WandWork work = make_wand_work(sessions, method, options);
   work.frames_of_item = frames_of_item;
-  for (WandRecording& recording : work.recordings)
-    recording.fingerprint = fingerprint_of(SessionReader(recording.place));
+  for (std::size_t r = 0; r < sessions.size(); ++r)
+    work.recordings[r].fingerprint = fingerprint_of(sessions[r]);
   const auto runs = run_items(work);
   const std::vector<PartItem> all = part_items(work, runs);
   const ResultsFolder folder(output, {ItemJournal::kFile}, kWandPart);
@@ -171,7 +171,8 @@ ItemTally search_wand_part(const std::vector<fs::path>& sessions, WandMethod met
   if (const auto& world = work.options.world)
     items.outcome(kMocapItem, [&] { return json_of(read_wand_track(world->mocap, world->asset)); },
                   {.settings = Json{{"mocap", work.other_sources.front().sha256}, {"asset", world->asset}}});
-  for (std::size_t r = 0; r < runs.size(); ++r) search_recording(work, r, runs[r], items, progress);
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    search_recording(work, r, sessions[r], runs[r], items, progress);
   items.finish(folder.partial(), "");
   folder.put_in_place();
   return items.tally();

@@ -7,7 +7,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/opencv_intrinsics.h"
-#include "datasets/session/session_reader.h"
 
 namespace trilat {
 namespace {
@@ -51,14 +50,13 @@ std::vector<DepthIntrinsics> intrinsics_of(const WandRecording& recording) {
   return intrinsics;
 }
 
-std::vector<WandRecording> read_wand_recordings(const std::vector<std::filesystem::path>& sessions,
+std::vector<WandRecording> read_wand_recordings(std::span<const SessionReader> sessions,
                                                 const NamedIntrinsics& intrinsics, bool floors) {
   std::vector<WandRecording> recordings;
-  for (const std::filesystem::path& path : sessions) {
-    const SessionReader session(path);
+  for (const SessionReader& session : sessions) {
     check_depth(session);
-    WandRecording recording{.place = path.string(),
-                            .bytes = std::filesystem::file_size(path),
+    WandRecording recording{.place = session.path().string(),
+                            .bytes = std::filesystem::file_size(session.path()),
                             .simulated = session.header().simulated};
     for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
       const SensorDescription& sensor = session.header().sensors[s];
@@ -66,7 +64,7 @@ std::vector<WandRecording> read_wand_recordings(const std::vector<std::filesyste
       if (floors) recording.sensors.back().floor = floor_seen_by(session, s);
     }
     if (!recordings.empty() && !are_of_one_rig(recordings.front(), recording))
-      throw InputError(path.string(),
+      throw InputError(recording.place,
                        "has other sensors than the first session; all recordings must be of one rig");
     for (const auto& [name, file] : intrinsics) take_intrinsics(recording, session, name, file);
     recordings.push_back(std::move(recording));

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "datasets/geometry/depth_camera.h"
+#include "datasets/session/session_reader.h"
 #include "pipeline/calibration/floor_plane.h"
 
 namespace trilat {
@@ -34,7 +36,7 @@ using NamedIntrinsics = std::vector<std::pair<std::string, std::filesystem::path
 // Of recordings of one rig, without hashes. `intrinsics`: instead of the sessions' own; `floors`: whether
 // they are looked for. InputError names the sensor that has no depth or other images, the recording with
 // other sensors than the first, or the intrinsics file that cannot be this sensor's.
-std::vector<WandRecording> read_wand_recordings(const std::vector<std::filesystem::path>& sessions,
+std::vector<WandRecording> read_wand_recordings(std::span<const SessionReader> sessions,
                                                 const NamedIntrinsics& intrinsics, bool floors);
 
 bool are_of_one_rig(const WandRecording& a, const WandRecording& b);

@@ -72,7 +72,11 @@ CalibrateWandOptions read_options(JsonObject object) {
 
 std::string name_of(WandMethod method) { return kMethods.at(static_cast<std::size_t>(method)); }
 
-WandWork make_wand_work(const std::vector<std::filesystem::path>& sessions, WandMethod method,
+std::vector<SessionReader> open_sessions(const std::vector<std::filesystem::path>& files) {
+  return {files.begin(), files.end()};
+}
+
+WandWork make_wand_work(std::span<const SessionReader> sessions, WandMethod method,
                         const CalibrateWandOptions& options) {
   WandWork work{
       .method = method,

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "datasets/session/session_reader.h"
 #include "pipeline/calibration/calibrate_views.h"
 
 namespace trilat {
@@ -25,8 +27,11 @@ struct WandWork {
   std::vector<CalibrationSource> other_sources = {};  // besides the recordings
 };
 
+// A reader of each file. What is read of a recording once is not read again for the next question.
+std::vector<SessionReader> open_sessions(const std::vector<std::filesystem::path>& files);
+
 // InputError as read_wand_recordings(). The recordings' hashes are left out.
-WandWork make_wand_work(const std::vector<std::filesystem::path>& sessions, WandMethod method,
+WandWork make_wand_work(std::span<const SessionReader> sessions, WandMethod method,
                         const CalibrateWandOptions& options);
 // The recordings and the others.
 std::vector<CalibrationSource> sources_of(const WandWork& work);

@@ -54,7 +54,7 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
             {"duration_s", bodies.duration_s},
             {"rate_hz", bodies.rate_hz},
             {"depth_frames", c.depth_frames},
-            {"depth_stored_bytes", c.depth_stored_bytes},
+            {"depth_stored_bytes", session.depth_stored_bytes(sensor)},
             {"clock_exchanges", c.clock_exchanges},
             {"torn_rows", c.torn_rows},
             {"notices", notices},

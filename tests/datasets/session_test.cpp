@@ -140,7 +140,7 @@ TEST(Session, DepthSurvivesEveryCompressionBitByBit) {
       EXPECT_THROW(decode_depth_frame(stored, depth), InputError);
     }
     if (compression != ChunkCompression::none) {
-      EXPECT_LT(reader.counts(0).depth_stored_bytes, 5 * kDepthPixels);
+      EXPECT_LT(reader.depth_stored_bytes(0), 5 * kDepthPixels);
     }
   }
 }
