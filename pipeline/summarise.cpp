@@ -22,12 +22,18 @@ namespace {
 
 constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at the end of each
 
+// Of the answered samples of a cell.
+struct Distances {
+  CompensatedSum sum_m;
+  std::int64_t count = 0;
+};
+
 // Writes the error column of the first alignment and gives away the distances of answered samples: to the
-// groups of its condition, which begin at `first_group` with a cell each. Their sums, by cell.
-std::vector<CompensatedSum> write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
-                                         const std::vector<AlignmentTable>& alignments,
-                                         SpilledValues::Writer distances_m, std::size_t first_group) {
-  std::vector<CompensatedSum> sums_m(axes.cells());
+// groups of its condition, which begin at `first_group` with a cell each. What they are in all, by cell.
+std::vector<Distances> write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
+                                    const std::vector<AlignmentTable>& alignments,
+                                    SpilledValues::Writer distances_m, std::size_t first_group) {
+  std::vector<Distances> all(axes.cells());
   std::vector<float> errors;
   const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                          const SampleView& view) {
@@ -39,7 +45,8 @@ std::vector<CompensatedSum> write_errors(SamplesFile& samples, std::size_t take,
       for (std::size_t set = 0; set < view.sets(i, j); ++set) {
         const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
         distances_m.add(first_group + cell, distance_m);
-        sums_m[cell].add(distance_m);
+        all[cell].sum_m.add(distance_m);
+        ++all[cell].count;
       }
       for (int axis = 0; a == 0 && axis < 3; ++axis)
         errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
@@ -51,14 +58,18 @@ std::vector<CompensatedSum> write_errors(SamplesFile& samples, std::size_t take,
     errors.clear();
   });
   distances_m.finish();
-  return sums_m;
+  return all;
 }
 
 // The same distances were added in the same order when the take was summarised, so the sums are equal to the
 // bit.
-bool is_of_samples(const TakeSummary& summary, const std::vector<CompensatedSum>& distances_m) {
-  for (std::size_t cell = 0; cell < distances_m.size(); ++cell)
-    if (summary.statistics.sums[cell].errors.distance_m().value() != distances_m[cell].value()) return false;
+bool is_of_samples(const TakeSummary& summary, const std::vector<Distances>& distances) {
+  for (std::size_t cell = 0; cell < distances.size(); ++cell) {
+    const ErrorSums& errors = summary.statistics.sums[cell].errors;
+    if (errors.distance_m().value() != distances[cell].sum_m.value() ||
+        errors.answered() != distances[cell].count)
+      return false;
+  }
   return true;
 }
 
@@ -162,9 +173,9 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
     const auto first_group = static_cast<std::size_t>(activity - activities.begin()) * axes.cells();
     std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
     takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
-    const std::vector<CompensatedSum> sums_m =
+    const std::vector<Distances> distances =
         write_errors(samples, t, axes, takes[t].alignments, SpilledValues::Writer(distances_m), first_group);
-    if (known && !is_of_samples(takes[t], sums_m))
+    if (known && !is_of_samples(takes[t], distances))
       throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
     takes[t].alignments = {};
     if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));

@@ -10,7 +10,7 @@ namespace trilat {
 
 // Sensor poses from recordings of a wand that was held still at many places. All recordings are of one rig.
 // Of another method than `wand` there are no positions in the world.
-WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& sessions,
+WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method = WandMethod::wand);
 
 // The same of depth frames that have been searched already: of every recording one entry a sensor.

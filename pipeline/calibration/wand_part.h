@@ -14,7 +14,7 @@ inline constexpr const char* kWandPart = "wand_search";
 
 // Searches one shard's share of the depth frames into a part folder; an item is a run of neighbouring frames
 // of one sensor. What the part held already, finished or not, is not searched again.
-ItemTally search_wand_part(const std::vector<std::filesystem::path>& sessions, WandMethod method,
+ItemTally search_wand_part(const std::vector<std::filesystem::path>& files, WandMethod method,
                            const CalibrateWandOptions& options, const Shard& shard,
                            const std::filesystem::path& output, std::uint64_t frames_of_item = kFramesOfItem);
 

@@ -27,7 +27,7 @@ struct WandWork {
   std::vector<CalibrationSource> other_sources = {};  // besides the recordings
 };
 
-// A reader of each file. What is read of a recording once is not read again for the next question.
+// A reader of each file. Opening one reads the list of all its chunks, so each is opened once.
 std::vector<SessionReader> open_sessions(const std::vector<std::filesystem::path>& files);
 
 // InputError as read_wand_recordings(). The recordings' hashes are left out.

@@ -39,13 +39,21 @@ void merge(const fs::path& part, const fs::path& output) {
   if (kind == "calibration") merge_calibration(parts, output / kind, {.threads = 1});
 }
 
+// What is sound is merged, so what is refused later is refused for what was changed.
+fs::path sound_parts_in(const fs::path& scratch) {
+  const fs::path parts = copied_to(scratch);
+  for (const char* kind : {"accuracy", "sweep", "recording", "calibration"})
+    merge(parts / kind, scratch / "merged");
+  return parts;
+}
+
 }  // namespace
 }  // namespace trilat
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace trilat;
   static const FuzzFolder scratch("parts");
-  static const std::filesystem::path parts = copied_to(scratch.path());
+  static const std::filesystem::path parts = sound_parts_in(scratch.path());
   if (size == 0) return 0;
   const SoundPartFile& file = kSoundPartFiles[data[0] % kSoundPartFiles.size()];
   const std::filesystem::path path = parts / file.folder / file.name;
@@ -55,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (journal)
     tolerate_bad_input([&] { ItemJournal(parts / file.folder).find("p01-walking", ""); });
   else
-    tolerate_bad_input([&] { merge(parts / file.folder, scratch.path() / "merged"); });
+    tolerate_bad_input([&] { merge(parts / *fs::path(file.folder).begin(), scratch.path() / "merged"); });
   put(path, sound);
   return 0;
 }

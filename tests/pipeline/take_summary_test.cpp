@@ -135,13 +135,39 @@ TEST(TakeSummary, SamplesThatChangedBehindItAreRefused) {
   EXPECT_EQ(said_of_samples(take, "same", [](SampleBlock&, std::size_t) {}), "no error");
 }
 
+// Where the counts of the first cell begin, those asked and answered and of every status: behind two lines
+// and the alignments.
+std::size_t first_counts(const OneTake& take, const std::string& text) {
+  constexpr std::size_t kAlignmentBytes = 1 + 1 + 4 * 8 + 3 * 8 + 8 + 8 + 3 * 8 + 8 + 1;
+  const std::size_t alignments = 3 * take.layout.axes.joints * take.layout.axes.methods;
+  return text.find('\n', text.find('\n') + 1) + 1 + alignments * kAlignmentBytes;
+}
+
+TEST(TakeSummary, OneSampleLessThanThereAreIsRefused) {
+  const OneTake take;
+  const std::filesystem::path part = take.folder / "part";
+  run_study_part(take.study, take.campaign, {1, 1}, part, {});
+  const std::filesystem::path file = part / "takes" / take.campaign.takes[0].id / "summary.bin";
+  std::string text = read_file(file);
+  text.resize(text.size() - 64);
+  std::array<std::int64_t, 2 + kSolveStatusCount> counts{};
+  char* const at = &text[first_counts(take, text)];
+  std::memcpy(counts.data(), at, sizeof counts);
+  const auto used = std::find_if(counts.begin() + 2, counts.end(), [&](const std::int64_t& count) {
+    return count > 0 && is_usable(static_cast<SolveStatus>(&count - counts.data() - 2));
+  });
+  ASSERT_NE(used, counts.end());
+  for (std::int64_t* count : {&counts[0], &counts[1], &*used}) --*count;
+  std::memcpy(at, counts.data(), sizeof counts);
+  write_file(file, text + hash_of_text(text));
+  EXPECT_THAT(message_of([&] { merge_study(read_parts(std::array{part}), take.folder / "merged", {}); }),
+              HasSubstr("summary.bin: is not of the samples beside it"));
+}
+
 TEST(TakeSummary, CountsThatCannotBeAreRefused) {
   const OneTake take;
   const std::string file = take.file(), good = file.substr(0, file.size() - 64);
-  const std::size_t first = good.find("key\n") + 4;
-  const std::size_t alignments = 3 * take.layout.axes.joints * take.layout.axes.methods;
-  constexpr std::size_t kAlignmentBytes = 1 + 1 + 4 * 8 + 3 * 8 + 8 + 8 + 3 * 8 + 8 + 1;
-  const std::size_t asked = first + alignments * kAlignmentBytes;
+  const std::size_t asked = first_counts(take, good);
   for (const std::int64_t wrong : {std::int64_t{-5}, std::numeric_limits<std::int64_t>::max()}) {
     std::string bad = good;
     std::memcpy(&bad[asked], &wrong, sizeof wrong);
