@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <string_view>
 #include <type_traits>
 
@@ -127,8 +128,25 @@ void see_summary(const See& see, S& summary, std::uint64_t blocks) {
   see_statistics(see, summary.statistics, blocks);
 }
 
+// Of rows of sums in groups of `of_each` columns: whether these ones of every group are counts, to `most`.
+bool are_counts(const RowMatrix& sums, std::size_t of_each, std::initializer_list<std::size_t> columns,
+                std::uint64_t most) {
+  for (const std::size_t column : columns)
+    for (auto c = static_cast<Eigen::Index>(column); c < sums.cols();
+         c += static_cast<Eigen::Index>(of_each)) {
+      const auto count = sums.col(c).array();
+      if (!(count >= 0.0 && count <= static_cast<double>(most) && count == count.floor()).all()) return false;
+    }
+  return true;
+}
+
 // `most`: samples of one method in a take.
 void check_counts(const TakeStatistics& statistics, std::uint64_t most, const std::string& place) {
+  const auto refuse = [&] { throw InputError(place, "counts samples that cannot be; run that shard again"); };
+  if (!are_counts(statistics.cells, CellColumns::count, {CellColumns::answered, CellColumns::both}, most) ||
+      !are_counts(statistics.bodies, BodySumColumns::count, {BodySumColumns::whole, BodySumColumns::pa_whole},
+                  most))
+    refuse();
   for (const CellSums& cell : statistics.sums) {
     std::uint64_t all = 0, answered = 0;
     bool right = cell.errors.asked() >= 0;
@@ -142,7 +160,7 @@ void check_counts(const TakeStatistics& statistics, std::uint64_t most, const st
     if (!right || all != static_cast<std::uint64_t>(cell.errors.asked()) || all > most ||
         answered != static_cast<std::uint64_t>(cell.errors.answered()) || cell.with_gdop > answered ||
         !std::isfinite(cell.errors.distance_m().value()))
-      throw InputError(place, "counts samples that cannot be; run that shard again");
+      refuse();
   }
 }
 

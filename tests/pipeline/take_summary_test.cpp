@@ -164,6 +164,25 @@ TEST(TakeSummary, OneSampleLessThanThereAreIsRefused) {
               HasSubstr("summary.bin: is not of the samples beside it"));
 }
 
+TEST(TakeSummary, CountsOfBlocksThatCannotBeAreRefused) {
+  const OneTake take;
+  const auto said_with = [&](double wrong, bool of_bodies, std::size_t column) {
+    TakeSummary summary = take.summary;
+    TakeStatistics& s = summary.statistics;
+    (of_bodies ? s.bodies : s.cells)(0, static_cast<Eigen::Index>(column)) = wrong;
+    write_take_summary(take.folder.path(), "key", summary);
+    return take.said();
+  };
+  for (const double wrong : {-1.0, 0.5, 4.8e52, std::numeric_limits<double>::quiet_NaN()})
+    for (const auto& [of_bodies, column] : {std::pair{false, CellColumns::answered},
+                                            {false, CellColumns::count + CellColumns::both},
+                                            {true, BodySumColumns::whole},
+                                            {true, BodySumColumns::pa_whole}})
+      EXPECT_THAT(said_with(wrong, of_bodies, column),
+                  HasSubstr("summary.bin: counts samples that cannot be"))
+          << wrong << " in column " << column;
+}
+
 TEST(TakeSummary, CountsThatCannotBeAreRefused) {
   const OneTake take;
   const std::string file = take.file(), good = file.substr(0, file.size() - 64);
