@@ -47,13 +47,15 @@ TEST(StoredRows, ThreadsThatReadTheSameTableGetTheirOwnRows) {
 
   const SessionReader session(folder / "session.h5");
   std::atomic<std::int64_t> wrong{0};
+  const auto read_block = [&](std::int64_t first) {
+    const auto stamps = session.stamps(0, FrameStream::bodies, static_cast<std::uint64_t>(first), kBlock);
+    for (std::int64_t i = 0; i < kBlock; ++i)
+      wrong += stamps[static_cast<std::size_t>(i)].sequence != first + i;
+  };
   const auto read_share = [&](std::int64_t thread) {  // which lies in chunks of its own, nearly
     for (int pass = 0; pass < 40; ++pass)
-      for (std::int64_t first = thread * kShare; first < (thread + 1) * kShare; first += kBlock) {
-        const auto stamps = session.stamps(0, FrameStream::bodies, static_cast<std::uint64_t>(first), kBlock);
-        for (std::int64_t i = 0; i < kBlock; ++i)
-          wrong += stamps[static_cast<std::size_t>(i)].sequence != first + i;
-      }
+      for (std::int64_t first = thread * kShare; first < (thread + 1) * kShare; first += kBlock)
+        wrong += message_of([&] { read_block(first); }) != "no error";
   };
   {
     std::vector<std::jthread> threads;
