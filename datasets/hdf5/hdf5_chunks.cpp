@@ -63,11 +63,11 @@ bool H5Table::has_filtered_row(std::uint64_t row) const {
 }
 
 // All chunks but the last can be kept: a writer at work, or killed, changes no other.
-void H5Table::decode_chunk_at(std::uint64_t first_row, DecodedChunk& decoded) const {
+void H5Table::decode_chunk_at(std::uint64_t first_row) const {
   static_assert(std::endian::native == std::endian::little, "the file's numbers are little-endian");
-  if (decoded.first_row == first_row) return;
-  decoded.first_row.reset();
-  decoded.rows.assign(stored_.chunk_rows * row_elements_ * stored_.element_bytes, std::byte{0});
+  if (decoded_->first_row == first_row) return;
+  decoded_->first_row.reset();
+  decoded_->rows.assign(stored_.chunk_rows * row_elements_ * stored_.element_bytes, std::byte{0});
   const std::vector<hsize_t> offset = first_element(first_row, row_shape_.size());
   const bool last = first_row + stored_.chunk_rows >= rows();
   hsize_t bytes = 0;
@@ -75,13 +75,13 @@ void H5Table::decode_chunk_at(std::uint64_t first_row, DecodedChunk& decoded) co
     throw InputError(place_, "cannot be read (rows " + std::to_string(first_row) + " and following)");
   if (bytes > 0) {  // a chunk that was never written is all zeros
     std::uint32_t skipped = 0;
-    std::vector<std::byte> chunk(bytes <= most_stored_bytes(decoded.rows.size()) ? bytes : 0);
+    std::vector<std::byte> chunk(bytes <= most_stored_bytes(decoded_->rows.size()) ? bytes : 0);
     if (chunk.empty() || H5Dread_chunk(id_.id(), H5P_DEFAULT, offset.data(), &skipped, chunk.data()) < 0 ||
-        !decode_rows(std::move(chunk), stored_, skipped, !(last && torn_end_accepted_), decoded.rows))
+        !decode_rows(std::move(chunk), stored_, skipped, !(last && torn_end_accepted_), decoded_->rows))
       throw InputError(place_, "cannot be read: the stored data are damaged (rows " +
                                    std::to_string(first_row) + " and following)");
   }
-  if (!last) decoded.first_row = first_row;
+  if (!last) decoded_->first_row = first_row;
 }
 
 void H5Table::read_filtered(std::uint64_t first_row, std::span<std::byte> out) const {
@@ -89,7 +89,7 @@ void H5Table::read_filtered(std::uint64_t first_row, std::span<std::byte> out) c
   const std::lock_guard lock(decoded_->mutex);
   for (std::uint64_t row = first_row; !out.empty();) {
     const std::uint64_t chunk_row = row / stored_.chunk_rows * stored_.chunk_rows;
-    decode_chunk_at(chunk_row, *decoded_);
+    decode_chunk_at(chunk_row);
     const auto rows = std::span<const std::byte>(decoded_->rows).subspan((row - chunk_row) * row_bytes);
     const std::size_t count = std::min<std::size_t>(rows.size(), out.size());
     std::copy_n(rows.begin(), count, out.begin());

@@ -105,7 +105,7 @@ class H5Table {
     std::vector<std::byte> rows;
   };
   void read_filtered(std::uint64_t first_row, std::span<std::byte> rows) const;
-  void decode_chunk_at(std::uint64_t first_row, DecodedChunk& decoded) const;
+  void decode_chunk_at(std::uint64_t first_row) const;  // under the lock
   void extend_to(std::uint64_t rows);
 
   H5Handle id_;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -88,8 +90,11 @@ void search_recording(const WandWork& work, std::size_t r, const SessionReader& 
     const auto compute = [&] {
       return Json{{"sha256", hash_of_file(recording.place, work.options.search.stop_requested)}};
     };
-    if (items.outcome(hash_item(r), compute, {.settings = Json{{"recording", recording.fingerprint}}}))
-      progress.add(hash_cost(recording));
+    // The fingerprint leaves out what no search depends on, and the hash is of all of it.
+    std::error_code unknown;
+    const auto written = fs::last_write_time(recording.place, unknown).time_since_epoch();
+    const Json settings{{"recording", recording.fingerprint}, {"written", written.count()}};
+    if (items.outcome(hash_item(r), compute, {.settings = settings})) progress.add(hash_cost(recording));
   };
   const auto search = [&](const RunItem& item) {
     bool searched = false;

@@ -18,6 +18,7 @@ namespace trilat {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::EndsWith;
 using testing::Ge;
 using testing::HasSubstr;
@@ -158,6 +159,19 @@ TEST(WandPart, AnotherRecordingOfThatNameIsSearchedAnew) {
          {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1]), ball_in_room(kPlaces[3])}, header_of(2),
          kFrames, true);
   EXPECT_THAT(work.part({1, 1}, "part").reused, IsEmpty());
+  EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
+}
+
+// What no search depends on is in the file's hash all the same.
+TEST(WandPart, ARecordingThatWasWrittenAgainIsHashedAnew) {
+  DividedWand work;
+  work.part({1, 1}, "part");
+  SessionHeader header = header_of(2);
+  header.sensors.front().model = "Kinect V2";
+  record(work.sessions.front(), rig_of(2),
+         {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1]), ball_in_room(kPlaces[2])}, header, kFrames,
+         true);
+  EXPECT_THAT(work.part({1, 1}, "part").computed, ElementsAre("r1-sha256"));
   EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
 }
 
