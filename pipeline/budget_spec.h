@@ -4,6 +4,7 @@
 #include <string>
 
 #include "datasets/synthetic/simulation_spec.h"
+#include "pipeline/items/file_identity.h"
 #include "pipeline/study_spec.h"
 
 namespace trilat {
@@ -13,8 +14,9 @@ struct BudgetSpec {
   SimulationSpec simulation;
   double calibration_sigma_m = 0.005;  // an axis; what a wand calibration is held to
   double calibration_sigma_deg = 0.2;
-  StudySpec study;          // what every part is evaluated with
-  std::string sha256 = {};  // of the documents that it was read from
+  StudySpec study;           // what every part is evaluated with
+  std::string sha256 = {};   // of the documents that it was read from
+  WatchedFiles inputs = {};  // those that are read again for every source of error
 };
 
 // `simulation` is a path relative to `folder`, wherever it leads; without one it is `fallback`, the paper's

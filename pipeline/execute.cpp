@@ -28,8 +28,8 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
   const std::string known = read_items_key(output);
   // a journal is there when it could not be removed at the end: then all is put in place again
   if (known.empty() || std::filesystem::exists(output / ItemJournal::kFile)) return false;
-  for (const char* file :
-       {"samples.h5", "replay.h5", "manifest.json", "summary.json", "tracking.json", "run.json"})
+  for (const char* file : {"samples.h5", "replay.h5", "manifest.json", "summary.json", "tracking.json",
+                           "gdop_map.json", "run.json"})
     if (!std::filesystem::exists(output / file)) return false;
   const Campaign takes = takes_of(study, campaign);
   RunIdentity run{study,
@@ -39,6 +39,7 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
                   read_declared_parameters(takes.folder),
                   takes.takes,
                   {}};
+  if (!run.parameters.empty() && !std::filesystem::exists(output / "simulator.json")) return false;
   run.inputs.resize(run.takes.size());
   parallel_for_index(run.takes.size(), 1, [&](std::size_t t) {
     if (!options.stop_requested || !options.stop_requested())
@@ -50,13 +51,13 @@ bool is_done_already(const StudySpec& study, const Campaign& campaign, const std
 void run_into(const StudySpec& study, const Campaign& campaign, const ResultsFolder& folder,
               const ExecuteOptions& options, HashCache& hashes, int threads, StudyRun& run) {
   const RunningTime start;
-  std::vector<FilesWritten> written;
-  for (const Take& take : takes_of(study, campaign).takes) written.push_back(files_written(take));
+  std::vector<WatchedFiles> inputs;
+  for (const Take& take : takes_of(study, campaign).takes) inputs.push_back(watched_files(take));
   const Plan plan = make_plan(study, campaign);
   ItemStore items(folder.partial(), options.reuse);
   std::vector<std::size_t> all(plan.takes.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  TakesRun takes = run_takes(plan, all, {folder.partial(), items, hashes, std::move(written)},
+  TakesRun takes = run_takes(plan, all, {folder.partial(), items, hashes, std::move(inputs)},
                              {options.cross_check, options.stop_requested,
                               share_of(options.progress, 0.0, kRunShare), options.memory_bytes});
   run.takes = items.tally();

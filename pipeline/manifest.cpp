@@ -65,9 +65,7 @@ void write_run_record(const std::filesystem::path& folder, const StageTimes& tim
             {"solve_s", times.solve_s},
             {"write_s", times.write_s},
             {"summarise_s", times.summarise_s}};
-  if (takes)
-    json.update(
-        Json{{"computed", takes->computed}, {"continued", takes->continued}, {"reused", takes->reused}});
+  if (takes) json.update(json_of(*takes));
   write_run_record(folder, json, wall_s, threads);
 }
 

@@ -58,12 +58,21 @@ struct Shared {
   }
 };
 
-// Places are given from the campaign's folder, so that results do not depend on where they were computed.
-TakeNote within_campaign(TakeNote note, const Campaign& campaign) {
+void replace_all(std::string& text, const std::string& old, const std::string& with) {
+  if (old.empty() || old == with) return;
+  for (auto at = text.find(old); at != std::string::npos; at = text.find(old, at + with.size()))
+    text.replace(at, old.size(), with);
+}
+
+// Places are given from the campaign's folder, so that results do not depend on where they were computed; of
+// a calibration from elsewhere the file's name is.
+TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campaign) {
   const std::string folder = campaign.folder.empty() ? "" : (campaign.folder / "").string();
-  for (std::string* text : {&note.place, &note.text})
-    for (auto at = text->find(folder); !folder.empty() && at != std::string::npos; at = text->find(folder))
-      text->erase(at, folder.size());
+  for (std::string* text : {&note.place, &note.text}) {
+    replace_all(*text, folder, "");
+    if (!take.calibration.string().starts_with(folder))
+      replace_all(*text, take.calibration.string(), take.calibration.filename().string());
+  }
   return note;
 }
 
@@ -126,8 +135,8 @@ EvaluatedTake failed_take(const Plan& plan, std::size_t index, const InputError&
                           std::vector<TakeInput> inputs) {
   EvaluatedTake take;
   take.result.inputs = std::move(inputs);
-  take.result.notes = {
-      within_campaign({plan.takes[index].take.id, true, error.place(), error.problem()}, plan.campaign)};
+  take.result.notes = {within_campaign({plan.takes[index].take.id, true, error.place(), error.problem()},
+                                       plan.takes[index].take, plan.campaign)};
   return take;
 }
 
@@ -144,7 +153,11 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
     take.key = key_of_take(plan, index, inputs, shared.options.cross_check);
     const auto holds = [&](const ItemStore::Found& there) { return holds_take(plan, index, there.folder); };
     if (const auto found = shared.place.items.find(planned.take.id, take.key, holds)) {
-      check_unchanged(planned.take, shared.place.written.at(index));
+      shared.place.inputs.at(index).check();
+      // what another run left there would be taken for this take's, were the folder put in place and not
+      // tidied
+      if (found->folder != shared.place.folder)
+        std::filesystem::remove_all(own_folder(shared.place.folder, planned.take.id));
       take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
       take.folder = folder_of_take(found->folder, planned.take.id);
       shared.advance(work_of(plan, index));
@@ -153,9 +166,9 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
     check_memory(plan, planned, shared.options.memory_bytes);
     take.folder = own_folder(shared.place.folder, planned.take.id);
     take.result = evaluate_take(shared, index, take.folder);
-    check_unchanged(planned.take, shared.place.written.at(index));
+    shared.place.inputs.at(index).check();
     take.result.inputs = std::move(inputs);
-    for (TakeNote& note : take.result.notes) note = within_campaign(note, plan.campaign);
+    for (TakeNote& note : take.result.notes) note = within_campaign(note, planned.take, plan.campaign);
     shared.place.items.add(planned.take.id, take.key, json_of(take.result));
     return take;
   } catch (const OutputError&) {

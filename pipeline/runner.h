@@ -39,7 +39,7 @@ struct RunPlace {
   std::filesystem::path folder;  // the unfinished output; a take's samples go to takes/ID
   ItemStore& items;
   HashCache& hashes;
-  std::vector<FilesWritten> written;  // by take, from before the plan was made
+  std::vector<WatchedFiles> inputs;  // by take, from before the plan was made
 };
 
 struct TakesRun {

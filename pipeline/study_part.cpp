@@ -109,9 +109,9 @@ StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const
   for (const std::filesystem::path& earlier : options.reuse) hashes.load(earlier);
   on_threads(options.threads, [&](int threads) {
     const RunningTime start;
+    std::vector<WatchedFiles> watched;
+    for (const Take& take : takes_of(study, campaign).takes) watched.push_back(watched_files(take));
     Json inputs = inputs_json(takes_of(study, campaign), hashes, options.stop_requested);
-    std::vector<FilesWritten> written;
-    for (const Take& take : takes_of(study, campaign).takes) written.push_back(files_written(take));
     const Plan plan = make_plan(study, campaign);
     Json work = part_work(plan, options.cross_check, std::move(inputs));
     std::vector<PartItem> items = part_items(plan, shard.of);
@@ -121,7 +121,7 @@ StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const
     const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile, kTakesFolder},
                                name_of(ResultsKind::accuracy));
     ItemStore store(folder.partial(), options.reuse);
-    TakesRun run = run_takes(plan, mine, {folder.partial(), store, hashes, std::move(written)},
+    TakesRun run = run_takes(plan, mine, {folder.partial(), store, hashes, std::move(watched)},
                              {options.cross_check, options.stop_requested,
                               share_of(options.progress, 0.0, kRunShare), options.memory_bytes});
     std::vector<std::size_t> evaluated;

@@ -3,8 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/error.h"
-#include "pipeline/items/file_identity.h"
 #include "pipeline/items/item_store.h"
 #include "pipeline/replay_take.h"
 
@@ -36,17 +34,10 @@ std::vector<TakeFile> files_of(const Take& take) {
   return files;
 }
 
-FilesWritten files_written(const Take& take) {
-  FilesWritten written;
-  for (const TakeFile& file : files_of(take)) written.push_back(when_written(file.path));
-  return written;
-}
-
-void check_unchanged(const Take& take, const FilesWritten& before) {
-  const std::vector<TakeFile> files = files_of(take);
-  for (std::size_t f = 0; f < files.size(); ++f)
-    if (when_written(files[f].path) != before.at(f))
-      throw InputError(files[f].path.string(), "changed while the take was evaluated; run again");
+WatchedFiles watched_files(const Take& take) {
+  WatchedFiles watched;
+  for (const TakeFile& file : files_of(take)) watched.add(file.path);
+  return watched;
 }
 
 std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/results/declared_parameters.h"
+#include "pipeline/items/file_identity.h"
 #include "pipeline/items/hash_cache.h"
 #include "pipeline/plan.h"
 #include "pipeline/take_result.h"
@@ -21,12 +22,8 @@ struct TakeFile {
 };
 std::vector<TakeFile> files_of(const Take& take);
 
-// When each of its files was last written. To be asked before a take is planned, and given to
-// check_unchanged() when it was evaluated: InputError when a file was written meanwhile, since what was
-// computed then belongs to no one content of it.
-using FilesWritten = std::vector<std::string>;
-FilesWritten files_written(const Take& take);
-void check_unchanged(const Take& take, const FilesWritten& before);
+// To be asked before the take is planned, and checked when it was evaluated.
+WatchedFiles watched_files(const Take& take);
 
 // The files of a take with their hashes. Interrupted when asked to stop.
 std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,

@@ -36,6 +36,7 @@ WandCalibration calibrate_searched(const WandWork& work,
 
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method) {
+  const WatchedFiles watched = watched_files(files, options);
   const std::vector<SessionReader> sessions = open_sessions(files);
   WandWork work = make_wand_work(sessions, method, options);
   // before minutes of work
@@ -46,6 +47,7 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
     searches.push_back(search_wand(sessions[r], intrinsics_of(work.recordings[r]), options.search));
   for (WandRecording& recording : work.recordings)
     recording.sha256 = hash_of_file(recording.place, options.search.stop_requested);
+  watched.check();
   return calibrate_searched(work, searches);
 }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -83,24 +81,28 @@ class SharedProgress {
 
 // The items of one recording that are this shard's.
 void search_recording(const WandWork& work, std::size_t r, const SessionReader& session,
-                      const std::vector<RunItem>& runs, StudyItems& items, SharedProgress& progress) {
+                      const std::vector<RunItem>& runs, const WatchedFiles& watched, StudyItems& items,
+                      SharedProgress& progress) {
   const WandRecording& recording = work.recordings[r];
   WandSearcher searcher(session, intrinsics_of(recording), work.options.search);
   const auto hash = [&] {
     const auto compute = [&] {
-      return Json{{"sha256", hash_of_file(recording.place, work.options.search.stop_requested)}};
+      std::string sha256 = hash_of_file(recording.place, work.options.search.stop_requested);
+      watched.check();
+      return Json{{"sha256", std::move(sha256)}};
     };
-    // The fingerprint leaves out what no search depends on, and the hash is of all of it.
-    std::error_code unknown;
-    const auto written = fs::last_write_time(recording.place, unknown).time_since_epoch();
-    const Json settings{{"recording", recording.fingerprint}, {"written", written.count()}};
+    // the fingerprint leaves out what no search depends on, and the hash is of all of it
+    const auto identity = identity_of(recording.place);
+    const Json settings{{"recording", recording.fingerprint}, {"changed", identity ? identity->changed : ""}};
     if (items.outcome(hash_item(r), compute, {.settings = settings})) progress.add(hash_cost(recording));
   };
   const auto search = [&](const RunItem& item) {
     bool searched = false;
     const auto compute = [&] {
       searched = true;
-      return json_of(searcher.search(item.run, [&](std::uint64_t frames) { progress.add(frames); }));
+      Json found = json_of(searcher.search(item.run, [&](std::uint64_t frames) { progress.add(frames); }));
+      watched.check();
+      return found;
     };
     // all that the sightings depend on, besides the program
     const Json settings{{"recording", recording.fingerprint},
@@ -161,11 +163,13 @@ class HeldOutcomes {
 ItemTally search_wand_part(const std::vector<fs::path>& files, WandMethod method,
                            const CalibrateWandOptions& options, const Shard& shard, const fs::path& output,
                            std::uint64_t frames_of_item) {
+  const WatchedFiles watched = watched_files(files, options);
   const std::vector<SessionReader> sessions = open_sessions(files);
   WandWork work = make_wand_work(sessions, method, options);
   work.frames_of_item = frames_of_item;
   for (std::size_t r = 0; r < sessions.size(); ++r)
     work.recordings[r].fingerprint = fingerprint_of(sessions[r]);
+  watched.check();
   const auto runs = run_items(work);
   const std::vector<PartItem> all = part_items(work, runs);
   const ResultsFolder folder(output, {ItemJournal::kFile}, kWandPart);
@@ -174,10 +178,15 @@ ItemTally search_wand_part(const std::vector<fs::path>& files, WandMethod method
   StudyItems items(kWandPart, json_of(work), all, folder.partial(), {shard, earlier});
   SharedProgress progress(all, shard, options.search.progress);
   if (const auto& world = work.options.world)
-    items.outcome(kMocapItem, [&] { return json_of(read_wand_track(world->mocap, world->asset)); },
+    items.outcome(kMocapItem,
+                  [&] {
+                    Json track = json_of(read_wand_track(world->mocap, world->asset));
+                    watched.check();
+                    return track;
+                  },
                   {.settings = Json{{"mocap", work.other_sources.front().sha256}, {"asset", world->asset}}});
   for (std::size_t r = 0; r < runs.size(); ++r)
-    search_recording(work, r, sessions[r], runs[r], items, progress);
+    search_recording(work, r, sessions[r], runs[r], watched, items, progress);
   items.finish(folder.partial(), "");
   folder.put_in_place();
   return items.tally();

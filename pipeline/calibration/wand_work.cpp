@@ -68,6 +68,14 @@ CalibrateWandOptions read_options(JsonObject object) {
   return options;
 }
 
+// Besides the recordings.
+std::vector<std::filesystem::path> other_files(const CalibrateWandOptions& options) {
+  std::vector<std::filesystem::path> files;
+  if (options.world) files.push_back(options.world->mocap);
+  for (const auto& [name, file] : options.intrinsics) files.push_back(file);
+  return files;
+}
+
 }  // namespace
 
 std::string name_of(WandMethod method) { return kMethods.at(static_cast<std::size_t>(method)); }
@@ -76,16 +84,20 @@ std::vector<SessionReader> open_sessions(const std::vector<std::filesystem::path
   return {files.begin(), files.end()};
 }
 
+WatchedFiles watched_files(const std::vector<std::filesystem::path>& recordings,
+                           const CalibrateWandOptions& options) {
+  WatchedFiles watched(recordings);
+  for (const std::filesystem::path& file : other_files(options)) watched.add(file);
+  return watched;
+}
+
 WandWork make_wand_work(std::span<const SessionReader> sessions, WandMethod method,
                         const CalibrateWandOptions& options) {
   WandWork work{
       .method = method,
       .options = options,
       .recordings = read_wand_recordings(sessions, options.intrinsics, method == WandMethod::two_positions)};
-  std::vector<std::filesystem::path> files;
-  if (options.world) files.push_back(options.world->mocap);
-  for (const auto& [name, file] : options.intrinsics) files.push_back(file);
-  for (const std::filesystem::path& file : files)
+  for (const std::filesystem::path& file : other_files(options))
     work.other_sources.push_back(
         {file.filename().string(), hash_of_file(file, options.search.stop_requested)});
   return work;

@@ -8,6 +8,7 @@
 
 #include "datasets/session/session_reader.h"
 #include "pipeline/calibration/calibrate_views.h"
+#include "pipeline/items/file_identity.h"
 
 namespace trilat {
 
@@ -29,6 +30,10 @@ struct WandWork {
 
 // A reader of each file. Opening one reads the list of all its chunks, so each is opened once.
 std::vector<SessionReader> open_sessions(const std::vector<std::filesystem::path>& files);
+
+// All files that the calibration is made from, the recordings and others; to be asked before they are opened.
+WatchedFiles watched_files(const std::vector<std::filesystem::path>& recordings,
+                           const CalibrateWandOptions& options);
 
 // InputError as read_wand_recordings(). The recordings' hashes are left out.
 WandWork make_wand_work(std::span<const SessionReader> sessions, WandMethod method,

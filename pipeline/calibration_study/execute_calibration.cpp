@@ -68,6 +68,7 @@ class Parts {
       write_calibration_summary(folder_, summary_);
     }
     if (!summary_.interrupted) items_.finish(folder_, key_of(spec_));
+    times_.update(json_of(items_.tally()));
     write_run_record(folder_, times_, std::chrono::duration<double>(Clock::now() - start).count(), threads);
     return summary_;
   }
@@ -112,7 +113,7 @@ class Parts {
 CalibrationSummary execute_calibration(const CalibrationSpec& spec, const std::filesystem::path& output,
                                        const ExecuteCalibrationOptions& options) {
   const std::vector<PartItem> list = items_of(spec);
-  if (is_done_already(output, options.work, key_of(spec), list, options.tally))
+  if (is_done_already(output, options.work, key_of(spec), list, {}, options.tally))
     return read_calibration_summary(output);
   const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
                              options.work.shard.whole() ? "" : name_of(ResultsKind::calibration));

@@ -61,6 +61,7 @@ Json measure_source(const BudgetSpec& spec, ErrorSource source, const std::files
   if (summary.takes_failed > 0)
     throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
                                                name_of(source) + "\" alone: " + failure_of(summary));
+  spec.inputs.check();
   Json rows = Json::array();
   for (const SummaryCell& cell : summary.cells)
     if (cell.group != kAverageGroup)
@@ -144,7 +145,7 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
   const auto start = std::chrono::steady_clock::now();
   const Json work = work_json(spec);
   const std::vector<PartItem> list = list_of_items();
-  if (is_done_already(output, options.work, key_of_item(work), list, options.tally))
+  if (is_done_already(output, options.work, key_of_item(work), list, {"simulator.json"}, options.tally))
     return read_budget_summary(output);
   const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
                              options.work.shard.whole() ? "" : name_of(ResultsKind::error_budget));
@@ -157,7 +158,7 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
                           });
     if (options.tally) *options.tally = items.tally();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    write_run_record(folder.partial(), Json::object(), wall.count(), threads);
+    write_run_record(folder.partial(), json_of(items.tally()), wall.count(), threads);
   });
   folder.put_in_place();
   return budget;

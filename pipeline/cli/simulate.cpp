@@ -15,14 +15,20 @@
 namespace trilat {
 namespace {
 
-int simulate_shard(const SimulateArguments& arguments, const SimulationSpec& spec, const Shard& shard) {
+int simulate_shard(const SimulateArguments& arguments, const Shard& shard) {
+  WatchedFiles inputs({arguments.spec});
+  const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
   std::string sha256 = hash_of_file(arguments.spec);
-  if (spec.recorded) sha256 += hash_of_file(spec.recorded->mocap) + hash_of_file(spec.recorded->mapping);
+  if (spec.recorded)
+    for (const std::filesystem::path& file : {spec.recorded->mocap, spec.recorded->mapping}) {
+      inputs.add(file);
+      sha256 += hash_of_file(file);
+    }
   ItemTally tally;
   {
     Progress progress("simulating");
     tally = simulate_part(spec, hash_of_text(sha256), shard, arguments.output,
-                          {stop_requested, [&](double share) { progress.set(share); }});
+                          {stop_requested, [&](double share) { progress.set(share); }, inputs});
   }
   tell_reuse("recordings", tally);
   print_part(arguments.output, shard, tally, arguments.json);
@@ -32,9 +38,8 @@ int simulate_shard(const SimulateArguments& arguments, const SimulationSpec& spe
 }  // namespace
 
 int simulate(const SimulateArguments& arguments) {
+  if (!arguments.shard.empty()) return simulate_shard(arguments, parse_shard(arguments.shard, "--shard"));
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
-  if (!arguments.shard.empty())
-    return simulate_shard(arguments, spec, parse_shard(arguments.shard, "--shard"));
   if (std::filesystem::exists(arguments.output) && !std::filesystem::is_directory(arguments.output))
     throw InputError(arguments.output.string(), "is a file; a folder is needed");
   Campaign campaign;

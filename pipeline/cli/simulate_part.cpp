@@ -108,7 +108,9 @@ std::vector<PartItem> items_of(const SimulationSpec& spec, const SimulatedCampai
 bool is_made(const fs::path& output, const WorkPart& wanted) {
   if (fs::exists(output / "part.json")) {
     const WorkPart there = read_part(output);
-    if (there.kind != wanted.kind || there.number != wanted.number || there.of != wanted.of) return false;
+    if (there.kind != wanted.kind || there.number != wanted.number || there.of != wanted.of ||
+        there.work != wanted.work || there.build != wanted.build)
+      return false;
   }
   std::map<std::string, DoneItem> done;
   for (DoneItem& item : read_items(output).items) {
@@ -165,6 +167,7 @@ ItemTally simulate_part(const SimulationSpec& spec, const std::string& sha256, c
                     const Take take = simulate_recording(
                         spec, campaign, r, folder.partial(),
                         {options.stop_requested, [&](double share) { progress.set(r, share); }});
+                    options.inputs.check();
                     return outcome_of(recording, r < campaign.takes.size() ? json_of(take) : Json::object());
                   },
                   {.usable = [&](const ItemStore::Found& found) {

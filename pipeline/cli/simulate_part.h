@@ -8,6 +8,7 @@
 
 #include "datasets/results/work_part.h"
 #include "datasets/synthetic/simulation_spec.h"
+#include "pipeline/items/file_identity.h"
 #include "pipeline/items/item_store.h"
 
 namespace trilat {
@@ -17,6 +18,7 @@ inline constexpr const char* kCampaignPart = "campaign";
 struct SimulatePartOptions {
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
+  WatchedFiles inputs = {};  // that the simulation was read from
 };
 
 // Makes one shard's recordings of a simulated campaign into a part folder, each in a folder of its own. A

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "datasets/base/error.h"
+
 namespace trilat {
 
 std::optional<FileIdentity> identity_of(const std::filesystem::path& file) {
@@ -23,6 +25,18 @@ std::optional<FileIdentity> identity_of(const std::filesystem::path& file) {
 std::string when_written(const std::filesystem::path& file) {
   const auto identity = identity_of(file);
   return identity ? identity->written : "";
+}
+
+WatchedFiles::WatchedFiles(const std::vector<std::filesystem::path>& files) {
+  for (const std::filesystem::path& file : files) add(file);
+}
+
+void WatchedFiles::add(const std::filesystem::path& file) { files_.push_back({file, when_written(file)}); }
+
+void WatchedFiles::check() const {
+  for (const Watched& watched : files_)
+    if (when_written(watched.file) != watched.written)
+      throw InputError(watched.file.string(), "changed while it was being evaluated; run again");
 }
 
 }  // namespace trilat

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace trilat {
 
@@ -21,5 +22,24 @@ std::optional<FileIdentity> identity_of(const std::filesystem::path& file);
 
 // FileIdentity::written; empty when there is none.
 std::string when_written(const std::filesystem::path& file);
+
+// Files that must stay as they are while something is computed from them: what came of two contents belongs
+// to neither.
+class WatchedFiles {
+ public:
+  WatchedFiles() = default;
+  explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
+  // Before the file is read for the first time.
+  void add(const std::filesystem::path& file);
+  // InputError when one was written or replaced since it was added.
+  void check() const;
+
+ private:
+  struct Watched {
+    std::filesystem::path file;
+    std::string written;
+  };
+  std::vector<Watched> files_;
+};
 
 }  // namespace trilat

@@ -12,6 +12,11 @@ std::string key_of_item(const Json& settings) {
   return hash_of_text(json_text(Json{{"build", build_id()}, {"settings", settings}}, -1));
 }
 
+Json json_of(const ItemTally& tally) {
+  if (tally.computed.empty() && tally.continued.empty() && tally.reused.empty()) return Json::object();
+  return {{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}};
+}
+
 ItemStore::ItemStore(const std::filesystem::path& folder, std::span<const std::filesystem::path> reuse)
     : folder_(folder), journal_(folder) {
   for (const std::filesystem::path& earlier : reuse) {

@@ -73,10 +73,11 @@ void StudyItems::finish(const std::filesystem::path& folder, const std::string& 
 }
 
 bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
-                     std::span<const PartItem> items, ItemTally* tally) {
+                     std::span<const PartItem> items, std::vector<const char*> files, ItemTally* tally) {
   const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
   if (!asked || !options.shard.whole() || read_items_key(output) != key) return false;
-  for (const char* file : {"manifest.json", "summary.json", "run.json"})
+  files.insert(files.end(), {"manifest.json", "summary.json", "run.json"});
+  for (const char* file : files)
     if (!std::filesystem::exists(output / file)) return false;
   if (std::filesystem::exists(output / ItemJournal::kFile)) return false;  // it could not be removed
   for (const PartItem& item : items)

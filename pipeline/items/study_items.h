@@ -63,8 +63,8 @@ class StudyItems {
 };
 
 // Whether `output` is asked for earlier results and holds those of this key, whole; then all items count as
-// reused.
+// reused. `files`: what the study writes besides manifest.json, summary.json and run.json.
 bool is_done_already(const std::filesystem::path& output, const WorkOptions& options, const std::string& key,
-                     std::span<const PartItem> items, ItemTally* tally);
+                     std::span<const PartItem> items, std::vector<const char*> files, ItemTally* tally);
 
 }  // namespace trilat

@@ -81,6 +81,7 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
     outcome.summary.interrupted = true;
   }
   write_outcome(spec, outcome, items, folder);
+  times.update(json_of(items.tally()));
   write_run_record(folder, times, start.seconds(), threads);
   return outcome;
 }
@@ -90,7 +91,8 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
 RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesystem::path& output,
                                    const ExecuteRecordingOptions& options) {
   const std::vector<PartItem> list = clock_items(spec);
-  if (is_done_already(output, options.work, key_of(spec), list, options.tally))
+  if (is_done_already(output, options.work, key_of(spec), list, {"simulator.json", "timings.json"},
+                      options.tally))
     return {read_recording_summary(output),
             read_stage_timings(output).value_or(StageTimings{spec.name, processor_name(), {}})};
   const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},

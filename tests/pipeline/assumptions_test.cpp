@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a simulation assumes goes from the campaign into its results and from there into the report.
 #include <algorithm>
+#include <mutex>
 
 #include <gmock/gmock.h>
 
@@ -109,6 +110,24 @@ TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
   EXPECT_GT(of_source("bias"), 0.01);
   EXPECT_GT(of_source("all"), of_source("bias") * 0.5);
   EXPECT_EQ(value_of(read_declared_parameters(recorded.folder / "results"), "motion"), "recorded take");
+}
+
+TEST(Assumptions, ARecordedTakeThatIsReplacedDuringTheBudgetIsRefused) {
+  Recorded recorded;
+  const BudgetSpec spec{
+      recorded.spec, 0.005, 0.2,
+      mean_study(),  "",    WatchedFiles({recorded.spec.recorded->mocap, recorded.spec.recorded->mapping})};
+  simulate_into(recorded.folder / "other", walking_spec(1, 3.0));
+  std::once_flag once;
+  const auto replace = [&](const std::string& source, double) {
+    if (source != "bias") return;
+    std::call_once(once, [&] {
+      std::filesystem::rename(recorded.folder / "other/p01-walking/mocap.csv", recorded.spec.recorded->mocap);
+    });
+  };
+  EXPECT_THAT(message_of([&] { execute_budget(spec, recorded.folder / "results", {.progress = replace}); }),
+              HasSubstr("mocap.csv: changed while it was being evaluated; run again"));
+  EXPECT_FALSE(std::filesystem::exists(recorded.folder / "results"));
 }
 
 }  // namespace

@@ -131,12 +131,23 @@ TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
   const Json other =
       parse_json(study.run("other", {"--reuse", (study.folder / "whole").string()}).out, "stdout");
   EXPECT_EQ(other.at("items_computed"), 0);
+  EXPECT_EQ(read_json(study.folder / "other/run.json").at("reused").size(), other.at("items"));
   expect_same_results(study.folder / "whole", study.folder / "other");
   EXPECT_EQ(parse_json(study.run("whole", {"--fresh"}).out, "stdout").at("items_reused"), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(StudyItems, EveryKind, testing::ValuesIn(kKinds),
                          [](const auto& kind) { return std::string(kind.param.name); });
+
+TEST(StudyItems, AFileThatWasThrownAwayIsMadeAgain) {
+  Study study(kRecording);
+  ASSERT_EQ(study.run("whole").code, 0);
+  for (const char* file : {"timings.json", "simulator.json"}) {
+    ASSERT_TRUE(std::filesystem::remove(study.folder / "whole" / file));
+    ASSERT_EQ(study.run("whole").code, 0);
+    EXPECT_TRUE(std::filesystem::exists(study.folder / "whole" / file));
+  }
+}
 
 TEST(StudyItems, AnItemOfAnotherShardHasNoOutcomeHere) {
   const ScratchFolder folder;
@@ -251,7 +262,13 @@ TEST(SimulateParts, AFinishedPartIsLeftAloneAndNothingElseReplacesIt) {
   EXPECT_EQ(std::filesystem::last_write_time(part / "items.json"), before);
   const auto refused = [&] { return message_of([&] { simulated.part(part, {1, 2}); }); };
   EXPECT_THAT(message_of([&] { simulated.part(part, {2, 2}); }), HasSubstr("recordings are never replaced"));
+  const auto empty = simulated.folder / "empty";
+  ASSERT_THAT(simulated.part(empty, {64, 64}).computed, testing::IsEmpty());
   simulated.spec(2);
+  EXPECT_THAT(message_of([&] {
+                simulated.part(empty, {64, 64});
+              }),
+              HasSubstr("recordings are never replaced"));
   EXPECT_THAT(refused(), HasSubstr("recordings are never replaced"));
   simulated.spec(1);
   std::filesystem::remove(part / "p01-walking/mocap.csv");

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/results/item_journal.h"
 #include "pipeline/calibration/wand_outcome.h"
 #include "pipeline/results_folder.h"
@@ -162,17 +164,40 @@ TEST(WandPart, AnotherRecordingOfThatNameIsSearchedAnew) {
   EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
 }
 
-// What no search depends on is in the file's hash all the same.
+// What no search depends on is in the file's hash all the same; not even its times need tell.
 TEST(WandPart, ARecordingThatWasWrittenAgainIsHashedAnew) {
   DividedWand work;
   work.part({1, 1}, "part");
+  const auto& file = work.sessions.front();
+  const auto written = std::filesystem::last_write_time(file);
   SessionHeader header = header_of(2);
   header.sensors.front().model = "Kinect V2";
-  record(work.sessions.front(), rig_of(2),
-         {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1]), ball_in_room(kPlaces[2])}, header, kFrames,
-         true);
+  record(file, rig_of(2), {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1]), ball_in_room(kPlaces[2])},
+         header, kFrames, true);
+  std::filesystem::last_write_time(file, written);
   EXPECT_THAT(work.part({1, 1}, "part").computed, ElementsAre("r1-sha256"));
   EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
+}
+
+TEST(WandPart, ARecordingThatIsReplacedDuringTheSearchIsRefused) {
+  DividedWand work;
+  std::once_flag* once = nullptr;
+  work.options.search.progress = [&](double) {
+    std::call_once(*once, [&] {
+      write_file(work.folder / "other.h5", "something else");
+      std::filesystem::rename(work.folder / "other.h5", work.sessions.front());
+    });
+  };
+  const auto error_of = [&](const std::function<void()>& action) {
+    std::once_flag again;
+    once = &again;
+    record_places(work.sessions.front(), 3);
+    return message_of(action);
+  };
+  const auto refused = HasSubstr("session.h5: changed while it was being evaluated; run again");
+  EXPECT_THAT(error_of([&] { work.part({1, 1}, "part"); }), refused);
+  EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
+  EXPECT_THAT(error_of([&] { calibrate_wand(work.sessions, work.options); }), refused);
 }
 
 TEST(WandPart, MergingNamesWhatIsMissingAndWhatIsThereTwice) {
