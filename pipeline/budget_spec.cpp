@@ -60,10 +60,15 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
                   "\"simulation\"");
   spec.simulation = fallback;
   const std::string path = object.text("simulation", "");
-  if (!path.empty()) spec.simulation = read_simulation(folder / path, outside);
+  WatchedFiles document;
+  if (!path.empty()) {
+    document.add(folder / path);
+    spec.simulation = read_simulation(folder / path, outside);
+  }
   if (spec.simulation.recorded)
     spec.inputs = WatchedFiles({spec.simulation.recorded->mocap, spec.simulation.recorded->mapping});
   spec.sha256 = hash_of_inputs(json, path.empty() ? path : (folder / path).string(), spec.simulation);
+  document.check();
   if (!spec.simulation.body_tracker)
     object.refuse("simulation", "has no \"body_tracker\", whose errors a budget takes apart");
   spec.simulation.seed = object.count("seed", spec.simulation.seed);

@@ -64,15 +64,17 @@ void replace_all(std::string& text, const std::string& old, const std::string& w
     text.replace(at, old.size(), with);
 }
 
-// Places are given from the campaign's folder, so that results do not depend on where they were computed; of
-// a calibration from elsewhere the file's name is.
+// From the campaign's folder; the name alone where the file lies elsewhere.
+std::string place_of(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  const std::filesystem::path inside = file.lexically_normal().lexically_relative(folder.lexically_normal());
+  return inside.empty() || *inside.begin() == ".." ? file.filename().string() : inside.string();
+}
+
+// Results do not depend on where they were computed.
 TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campaign) {
-  const std::string folder = campaign.folder.empty() ? "" : (campaign.folder / "").string();
-  for (std::string* text : {&note.place, &note.text}) {
-    replace_all(*text, folder, "");
-    if (!take.calibration.string().starts_with(folder))
-      replace_all(*text, take.calibration.string(), take.calibration.filename().string());
-  }
+  for (std::string* text : {&note.place, &note.text})
+    for (const TakeFile& file : files_of(take))
+      replace_all(*text, file.path.string(), place_of(file.path, campaign.folder));
   return note;
 }
 

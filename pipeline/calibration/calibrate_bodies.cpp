@@ -16,6 +16,7 @@
 #include "evaluators/calibration/rig_start.h"
 #include "evaluators/ceres/rig_refinement.h"
 #include "pipeline/calibration/floor_plane.h"
+#include "pipeline/items/file_identity.h"
 #include "pipeline/parallel.h"
 #include "pipeline/sensor_track.h"
 
@@ -194,6 +195,7 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
 }  // namespace
 
 BodyCalibration calibrate_bodies(const std::filesystem::path& path, const CalibrateBodiesOptions& options) {
+  const WatchedFiles watched({path});
   const SessionReader session(path);
   const RigProblem problem = gather(session, options);
   const RigStart start = start_of(problem);
@@ -236,6 +238,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
     calibration.sensors.push_back(pose);
   }
   calibration.sources = {{path.filename().string(), hash_of_file(path, options.stop_requested)}};
+  watched.check();
   return result;
 }
 

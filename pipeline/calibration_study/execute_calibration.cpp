@@ -68,7 +68,7 @@ class Parts {
       write_calibration_summary(folder_, summary_);
     }
     if (!summary_.interrupted) items_.finish(folder_, key_of(spec_));
-    times_.update(json_of(items_.tally()));
+    if (!items_.merging()) times_.update(json_of(items_.tally()));
     write_run_record(folder_, times_, std::chrono::duration<double>(Clock::now() - start).count(), threads);
     return summary_;
   }

@@ -13,7 +13,6 @@ std::string key_of_item(const Json& settings) {
 }
 
 Json json_of(const ItemTally& tally) {
-  if (tally.computed.empty() && tally.continued.empty() && tally.reused.empty()) return Json::object();
   return {{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}};
 }
 

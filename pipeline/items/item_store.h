@@ -28,7 +28,7 @@ std::string key_of_item(const Json& settings);
 struct ItemTally {
   std::vector<std::string> computed, continued, reused;  // ids, in the order in which they came
 };
-// As run.json has it; empty where there were no items.
+// As run.json has it.
 Json json_of(const ItemTally& tally);
 
 // Outcomes that need not be computed again: those of the same run before it was stopped, and those of earlier

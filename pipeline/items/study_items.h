@@ -47,6 +47,8 @@ class StudyItems {
   bool whole() const { return shard_.whole(); }
   // Whether work that belongs to no item (timing) is this run's.
   bool first() const { return shard_.number == 1; }
+  // Whether items are only put together, of which nothing is to be told.
+  bool merging() const { return !store_; }
   ItemTally tally() const { return store_ ? store_->tally() : ItemTally{}; }
   // Writes items.json with `key`, and part.json when this is a shard.
   void finish(const std::filesystem::path& folder, const std::string& key);

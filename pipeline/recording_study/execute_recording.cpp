@@ -46,10 +46,18 @@ RecordingOutcome empty_outcome(const RecordingSpec& spec) {
           {spec.name, processor_name(), {}}};
 }
 
+bool captures(const RecordingSpec& spec, const ExecuteRecordingOptions& options) {
+  return options.time_capture && spec.capture_s > 0.0;
+}
+
+bool is_timed(const RecordingSpec& spec, const ExecuteRecordingOptions& options) {
+  return !spec.methods.empty() || captures(spec, options);
+}
+
 void time_stages(const RecordingSpec& spec, const std::filesystem::path& folder,
                  const ExecuteRecordingOptions& options, StageTimings& timings) {
   timings.stages = time_processing(spec, hooks_of(options, "processing"));
-  if (options.time_capture && spec.capture_s > 0.0)
+  if (captures(spec, options))
     std::ranges::move(options.time_capture(folder / "capture", hooks_of(options, "capture")),
                       std::back_inserter(timings.stages));
 }
@@ -91,8 +99,9 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
 RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesystem::path& output,
                                    const ExecuteRecordingOptions& options) {
   const std::vector<PartItem> list = clock_items(spec);
-  if (is_done_already(output, options.work, key_of(spec), list, {"simulator.json", "timings.json"},
-                      options.tally))
+  std::vector<const char*> files{"simulator.json"};
+  if (is_timed(spec, options)) files.push_back("timings.json");
+  if (is_done_already(output, options.work, key_of(spec), list, files, options.tally))
     return {read_recording_summary(output),
             read_stage_timings(output).value_or(StageTimings{spec.name, processor_name(), {}})};
   const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},

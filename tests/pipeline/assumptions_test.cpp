@@ -114,9 +114,10 @@ TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
 
 TEST(Assumptions, ARecordedTakeThatIsReplacedDuringTheBudgetIsRefused) {
   Recorded recorded;
-  const BudgetSpec spec{
-      recorded.spec, 0.005, 0.2,
-      mean_study(),  "",    WatchedFiles({recorded.spec.recorded->mocap, recorded.spec.recorded->mapping})};
+  const Json document = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "error_budget",
+      "name": "budget", "alignments": ["none"], "methods": [{"method": "mean"}]})",
+                                   "budget.json");
+  const BudgetSpec spec = parse_budget(document, "budget.json", {}, recorded.spec);
   simulate_into(recorded.folder / "other", walking_spec(1, 3.0));
   std::once_flag once;
   const auto replace = [&](const std::string& source, double) {

@@ -12,8 +12,6 @@
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_two_positions.h"
 #include "pipeline/calibration/calibrate_wand.h"
-#include "pipeline/calibration_study/rig_trials.h"
-#include "pipeline/calibration_study/simulated_run.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/wand_sessions.h"
@@ -459,57 +457,6 @@ TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
   }
   EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0]}, always), kCorrected),
               HasSubstr("sensor \"k1\" has no pose: no_movement"));
-}
-
-// How far the poses are from the truth, both beside the reference sensor's; (turn, rad; position, m) and the
-// stated deviations.
-struct BodiesError {
-  Eigen::Matrix<double, 6, 1> off, sigma;
-};
-
-std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run, bool with_bias,
-                                            std::size_t instants) {
-  CalibrationSpec spec;
-  spec.bodies_s = 10.0;
-  const std::vector<RigidTransform> truth = true_rig(spec);
-  write_walk(spec, truth, run, with_bias, folder / "walk.h5");
-  const BodyCalibration result = calibrate_bodies(folder / "walk.h5", {.instants = instants});
-  EXPECT_EQ(result.calibration.sensors.size(), truth.size());
-  EXPECT_EQ(result.calibration.method, "bodies");
-  const RigidTransform frame_from_world =
-      result.calibration.sensors[result.reference].world_from_sensor * truth[result.reference].inverse();
-  std::vector<BodiesError> errors;
-  for (std::size_t s = 0; s < truth.size(); ++s) {
-    if (s == result.reference) continue;
-    const SensorPose& pose = result.calibration.sensors[s];
-    const RigidTransform expected = frame_from_world * truth[s];
-    const Eigen::AngleAxisd turn(pose.world_from_sensor.rotation * expected.rotation.conjugate());
-    BodiesError error;
-    error.off << turn.angle() * turn.axis(), pose.world_from_sensor.translation_m - expected.translation_m;
-    error.sigma = pose.covariance.value().diagonal().cwiseSqrt();
-    errors.push_back(error);
-  }
-  return errors;
-}
-
-TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
-  const ScratchFolder folder;
-  for (const BodiesError& error : errors_from_bodies(folder, 0, false, 30)) {
-    EXPECT_LT(error.off.tail<3>().norm(), 0.02);
-    EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
-  }
-}
-
-// The bias of a joint decides, and time does not average it out: few instants are enough.
-TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
-  const ScratchFolder folder;
-  int held = 0, asked = 0;
-  for (std::uint64_t run = 0; run < 6; ++run)
-    for (const BodiesError& error : errors_from_bodies(folder, run, true, 8))
-      for (int axis = 0; axis < 6; ++axis, ++asked)
-        held += std::abs(error.off[axis]) <= 1.96 * error.sigma[axis];
-  EXPECT_EQ(asked, 6 * 3 * 6);
-  EXPECT_GE(held, 0.85 * asked);
 }
 
 TEST(RunVerbCalibration, TheCalibrationNamedOnTheCommandLineIsUsed) {

@@ -2,6 +2,7 @@
 #include "pipeline/items/study_items.h"
 
 #include <atomic>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -149,6 +150,16 @@ TEST(StudyItems, AFileThatWasThrownAwayIsMadeAgain) {
   }
 }
 
+TEST(StudyItems, ARecordingStudyThatTimesNothingIsLeftAloneWhenNothingChanged) {
+  Study study(R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "tiny", "frames": 60,
+      "sensors": 2, "runs": 2, "capture_s": 0, "networks": [{"name": "quiet"}]})");
+  ASSERT_EQ(study.run("whole").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(study.folder / "whole/timings.json"));
+  const auto written = std::filesystem::last_write_time(study.folder / "whole/summary.json");
+  ASSERT_EQ(study.run("whole").code, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(study.folder / "whole/summary.json"), written);
+}
+
 TEST(StudyItems, AnItemOfAnotherShardHasNoOutcomeHere) {
   const ScratchFolder folder;
   StudyItems items("test", {{"x", 1}}, {{"a"}, {"b"}}, folder.path(), {{2, 2}, {}});
@@ -230,6 +241,20 @@ struct Simulated {
     return simulate_part(read_simulation(file, {}), hash_of_file(file), shard, output, options);
   }
 };
+
+TEST(SimulateParts, ADocumentThatIsReplacedMeanwhileIsRefused) {
+  Simulated simulated;
+  simulated.spec(1);
+  std::once_flag once;
+  const auto replace = [&](double) { std::call_once(once, [&] { simulated.spec(22); }); };
+  EXPECT_THAT(message_of([&] {
+                simulated.part(
+                    simulated.folder / "part", {1, 1},
+                    {.progress = replace, .inputs = WatchedFiles({simulated.folder / "simulation.json"})});
+              }),
+              HasSubstr("simulation.json: changed while it was being evaluated; run again"));
+  EXPECT_FALSE(std::filesystem::exists(simulated.folder / "part"));
+}
 
 TEST(SimulateParts, ASeedThatChangedAndChangedBackBetweenStopsLeavesNoOtherRecordings) {
   Simulated simulated;

@@ -257,7 +257,8 @@ TEST(Reuse, SamplesOfOtherSettingsDoNotStayBesideATakeThatIsTakenOver) {
   work.study.name = "another";
   std::atomic<double> done = 0.0;
   EXPECT_THROW(run_study(work.study, work.campaign, work.folder / "results",
-                         {.stop_requested = [&] { return done > 0.79; },
+                         {.threads = 1,
+                          .stop_requested = [&] { return done > 0.79; },
                           .progress = [&](double share) { done = share; },
                           .reuse = {whole}}),
                Interrupted);
@@ -265,23 +266,52 @@ TEST(Reuse, SamplesOfOtherSettingsDoNotStayBesideATakeThatIsTakenOver) {
     EXPECT_FALSE(std::filesystem::exists(unfinished / take.id)) << take.id;
 }
 
+// A calibration that lies elsewhere, however it is named, and whatever the campaign's folder is called.
 TEST(Reuse, ATakeThatIsTakenOverNamesNoOtherRunsFolder) {
   Divided work(1, false);
   work.study = study_of(R"("alignments": ["rigid"], "methods": [{"method": "mean"}])");
   Calibration calibration = read_calibration(work.campaign.takes[0].calibration);
   calibration.world = "sensor k1";
-  const auto run = [&](const char* place, const char* output, const ExecuteOptions& options) {
-    std::filesystem::create_directories(work.folder / place);
-    write_calibration(work.folder / place / "calibration.json", calibration);
-    for (Take& take : work.campaign.takes) take.calibration = work.folder / place / "calibration.json";
+  const auto run = [&](const std::filesystem::path& place, const char* output,
+                       const ExecuteOptions& options) {
+    std::filesystem::create_directories(place);
+    write_calibration(place / "calibration.json", calibration);
+    for (Take& take : work.campaign.takes) take.calibration = place / "calibration.json";
     return run_study(work.study, work.campaign, work.folder / output, options);
   };
-  const StudyRun first = run("here", "first", {});
+  const StudyRun first = run(work.folder / "here", "first", {});
   ASSERT_THAT(first.summary.notes, Not(IsEmpty()));
   EXPECT_EQ(first.summary.notes[0].place, "calibration.json");
-  EXPECT_THAT(run("there", "again", {.reuse = {work.folder / "first"}}).takes.computed, IsEmpty());
-  run("there", "fresh", {});
-  expect_same_results(work.folder / "fresh", work.folder / "again");
+  run(work.folder / "there", "fresh", {});
+  int runs = 0;
+  for (const auto& place :
+       {work.folder / "there", work.folder / "acampaign", work.folder / "campaign/../there",
+        std::filesystem::relative(work.folder / "there")}) {
+    const std::string output = fmt::format("again{}", ++runs);
+    EXPECT_THAT(run(place, output.c_str(), {.reuse = {work.folder / "first"}}).takes.computed, IsEmpty());
+    expect_same_results(work.folder / "fresh", work.folder / output);
+    run(place, (output + "fresh").c_str(), {});
+    expect_same_results(work.folder / "fresh", work.folder / (output + "fresh"));
+  }
+}
+
+TEST(Reuse, PlacesInACampaignAreGivenFromItsFolder) {
+  Divided work(1, false);
+  const std::string id = work.campaign.takes[0].id;
+  std::filesystem::remove(work.campaign.takes[0].mocap);
+  const std::filesystem::path named = work.folder / "c";  // which "abc/" ends with, too
+  std::filesystem::create_directories(named);
+  std::filesystem::rename(work.folder / "campaign", named / "abc");
+  work.campaign.folder = named;
+  for (Take& take : work.campaign.takes) {
+    take.session = named / "abc" / take.id / "session.h5";
+    take.mocap = named / "abc" / take.id / "mocap.csv";
+    take.mapping = named / "abc" / take.id / "mapping.json";
+    take.calibration = named / "abc/calibration.json";
+  }
+  const StudyRun run = run_study(work.study, work.campaign, work.folder / "results", {});
+  ASSERT_THAT(run.summary.notes, Not(IsEmpty()));
+  EXPECT_EQ(run.summary.notes[0].place, "abc/" + id + "/mocap.csv");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <mutex>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -179,25 +178,27 @@ TEST(WandPart, ARecordingThatWasWrittenAgainIsHashedAnew) {
   EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
 }
 
-TEST(WandPart, ARecordingThatIsReplacedDuringTheSearchIsRefused) {
+TEST(WandPart, AFileThatIsReplacedDuringTheSearchIsRefused) {
   DividedWand work;
-  std::once_flag* once = nullptr;
+  work.options.world = WandInWorld{work.folder / "wand.csv", "Wand", kStart_ns};
+  std::filesystem::path replaced;
   work.options.search.progress = [&](double) {
-    std::call_once(*once, [&] {
-      write_file(work.folder / "other.h5", "something else");
-      std::filesystem::rename(work.folder / "other.h5", work.sessions.front());
-    });
+    std::error_code done;
+    std::filesystem::rename(work.folder / "other", replaced, done);
   };
-  const auto error_of = [&](const std::function<void()>& action) {
-    std::once_flag again;
-    once = &again;
-    record_places(work.sessions.front(), 3);
-    return message_of(action);
+  const auto expect_refused = [&](const std::function<void()>& action) {
+    for (const auto& file : {work.sessions.front(), work.options.world->mocap}) {
+      replaced = file;
+      record_places(work.sessions.front(), 3);
+      write_wand_export(work.options.world->mocap, true);
+      write_file(work.folder / "other", "something else");
+      EXPECT_THAT(message_of(action),
+                  HasSubstr(file.filename().string() + ": changed while it was being evaluated; run again"));
+      EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
+    }
   };
-  const auto refused = HasSubstr("session.h5: changed while it was being evaluated; run again");
-  EXPECT_THAT(error_of([&] { work.part({1, 1}, "part"); }), refused);
-  EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
-  EXPECT_THAT(error_of([&] { calibrate_wand(work.sessions, work.options); }), refused);
+  expect_refused([&] { on_threads(1, [&](int) { work.part({1, 1}, "part"); }); });
+  expect_refused([&] { on_threads(1, [&](int) { calibrate_wand(work.sessions, work.options); }); });
 }
 
 TEST(WandPart, MergingNamesWhatIsMissingAndWhatIsThereTwice) {

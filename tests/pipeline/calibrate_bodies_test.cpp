@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/calibration/calibrate_bodies.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/base/units.h"
+#include "pipeline/calibration_study/rig_trials.h"
+#include "pipeline/calibration_study/simulated_run.h"
+#include "pipeline/results_folder.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+// How far the poses are from the truth, both beside the reference sensor's; (turn, rad; position, m) and the
+// stated deviations.
+struct BodiesError {
+  Eigen::Matrix<double, 6, 1> off, sigma;
+};
+
+std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run, bool with_bias,
+                                            std::size_t instants) {
+  CalibrationSpec spec;
+  spec.bodies_s = 10.0;
+  const std::vector<RigidTransform> truth = true_rig(spec);
+  write_walk(spec, truth, run, with_bias, folder / "walk.h5");
+  const BodyCalibration result = calibrate_bodies(folder / "walk.h5", {.instants = instants});
+  EXPECT_EQ(result.calibration.sensors.size(), truth.size());
+  EXPECT_EQ(result.calibration.method, "bodies");
+  const RigidTransform frame_from_world =
+      result.calibration.sensors[result.reference].world_from_sensor * truth[result.reference].inverse();
+  std::vector<BodiesError> errors;
+  for (std::size_t s = 0; s < truth.size(); ++s) {
+    if (s == result.reference) continue;
+    const SensorPose& pose = result.calibration.sensors[s];
+    const RigidTransform expected = frame_from_world * truth[s];
+    const Eigen::AngleAxisd turn(pose.world_from_sensor.rotation * expected.rotation.conjugate());
+    BodiesError error;
+    error.off << turn.angle() * turn.axis(), pose.world_from_sensor.translation_m - expected.translation_m;
+    error.sigma = pose.covariance.value().diagonal().cwiseSqrt();
+    errors.push_back(error);
+  }
+  return errors;
+}
+
+TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
+  const ScratchFolder folder;
+  for (const BodiesError& error : errors_from_bodies(folder, 0, false, 30)) {
+    EXPECT_LT(error.off.tail<3>().norm(), 0.02);
+    EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
+  }
+}
+
+TEST(CalibrateBodies, ARecordingThatIsReplacedMeanwhileIsRefused) {
+  const ScratchFolder folder;
+  CalibrationSpec spec;
+  spec.bodies_s = 10.0;
+  write_walk(spec, true_rig(spec), 0, false, folder / "walk.h5");
+  write_file(folder / "other.h5", "something else");
+  const auto replace = [&](double) {
+    std::error_code done;
+    std::filesystem::rename(folder / "other.h5", folder / "walk.h5", done);
+  };
+  EXPECT_THAT(message_of([&] {
+                on_threads(1, [&](int) {
+                  calibrate_bodies(folder / "walk.h5", {.instants = 8, .progress = replace});
+                });
+              }),
+              HasSubstr("walk.h5: changed while it was being evaluated; run again"));
+}
+
+// The bias of a joint decides, and time does not average it out: few instants are enough.
+TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
+  const ScratchFolder folder;
+  int held = 0, asked = 0;
+  for (std::uint64_t run = 0; run < 6; ++run)
+    for (const BodiesError& error : errors_from_bodies(folder, run, true, 8))
+      for (int axis = 0; axis < 6; ++axis, ++asked)
+        held += std::abs(error.off[axis]) <= 1.96 * error.sigma[axis];
+  EXPECT_EQ(asked, 6 * 3 * 6);
+  EXPECT_GE(held, 0.85 * asked);
+}
+
+}  // namespace
+}  // namespace trilat
