@@ -3,26 +3,22 @@
 
 #include <array>
 #include <fstream>
-#include <mutex>
-#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/samples.h"
 #include "tests/pipeline/divided.h"
-#include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"
 
 namespace trilat {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 TEST(StudyPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
   Divided work;
