@@ -156,8 +156,7 @@ EvaluatedTake run_take(Shared& shared, std::size_t index) {
     const auto holds = [&](const ItemStore::Found& there) { return holds_take(plan, index, there.folder); };
     if (const auto found = shared.place.items.find(planned.take.id, take.key, holds)) {
       shared.place.inputs.at(index).check();
-      // what another run left there would be taken for this take's, were the folder put in place and not
-      // tidied
+      // left by a run with other settings, it would pass for this take's if tidying up failed
       if (found->folder != shared.place.folder)
         std::filesystem::remove_all(own_folder(shared.place.folder, planned.take.id));
       take.result = read_take_result(found->outcome, (found->folder / "items.json").string());
