@@ -299,9 +299,11 @@ TEST(Reuse, PlacesInACampaignAreGivenFromItsFolder) {
   Divided work(1, false);
   const std::string id = work.campaign.takes[0].id;
   std::filesystem::remove(work.campaign.takes[0].mocap);
-  const std::filesystem::path named = work.folder / "c";  // which "abc/" ends with, too
+  const std::filesystem::path started = std::filesystem::current_path();
+  std::filesystem::current_path(work.folder.path());
+  const std::filesystem::path named = "c";  // which "abc/" ends with, too
   std::filesystem::create_directories(named);
-  std::filesystem::rename(work.folder / "campaign", named / "abc");
+  std::filesystem::rename("campaign", named / "abc");
   work.campaign.folder = named;
   for (Take& take : work.campaign.takes) {
     take.session = named / "abc" / take.id / "session.h5";
@@ -309,7 +311,8 @@ TEST(Reuse, PlacesInACampaignAreGivenFromItsFolder) {
     take.mapping = named / "abc" / take.id / "mapping.json";
     take.calibration = named / "abc/calibration.json";
   }
-  const StudyRun run = run_study(work.study, work.campaign, work.folder / "results", {});
+  const StudyRun run = run_study(work.study, work.campaign, "results", {});
+  std::filesystem::current_path(started);
   ASSERT_THAT(run.summary.notes, Not(IsEmpty()));
   EXPECT_EQ(run.summary.notes[0].place, "abc/" + id + "/mocap.csv");
 }
