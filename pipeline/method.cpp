@@ -54,23 +54,10 @@ RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
   return ranges_of(instant.observations, instant.world_from_sensor, sensors);
 }
 
-PointEstimate fuse(const Method& method, const JointInstant& instant, SensorMask sensors) {
-  switch (method.spec.kind) {
-    case MethodKind::weighted_mean: {
-      WeightedMeanOptions options = method.spec.weighted;
-      options.allowed = sensors;
-      return solve_weighted_mean(instant.observations, options);
-    }
-    case MethodKind::median:
-      return solve_median(instant.observations, {.allowed = sensors});
-    case MethodKind::robust_mean: {
-      RobustMeanOptions options = method.spec.robust;
-      options.allowed = sensors;
-      return solve_robust_mean(instant.observations, options);
-    }
-    default:
-      return solve_mean(instant.observations, {sensors, method.spec.kind == MethodKind::tracked_mean});
-  }
+template <class Options>
+Options among(Options options, SensorMask sensors) {
+  options.allowed = sensors;
+  return options;
 }
 
 }  // namespace
@@ -116,11 +103,9 @@ bool is_over_time(const Method& method) {
 }
 
 PointEstimate evaluate(const Method& method, const JointInstant& instant) {
-  TRILAT_CHECK(!is_over_time(method), "methods over time need the whole path");
-  const MethodKind kind = method.spec.kind;
-  if (kind == MethodKind::single) return solve_single_sensor(instant.observations, method.single);
+  const auto& seen = instant.observations;
   const SensorMask sensors = sensors_of(method, instant);
-  switch (kind) {
+  switch (method.spec.kind) {
     case MethodKind::linear:
       return solve_linear(ranges_from(instant, sensors), method.spec.linear);
     case MethodKind::geometric:
@@ -130,9 +115,24 @@ PointEstimate evaluate(const Method& method, const JointInstant& instant) {
     case MethodKind::nonlinear:
     case MethodKind::newton:
       return solve_nonlinear(ranges_from(instant, sensors), method.spec.nonlinear);
-    default:
-      return fuse(method, instant, sensors);
+    case MethodKind::mean:
+      return solve_mean(seen, {.allowed = sensors});
+    case MethodKind::tracked_mean:
+      return solve_mean(seen, {.allowed = sensors, .prefer_tracked = true});
+    case MethodKind::single:
+      return solve_single_sensor(seen, method.single);
+    case MethodKind::weighted_mean:
+      return solve_weighted_mean(seen, among(method.spec.weighted, sensors));
+    case MethodKind::median:
+      return solve_median(seen, {.allowed = sensors});
+    case MethodKind::robust_mean:
+      return solve_robust_mean(seen, among(method.spec.robust, sensors));
+    case MethodKind::kalman:
+    case MethodKind::rts:
+    case MethodKind::window:
+      break;
   }
+  TRILAT_CHECK(false, "methods over time need the whole path");
 }
 
 void evaluate(const Method& method, std::span<const JointInstant> instants,

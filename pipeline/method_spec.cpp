@@ -21,7 +21,12 @@ Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<s
   return static_cast<Enum>(object.choice(key, names, static_cast<std::size_t>(fallback)));
 }
 
+double read_range_sigma_m(JsonObject& object) {
+  return number_within(object, "range_sigma_m", kUsualRangeSigma_m, 0.0, 10.0);
+}
+
 void read_linear(JsonObject& object, MethodSpec& method) {
+  method.linear.range_sigma_m = read_range_sigma_m(object);
   method.reference = object.text("reference", "");
   if (method.reference != "all_pairs") return;
   method.linear.reference = LinearReference::all_pairs;
@@ -44,7 +49,7 @@ void read_nonlinear(JsonObject& object, MethodSpec& method) {
   const std::uint64_t limit = object.count("max_iterations", static_cast<std::uint64_t>(o.max_iterations));
   if (limit < 1 || limit > 1'000'000) object.refuse("max_iterations", "must be 1 to 1000000");
   o.max_iterations = static_cast<int>(limit);
-  o.same_residual_m = object.positive("same_residual_m", o.same_residual_m);
+  o.range_sigma_m = read_range_sigma_m(object);
   o.start = enum_choice(object, "start", kStarts, o.start);
   o.loss = enum_choice(object, "loss", kLosses, o.loss);
   o.loss_scale_m = object.positive("loss_scale_m", o.loss_scale_m);
@@ -151,6 +156,7 @@ MethodSpec read_method(JsonObject& object) {
   if (method.kind == MethodKind::linear) read_linear(object, method);
   if (method.kind == MethodKind::nonlinear || method.kind == MethodKind::newton)
     read_nonlinear(object, method);
+  if (method.kind == MethodKind::ceres) method.ceres.range_sigma_m = read_range_sigma_m(object);
   if (method.kind == MethodKind::geometric && !method.sensors.empty() && method.sensors.size() != 3)
     object.refuse("sensors", "must name the three sensors that geometric trilateration uses");
   read_fusion(object, method);
@@ -163,8 +169,11 @@ Json resolved_json(const MethodSpec& m) {
   Json entry{{"method", method_kind_names()[static_cast<std::size_t>(m.kind)]},
              {"name", m.name},
              {"sensors", m.sensors}};
-  if (m.kind == MethodKind::linear)
+  if (m.kind == MethodKind::linear) {
     entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
+    entry["range_sigma_m"] = m.linear.range_sigma_m;
+  }
+  if (m.kind == MethodKind::ceres) entry["range_sigma_m"] = m.ceres.range_sigma_m;
   if (m.kind == MethodKind::nonlinear || m.kind == MethodKind::newton) {
     const NonlinearOptions& o = m.nonlinear;
     if (m.kind == MethodKind::nonlinear) {  // of newton they are no choice
@@ -176,7 +185,7 @@ Json resolved_json(const MethodSpec& m) {
     entry["threshold_cm2"] = o.threshold_m2 / kSquareMetresPerSquareCentimetre;
     entry["step_tolerance_m"] = o.step_tolerance_m;
     entry["max_iterations"] = o.max_iterations;
-    entry["same_residual_m"] = o.same_residual_m;
+    entry["range_sigma_m"] = o.range_sigma_m;
     entry["start"] = kStarts[static_cast<std::size_t>(o.start)];
     entry["loss"] = kLosses[static_cast<std::size_t>(o.loss)];
     entry["loss_scale_m"] = o.loss_scale_m;

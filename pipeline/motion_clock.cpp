@@ -2,6 +2,9 @@
 #include "pipeline/motion_clock.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 
 #include "datasets/base/error.h"
 #include "evaluators/alignment/clock_offset.h"
@@ -14,6 +17,9 @@ namespace {
 
 constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
 constexpr double kGrid_hz = 120.0;
+// Of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
+constexpr double kLongestLag_s = 0.1;
+constexpr double kNoticeable_m = 0.005;  // mean speed times what the lag does not explain
 
 // Seconds since the first instant, on the host clock.
 std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
@@ -49,13 +55,36 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
   return paths;
 }
 
+// What a user has to know of a clock that the trackers' lag does not explain; empty when there is nothing.
+std::string warning_of(const ClockOffset& found, const StudySpec& study) {
+  if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
+    return fmt::format(
+        "does not move as the sensors see the person move, at any start within {:g} s of the stated "
+        "one; is it the same take, and mocap_start_host_ns right?",
+        study.clock_search_s);
+  if (found.status != ClockOffsetStatus::found) return {};
+  const double lowest_s = -(kLongestLag_s + study.clock_error_s), highest_s = study.clock_error_s;
+  const double beyond_s = std::max({0.0, lowest_s - found.high_s, found.low_s - highest_s});
+  if (beyond_s * found.speed_m_s < kNoticeable_m) return {};
+  return fmt::format(
+      "starts {:.4f} s ({:.4f} to {:.4f}) {} than stated, by the motion: more than trackers lag. {}",
+      std::abs(found.offset_s), std::min(std::abs(found.low_s), std::abs(found.high_s)),
+      std::max(std::abs(found.low_s), std::abs(found.high_s)), found.offset_s > 0.0 ? "earlier" : "later",
+      study.clock == ClockSource::motion
+          ? std::string("That offset was applied")
+          : fmt::format("At the joints' mean speed of {:.2f} m/s that makes errors of {:.0f} cm; mend "
+                        "mocap_start_host_ns, or say \"clock\": \"motion\" in the study",
+                        found.speed_m_s, 100.0 * std::abs(found.offset_s) * found.speed_m_s));
+}
+
 }  // namespace
 
-ClockRow clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                         const std::function<bool()>& stop_requested) {
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                            const std::function<bool()>& stop_requested) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
+  options.one_frame = planned.in_mocap_world;
   const ClockOffset found = find_clock_offset(
       estimated_paths(plan, planned, data),
       true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);
@@ -68,7 +97,7 @@ ClockRow clock_by_motion(const Plan& plan, const PlannedTake& planned, const Tak
   row.drift_sigma_ppm = found.drift_sigma_ppm;
   row.peak = found.peak;
   row.second = found.second;
-  return row;
+  return {row, warning_of(found, plan.study)};
 }
 
 }  // namespace trilat

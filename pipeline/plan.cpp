@@ -17,6 +17,8 @@
 namespace trilat {
 namespace {
 
+constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
+
 struct HostSpan {
   HostTime first, last;
 };
@@ -31,35 +33,30 @@ HostSpan span_of(const SessionReader& session, std::size_t sensor, const SensorC
   return {map(first[0]), map(last[0])};
 }
 
-// The instants that all sensors of the rig cover.
-void plan_instants(PlannedTake& planned, const std::vector<HostSpan>& spans, double rate_hz) {
-  HostTime start = spans[0].first, end = spans[0].last;
-  for (const HostSpan& span : spans) {
-    start = std::max(start, span.first);
-    end = std::min(end, span.last);
-  }
-  if (end < start)
-    throw InputError(
-        planned.take.session.string(),
-        fmt::format("has sensors that did not record at the same time: one starts {:.3f} s after another "
-                    "has ended",
-                    (start - end).seconds()));
+// The instants at which any sensor of the rig was recording.
+void plan_instants(PlannedTake& planned, const std::vector<std::string>& rig,
+                   const std::vector<HostSpan>& spans, double rate_hz) {
   HostTime first = spans[0].first, last = spans[0].last;
   for (const HostSpan& span : spans) {
     first = std::min(first, span.first);
     last = std::max(last, span.last);
   }
-  if ((last - first).seconds() > (end - start).seconds() + 1.0)
-    planned.span_note =
-        fmt::format("only {:.1f} s of {:.1f} s are evaluated: not all sensors recorded all the time",
-                    (end - start).seconds(), (last - first).seconds());
-  planned.start = start;
-  planned.instants = static_cast<std::uint64_t>(std::floor((end - start).seconds() * rate_hz)) + 1;
+  for (std::size_t s = 0; s < rig.size(); ++s) {
+    const double recorded_s = (spans[s].last - spans[s].first).seconds();
+    if ((last - first).seconds() > recorded_s + kShortSpan_s)
+      planned.span_note +=
+          fmt::format("{}{} recorded only {:.1f} s of {:.1f} s", planned.span_note.empty() ? "" : ", ",
+                      rig[s], recorded_s, (last - first).seconds());
+  }
+  if (!planned.span_note.empty())
+    planned.span_note += "; what cannot be answered without it counts against a method's coverage";
+  planned.start = first;
+  planned.instants = static_cast<std::uint64_t>(std::floor((last - first).seconds() * rate_hz)) + 1;
   constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
   if (planned.instants > kMost)
     throw InputError(planned.take.session.string(),
                      fmt::format("covers {:.0f} s, more than can be evaluated at {} Hz",
-                                 (end - start).seconds(), rate_hz));
+                                 (last - first).seconds(), rate_hz));
 }
 
 // The ground truth is in OptiTrack's world; only a rigid alignment forgives poses in another.
@@ -78,6 +75,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   planned.mapping = read_mapping(planned.take.mapping);
   const Calibration calibration = read_calibration(planned.take.calibration);
   check_world(calibration, study, planned.take.calibration.string());
+  planned.in_mocap_world = calibration.world == "optitrack";
   planned.level =
       !calibration.world.starts_with("sensor ") || calibration.world.find("floor") != std::string::npos;
   std::vector<HostSpan> spans;
@@ -89,7 +87,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
     planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
     spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
   }
-  plan_instants(planned, spans, study.rate_hz);
+  plan_instants(planned, rig, spans, study.rate_hz);
   std::vector<Joint> mapped;
   for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
   TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});  // assets exist

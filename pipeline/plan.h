@@ -17,21 +17,22 @@
 namespace trilat {
 
 // One take, looked into: which sensor of its session is which of the rig, where they stand, how their clocks
-// run, and the instants to evaluate: start + i / rate_hz for i < instants. A take that cannot be evaluated
-// says why.
+// run, and the instants to evaluate: start + i / rate_hz for i < instants, from the first to the last body
+// frame of any sensor of the rig. A take that cannot be evaluated says why.
 struct PlannedTake {
   Take take;
   bool ok = false;
   std::string place, problem;
   bool simulated = false;
   bool level = true;  // the calibration's world has y up, as far as its label says
+  bool in_mocap_world = false;
   JointMapping mapping;
   std::vector<std::size_t> session_sensor;        // by rig sensor
   std::vector<RigidTransform> world_from_sensor;  // by rig sensor
   std::vector<SensorClockMap> host_from_sensor;
   HostTime start;
   std::uint64_t instants = 0;
-  std::string span_note;  // when one sensor shortens the take for all
+  std::string span_note;  // names sensors that recorded only a part of it
 };
 
 // What a run will do, in an order that does not depend on threads. The id of a work item is the id of its

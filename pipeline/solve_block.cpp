@@ -106,7 +106,9 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
         method, {observations, planned.world_from_sensor, occlusions_of(data, number, plan.joints[j]), {}});
     const RangeProblem ranges = ranges_of(observations, planned.world_from_sensor, sensors);
     const PointEstimate ours = solve_nonlinear(ranges, method.spec.nonlinear);
-    const PointEstimate theirs = solve_ceres(ranges, method.spec.ceres);
+    CeresOptions same = method.spec.ceres;
+    same.range_sigma_m = method.spec.nonlinear.range_sigma_m;
+    const PointEstimate theirs = solve_ceres(ranges, same);
     TakeCheck one;
     one.worst_at = fmt::format("{} instant {} {}", planned.take.id, number, name_of(plan.joints[j]));
     if (is_usable(ours.status) && is_usable(theirs.status)) {

@@ -30,13 +30,15 @@ struct StudySpec {
   bool occluded_apart = false;          // samples that a sensor sees occluded make conditions of their own
   std::string reference;                // the method that others are compared with; empty: the first
   std::vector<AlignmentKind> alignments{AlignmentKind::mean};
-  double rate_hz = 30.0;              // of the instants that are evaluated
-  double sensor_gap_s = 0.1;          // a sensor is not interpolated across a longer gap
-  double truth_gap_s = 0.05;          // nor the ground truth
+  double rate_hz = 30.0;  // of the instants that are evaluated
+  // A sensor, and the ground truth, are not interpolated across a longer gap. No limit here is a multiple of
+  // 1/30, 1/100 or 1/120 s: drift or rounding would decide whether a gap of as many frames is within it.
+  double sensor_gap_s = 0.11;
+  double truth_gap_s = 0.055;
   double cross_check_limit_m = 1e-7;  // `run --cross-check` fails beyond
   // Whether the start of the mocap is taken as stated, also checked by motion, or corrected by it.
   ClockSource clock = ClockSource::check;
-  double clock_search_s = 0.3;     // to both sides of the stated start
+  double clock_search_s = 3.0;     // to both sides of the stated start
   bool repair_exchanges = true;    // left and right that a sensor has exchanged are put right
   double training_share = 0.5;     // of a take, at its start: what joint_offset learns from
   double block_s = 1.0;            // of the time blocks that intervals are drawn from

@@ -106,7 +106,11 @@ SummaryCell cell_of(const CellSums& sums, const QuantileSelection& quantiles) {
   result.p90_m = s.p90_m;
   result.p95_m = s.p95_m;
   result.max_m = s.max_m;
-  if (sums.with_gdop > 0) result.mean_gdop = sums.gdop.value() / static_cast<double>(sums.with_gdop);
+  if (const auto n = static_cast<double>(sums.with_gdop); n > 0.0) {
+    result.mean_gdop = sums.gdop.value() / n;
+    result.rms_gdop = std::sqrt(sums.square_gdop.value() / n);
+    result.gdop_rmse_m = std::sqrt(sums.square_error_m2.value() / n);
+  }
   if (result.answered > 0)
     result.mean_iterations = sums.iterations.value() / static_cast<double>(result.answered);
   return result;
@@ -127,6 +131,18 @@ void add_condition(const std::vector<QuantileSelection>& quantiles, const std::v
     cell.condition = all ? activity : occluded_condition(activity);
     summary.cells.push_back(std::move(cell));
   }
+}
+
+void add_take_rows(const Plan& plan, std::size_t take, const TakeStatistics& statistics,
+                   ResultsSummary& summary) {
+  const Take& of = plan.takes[take].take;
+  for (std::size_t j = 0; j < plan.joints.size(); ++j)
+    for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+      const JointSums& sums = statistics.of_joint[j * plan.methods.size() + m];
+      if (sums.asked == 0) continue;
+      summary.by_take.push_back({of.id, of.participant, of.activity, std::string(name_of(plan.joints[j])),
+                                 summary.methods[m], sums.asked, sums.distance_m.n, sums.distance_m.value()});
+    }
 }
 
 ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
@@ -187,6 +203,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
     add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), of_activity, axes, takes,
                   activities[a], summary);
   }
+  for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, t, takes[t].statistics, summary);
   if (progress) progress(kCellsShare);
   add_statistics(plan, outcome, layout, takes, summary);
   if (progress) progress(1.0);

@@ -120,7 +120,10 @@ void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
 void check_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
                  TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
-  data.clock = clock_by_motion(plan, planned, data, stop_requested);
+  MotionClock clock = clock_by_motion(plan, planned, data, stop_requested);
+  data.clock = clock.row;
+  if (!clock.warning.empty())
+    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
   if (plan.study.clock != ClockSource::motion) return;
   data.clock.applied = std::isfinite(data.clock.offset_s);
   if (data.clock.applied)

@@ -85,6 +85,7 @@ class TakeGatherer {
       const std::size_t slot = view.slot(i, j, m);
       const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
       if (!e.asked) return;
+      if (a == 0) add_joint(e, result_.of_joint[j * axes_.methods + m]);
       for (std::size_t set = 0; set < sets; ++set)
         add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
       if (!is_usable(e.status)) continue;
@@ -110,6 +111,11 @@ class TakeGatherer {
     }
   }
 
+  static void add_joint(const AlignedError& e, JointSums& sums) {
+    ++sums.asked;
+    if (is_usable(e.status)) sums.distance_m.add(e.error_m.norm());
+  }
+
   static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
     sums.errors.add(e.status, e.error_m);
     if (!is_usable(e.status)) return;
@@ -117,6 +123,8 @@ class TakeGatherer {
     const float gdop = block.gdop[slot];
     if (!std::isfinite(gdop)) return;
     sums.gdop.add(static_cast<double>(gdop));
+    sums.square_gdop.add(static_cast<double>(gdop) * static_cast<double>(gdop));
+    sums.square_error_m2.add(e.error_m.squaredNorm());
     ++sums.with_gdop;
   }
 
@@ -201,6 +209,8 @@ void CellSums::merge(const CellSums& later) {
   errors.merge(later.errors);
   gdop.merge(later.gdop);
   iterations.merge(later.iterations);
+  square_gdop.merge(later.square_gdop);
+  square_error_m2.merge(later.square_error_m2);
   with_gdop += later.with_gdop;
 }
 
@@ -212,6 +222,7 @@ TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t in
   empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
   empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
   empty.one_frame.resize(axes.cells());
+  empty.of_joint.resize(axes.joints * axes.methods);
   empty.of_method.resize(axes.methods);
   empty.of_group.resize(axes.groups);
   return empty;

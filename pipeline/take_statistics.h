@@ -48,9 +48,16 @@ struct TakeTruth {
 struct CellSums {
   ErrorSums errors;
   CompensatedSum gdop, iterations;
+  CompensatedSum square_gdop, square_error_m2;  // of the samples that have a finite GDOP
   std::uint64_t with_gdop = 0;
   // As if `later`'s samples had been added after what is here.
   void merge(const CellSums& later);
+};
+
+// Of one joint and method under the first alignment.
+struct JointSums {
+  std::uint64_t asked = 0;
+  Mean distance_m;  // of what was answered
 };
 
 struct TakeStatistics {
@@ -58,6 +65,7 @@ struct TakeStatistics {
   RowMatrix cells;                  // blocks x (cells of the axes x CellColumns)
   RowMatrix bodies;                 // blocks x (methods x BodySumColumns)
   std::vector<OneFrame> one_frame;  // by cell
+  std::vector<JointSums> of_joint;  // joint * methods + method
   std::vector<TakeBodies> of_method;
   std::vector<TakeTruth> of_group;
   Mean truth_jerk_m_s3;

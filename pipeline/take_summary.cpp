@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFile = "summary.bin";
-constexpr std::string_view kFormat = "trilat.take_summary 1\n";
+constexpr std::string_view kFormat = "trilat.take_summary 2\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 constexpr std::size_t kOtherBytes = 1 << 20;  // that most summaries have besides block sums
@@ -98,6 +98,8 @@ void see_statistics(const See& see, S& s, std::uint64_t blocks) {
     ErrorSums::see_state(cell.errors, see);
     CompensatedSum::see_state(cell.gdop, see);
     CompensatedSum::see_state(cell.iterations, see);
+    CompensatedSum::see_state(cell.square_gdop, see);
+    CompensatedSum::see_state(cell.square_error_m2, see);
     see(cell.with_gdop);
   }
   for (Eigen::Index k = 0; k < s.cells.size(); ++k) see(s.cells.data()[k]);
@@ -105,6 +107,10 @@ void see_statistics(const See& see, S& s, std::uint64_t blocks) {
   for (auto& cell : s.one_frame) {
     see_mean(see, cell.later_m);
     see_mean(see, cell.earlier_m);
+  }
+  for (auto& joint : s.of_joint) {
+    see(joint.asked);
+    see_mean(see, joint.distance_m);
   }
   for (auto& bodies : s.of_method) {
     for (auto& count : bodies.within) see(count);
@@ -147,6 +153,9 @@ void check_counts(const TakeStatistics& statistics, std::uint64_t most, const st
       !are_counts(statistics.bodies, BodySumColumns::count, {BodySumColumns::whole, BodySumColumns::pa_whole},
                   most))
     refuse();
+  for (const JointSums& joint : statistics.of_joint)
+    if (joint.asked > most || joint.distance_m.n > joint.asked || !std::isfinite(joint.distance_m.sum))
+      refuse();
   for (const CellSums& cell : statistics.sums) {
     std::uint64_t all = 0, answered = 0;
     bool right = cell.errors.asked() >= 0;

@@ -14,11 +14,12 @@ constexpr const char* kAlignment = "none";
 void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
   for (const std::string& method : s.methods) {
     const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kAlignment);
-    if (!cell || !std::isfinite(cell->mean_gdop)) continue;
-    const double bound_m = range.rms_error_m * cell->mean_gdop;
+    if (!cell || !std::isfinite(cell->rms_gdop)) continue;
+    const double bound_m = range.rms_error_m * cell->rms_gdop;
     table.rows.push_back({TableValue::of(range.group), TableValue::of(method), cm_cell(range.rms_error_m),
-                          cm_cell(range.mean_error_m), TableValue::of(cell->mean_gdop, 2), cm_cell(bound_m),
-                          cm_cell(cell->rmse_m), TableValue::of(std::pow(bound_m / cell->rmse_m, 2), 2)});
+                          cm_cell(range.mean_error_m), TableValue::of(cell->rms_gdop, 2), cm_cell(bound_m),
+                          cm_cell(cell->gdop_rmse_m),
+                          TableValue::of(std::pow(bound_m / cell->gdop_rmse_m, 2), 2)});
   }
 }
 
@@ -34,7 +35,7 @@ std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSumm
                      {"method", "method", true},
                      {"range RMS error (cm)", "range_rms_cm"},
                      {"of it mean (cm)", "range_mean_cm"},
-                     {"GDOP", "gdop"},
+                     {"rms GDOP", "rms_gdop"},
                      {"bound (cm)", "bound_cm"},
                      {"RMSE (cm)", "rmse_cm"},
                      {"efficiency", "efficiency"}};
@@ -42,13 +43,18 @@ std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSumm
       if (range.condition == condition) add_rows(s, range, table);
     if (table.rows.empty()) continue;
     table.notes = {
-        "Bound: the root mean square error of the ranges times the mean GDOP of the geometry, the Cramer-Rao "
-        "bound of ranges whose errors are independent, normal and without a mean. The ranges are those of "
-        "all "
-        "sensors, also for a method that uses some. Efficiency: the square of bound "
-        "over RMSE. Above 1 where the sensors' errors are alike and so partly cancel, or where a method only "
-        "answers "
-        "the easy geometry."};
+        "Bound: the root mean square error of the ranges times the root mean square GDOP of the geometry, "
+        "the "
+        "Cramér-Rao bound of unbiased estimates from ranges whose errors are independent, normal and without "
+        "a "
+        "mean. GDOP and RMSE are of the same samples: those answered where the GDOP is finite. The ranges "
+        "are those "
+        "of all sensors, also for a method that uses some.",
+        "Efficiency: the square of bound over RMSE. Trackers' errors are not independent: those of opposite "
+        "sensors "
+        "are anticorrelated along the line between them, which lets a method pass 1; so does answering only "
+        "samples "
+        "with small errors."};
     tables.push_back(std::move(table));
   }
   return tables;

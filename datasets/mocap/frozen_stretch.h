@@ -10,7 +10,7 @@ namespace trilat {
 // Some exports repeat the last pose of a lost body instead of leaving it out. The noise of a body
 // that is truly still shows in the last digits, so a pose that stays the same to the bit is lost.
 struct FrozenOptions {
-  double min_s = 0.1;           // from the first to the last frame of the stretch
+  double min_s = 0.095;         // from the first to the last frame of the stretch
   std::int64_t min_frames = 5;  // and at least so many
 };
 

@@ -22,6 +22,28 @@ TakeNote read_note(JsonObject& object) {
   return note;
 }
 
+Json json_of(const TakeJointRow& row) {
+  return {{"take", row.take},           {"participant", row.participant},
+          {"condition", row.condition}, {"joint", row.joint},
+          {"method", row.method},       {"asked", row.asked},
+          {"answered", row.answered},   {"mae_m", row.mae_m}};
+}
+
+TakeJointRow read_take_joint(JsonObject& object) {
+  TakeJointRow row;
+  row.take = object.text("take");
+  row.participant = object.text("participant");
+  row.condition = object.text("condition");
+  row.joint = object.text("joint");
+  row.method = object.text("method");
+  row.asked = object.count("asked");
+  row.answered = object.count("answered");
+  if (row.answered > row.asked) object.refuse("answered", "is more than was asked");
+  row.mae_m = number_or_nan(object, "mae_m");
+  object.finish();
+  return row;
+}
+
 Json json_of(const CrossCheck& check) {
   return {{"method", check.method},   {"samples", check.samples}, {"disagreements", check.disagreements},
           {"worst_m", check.worst_m}, {"limit_m", check.limit_m}, {"worst_at", check.worst_at},
@@ -62,11 +84,13 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
                {"differences", Json::array()},
                {"bodies", Json::array()},
                {"truth_floor", Json::array()},
+               {"by_take", Json::array()},
                {"notes", Json::array()}});
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
   for (const DifferenceCell& cell : s.differences) json["differences"].push_back(json_of(cell));
   for (const BodyCell& cell : s.bodies) json["bodies"].push_back(json_of(cell));
   for (const TruthFloor& floor : s.truth_floor) json["truth_floor"].push_back(json_of(floor));
+  for (const TakeJointRow& row : s.by_take) json["by_take"].push_back(json_of(row));
   for (const TakeNote& note : s.notes) json["notes"].push_back(json_of(note));
   if (s.cross_check) json["cross_check"] = json_of(*s.cross_check);
   write_file(folder / "summary.json", json_text(json, 1) + "\n");
@@ -95,6 +119,7 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   for (JsonObject& cell : object.objects("differences")) s.differences.push_back(read_difference(cell));
   for (JsonObject& cell : object.objects("bodies")) s.bodies.push_back(read_body(cell));
   for (JsonObject& floor : object.objects("truth_floor")) s.truth_floor.push_back(read_floor(floor));
+  for (JsonObject& row : object.objects("by_take")) s.by_take.push_back(read_take_joint(row));
   for (JsonObject& note : object.objects("notes")) s.notes.push_back(read_note(note));
   if (object.has("cross_check")) s.cross_check = read_cross_check(object.object("cross_check"));
   object.finish();

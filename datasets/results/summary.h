@@ -41,7 +41,9 @@ struct SummaryCell {
   double p90_m = kNoNumber;
   double p95_m = kNoNumber;
   double max_m = kNoNumber;
-  double mean_gdop = kNoNumber;
+  double mean_gdop = kNoNumber;  // of the answered samples whose GDOP is finite, as the two below
+  double rms_gdop = kNoNumber;
+  double gdop_rmse_m = kNoNumber;  // their root mean square error: what a bound by rms_gdop is compared with
   double mean_iterations = kNoNumber;
   // 95 % interval of mae_m, participants as clusters; NaN when fewer than two answered.
   double mae_low_m = kNoNumber;
@@ -128,6 +130,14 @@ struct TruthFloor {
   double clock_m() const { return mean_speed_m_s * clock_error_s; }
 };
 
+// One joint of one take and method under the study's first alignment: where an odd take, person or side
+// shows.
+struct TakeJointRow {
+  std::string take, participant, condition, joint, method;
+  std::uint64_t asked = 0, answered = 0;
+  double mae_m = kNoNumber;
+};
+
 struct ResultsSummary {
   std::string study;
   std::string campaign;
@@ -144,13 +154,14 @@ struct ResultsSummary {
   std::vector<DifferenceCell> differences;
   std::vector<BodyCell> bodies;
   std::vector<TruthFloor> truth_floor;
-  std::uint64_t resamples = 0;  // of the intervals; 0: there are none
-  double block_s = kNoNumber;   // length of their blocks
+  std::vector<TakeJointRow> by_take;  // takes in their order, then joints, then methods
+  std::uint64_t resamples = 0;        // of the intervals; 0: there are none
+  double block_s = kNoNumber;         // length of their blocks
   std::vector<TakeNote> notes;
   std::optional<CrossCheck> cross_check;
 };
 
-// summary.json (results format 3, kind accuracy). NaN is written as null.
+// summary.json (results format 4, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
 // not one.

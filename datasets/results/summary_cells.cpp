@@ -23,18 +23,32 @@ std::array<double, 3> read_three(JsonObject& object, const std::string& key) {
 }  // namespace
 
 Json json_of(const SummaryCell& cell) {
-  return {{"method", cell.method},       {"condition", cell.condition},
-          {"group", cell.group},         {"alignment", cell.alignment},
-          {"asked", cell.asked},         {"answered", cell.answered},
-          {"coverage", cell.coverage()}, {"statuses", counts_json(cell.statuses)},
-          {"mae_m", cell.mae_m},         {"axis_mae_m", cell.axis_mae_m},
-          {"rmse_m", cell.rmse_m},       {"p05_m", cell.p05_m},
-          {"p25_m", cell.p25_m},         {"median_m", cell.median_m},
-          {"p75_m", cell.p75_m},         {"p90_m", cell.p90_m},
-          {"p95_m", cell.p95_m},         {"max_m", cell.max_m},
-          {"mean_gdop", cell.mean_gdop}, {"mean_iterations", cell.mean_iterations},
-          {"mae_low_m", cell.mae_low_m}, {"mae_high_m", cell.mae_high_m},
-          {"clusters", cell.clusters},   {"one_frame_m", cell.one_frame_m}};
+  return {{"method", cell.method},
+          {"condition", cell.condition},
+          {"group", cell.group},
+          {"alignment", cell.alignment},
+          {"asked", cell.asked},
+          {"answered", cell.answered},
+          {"coverage", cell.coverage()},
+          {"statuses", counts_json(cell.statuses)},
+          {"mae_m", cell.mae_m},
+          {"axis_mae_m", cell.axis_mae_m},
+          {"rmse_m", cell.rmse_m},
+          {"p05_m", cell.p05_m},
+          {"p25_m", cell.p25_m},
+          {"median_m", cell.median_m},
+          {"p75_m", cell.p75_m},
+          {"p90_m", cell.p90_m},
+          {"p95_m", cell.p95_m},
+          {"max_m", cell.max_m},
+          {"mean_gdop", cell.mean_gdop},
+          {"rms_gdop", cell.rms_gdop},
+          {"gdop_rmse_m", cell.gdop_rmse_m},
+          {"mean_iterations", cell.mean_iterations},
+          {"mae_low_m", cell.mae_low_m},
+          {"mae_high_m", cell.mae_high_m},
+          {"clusters", cell.clusters},
+          {"one_frame_m", cell.one_frame_m}};
 }
 
 SummaryCell read_cell(JsonObject& object) {
@@ -58,6 +72,8 @@ SummaryCell read_cell(JsonObject& object) {
   cell.p95_m = number_or_nan(object, "p95_m");
   cell.max_m = number_or_nan(object, "max_m");
   cell.mean_gdop = number_or_nan(object, "mean_gdop");
+  cell.rms_gdop = number_or_nan(object, "rms_gdop");
+  cell.gdop_rmse_m = number_or_nan(object, "gdop_rmse_m");
   cell.mean_iterations = number_or_nan(object, "mean_iterations");
   cell.mae_low_m = number_or_nan(object, "mae_low_m");
   cell.mae_high_m = number_or_nan(object, "mae_high_m");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/check.h"
 #include "datasets/base/json_ranges.h"
 #include "datasets/synthetic/embedded_tracker.h"
 
@@ -129,9 +130,13 @@ TrackerGroup tracker_group_of(Joint joint) {
     case Joint::foot_left:
     case Joint::foot_right:
       return TrackerGroup::foot;
-    default:
+    case Joint::spine_base:
+    case Joint::spine_mid:
+    case Joint::spine_shoulder:
+    case Joint::neck:
       return TrackerGroup::trunk;
   }
+  TRILAT_CHECK(false, "every joint has a group");
 }
 
 std::string_view name_of(TrackerGroup group) { return kGroupNames[static_cast<std::size_t>(group)]; }

@@ -70,7 +70,12 @@ void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSp
       to.back_view_hysteresis_rad = from.back_view_hysteresis_rad;
       to.exchanged_share = from.exchanged_share;
       break;
-    default:
+    case ErrorSource::none:
+    case ErrorSource::dropped:
+    case ErrorSource::clocks:
+    case ErrorSource::mocap:
+    case ErrorSource::calibration:
+    case ErrorSource::all:
       break;
   }
 }

@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr double kLongestGap_s = 0.1;
+constexpr double kLongestGap_s = 0.105;
 
 struct MappedJoint {
   Joint joint;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/room_scene.h"
 
+#include "datasets/base/check.h"
+
 namespace trilat {
 namespace {
 
@@ -37,9 +39,16 @@ double bone_radius_m(Joint end) {
     case Joint::hand_tip_left:
     case Joint::hand_tip_right:
       return 0.02;
-    default:
+    case Joint::wrist_left:
+    case Joint::wrist_right:
+    case Joint::hand_left:
+    case Joint::hand_right:
+    case Joint::foot_left:
+    case Joint::foot_right:
+    case Joint::spine_base:  // the root ends no bone
       return 0.035;
   }
+  TRILAT_CHECK(false, "every joint has a radius");
 }
 
 }  // namespace

@@ -14,11 +14,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// One joint's truth on a regular grid: speed and position less what is slow; NaN where not covered.
+constexpr double kCoarse_s = 1.0 / 30.0;
+constexpr double kNearHighest = 0.8;
+
+// One joint's truth on a regular grid: speed, position, and position less what is slow; NaN where not
+// covered.
 struct TruthGrid {
   double start_s = 0.0, step_s = 0.0;
   std::vector<double> speed_m_s;
-  std::vector<Vector3d> quick_m;
+  std::vector<Vector3d> position_m, quick_m;
 
   // Linear between two points of the grid; NaN outside.
   template <class Value>
@@ -30,6 +34,9 @@ struct TruthGrid {
     return values[k] + share * (values[k + 1] - values[k]);
   }
   double speed_at(double time_s) const { return at(speed_m_s, time_s, kNaN); }
+  Vector3d position_at(double time_s) const {
+    return at<Vector3d>(position_m, time_s, Vector3d::Constant(kNaN));
+  }
   Vector3d quick_at(double time_s) const { return at<Vector3d>(quick_m, time_s, Vector3d::Constant(kNaN)); }
   Vector3d rate_at(double time_s) const {
     return (quick_at(time_s + step_s) - quick_at(time_s - step_s)) / (2.0 * step_s);
@@ -38,14 +45,14 @@ struct TruthGrid {
 
 struct QuickMotion {
   double speed_m_s = kNaN;
-  Vector3d quick_m = Vector3d::Constant(kNaN);
+  Vector3d position_m = Vector3d::Constant(kNaN), quick_m = Vector3d::Constant(kNaN);
 };
 
 QuickMotion quick_motion(const PointPath& path, double time_s, const ClockOffsetOptions& options) {
   const auto motion = local_motion(path, time_s, options.smooth_s, options.longest_gap_s);
   if (!motion) return {};
   const auto slow = local_motion(path, time_s, options.slow_s, options.longest_gap_s);
-  return {motion->velocity_m_s.norm(),
+  return {motion->velocity_m_s.norm(), motion->position_m,
           slow ? Vector3d(motion->position_m - slow->position_m) : Vector3d::Constant(kNaN)};
 }
 
@@ -59,6 +66,7 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
     const QuickMotion motion =
         quick_motion(path, grid.start_s + static_cast<double>(k) * grid.step_s, options);
     grid.speed_m_s.push_back(motion.speed_m_s);
+    grid.position_m.push_back(motion.position_m);
     grid.quick_m.push_back(motion.quick_m);
   }
   return grid;
@@ -89,35 +97,71 @@ Correlation correlation(const ComparedJoint& joint, double offset_s) {
     yy += b * b;
     xy += a * b;
   }
-  if (n < 10.0) return {};
+  // Far from zero the streams overlap less, and a few samples agree by chance.
+  if (n < 10.0 || n < 0.5 * static_cast<double>(joint.time_s.size())) return {};
   const double vx = xx - x * x / n, vy = yy - y * y / n;
   return {vx > 0.0 && vy > 0.0 ? (xy - x * y / n) / std::sqrt(vx * vy) : kNaN,
           std::sqrt(std::max(0.0, vy / n))};
 }
 
-struct Curve {
-  std::vector<double> value;  // mean over the joints that move, by step of the search
-  bool moves = false;
-};
-
-Curve search(const std::vector<ComparedJoint>& joints, int steps, const ClockOffsetOptions& options) {
-  Curve curve;
-  std::vector<bool> moving;
-  for (const ComparedJoint& joint : joints)
-    moving.push_back(correlation(joint, 0.0).spread_m_s >= options.least_speed_m_s);
-  curve.moves = std::count(moving.begin(), moving.end(), true) > 0;
-  for (int k = -steps; curve.moves && k <= steps; ++k) {
+// The mean correlation of the joints that move, at a step of the grid.
+class SpeedCurve {
+ public:
+  SpeedCurve(const std::vector<ComparedJoint>& joints, const ClockOffsetOptions& options)
+      : joints_(joints), options_(options) {
+    for (const ComparedJoint& joint : joints)
+      moving_.push_back(correlation(joint, 0.0).spread_m_s >= options.least_speed_m_s);
+  }
+  bool moves() const { return std::count(moving_.begin(), moving_.end(), true) > 0; }
+  double at(int step) const {
     double sum = 0.0, count = 0.0;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      if (!moving[j]) continue;
-      const Correlation c = correlation(joints[j], static_cast<double>(k) / options.grid_hz);
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      if (!moving_[j]) continue;
+      const Correlation c = correlation(joints_[j], step / options_.grid_hz);
       if (!std::isfinite(c.value)) continue;
       sum += c.value;
       count += 1.0;
     }
-    curve.value.push_back(count > 0.0 ? sum / count : -1.0);
+    return count > 0.0 ? sum / count : -1.0;
   }
-  return curve;
+
+ private:
+  const std::vector<ComparedJoint>& joints_;
+  const ClockOffsetOptions& options_;
+  std::vector<bool> moving_;
+};
+
+struct Peak {
+  int step = 0;
+  double value = -1.0;
+  bool at_end = false;  // of the search: what lies behind may be higher
+};
+
+// The peaks of the curve, the highest first: coarsely, and those near the highest to the step. Speeds are
+// smoothed, so that the curve has nothing narrower than the coarse steps.
+std::vector<Peak> peaks_of(const SpeedCurve& curve, int steps, const ClockOffsetOptions& options) {
+  const int stride = std::max(1, static_cast<int>(options.grid_hz * kCoarse_s));
+  std::vector<Peak> coarse;
+  for (int k = -steps; k < steps; k += stride) coarse.push_back({k, curve.at(k)});
+  coarse.push_back({steps, curve.at(steps)});
+  std::vector<Peak> peaks;
+  double highest = -1.0;
+  for (std::size_t k = 0; k < coarse.size(); ++k) {
+    const bool first = k == 0, last = k + 1 == coarse.size();
+    if ((!first && coarse[k].value < coarse[k - 1].value) || (!last && coarse[k].value < coarse[k + 1].value))
+      continue;
+    peaks.push_back({coarse[k].step, coarse[k].value, first || last});
+    highest = std::max(highest, coarse[k].value);
+  }
+  for (Peak& peak : peaks) {
+    if (peak.at_end || peak.value < kNearHighest * highest) continue;
+    const int middle = peak.step;
+    for (int k = middle - stride; k <= middle + stride; ++k)
+      if (const double value = curve.at(k); value > peak.value) peak = {k, value, false};
+  }
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& a, const Peak& b) { return a.value > b.value; });
+  return peaks;
 }
 
 // What a block of time says about the offset: the normal equation of one unknown.
@@ -130,6 +174,25 @@ struct Evidence {
 };
 using Blocks = std::map<std::int64_t, Evidence>;
 
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return kNaN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The median distance between the joints at one offset.
+double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s) {
+  std::vector<double> sizes_m;
+  for (const ComparedJoint& joint : joints)
+    for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
+      const double size_m =
+          (joint.estimate[i].position_m - joint.truth.position_at(joint.time_s[i] + offset_s)).norm();
+      if (std::isfinite(size_m)) sizes_m.push_back(size_m);
+    }
+  return median_of(sizes_m);
+}
+
 double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_s) {
   std::vector<double> sizes_m;
   for (const ComparedJoint& joint : joints)
@@ -138,10 +201,7 @@ double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_
           (joint.estimate[i].quick_m - joint.truth.quick_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
-  if (sizes_m.empty()) return 0.0;
-  const auto middle = sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2);
-  std::nth_element(sizes_m.begin(), middle, sizes_m.end());
-  return *middle;
+  return sizes_m.empty() ? 0.0 : median_of(sizes_m);
 }
 
 void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, double block_s,
@@ -192,17 +252,40 @@ Refined refine(std::span<const ComparedJoint> joints, double offset_s, const Clo
   return {offset_s, std::sqrt((n - 1.0) / n * squares), blocks.size()};
 }
 
-// The highest point of the curve that is no neighbour of the best: behind a valley from it.
-double second_peak(const std::vector<double>& value, std::size_t best) {
-  double second = 0.0;
-  for (std::size_t k = 1; k + 1 < value.size(); ++k)
-    if (k != best && value[k] >= value[k - 1] && value[k] >= value[k + 1])
-      second = std::max(second, value[k]);
-  for (const std::size_t end : {std::size_t{0}, value.size() - 1}) {  // rising towards an end of the search
-    const std::size_t inner = end == 0 ? 1 : end - 1;
-    if (end != best && value[end] > value[inner]) second = std::max(second, value[end]);
+// Chooses among the peaks, of which there is one, and says how sure that is: found so far, or why there is
+// none.
+ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vector<Peak> peaks,
+                              const ClockOffsetOptions& options, Peak& chosen) {
+  chosen = peaks.front();
+  if (!(chosen.value >= options.least_peak)) return ClockOffsetStatus::no_agreement;
+  std::erase_if(peaks, [&](const Peak& p) { return p.value < options.largest_second * chosen.value; });
+  if (!options.one_frame) {
+    if (chosen.at_end) return ClockOffsetStatus::at_limit;
+    return peaks.size() > 1 ? ClockOffsetStatus::ambiguous : ClockOffsetStatus::found;
   }
-  return second;
+  double least_m = std::numeric_limits<double>::infinity(), next_m = least_m;
+  for (const Peak& peak : peaks) {
+    const double apart_m = misfit_m(joints, peak.step / options.grid_hz);
+    next_m = std::min(next_m, std::max(apart_m, least_m));
+    if (!(apart_m < least_m)) continue;
+    least_m = apart_m;
+    chosen = peak;
+  }
+  if (chosen.at_end) return ClockOffsetStatus::at_limit;
+  if (!(least_m <= options.largest_misfit_m)) return ClockOffsetStatus::no_agreement;
+  return least_m > options.largest_misfit_ratio * next_m ? ClockOffsetStatus::ambiguous
+                                                         : ClockOffsetStatus::found;
+}
+
+double mean_speed_m_s(const std::vector<ComparedJoint>& joints) {
+  double sum_m_s = 0.0, n = 0.0;
+  for (const ComparedJoint& joint : joints)
+    for (const double speed_m_s : joint.truth.speed_m_s)
+      if (std::isfinite(speed_m_s)) {
+        sum_m_s += speed_m_s;
+        n += 1.0;
+      }
+  return n > 0.0 ? sum_m_s / n : kNaN;
 }
 
 std::vector<ComparedJoint> part_of(const std::vector<ComparedJoint>& joints, double from_s, double to_s) {
@@ -252,21 +335,23 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
     joints.push_back(std::move(joint));
   }
   ClockOffset result;
-  const int steps = static_cast<int>(std::lround(options.search_s * options.grid_hz));
-  const Curve curve = search(joints, steps, options);
+  result.speed_m_s = mean_speed_m_s(joints);
+  const SpeedCurve curve(joints, options);
   const auto end_with = [&](ClockOffsetStatus status) {
     result.status = status;
     return result;
   };
-  if (!curve.moves) return end_with(ClockOffsetStatus::too_little_motion);
-  const auto best = static_cast<std::size_t>(std::max_element(curve.value.begin(), curve.value.end()) -
-                                             curve.value.begin());
-  result.peak = curve.value[best];
-  if (!(result.peak >= options.least_peak)) return end_with(ClockOffsetStatus::no_agreement);
-  result.second = second_peak(curve.value, best) / result.peak;
-  if (best == 0 || best + 1 == curve.value.size()) return end_with(ClockOffsetStatus::at_limit);
-  if (result.second > options.largest_second) return end_with(ClockOffsetStatus::ambiguous);
-  const double start_s = (static_cast<double>(best) - steps) / options.grid_hz;
+  if (!curve.moves()) return end_with(ClockOffsetStatus::too_little_motion);
+  const std::vector<Peak> peaks =
+      peaks_of(curve, static_cast<int>(std::lround(options.search_s * options.grid_hz)), options);
+  Peak chosen;
+  const ClockOffsetStatus status = choose_peak(joints, peaks, options, chosen);
+  result.peak = chosen.value;
+  result.second = 0.0;
+  for (const Peak& peak : peaks)
+    if (peak.step != chosen.step) result.second = std::max(result.second, peak.value / chosen.value);
+  if (status != ClockOffsetStatus::found) return end_with(status);
+  const double start_s = chosen.step / options.grid_hz;
   const Refined refined = refine(joints, start_s, options);
   result.sigma_s = refined.sigma_s;
   if (!(refined.sigma_s <= options.largest_sigma_s) || std::abs(refined.offset_s - start_s) > 0.1)

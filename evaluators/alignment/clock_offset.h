@@ -15,23 +15,30 @@ enum class ClockOffsetStatus : std::uint8_t {
   not_solved = 0,
   found = 1,
   too_little_motion = 2,  // nothing moves, or hardly: any offset would fit
-  no_agreement = 3,       // the best correlation of the speeds is below least_peak
-  ambiguous = 4,          // another offset within the search fits nearly as well: periodic motion
-  at_limit = 5,           // the best offset lies at the end of the search
-  too_uncertain = 6,      // the interval is wider than is of use
+  // The best correlation of the speeds is below least_peak; or the streams are in one frame, and at the best
+  // offset the joints are farther apart than largest_misfit_m.
+  no_agreement = 3,
+  ambiguous = 4,      // another offset within the search fits nearly as well: periodic motion
+  at_limit = 5,       // the best offset lies at the end of the search
+  too_uncertain = 6,  // the interval is wider than is of use
 };
 std::string_view name_of(ClockOffsetStatus status);
 
 struct ClockOffsetOptions {
-  double search_s = 0.3;   // to both sides; keep it below half a gait cycle
+  double search_s = 0.3;  // to both sides
+  // Whether both streams are in one frame. Then, of offsets that fit the speeds alike, such as those a gait
+  // cycle apart, the one that lays the joints over each other is found, when it does so clearly better.
+  bool one_frame = false;
   double smooth_s = 0.06;  // sigma of the window of speeds and positions, the same for both streams
   double slow_s = 0.5;     // what is slower than this is not compared: offsets and wander of trackers
   double grid_hz = 240.0;  // of the truth, between whose points is interpolated
-  double longest_gap_s = 0.1;
+  double longest_gap_s = 0.11;
   double block_s = 2.0;  // errors of trackers last for about this long; the interval counts them by blocks
   double least_speed_m_s = 0.05;  // root mean square about the mean speed
   double least_peak = 0.5;
   double largest_second = 0.9;  // second peak over first
+  // Of the median distance between the joints at the best offset; and of it over that at any other candidate.
+  double largest_misfit_m = 0.15, largest_misfit_ratio = 0.8;
   double largest_sigma_s = 0.010;
 };
 
@@ -43,15 +50,16 @@ struct ClockOffset {
   double sigma_s = kNaN;               // one standard deviation, by jackknife over blocks of time
   double low_s = kNaN, high_s = kNaN;  // 95 %, Student's t over the blocks
   double drift_ppm = kNaN, drift_sigma_ppm = kNaN;  // from the first third of the take to the last
-  double peak = kNaN;    // correlation of the speeds at the best offset, mean over joints
-  double second = kNaN;  // the largest other peak over it; 0 when there is none
+  double peak = kNaN;       // correlation of the speeds at the best offset, mean over joints
+  double second = kNaN;     // the largest other peak over it; 0 when there is none
+  double speed_m_s = kNaN;  // mean of the truth's joints
 };
 
 // Finds by motion how two recordings of the same joints are shifted in time. First the speeds are correlated,
-// which needs no common frame, over the whole search; then the positions, less what is slow, are laid over
-// each other in least squares with Cauchy's loss, which finds the offset to a small part of a frame; for that
-// the two must be in one frame, up to a translation. `estimate` and `truth` hold the same joints in the same
-// order. InternalError otherwise.
+// which needs no common frame, over the whole search, and of peaks that are alike the positions choose; then
+// the positions, less what is slow, are laid over each other in least squares with Cauchy's loss, which finds
+// the offset to a small part of a frame; for that the two must be in one frame, up to a translation.
+// `estimate` and `truth` hold the same joints in the same order. InternalError otherwise.
 [[nodiscard]] ClockOffset find_clock_offset(std::span<const PointPath> estimate,
                                             std::span<const PointPath> truth,
                                             const ClockOffsetOptions& options);

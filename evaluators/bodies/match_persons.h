@@ -18,11 +18,11 @@ struct Tracklet {
 };
 
 struct PersonOptions {
-  double same_m = 0.40;            // two sensors' median distance of one person is below this
-  double least_overlap_s = 0.20;   // of two tracklets that are compared
-  double longest_hole_s = 0.25;    // in a tracklet, across which its path is interpolated
-  double longest_absence_s = 3.0;  // between two tracklets that are linked because one follows the other
-  double fastest_m_s = 1.5;        // of somebody nobody sees; same_m comes on top
+  double same_m = 0.40;             // two sensors' median distance of one person is below this
+  double least_overlap_s = 0.21;    // of two tracklets that are compared
+  double longest_hole_s = 0.25;     // in a tracklet, across which its path is interpolated
+  double longest_absence_s = 3.01;  // between two tracklets that are linked because one follows the other
+  double fastest_m_s = 1.5;         // of somebody nobody sees; same_m comes on top
 };
 
 struct PersonMatch {

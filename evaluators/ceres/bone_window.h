@@ -26,7 +26,7 @@ struct BoneWindowOptions {
   // How far a bone's length may be from its median at each instant. Trackers do not follow the centres that
   // bones turn about: the bones they give vary by 3 to 25 mm within a recording (body_tracker.json).
   double bone_sigma_m = 0.01;
-  double longest_gap_s = 0.2;  // how long a joint's path goes on without a position
+  double longest_gap_s = 0.215;  // how long a joint's path goes on without a position
   // |F_k - F_{k-1}| < tolerance * F: leaves some micrometres.
   double function_tolerance = 1e-8;
   int max_iterations = 200;  // of each window

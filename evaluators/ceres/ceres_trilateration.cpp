@@ -86,7 +86,7 @@ PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& optio
       wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   return estimate_of(problem,
                      descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
-                                           options.same_residual_m, [&](const Eigen::Vector3d& start_m) {
+                                           options.range_sigma_m, [&](const Eigen::Vector3d& start_m) {
                                              return descend_by_ceres(problem, options, start_m);
                                            }));
 }

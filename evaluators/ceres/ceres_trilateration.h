@@ -16,7 +16,7 @@ struct CeresOptions {
   Start start = Start::squared_ranges;
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
   LinearOptions linear;  // of the linear start
-  double same_residual_m = 1e-9;
+  double range_sigma_m = kUsualRangeSigma_m;
 };
 
 // The cost, starts, choice between two solutions and statuses of solve_nonlinear() with lm, but

@@ -23,7 +23,7 @@ struct KalmanOptions {
   // A position farther from the prediction than this many standard deviations is left out.
   double gate_sigma = 5.0;
   // How long the path goes on without an accepted position; then it ends, and the next position starts anew.
-  double longest_gap_s = 0.2;
+  double longest_gap_s = 0.215;
   bool smooth = false;
 };
 

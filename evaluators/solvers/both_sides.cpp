@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/solvers/both_sides.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "evaluators/solvers/range_equations.h"
@@ -11,11 +12,33 @@ namespace {
 
 constexpr double kFarthestStart = 2.0;     // of mean range and spread
 constexpr double kLeastStartOffset = 0.1;  // of the mean range
+constexpr double kSameResidual_m = 1e-9;   // allows for rounding
 
 double residual_rms_m(const RangeProblem& problem, double cost_m2) {
   double weights = 0.0;
   for (int i = 0; i < problem.count; ++i) weights += problem.weight[i];
   return std::sqrt(cost_m2 / weights);
+}
+
+// Whether F rises between two points above its value at both: a coarse stop rule leaves two descents into one
+// minimum apart.
+bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
+                    const Eigen::Vector3d& other_m) {
+  const PackedRanges ranges = packed(problem);
+  const auto cost_m2 = [&](double share) {
+    return linearise(ranges, one_m + share * (other_m - one_m)).cost_m2;
+  };
+  const double between_m2 = std::max({cost_m2(0.25), cost_m2(0.5), cost_m2(0.75)});
+  return between_m2 > std::max(cost_m2(0.0), cost_m2(1.0));
+}
+
+// Of two descents that ended on different sides.
+bool fit_alike(const RangeProblem& problem, const Descent& one, const Descent& other, double range_sigma_m) {
+  const double apart_m =
+      std::abs(residual_rms_m(problem, one.cost_m2) - residual_rms_m(problem, other.cost_m2));
+  return apart_m <= kSameResidual_m ||
+         (!ranges_decide(std::abs(one.cost_m2 - other.cost_m2), range_sigma_m) &&
+          are_two_minima(problem, one.position_m, other.position_m));
 }
 
 }  // namespace
@@ -36,21 +59,20 @@ Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane
 }
 
 Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
-                       const Descent& second, double same_residual_m) {
+                       const Descent& second, double range_sigma_m) {
   const int iterations = first.iterations + second.iterations;
   const bool both = is_usable(first.status) && is_usable(second.status);
   Descent chosen = is_usable(second.status) && !is_usable(first.status) ? second : first;
   if (both && (first.position_m - second.position_m).norm() > kSameMinimum_m) {
-    const double first_rms_m = residual_rms_m(problem, first.cost_m2);
-    const double second_rms_m = residual_rms_m(problem, second.cost_m2);
-    // A coarse stop rule leaves two descents into one minimum apart.
+    const bool first_is_lower = first.cost_m2 < second.cost_m2;
+    chosen = first_is_lower ? first : second;
     const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
-    if (one_side || std::abs(first_rms_m - second_rms_m) > same_residual_m) {
-      chosen = first_rms_m < second_rms_m ? first : second;
-    } else {
+    if (!one_side && fit_alike(problem, first, second, range_sigma_m)) {
       const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);
-      chosen = choice.first ? first : second;
-      if (!choice.decided) chosen.status = SolveStatus::mirror_ambiguous;
+      if (choice.decided)
+        chosen = choice.first ? first : second;
+      else
+        chosen.status = SolveStatus::mirror_ambiguous;
     }
   }
   chosen.iterations = iterations;

@@ -28,12 +28,12 @@ inline constexpr double kSameMinimum_m = 1e-6;
 Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
                            const Eigen::Vector3d& wanted_m);
 
-// Chooses between two descents. Costs are compared as root mean square residuals: when they differ
-// by more than `same_residual_m`, or both ended on one side of the sensors' plane, the lower one
-// wins, else choose_mirror() decides, and without a decision the status is mirror_ambiguous. The
-// iterations of both are added.
+// Chooses between two descents. When ranges_decide(), or both ended on one side of the sensors' plane,
+// the lower cost wins, else choose_mirror() decides, and without a decision the status is
+// mirror_ambiguous, of the lower one. A range_sigma_m of 0 leaves to the hint only costs that are equal but
+// for rounding. The iterations of both are added.
 Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
-                       const Descent& second, double same_residual_m);
+                       const Descent& second, double range_sigma_m);
 
 // The other minimum of a problem whose sensors are exactly in one plane.
 inline Descent mirrored(const SensorPlane& plane, Descent descent) {
@@ -45,11 +45,10 @@ inline Descent mirrored(const SensorPlane& plane, Descent descent) {
 // Descends on both sides of the sensors' plane. `descend(start_m)` returns a Descent.
 template <class Descend>
 Descent descend_on_both_sides(const RangeProblem& problem, const SensorPlane& plane,
-                              const Eigen::Vector3d& start_m, double same_residual_m,
-                              const Descend& descend) {
+                              const Eigen::Vector3d& start_m, double range_sigma_m, const Descend& descend) {
   const Descent first = descend(start_m);
   const Descent second = plane.exact ? mirrored(plane, first) : descend(plane.mirrored(start_m));
-  return choose_minimum(problem, plane, first, second, same_residual_m);
+  return choose_minimum(problem, plane, first, second, range_sigma_m);
 }
 
 // The chosen minimum with its geometry; rank_deficient when the directions do not span space there.

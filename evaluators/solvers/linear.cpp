@@ -6,9 +6,12 @@
 #include <utility>
 
 #include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 namespace {
+
+constexpr double kThick = 10.0;  // range sigmas
 
 // Columns of [A | b], one row an equation, two rows at a time; rows beyond the last are zero.
 struct LinearSystem {
@@ -116,7 +119,13 @@ PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& opt
   const auto x_m = linear_position_m(problem, options);
   if (!x_m) return failed_estimate(SolveStatus::rank_deficient);
   if (!x_m->allFinite()) return failed_estimate(SolveStatus::diverged);
-  return estimate_at(problem, *x_m, SolveStatus::closed_form, 0);
+  const SensorPlane plane = plane_of(problem);
+  if (std::sqrt(plane.scatter_m2[0]) >= kThick * options.range_sigma_m)
+    return estimate_at(problem, *x_m, SolveStatus::closed_form, 0);
+  const Eigen::Vector3d image_m = plane.mirrored(*x_m);
+  const MirrorChoice choice = choose_mirror(*x_m, image_m, problem.hint_m);
+  return estimate_at(problem, choice.first ? *x_m : image_m,
+                     choice.decided ? SolveStatus::closed_form : SolveStatus::mirror_ambiguous, 0);
 }
 
 }  // namespace trilat

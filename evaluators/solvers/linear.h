@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "evaluators/solvers/mirror_choice.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
 
@@ -26,11 +27,17 @@ struct LinearOptions {
   // plane. Then ranges differ in two directions only, whatever the joint, and the position is NaN.
   // Rounding errors of a position stay below about 1e-16 / rank_ratio of the distances.
   double rank_ratio = 1e-6;
+  // Of a range. The equations tell the distance from the sensors' plane with a standard error of about
+  // range_sigma_m * range / thickness, the thickness being the root of the sum of the sensors' squared
+  // distances from that plane. Sensors thinner than 10 range_sigma_m are nearly in one plane; 0: none are.
+  double range_sigma_m = kUsualRangeSigma_m;
 };
 
 // Linear least squares on differences of spheres, 2 (s_i - s_j).x = r_j^2 - r_i^2 + |s_i|^2 -
 // |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends
-// on the reference whenever the ranges do not agree. Ends with closed_form or rank_deficient.
+// on the reference whenever the ranges do not agree. When the sensors are nearly in one
+// plane, choose_mirror() decides between the answer and its mirror image. Ends with closed_form,
+// mirror_ambiguous or rank_deficient.
 [[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);
 
 // Only the position, of a problem that refusal_of() does not refuse; nothing when rank deficient.

@@ -7,6 +7,17 @@
 
 namespace trilat {
 
+// Standard deviation of a range whose weight is 1, where nothing better is known: joints of a Kinect v2 are 5
+// to 10 cm off in all (Wang et al. 2015, arXiv 1512.04134), which is 3 to 6 cm along a ray.
+inline constexpr double kUsualRangeSigma_m = 0.05;
+
+// Whether ranges tell two solutions apart whose costs, sum w (|x - s| - r)^2, differ by this much: one has to
+// be 100 times as likely as the other, for normal errors of standard deviation range_sigma_m / sqrt(w).
+inline bool ranges_decide(double cost_difference_m2, double range_sigma_m) {
+  constexpr double kTwiceLogOdds = 9.210340371976184;  // 2 ln 100
+  return cost_difference_m2 > kTwiceLogOdds * range_sigma_m * range_sigma_m;
+}
+
 // Two solutions that fit equally well, and which of them is meant. A hint decides when it is less
 // than half as far from one as from the other; otherwise the choice is ambiguous, and `first` tells
 // the nearer one (the first, without a hint).

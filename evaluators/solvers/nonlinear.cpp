@@ -125,9 +125,12 @@ PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, co
   if (options.loss != Loss::squares)
     for (Descent* descent : {&first, &second, &third})
       descent->cost_m2 = total_loss_m2(problem, options, descent->position_m);
-  Descent best = choose_minimum(problem, plane, first, second, options.same_residual_m);
-  if (third.status != SolveStatus::not_solved)
-    best = choose_minimum(problem, plane, best, third, options.same_residual_m);
+  // A robust loss counts differences in units of its own scale.
+  const double sigma_m = options.loss == Loss::squares
+                             ? options.range_sigma_m
+                             : std::min(options.range_sigma_m, options.loss_scale_m);
+  Descent best = choose_minimum(problem, plane, first, second, sigma_m);
+  if (third.status != SolveStatus::not_solved) best = choose_minimum(problem, plane, best, third, sigma_m);
   return estimate_of(problem, best);
 }
 

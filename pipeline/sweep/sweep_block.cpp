@@ -25,6 +25,7 @@ double digits_of(const Eigen::Vector3d& x_m, const Eigen::Vector3d& exact_m) {
 NonlinearOptions exact_options() {
   NonlinearOptions options;
   options.step_tolerance_m = kExactStep_m;
+  options.range_sigma_m = 0.0;
   return options;
 }
 

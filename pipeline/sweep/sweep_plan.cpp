@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/sweep/sweep_plan.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <fmt/format.h>
 
+#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
 
@@ -61,6 +65,21 @@ NonlinearOptions options_of(const Choices& c, const SweepSpec& spec) {
   return o;
 }
 
+// Root mean square of the range errors of a cell's trials.
+double range_rms_m(TrialError error, const SweepSummary::ErrorRange& range) {
+  const double low = range.low_m, high = range.high_m;
+  const double rms_m = std::sqrt((low * low + low * high + high * high) / 3.0);
+  switch (error) {
+    case TrialError::range_signed:
+      return rms_m;
+    case TrialError::displacement:
+      return rms_m / std::sqrt(3.0);
+    case TrialError::gaussian:
+      return 0.5 * (low + high) * std::sqrt(0.5 * std::numbers::pi);
+  }
+  TRILAT_CHECK(false, "an error model is one of the three");
+}
+
 bool makes_sense(const Choices& c, const SweepSpec& spec, const SweepReading& reading,
                  const RangeProblem& problem) {
   if (!contradiction_in(reading.options).empty()) return false;
@@ -82,7 +101,8 @@ SweepReading reading_of(const Choices& c, const SweepSpec& spec, const SweepRig&
   reading.unit_m2 = c.unit == ThresholdUnit::cm2 ? kSquareMetresPerSquareCentimetre : 1.0;
   reading.plane = plane_of(problem);
   reading.hint_is_previous = c.start == SweepStart::previous;
-  reading.hint_is_mean = !reading.hint_is_previous && (c.start == SweepStart::mean || reading.plane.exact);
+  reading.hint_is_mean = !reading.hint_is_previous &&
+                         (c.start == SweepStart::mean || reading.plane.exact || c.damping == Damping::lm);
   SweepInterpretation& t = reading.text;
   t = {"",
        rig.name,
@@ -159,6 +179,7 @@ NonlinearOptions options_of(const SweepPlan& plan, const SweepCellPlace& place) 
   const SweepReading& reading = plan.readings[place.reading];
   NonlinearOptions options = reading.options;
   options.threshold_m2 = plan.spec.thresholds[place.threshold] * reading.unit_m2;
+  options.range_sigma_m = range_rms_m(reading.trials.error, plan.spec.ranges[place.range]);
   return options;
 }
 

@@ -19,7 +19,7 @@ endif()
 add_library(trilat_flags INTERFACE)
 target_include_directories(trilat_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(trilat_flags INTERFACE
-  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off
+  -Wall -Wextra -Werror=switch -Werror=switch-enum -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -ffp-contract=off
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # false alarms of GCC 12 on string concatenation
 if(TRILAT_WERROR)
   target_compile_options(trilat_flags INTERFACE -Werror)

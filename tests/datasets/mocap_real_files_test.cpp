@@ -9,12 +9,13 @@
 
 #include "datasets/mocap/mocap_summary.h"
 #include "datasets/mocap/optitrack_csv_reader.h"
+#include "tests/support/paths.h"
 
 namespace trilat {
 namespace {
 
 const std::filesystem::path kFolder =
-    std::filesystem::path(TRILAT_SOURCE_DIR) / ".." / "shared" / "data" / "optitrack";
+    std::filesystem::path(kSourceDir) / ".." / "shared" / "data" / "optitrack";
 
 struct RealFile {
   const char* path;

@@ -8,6 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -16,8 +17,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::filesystem::path kFolder = std::filesystem::path(TRILAT_SOURCE_DIR) / ".." / "shared" / "data" /
-                                      "kinect-calibration" / "iai_kinect2";
+const std::filesystem::path kFolder =
+    std::filesystem::path(kSourceDir) / ".." / "shared" / "data" / "kinect-calibration" / "iai_kinect2";
 
 std::string matrix(const std::string& name, int rows, int columns, const std::string& numbers) {
   return name + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +

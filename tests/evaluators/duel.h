@@ -42,6 +42,7 @@ struct Duel {
 inline std::array<Duel, 2> duels(const RangeProblem& problem) {
   std::array<Duel, 2> result;
   NonlinearOptions options;
+  options.range_sigma_m = 0.0;  // the lower minimum, whichever side is meant
   result[0].own = solve_nonlinear(problem, options);
   options.curvature = Curvature::newton;
   result[1].own = solve_nonlinear(problem, options);

@@ -24,7 +24,7 @@ TEST_P(NeverLoses, AgainstCeresFromTheSameStarts) {
   }
 }
 
-// 1e-7 m out of one plane, yet the two sides differ by more than same_residual_m.
+// 1e-7 m out of one plane, yet the two sides differ by more than rounding.
 TEST(AlmostOnePlane, OfSensorsStillHasALowerSide) {
   const auto duel = duels(hard_problem(2, 426264));
   EXPECT_FALSE(duel[0].lost());

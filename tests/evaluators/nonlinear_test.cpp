@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/solvers/nonlinear.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -9,6 +10,7 @@
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/range_equations.h"
+#include "tests/evaluators/flat_rigs.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {
@@ -298,11 +300,48 @@ TEST(Nonlinear, AnAmbiguityAsLargeAsTheNoiseIsSaidToBeOne) {
   // One centimetre of height among the sensors does not tell above from below at 5 cm of noise.
   RangeProblem problem = problem_of(ring_m(0.90, 0.91, 0.90, 0.90), {0.1, 1.5, 0.2});
   NonlinearOptions options;
-  EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
-  options.same_residual_m = 0.05;
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::mirror_ambiguous);
+  EXPECT_EQ(solve_linear(problem, {}).status, SolveStatus::mirror_ambiguous);
   problem.hint_m = Vector3d(0.1, 1.4, 0.2);
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
+  EXPECT_EQ(solve_linear(problem, {}).status, SolveStatus::closed_form);
+  problem.hint_m.reset();
+  options.range_sigma_m = 1e-5;
+  EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
+}
+
+// Costs of 0.02 and 0.04 m^2 with a range sigma of 0.05 m: a likelihood ratio of exp(0.02 / (2 * 0.0025))
+// = 55.
+TEST(MirrorChoice, RangesDecideFromALikelihoodRatioOfAHundredOn) {
+  EXPECT_FALSE(ranges_decide(0.02, 0.05));
+  EXPECT_FALSE(ranges_decide(2.0 * 0.0025 * std::log(99.0), 0.05));
+  EXPECT_TRUE(ranges_decide(2.0 * 0.0025 * std::log(101.0), 0.05));
+  EXPECT_TRUE(ranges_decide(1e-12, 0.0));
+}
+
+TEST(MirrorChoice, WithoutAHintAnAmbiguousAnswerIsTheLowerMinimum) {
+  RangeProblem problem = problem_of(ring_m(0.90, 0.91, 0.90, 0.90), {0.1, 1.5, 0.2});
+  const PointEstimate estimate = solve_nonlinear(problem, {});
+  EXPECT_EQ(estimate.status, SolveStatus::mirror_ambiguous);
+  EXPECT_NEAR(estimate.position_m.y(), 1.5, 1e-6);
+}
+
+class NearlyFlatRig : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Family, NearlyFlatRig, testing::Range<std::size_t>(0, 6));
+
+// Before the hint was asked, nonlinear and linear were on the wrong side in 10 to 49 % on the first five
+// families.
+TEST_P(NearlyFlatRig, MethodsHardlyEverAnswerOnTheWrongSideOfTheSensors) {
+  const RigFamily& family = rig_families()[GetParam()];
+  for (const char* name : {"nonlinear", "newton", "geometric", "linear"}) {
+    const auto method = std::find_if(side_methods().begin(), side_methods().end(),
+                                     [&](const SideMethod& m) { return m.name == name; });
+    const SideTally tally = tally_sides(family, *method, 40, 50);
+    EXPECT_LT(tally.wrong_share(), 0.05) << name << " at heights " << family.name;
+    if (method->name == "linear") continue;
+    EXPECT_GT(tally.answered, 0.85 * tally.asked) << name << " at heights " << family.name;
+    EXPECT_LT(tally.error_m, 0.15 * tally.answered) << name << " at heights " << family.name;
+  }
 }
 
 TEST(Nonlinear, TheStartIsASetting) {

@@ -67,20 +67,10 @@ inline Eigen::Vector3d bias_m(const TakeSpec& spec, std::size_t sensor, std::siz
 }
 
 inline bool is_upper(Joint joint) {
-  switch (joint) {
-    case Joint::spine_base:
-    case Joint::hip_left:
-    case Joint::hip_right:
-    case Joint::knee_left:
-    case Joint::knee_right:
-    case Joint::ankle_left:
-    case Joint::ankle_right:
-    case Joint::foot_left:
-    case Joint::foot_right:
-      return false;
-    default:
-      return true;
-  }
+  constexpr std::array kLower{Joint::spine_base,  Joint::hip_left,   Joint::hip_right,
+                              Joint::knee_left,   Joint::knee_right, Joint::ankle_left,
+                              Joint::ankle_right, Joint::foot_left,  Joint::foot_right};
+  return std::find(kLower.begin(), kLower.end(), joint) == kLower.end();
 }
 
 // Joints on the side that the body hides are inferred half of the time, others one stretch in fifteen.

@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 struct Arrow {
@@ -59,7 +61,7 @@ std::vector<std::string> quoted_includes(const std::filesystem::path& path) {
 }
 
 TEST(IncludeArrows, EveryIncludeFollowsTheTable) {
-  const std::filesystem::path root = TRILAT_SOURCE_DIR;
+  const std::filesystem::path root = trilat::kSourceDir;
   std::size_t files = 0;
   for (const char* room : {"datasets", "recorders", "evaluators", "reports", "pipeline"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {

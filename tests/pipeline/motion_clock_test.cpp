@@ -60,13 +60,49 @@ TEST(MotionClock, IsThatOfThePersonWithTheMarkersThoughOthersMoveToo) {
   EXPECT_NEAR(clock.offset_s, 0.080, 0.005);
 }
 
-// A whole stride of an even walk, 1.1 s here, nobody can tell from none.
-TEST(MotionClock, BeyondTheSearchNothingIsFound) {
-  for (const double late_s : {0.45, 0.6, -0.8}) {
-    const ClockRow clock = clock_of(synchronised(without_noise(walking_spec(1, 20.0))), late_s);
+// A stride of this walk takes 1.1 s, and its speeds repeat themselves: only the place tells strides apart.
+TEST(MotionClock, IsFoundThoughItIsStridesAway) {
+  for (const double late_s : {0.45, -0.8, 1.1, 2.0, -2.0}) {
+    const ClockRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
+    EXPECT_EQ(clock.status, "found") << late_s;
+    EXPECT_NEAR(clock.offset_s, late_s, 0.005);
+  }
+}
+
+TEST(MotionClock, BeyondTheSearchNoStrideIsTakenForIt) {
+  for (const double late_s : {3.4, -4.4, 5.5}) {
+    const ClockRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
     EXPECT_NE(clock.status, "found") << late_s << ": " << clock.offset_s;
     EXPECT_FALSE(clock.applied) << late_s;
   }
+}
+
+// Of a walk whose mocap is stated so much too late.
+std::string notes_of(const SimulationSpec& spec, double late_s, const char* clock) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", spec);
+  campaign.takes[0].mocap_start_host_ns += std::llround(late_s * 1e9);
+  const StudySpec study = study_of(
+      std::string(R"("alignments": ["none"], "methods": [{"method": "mean"}], "clock": ")") + clock + '"');
+  std::string text;
+  for (const TakeNote& note : execute_study(study, campaign, folder / "results", {}).notes)
+    text += note.text + '\n';
+  return text;
+}
+
+TEST(MotionClock, AStartThatIsOffIsToldWithWhatItCosts) {
+  const SimulationSpec spec = synchronised(walking_spec(1, 20.0));
+  EXPECT_THAT(notes_of(spec, 0.2, "check"), testing::AllOf(testing::HasSubstr("earlier than stated"),
+                                                           testing::HasSubstr("mocap_start_host_ns")));
+  EXPECT_THAT(notes_of(spec, -2.0, "check"), testing::HasSubstr("later than stated"));
+  EXPECT_THAT(notes_of(spec, 0.2, "motion"), testing::HasSubstr("was applied"));
+  EXPECT_THAT(notes_of(spec, 4.4, "check"), testing::HasSubstr("does not move as the sensors see"));
+}
+
+TEST(MotionClock, TheLagOfTrackersIsNoWarning) {
+  SimulationSpec spec = walking_spec(2, 20.0);
+  spec.body_tracker = default_body_tracker();
+  EXPECT_EQ(notes_of(spec, 0.0, "check"), "");
 }
 
 }  // namespace

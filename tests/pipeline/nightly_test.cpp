@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/pipeline/program.h"
+#include "tests/support/paths.h"
 
 namespace trilat {
 namespace {
@@ -18,7 +19,7 @@ struct Checkout {
 
   Checkout() {
     fs::create_directories(folder / "scripts");
-    fs::copy_file(fs::path(TRILAT_SOURCE_DIR) / "scripts/nightly", folder / "scripts/nightly");
+    fs::copy_file(fs::path(kSourceDir) / "scripts/nightly", folder / "scripts/nightly");
     write_script("trilat", R"(here=$(dirname "$0")
 verb=$1
 code=$(cat "$here/$verb.code" 2>/dev/null || echo 0)

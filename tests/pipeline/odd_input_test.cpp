@@ -108,6 +108,40 @@ TEST(OddInput, TakesOfDifferentRatesStandInOneCampaign) {
   }
 }
 
+TEST(OddInput, ASensorThatStopsEarlyCostsOnlyMethodsThatCannotDoWithoutIt) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
+  change_session(campaign.takes[0], folder / "stopped.h5", {[](std::size_t sensor, BodyFrame& frame) {
+                   return sensor != 1 || frame.stamp.sequence < 30;  // k2 after a second
+                 }});
+  const ResultsSummary summary =
+      execute_study(study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "linear"},
+                    {"method": "single", "sensors": ["k2"], "name": "k2"}])"),
+                    campaign, folder / "results", {});
+  const auto cell = [&](const char* method) { return find_cell(summary, method, "walking", "head", "none"); };
+  EXPECT_GE(cell("mean")->asked, 86u);  // of 3 s, less 1 % of the truth
+  EXPECT_GT(cell("mean")->coverage(), 0.97);
+  EXPECT_LT(cell("linear")->coverage(), 0.4);
+  EXPECT_LT(cell("k2")->coverage(), 0.4);
+  EXPECT_EQ(cell("k2")->asked, cell("mean")->asked);
+  EXPECT_THAT(report_of(folder, "results"), HasSubstr("k2 recorded only 1.0 s of 3.0 s"));
+}
+
+TEST(OddInput, TwoLostFramesAreBridgedWhateverTheSensorsDriftIs) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(1, 3.0);
+  spec.sensor.dropped_share = 0.0;
+  Campaign campaign = simulate_into(folder / "campaign", spec);
+  change_session(campaign.takes[0], folder / "lossy.h5", {[](std::size_t, BodyFrame& frame) {
+                   return frame.stamp.sequence % 10 > 1 || frame.stamp.sequence == 0;
+                 }});
+  const ResultsSummary summary =
+      execute_study(study_of(R"("alignments": ["none"], "methods": [{"method": "single"}])"), campaign,
+                    folder / "results", {});
+  for (const char* method : {"single k1", "single k2", "single k3", "single k4"})
+    EXPECT_GT(find_cell(summary, method, "walking", "head", "none")->coverage(), 0.95) << method;
+}
+
 TEST(OddInput, OneParticipantHasNoIntervalAndTheReportSaysSo) {
   const ScratchFolder folder;
   execute_study(study_of(std::string(R"("alignments": ["mean"], )") + kMean),

@@ -15,6 +15,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -28,7 +29,7 @@ struct Ended {
 class Process {
  public:
   Process(const ScratchFolder& folder, const std::vector<std::string>& arguments,
-          const std::string& name = "", const char* program = TRILAT_BINARY)
+          const std::string& name = "", const char* program = kProgram)
       : out_(folder / (name + "stdout.txt")), err_(folder / (name + "stderr.txt")) {
     std::vector<char*> argv{const_cast<char*>(program)};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));

@@ -10,6 +10,7 @@
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/skeleton_preview.h"
 #include "tests/pipeline/program.h"
+#include "tests/support/paths.h"
 
 namespace trilat {
 namespace {
@@ -141,7 +142,7 @@ std::string port_of(const ScratchFolder& folder) {
 TEST(Record, SensorsOfTwoComputersArriveOverTls) {
   const ScratchFolder folder;
   const auto agent = [&](const std::vector<std::string>& arguments, const std::string& name) {
-    return Process(folder, arguments, name, TRILAT_AGENT_BINARY);
+    return Process(folder, arguments, name, kAgentProgram);
   };
   EXPECT_EQ(agent({"keys", in(folder, "keys"), "left", "right"}, "keys_").wait().code, 0);
   // rendered before, so that no frame is late
@@ -214,9 +215,8 @@ TEST(Record, TwoRecordersCannotHaveOneName) {
 
 TEST(Record, ADisplayThatTakesNothingHoldsUpNobody) {
   const ScratchFolder folder;
-  const std::string command = std::string(TRILAT_BINARY) +
-                              " record --source synthetic:1,depth=no,duration=1 -o " + in(folder, "s.h5") +
-                              " >/dev/null 2>/dev/full";
+  const std::string command = std::string(kProgram) + " record --source synthetic:1,depth=no,duration=1 -o " +
+                              in(folder, "s.h5") + " >/dev/null 2>/dev/full";
   EXPECT_EQ(std::system(command.c_str()), 0);
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
 }

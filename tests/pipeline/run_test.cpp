@@ -17,6 +17,7 @@
 #include "reports/accuracy_tables.h"
 #include "reports/render.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -475,7 +476,7 @@ TEST(RunGolden, ATinyCampaignGivesItsTablesByteForByte) {
     for (auto& row : table.rows) row.erase(row.end() - 2);
     text += markdown_of(table) + "\n";
   }
-  const std::filesystem::path golden = TRILAT_SOURCE_DIR "/tests/golden/tiny_campaign.md";
+  const std::filesystem::path golden = std::filesystem::path(kSourceDir) / "tests/golden/tiny_campaign.md";
   if (const char* update = std::getenv("TRILAT_UPDATE_GOLDEN"); update && std::string(update) == "1")
     write_file(golden, text);
   EXPECT_EQ(text, read_file(golden)) << "set TRILAT_UPDATE_GOLDEN=1 when the change is meant";

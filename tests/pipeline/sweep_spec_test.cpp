@@ -8,6 +8,7 @@
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/study_spec.h"
 #include "tests/pipeline/sweeps.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -140,7 +141,7 @@ TEST(SweepSpec, SensorsOfACircleStandInEqualSteps) {
 }
 
 TEST(SweepStudies, ThoseOfThePaperCanBeComputed) {
-  const std::filesystem::path folder = std::filesystem::path(TRILAT_SOURCE_DIR) / "pipeline/studies";
+  const std::filesystem::path folder = std::filesystem::path(kSourceDir) / "pipeline/studies";
   const SweepSpec table1 = parse_sweep(read_json(folder / "table1.json"), "table1.json");
   EXPECT_EQ(make_sweep_plan(table1, "table1.json").readings.size(), 8u);
   EXPECT_EQ(table1.trials, 5000u);

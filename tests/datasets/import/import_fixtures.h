@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/import/import_formats.h"
 #include "datasets/session/session_reader.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -59,7 +60,7 @@ inline std::vector<std::int64_t> sequences(const std::vector<BodyFrame>& frames)
 }
 
 inline std::filesystem::path shared_recordings() {
-  return std::filesystem::path(TRILAT_SOURCE_DIR) / ".." / "shared" / "data" / "kinect-bodies";
+  return std::filesystem::path(kSourceDir) / ".." / "shared" / "data" / "kinect-bodies";
 }
 
 }  // namespace trilat
