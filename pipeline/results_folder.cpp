@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
@@ -16,8 +15,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
-#include "datasets/results/work_part.h"
 
 namespace trilat {
 namespace {
@@ -28,43 +25,6 @@ bool is_mount_point(const fs::path& folder) {
   struct statx s;
   return ::statx(AT_FDCWD, folder.c_str(), 0, STATX_BASIC_STATS, &s) == 0 &&
          (s.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
-}
-
-bool has_format(const fs::path& file, const char* format) {
-  if (!fs::is_regular_file(file)) return false;
-  try {
-    const Json json = read_json(file);
-    return json.is_object() && json.contains("format") && json["format"] == format;
-  } catch (const InputError&) {
-    return false;
-  }
-}
-
-// A workflow engine removes the one file that it knows of before it makes an output anew; the others still
-// tell that it is ours. Recordings have neither of the two.
-bool is_ours(const fs::path& folder) {
-  const bool results = fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
-                       fs::exists(folder / "run.json");
-  return results || has_format(folder / "run.json", "trilat.run") ||
-         has_format(folder / "manifest.json", "trilat.manifest");
-}
-
-void check_output(const fs::path& output, const std::string& part_kind) {
-  if (!fs::exists(output)) return;
-  if (is_mount_point(output))
-    throw InputError(output.string(),
-                     "is a mount point, for which finished results cannot be exchanged; name a folder in it");
-  if (fs::exists(output / "part.json")) {
-    if (const std::string kind = read_part(output).kind; kind != part_kind)
-      throw InputError(output.string(),
-                       "is a part of kind " + kind +
-                           ", which --shard has made, and is not replaced by something else; "
-                           "choose another name or remove it");
-    return;
-  }
-  const bool empty = fs::is_directory(output) && fs::is_empty(output);
-  if (!empty && !is_ours(output))
-    throw InputError(output.string(), "exists and is not a results folder; choose another name or remove it");
 }
 
 fs::path old_name(const fs::path& partial) { return partial.string() + ".old"; }
@@ -104,9 +64,11 @@ fs::path output_name(const fs::path& folder) {
   return there;
 }
 
-ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept, const std::string& part_kind)
+ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept)
     : output_(output_name(folder)), partial_(partial_name(output_)) {
-  check_output(output_, part_kind);
+  if (is_mount_point(output_))
+    throw InputError(output_.string(),
+                     "is a mount point, for which finished results cannot be exchanged; name a folder in it");
   if (partial_.has_parent_path()) make_folder(partial_.parent_path());
   lock_ = lock_folder(partial_);
   // from a process that was killed between two renames

@@ -15,15 +15,14 @@ using Kept = std::vector<std::string>;  // names of files and folders
 // The name under which an output is put in place: what a link leads to, without a slash at the end.
 std::filesystem::path output_name(const std::filesystem::path& folder);
 
-// A results folder, or a part of one, that is filled beside its name and put in place at the end. Older
-// results of that name are replaced, a part by parts of its kind only, any other folder is refused. What is
-// not put in place stays as `output`.partial.
+// A results folder, or a part of one, that is filled beside its name and put in place at the end. What
+// stands under the name is replaced, whatever it is: the verb has asked whether it may be. What is not put
+// in place stays as `output`.partial.
 class ResultsFolder {
  public:
-  // Of a folder that was left unfinished, `kept` stays, all else is removed. `part_kind`: WorkPart::kind of
-  // what will be written; empty for results. InputError when another process is filling it.
-  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {},
-                         const std::string& part_kind = {});
+  // Of a folder that was left unfinished, `kept` stays, all else is removed. InputError when another
+  // process is filling it.
+  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {});
   ~ResultsFolder();
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;

@@ -118,8 +118,7 @@ StudyPart run_study_part(const StudySpec& study, const Campaign& campaign, const
     std::vector<std::size_t> mine;
     for (std::size_t t = 0; t < items.size(); ++t)
       if (items[t].shard == shard.number) mine.push_back(t);
-    const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile, kTakesFolder},
-                               name_of(ResultsKind::accuracy));
+    const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile, kTakesFolder});
     ItemStore store(folder.partial(), options.reuse);
     TakesRun run = run_takes(plan, mine, {folder.partial(), store, hashes, std::move(watched)},
                              {options.cross_check, options.stop_requested,

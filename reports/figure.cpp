@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "reports/render.h"
+#include "datasets/base/csv_field.h"
 
 namespace trilat {
 namespace {

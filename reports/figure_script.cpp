@@ -290,9 +290,11 @@ class Script {
       plots_.push_back(fmt::format("{} using 1:2 with {} lw {} dt {} lc rgb '{}' title {}", name,
                                    style == FigureSeries::Style::line ? "lines" : "linespoints " + dots,
                                    width, look.dash, look.colour, title));
-    if (intervals)  // behind its entry, with which it is switched off
-      plots_.push_back(
-          fmt::format("{} using 1:2:3:4 with yerrorbars pt 0 lw 1.2 lc rgb '{}' notitle", name, look.colour));
+    // behind its entry, with which it is switched off; yerrorbars would blank the markers under their points
+    if (intervals)
+      plots_.push_back(fmt::format(
+          "{} using 1:3:(0):($4-$3) with vectors heads size screen 0.005,90 lw 1.2 lc rgb '{}' notitle", name,
+          look.colour));
   }
 
   const Figure& figure_;

@@ -72,9 +72,13 @@ void read_run_record(const std::filesystem::path& path, Provenance& p) {
 
 }  // namespace
 
-std::string folder_name(const std::filesystem::path& folder) {
+std::filesystem::path whole_path(const std::filesystem::path& folder) {
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
-  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+std::string folder_name(const std::filesystem::path& folder) {
+  return whole_path(folder).filename().string();
 }
 
 Provenance read_provenance(const std::filesystem::path& results, const std::string& study,

@@ -32,6 +32,8 @@ struct Provenance {
 Provenance read_provenance(const std::filesystem::path& results, const std::string& study,
                            const std::string& campaign);
 
+// The folder without dots and slashes that say nothing.
+std::filesystem::path whole_path(const std::filesystem::path& folder);
 // The name of a folder, also when it is written with a slash behind.
 std::string folder_name(const std::filesystem::path& folder);
 

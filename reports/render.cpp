@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/csv_field.h"
 #include "reports/text_lines.h"
 
 namespace trilat {
@@ -71,13 +72,6 @@ std::string markdown_of(const Table& table) {
   }
   for (const std::string& note : table.notes) text += "\n- " + one_line(note);
   return text + (table.notes.empty() ? "" : "\n");
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
 }
 
 namespace {

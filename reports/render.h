@@ -13,8 +13,6 @@ std::string printed(const TableValue& value);
 std::string markdown_of(const Table& table);
 // RFC 4180 with full precision; NaN is an empty field.
 std::string csv_of(const Table& table);
-// A text as a field of RFC 4180, quoted where it must be.
-std::string csv_field(const std::string& text);
 // A longtable that needs the packages booktabs and longtable and nothing else.
 std::string latex_of(const Table& table);
 // A document that holds the given tables, remarks after them, and compiles as it is.

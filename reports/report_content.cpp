@@ -23,17 +23,48 @@ void make_unique(std::string& id, std::set<std::string>& ids, const std::string&
   for (int n = 2; !ids.insert(id).second; ++n) id = fmt::format("{}-{}", base, n);
 }
 
-std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
+// What tells the results apart: the folder's name, and as many of the folders around it as that takes; a
+// number where one folder was given twice.
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& results) {
+  const auto last_parts = [](const std::filesystem::path& folder, std::size_t count) {
+    std::filesystem::path name, rest = whole_path(folder);
+    for (; count > 0 && rest.has_relative_path(); --count, rest = rest.parent_path())
+      name = name.empty() ? rest.filename() : rest.filename() / name;
+    return name.generic_string();
+  };
+  std::vector<std::string> names;
+  std::set<std::string> ids;
+  for (const auto& folder : results) {
+    const auto shared = [&](std::size_t parts) {
+      return std::count_if(results.begin(), results.end(), [&](const auto& other) {
+               return whole_path(other) != whole_path(folder) &&
+                      usable_id(last_parts(other, parts)) == usable_id(last_parts(folder, parts));
+             }) > 0;
+    };
+    const auto depth =
+        static_cast<std::size_t>(std::distance(whole_path(folder).begin(), whole_path(folder).end()));
+    std::size_t parts = 1;
+    while (parts < depth && shared(parts)) ++parts;
+    const std::string name = last_parts(folder, parts);
+    names.push_back(name);
+    for (int n = 2; !ids.insert(usable_id(names.back())).second; ++n)
+      names.back() = fmt::format("{} ({})", name, n);
+  }
+  return names;
+}
+
+std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results,
+                                    const std::vector<std::string>& names) {
   std::vector<std::pair<std::vector<DeclaredParameter>, std::string>> seen;
-  for (const auto& path : results) {
-    const std::vector<DeclaredParameter> parameters = read_declared_parameters(path);
+  for (std::size_t r = 0; r < results.size(); ++r) {
+    const std::vector<DeclaredParameter> parameters = read_declared_parameters(results[r]);
     if (parameters.empty()) continue;
     const auto same =
         std::find_if(seen.begin(), seen.end(), [&](const auto& other) { return other.first == parameters; });
     if (same == seen.end())
-      seen.emplace_back(parameters, folder_name(path));
+      seen.emplace_back(parameters, names[r]);
     else
-      same->second += ", " + folder_name(path);
+      same->second += ", " + names[r];
   }
   std::vector<Table> tables;
   for (const auto& [parameters, studies] : seen) tables.push_back(parameters_table(parameters, studies));
@@ -61,9 +92,14 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::function<void(double)>& progress) {
   ReportContent content;
   ClaimEvidence evidence;
+  const std::vector<std::string> names = names_of(results);
   for (const auto& path : results) {
     refuse_unfinished(path);
     content.chapters.push_back(read_chapter(path, evidence));
+    Chapter& chapter = content.chapters.back();
+    const std::string name = names[content.chapters.size() - 1];
+    if (name != chapter.provenance.folder) chapter.title += ": " + name;
+    chapter.provenance.folder = name;
     if (progress)
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
   }
@@ -79,7 +115,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
     for (Table& table : chapter.tables) make_unique(table.id, ids, study);
     for (DrawnFigure& figure : chapter.figures) make_unique(figure.figure.id, ids, study);
   }
-  content.parameters = parameter_tables(results);
+  content.parameters = parameter_tables(results, names);
   for (Table& table : content.parameters) make_unique(table.id, ids, "report");
   draw_all(content);
   return content;

@@ -67,6 +67,12 @@ class Writer {
     std::filesystem::remove_all(aside_, ignored);
     make_folder(aside_);
   }
+  ~Writer() {
+    std::error_code ignored;
+    std::filesystem::remove_all(aside_, ignored);
+  }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
   void operator()(const std::string& name, const std::string& text) {
     make_folder((aside_ / name).parent_path());
     write_file(aside_ / name, text);
@@ -75,6 +81,7 @@ class Writer {
 
   void put_in_place() {
     (*this)(kList, fmt::format("{}\n", fmt::join(names_, "\n")));
+    std::rotate(names_.rbegin(), names_.rbegin() + 1, names_.rend());  // by the list a report is known
     make_folder(folder_);
     remove_left_over();
     for (const std::string& name : names_) {
@@ -82,8 +89,6 @@ class Writer {
       std::filesystem::rename(aside_ / name, folder_ / name);
       if (name != kList) report_.written.push_back(folder_ / name);
     }
-    std::error_code ignored;
-    std::filesystem::remove_all(aside_, ignored);
   }
 
  private:

@@ -64,7 +64,12 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
       text.remove_prefix(static_cast<std::size_t>(count));
     }
   }
-  publish_file(partial, path);
+  try {
+    publish_file(partial, path);
+  } catch (const InputError&) {
+    ::unlink(partial.c_str());
+    throw;
+  }
 }
 
 std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes) {

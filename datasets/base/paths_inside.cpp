@@ -10,10 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool lies_in(const fs::path& folder, const fs::path& path) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
-}
-
 bool is_special(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -21,6 +17,10 @@ bool is_special(const fs::path& path) {
 }
 
 }  // namespace
+
+bool lies_in(const fs::path& folder, const fs::path& path) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
 
 std::string way_out_of(const fs::path& folder, const fs::path& path) {
   if (path.is_absolute()) return "is absolute";

@@ -12,6 +12,9 @@ namespace trilat {
 // not.
 enum class OutsidePaths { refused, allowed };
 
+// Whether `path` is `folder` or below it, by their names alone.
+bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& path);
+
 // Where the path `path`, relative to `folder`, leads out of it: by being absolute, by `..` or by a symbolic
 // link. Also says so of what is neither a file nor a folder. Empty where nothing is wrong; what is not there
 // is not.

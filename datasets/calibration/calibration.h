@@ -45,6 +45,9 @@ struct CalibrationSource {
   std::string sha256;
 };
 
+// The method of poses that a simulation knows.
+inline constexpr const char* kSimulatedTruth = "simulated truth";
+
 // calibration.json, format 1. `method` says how it was made ("simulated truth", "wand", "bodies", …), `world`
 // where the poses' world is.
 struct Calibration {

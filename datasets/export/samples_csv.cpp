@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/base/csv_field.h"
 #include "datasets/export/text_output.h"
 
 namespace trilat {
@@ -24,12 +25,13 @@ std::int64_t add_block(TextOutput& text, const SamplesHeader& header, const std:
   for (std::size_t i = 0; i < block.instants; ++i)
     for (std::size_t j = 0; j < joints; ++j) {
       const std::size_t joint = i * joints + j;
-      const std::string front = fmt::format("{},{},{}{}", take, block.time_ns.at(i), header.joints[j],
-                                            point_text(&block.truth_m.at(3 * joint)));
+      const std::string front =
+          fmt::format("{},{},{}{}", csv_field(take), block.time_ns.at(i), csv_field(header.joints[j]),
+                      point_text(&block.truth_m.at(3 * joint)));
       for (std::size_t m = 0; m < methods; ++m) {
         const std::size_t cell = joint * methods + m;
         const std::size_t status = block.status.at(cell);
-        text.add("{},{},{}{}\n", front, header.methods[m],
+        text.add("{},{},{}{}\n", front, csv_field(header.methods[m]),
                  status < header.status_names.size() ? header.status_names[status] : "",
                  point_text(&block.estimate_m.at(3 * cell)));
       }
@@ -43,9 +45,7 @@ std::int64_t export_samples_csv(const SamplesFile& samples, const std::filesyste
                                 const std::function<void(double)>& progress) {
   const SamplesHeader& header = samples.header();
   TextOutput text(output);
-  text.add(
-      "take,time_ns,joint,truth_x_m,truth_y_m,truth_z_m,method,status,estimate_x_m,estimate_y_m,estimate_z_"
-      "m\n");
+  text.add("{}", kSamplesCsvHead);
   std::int64_t rows = 0;
   for (std::size_t t = 0; t < header.takes.size(); ++t) {
     const TakeShape& take = header.takes[t];

@@ -3,20 +3,13 @@
 
 #include <array>
 
+#include "datasets/base/csv_field.h"
 #include "datasets/export/text_output.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::array kStateNames{"not_tracked", "inferred", "tracked"};
-
-// A name between quotes when a comma or a quote stands in it.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 void add_body(TextOutput& text, const std::string& front, const Body& body) {
   for (std::size_t j = 0; j < kJointCount; ++j) {
@@ -34,8 +27,7 @@ void add_body(TextOutput& text, const std::string& front, const Body& body) {
 std::int64_t export_session_csv(const SessionReader& session, const std::filesystem::path& output,
                                 const ExportOptions& options) {
   TextOutput text(output);
-  text.add(
-      "sensor,sequence,device_ticks,arrival_ns,time_s,tracking_id,joint,state,x_m,y_m,z_m,qx,qy,qz,qw\n");
+  text.add("{}", kSessionCsvHead);
   std::int64_t rows = 0;
   const std::size_t sensors = session.header().sensors.size();
   for (std::size_t s = 0; s < sensors; ++s) {
@@ -44,9 +36,9 @@ std::int64_t export_session_csv(const SessionReader& session, const std::filesys
     std::optional<FrameStamp> first;
     const auto visit = [&](const BodyFrame& frame) {
       if (!first) first = frame.stamp;
-      const std::string front = fmt::format("{},{},{},{},{:.7f}", csv_text(sensor.name), frame.stamp.sequence,
-                                            frame.stamp.device_ticks, frame.stamp.arrival_ns,
-                                            seconds_between(*first, frame.stamp, sensor.tick_ns));
+      const std::string front = fmt::format(
+          "{},{},{},{},{:.7f}", csv_field(sensor.name), frame.stamp.sequence, frame.stamp.device_ticks,
+          frame.stamp.arrival_ns, seconds_between(*first, frame.stamp, sensor.tick_ns));
       for (const Body& body : frame.bodies) add_body(text, front, transformed(body, from_sensor));
       rows += static_cast<std::int64_t>(frame.bodies.size()) * kJointCount;
     };

@@ -111,13 +111,16 @@ std::vector<TrcFile> export_session_trc(const SessionReader& session, const std:
   if (bodies.empty())
     throw InputError(session.path().string(), options.body ? fmt::format("holds no body {}", *options.body)
                                                            : std::string("holds no body"));
+  const auto path_of = [&](std::uint64_t id) {
+    return bodies.size() == 1 ? output
+                              : output.parent_path() / fmt::format("{}-{}{}", output.stem().string(), id,
+                                                                   output.extension().string());
+  };
+  if (options.check)
+    for (const auto& [id, stretch] : bodies) options.check(path_of(id));
   std::vector<TrcFile> files;
-  for (const auto& [id, stretch] : bodies) {
-    std::filesystem::path path = output;
-    if (bodies.size() > 1)
-      path.replace_filename(fmt::format("{}-{}{}", output.stem().string(), id, output.extension().string()));
-    files.push_back(export_body(session, sensor, id, stretch, path, options));
-  }
+  for (const auto& [id, stretch] : bodies)
+    files.push_back(export_body(session, sensor, id, stretch, path_of(id), options));
   return files;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@ struct TrcOptions {
   std::string sensor{};                 // empty: the session's only one
   std::optional<std::uint64_t> body{};  // nothing: each body a file
   bool millimetres = true;              // otherwise metres
+  std::function<void(const std::filesystem::path&)> check =
+      {};  // is asked about each file before it is written
 };
 
 struct TrcFile {

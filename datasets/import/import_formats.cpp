@@ -52,17 +52,25 @@ ImportReport import_node_kinect2(const Files& files, const std::filesystem::path
                                  const ImportOptions& options) {
   refuse_rate(options);
   std::vector<SensorFile> sensors;
-  std::int64_t start_ms = std::numeric_limits<std::int64_t>::max();
+  std::optional<std::int64_t> start_ms;
   for (const auto& file : files) {
     sensors.push_back({"k" + std::to_string(sensors.size() + 1), file});
-    start_ms = std::min(start_ms, node_kinect2_start_ms(file));
+    const auto start_of_file_ms = node_kinect2_start_ms(file);
+    if (!start_of_file_ms && files.size() > 1)
+      throw InputError(file.string(),
+                       "does not say when it began (record_startime), so it shares no clock with the others; "
+                       "import it alone");
+    if (start_of_file_ms) start_ms = std::min(start_ms.value_or(*start_of_file_ms), *start_of_file_ms);
   }
   if (files.empty()) throw InputError("FILE", "is missing");
   const BodyFileFormat format{
       "node-kinect2", 30.0,
       "The files hold no tracking states: every joint of a tracked body is called tracked, inferred ones "
-      "too. Times are the recording computer's, in milliseconds, of when the program got the frame.",
-      start_ms > 0 ? calendar_time(start_ms) : "", [start_ms](const std::filesystem::path& path) {
+      "too. Times are the recording computer's, in milliseconds, of when the program got the frame." +
+          std::string(start_ms ? ""
+                               : " The file does not say when it began (record_startime): times count "
+                                 "from an unknown beginning."),
+      start_ms ? calendar_time(*start_ms) : "", [start_ms](const std::filesystem::path& path) {
         return std::make_unique<NodeKinect2Reader>(path, start_ms);
       }};
   return import_body_files(format, sensors, output, options);
@@ -107,22 +115,31 @@ ImportReport import_ntu(const Files& files, const std::filesystem::path& output,
 
 ImportReport import_kimore(const Files& files, const std::filesystem::path& output,
                            const ImportOptions& options) {
-  need_one(files, "is a second folder; recordings share no clock, so each becomes a session of its own");
-  refuse_rate(options);
-  const BodyFileFormat format{
-      "kimore", 30.0,
-      "The files hold no body id (1 is written) and no hand states (zeros). Orientations are taken as x, y, "
-      "z, w. This importer has not yet been run on a real file.",
-      "", [](const std::filesystem::path& path) {
-        return std::make_unique<KimoreReader>(kimore_files_of(path));
-      }};
+  need_one(files, "is a second recording; they share no clock, so each becomes a session of its own");
+  const KimoreFiles found = kimore_files_of(files[0]);
+  if (!found.time.empty()) refuse_rate(options);
+  if (found.time.empty() && !options.rate_hz)
+    throw InputError("--rate-hz", "is missing: there is no TimeStamp*.csv beside " + found.position.string());
+  const std::string times =
+      found.time.empty()
+          ? fmt::format(" There are no time stamps: row / {:g} Hz is the time.", *options.rate_hz)
+          : "";
+  const std::string orientations = found.orientation.empty() ? " There are no orientations (zeros)."
+                                                             : " Orientations are taken as x, y, z, w.";
+  const BodyFileFormat format{"kimore", 30.0,
+                              "The files hold no body id (1 is written) and no hand states (zeros)." +
+                                  orientations + times +
+                                  " This importer has not yet been run on a real file.",
+                              "", [&](const std::filesystem::path&) {
+                                return std::make_unique<KimoreReader>(found, options.rate_hz.value_or(30.0));
+                              }};
   return import_body_files(format, {{"k1", files[0]}}, output, options);
 }
 
 constexpr std::array kFormats{
     ImportFormat{"kimore",
                  "folder with an exercise's JointPosition, TimeStamp and JointOrientation csv of the KIMORE "
-                 "data set (not yet run on a real file)",
+                 "data set, or the JointPosition csv alone with --rate-hz (not yet run on a real file)",
                  import_kimore},
     ImportFormat{"labanotation", "body csv of Microsoft's LabanotationSuite", import_labanotation},
     ImportFormat{

@@ -17,6 +17,8 @@ namespace trilat {
 namespace {
 
 constexpr double kTicksPerSecond = 1e9 / static_cast<double>(kImportTickNs);
+constexpr double kSurveyShare = 0.4;  // of the work: every image is read twice
+constexpr std::uint16_t kNearest_mm = 500, kFarthest_mm = 8000;
 constexpr double kLatest_s = 5e8;  // what a session's clocks can hold
 
 struct Image {
@@ -103,6 +105,38 @@ void to_millimetres(std::span<std::uint16_t> values, double unit_mm, const std::
   }
 }
 
+void read_image(const Image& image, const ImportOptions& options, std::span<std::uint16_t> depth_mm) {
+  read_depth_png(image.path, depth_mm);
+  to_millimetres(depth_mm, *options.depth_unit_mm, image.path.string());
+}
+
+// How much of the images a Kinect v2 cannot have measured: infrared pictures look like depth images, too.
+std::string note_on_depths(const std::vector<Image>& images, const ImportOptions& options) {
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  std::int64_t values = 0, outside = 0;
+  std::uint16_t most_mm = 0;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    try {
+      read_image(images[i], options, depth_mm);
+    } catch (const TornRow&) {
+      continue;  // is counted when the session is written
+    }
+    for (const std::uint16_t d : depth_mm) {
+      values += d != 0;
+      outside += d != 0 && (d < kNearest_mm || d > kFarthest_mm);
+      most_mm = std::max(most_mm, d);
+    }
+    if (options.progress)
+      options.progress(kSurveyShare * static_cast<double>(i + 1) / static_cast<double>(images.size()));
+  }
+  if (outside == 0) return " All depths are ones that the sensor can measure.";
+  return fmt::format(
+      " Of {} values that are not 0, {} ({:.1f} %) lie outside the 0.5 to 8 m that the sensor can measure, "
+      "up "
+      "to {:.1f} m: are these depth images, and is --depth-unit-mm right?",
+      values, outside, 100.0 * static_cast<double>(outside) / static_cast<double>(values), 1e-3 * most_mm);
+}
+
 SessionHeader header_of(const ImportOptions& options) {
   SensorDescription sensor;
   sensor.name = "k1";
@@ -142,19 +176,22 @@ ImportReport import_png(const std::vector<std::filesystem::path>& files, const s
   need_options(options);
   std::vector<Image> images = images_of(files[0]);
   take_times(images, options);
-  ImportSession session(output, header_of(options), options.compression);
+  SessionHeader header = header_of(options);
+  header.note += note_on_depths(images, options);
+  ImportSession session(output, header, options.compression);
   session.report(0).file = files[0].string();
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   for (std::size_t i = 0; i < images.size(); ++i) {
     const std::string place = images[i].path.string();
     try {
-      read_depth_png(images[i].path, depth_mm);
-      to_millimetres(depth_mm, *options.depth_unit_mm, place);
+      read_image(images[i], options, depth_mm);
       session.add_depth(0, std::llround(kTicksPerSecond * images[i].time_s), {}, depth_mm, place);
     } catch (const TornRow& row) {
       count_torn(session.report(0).left_out, place, row);
     }
-    if (options.progress) options.progress(static_cast<double>(i + 1) / static_cast<double>(images.size()));
+    if (options.progress)
+      options.progress(kSurveyShare + (1.0 - kSurveyShare) * static_cast<double>(i + 1) /
+                                          static_cast<double>(images.size()));
   }
   return session.finish();
 }

@@ -2,6 +2,7 @@
 #include "datasets/import/kimore_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -35,18 +36,23 @@ void need_row(const std::vector<std::string_view>& cells) {
         fmt::format("has {} cells; a row has {}: four for each of 25 joints", cells.size(), kCellsOfARow)};
 }
 
-}  // namespace
-
-KimoreFiles kimore_files_of(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder))
-    throw InputError(folder.string(),
-                     "is no folder; KIMORE is imported by the folder of an exercise's csv files");
-  return {the_one(folder, "JointPosition", true), the_one(folder, "TimeStamp", true),
-          the_one(folder, "JointOrientation", false)};
+std::int64_t time_in(std::string_view line) {
+  const auto times = comma_cells(line);
+  if (times.size() != 1) throw TornRow{fmt::format("has {} times beside it instead of one", times.size())};
+  return integer_in(times[0], "the time in ticks");
 }
 
-KimoreReader::KimoreReader(const KimoreFiles& files)
-    : positions_(files.position, kBlockBytes), times_(files.time, kBlockBytes) {
+}  // namespace
+
+KimoreFiles kimore_files_of(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path, {}, {}};
+  return {the_one(path, "JointPosition", true), the_one(path, "TimeStamp", false),
+          the_one(path, "JointOrientation", false)};
+}
+
+KimoreReader::KimoreReader(const KimoreFiles& files, double rate_hz)
+    : positions_(files.position, kBlockBytes), rate_hz_(rate_hz) {
+  if (!files.time.empty()) times_ = std::make_unique<LineReader>(files.time, kBlockBytes);
   if (!files.orientation.empty())
     orientations_ = std::make_unique<LineReader>(files.orientation, kBlockBytes);
 }
@@ -65,14 +71,15 @@ bool KimoreReader::next(FileFrame& frame) {
   frame = {};
   std::string_view position, time, orientation;
   const bool has_position = next_row(positions_, position);
-  const bool has_time = next_row(times_, time);
+  const bool has_time = !times_ || next_row(*times_, time);
   const bool has_orientation = !orientations_ || next_row(*orientations_, orientation);
-  if (!has_position && !has_time && (!orientations_ || !has_orientation)) return false;
+  if (!has_position && (!times_ || !has_time) && (!orientations_ || !has_orientation)) return false;
+  const std::int64_t row = rows_++;
   if (!has_position || !has_time || !has_orientation)
     throw TornRow{"is where one of the files has ended and another has not"};
-  const auto times = comma_cells(time);
-  if (times.size() != 1) throw TornRow{fmt::format("has {} times beside it instead of one", times.size())};
-  frame.ticks = integer_in(times[0], "the time in ticks");
+  frame.ticks =
+      times_ ? time_in(time)
+             : std::llround(1e9 / (rate_hz_ * static_cast<double>(kImportTickNs)) * static_cast<double>(row));
   const auto cells = comma_cells(position);
   need_row(cells);
   Body& body = frame.bodies.emplace_back();

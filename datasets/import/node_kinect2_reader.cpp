@@ -43,9 +43,9 @@ std::uint8_t hand_state_of(const Json& object, const char* key) {
   return static_cast<std::uint8_t>(state);
 }
 
-std::int64_t ticks_of(const Json& object, std::int64_t origin_ms) {
-  const double time_ms = number_of(object, "record_startime") - static_cast<double>(origin_ms) +
-                         number_of(object, "record_timestamp");
+std::int64_t ticks_of(const Json& object, const std::optional<std::int64_t>& origin_ms) {
+  double time_ms = number_of(object, "record_timestamp");
+  if (origin_ms) time_ms += number_of(object, "record_startime") - static_cast<double>(*origin_ms);
   if (!(std::abs(time_ms) < kLatestMs)) throw TornRow{"has a time beyond all clocks"};
   return std::llround(time_ms * static_cast<double>(kTicksPerMs));
 }
@@ -64,7 +64,7 @@ void read_joint(const Json& joint, std::size_t j, Body& body, JointPixels& depth
 
 }  // namespace
 
-NodeKinect2Reader::NodeKinect2Reader(const std::filesystem::path& path, std::int64_t origin_ms)
+NodeKinect2Reader::NodeKinect2Reader(const std::filesystem::path& path, std::optional<std::int64_t> origin_ms)
     : elements_(path), origin_ms_(origin_ms), place_(elements_.place()) {}
 
 bool NodeKinect2Reader::next_element(Element& element) {
@@ -147,17 +147,17 @@ bool NodeKinect2Reader::next(FileFrame& frame) {
   }
 }
 
-std::int64_t node_kinect2_start_ms(const std::filesystem::path& path) {
+std::optional<std::int64_t> node_kinect2_start_ms(const std::filesystem::path& path) {
   JsonElements elements(path);
   std::string text;
   while (true) {
     try {
-      if (!elements.next(text)) return 0;
+      if (!elements.next(text)) return {};
       const double start_ms = number_of(parse_json(text, ""), "record_startime");
       if (std::abs(start_ms) < kLatestMs) return std::llround(start_ms);
     } catch (const TornRow&) {
     } catch (const InputError&) {
-      return 0;
+      return {};
     }
   }
 }

@@ -14,8 +14,9 @@ namespace trilat {
 // of the depth image; no tracking states.
 class NodeKinect2Reader : public BodyFileReader {
  public:
-  // Times count from `origin_ms` of the calendar clock.
-  NodeKinect2Reader(const std::filesystem::path& path, std::int64_t origin_ms);
+  // Times count from `origin_ms` of the calendar clock; nothing: from the file's own beginning, whenever that
+  // was.
+  NodeKinect2Reader(const std::filesystem::path& path, std::optional<std::int64_t> origin_ms);
   bool next(FileFrame& frame) override;
   std::string place() const override { return place_; }
   std::uint64_t bytes_read() const override { return elements_.bytes_read(); }
@@ -32,14 +33,14 @@ class NodeKinect2Reader : public BodyFileReader {
   bool belongs(const Element& element, const FileFrame& frame) const;
 
   JsonElements elements_;
-  std::int64_t origin_ms_;
+  std::optional<std::int64_t> origin_ms_;
   std::string text_;
   std::string place_;
   std::optional<Element> ahead_{};
   std::optional<TornRow> torn_{};
 };
 
-// When the first body that says so was recorded from, in milliseconds since 1970; 0 when none does.
-std::int64_t node_kinect2_start_ms(const std::filesystem::path& path);
+// When the first body that says so was recorded from, in milliseconds since 1970; nothing when none does.
+std::optional<std::int64_t> node_kinect2_start_ms(const std::filesystem::path& path);
 
 }  // namespace trilat

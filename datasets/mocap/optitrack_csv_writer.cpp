@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "datasets/base/check.h"
+#include "datasets/base/csv_field.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 
@@ -26,18 +27,14 @@ std::string_view motive_unit(LengthUnit unit) {
   return kNames[static_cast<std::size_t>(unit)];
 }
 
-std::string in_quotes(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += c;
-    result += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return result += '"';
+// A row of an export is one line, whatever stands between quotes.
+std::string on_one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
 }
 
-std::string cell(std::string_view text) {
-  return text.find_first_of(",\"\r\n") == std::string_view::npos ? std::string(text) : in_quotes(text);
-}
+std::string cell(const std::string& text) { return on_one_line(csv_field(text)); }
 
 // A comma and six decimals, or the comma alone.
 void append_number(std::string& text, double value) {
@@ -102,7 +99,7 @@ void OptitrackCsvWriter::write_header() {
   };
   row(",Type", [](const MocapAsset& asset) { return motive_name_of(asset.type); });
   row(",Name", [](const MocapAsset& asset) { return cell(asset.name); });
-  row(",ID", [](const MocapAsset& asset) { return in_quotes(asset.id); });
+  row(",ID", [](const MocapAsset& asset) { return on_one_line(csv_quoted(asset.id)); });
   row(",Parent", [](const MocapAsset& asset) { return cell(asset.parent); });
   std::string kinds = ",";
   std::string axes = "Frame,Time (Seconds)";

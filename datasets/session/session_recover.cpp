@@ -133,8 +133,6 @@ std::vector<SensorRecovery> copy_session(const SessionReader& from, const std::f
 std::vector<SensorRecovery> recover_session(const std::filesystem::path& damaged,
                                             const std::filesystem::path& output,
                                             const std::function<bool(double)>& progress) {
-  if (std::filesystem::exists(output))
-    throw InputError(output.string(), "exists; what is recovered needs a name of its own");
   check_output_file(output);
   const SessionReader from(damaged);
   ChunkCompression compression = ChunkCompression::blosc;

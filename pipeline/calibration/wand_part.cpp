@@ -172,7 +172,7 @@ ItemTally search_wand_part(const std::vector<fs::path>& files, WandMethod method
   watched.check();
   const auto runs = run_items(work);
   const std::vector<PartItem> all = part_items(work, runs);
-  const ResultsFolder folder(output, {ItemJournal::kFile}, kWandPart);
+  const ResultsFolder folder(output, {ItemJournal::kFile});
   std::vector<fs::path> earlier;
   if (fs::is_directory(folder.output())) earlier.push_back(folder.output());
   StudyItems items(kWandPart, json_of(work), all, folder.partial(), {shard, earlier});

@@ -115,8 +115,7 @@ CalibrationSummary execute_calibration(const CalibrationSpec& spec, const std::f
   const std::vector<PartItem> list = items_of(spec);
   if (is_done_already(output, options.work, key_of(spec), list, {}, options.tally))
     return read_calibration_summary(output);
-  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
-                             options.work.shard.whole() ? "" : name_of(ResultsKind::calibration));
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile});
   CalibrationSummary summary;
   on_threads(options.threads, [&](int threads) {
     StudyItems items(name_of(ResultsKind::calibration), resolved_json(spec), list, folder.partial(),

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/wand_part.h"
 #include "pipeline/cli/calibration_text.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
@@ -68,6 +68,13 @@ WandMethod wand_method(const CalibrateArguments& arguments) {
   return arguments.method == "printed" ? WandMethod::printed : WandMethod::two_positions;
 }
 
+std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments) {
+  std::vector<std::filesystem::path> inputs = arguments.sessions;
+  inputs.push_back(arguments.mocap);
+  for (const auto& [sensor, file] : named_files(arguments.intrinsics)) inputs.push_back(file);
+  return inputs;
+}
+
 struct Outcome {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
@@ -102,8 +109,10 @@ int calibrate_shard(const CalibrateArguments& arguments, const Shard& shard) {
 
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
-  if (!arguments.shard.empty()) return calibrate_shard(arguments, parse_shard(arguments.shard, "--shard"));
-  check_output_file(arguments.output);  // before minutes of work
+  const bool whole = arguments.shard.empty();
+  check_output({arguments.output, whole ? OutputKind::calibration : OutputKind::part, inputs_of(arguments),
+                arguments.force, kWandPart});
+  if (!whole) return calibrate_shard(arguments, parse_shard(arguments.shard, "--shard"));
   Outcome outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
@@ -112,7 +121,6 @@ int calibrate(const CalibrateArguments& arguments) {
 }
 
 int merge_wand_calibration(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
-  check_output_file(arguments.output);
   WandCalibration result;
   on_threads(arguments.threads, [&](int) { result = merge_wand_parts(parts); });
   write_calibration(arguments.output, result.calibration);

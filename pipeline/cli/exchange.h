@@ -18,6 +18,7 @@ struct ImportArguments {
   std::filesystem::path timestamps;
   bool time_from_name = false;
   std::string compression = "blosc";
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 // kItemsFailed when rows were left out.
@@ -31,6 +32,7 @@ struct ExportArguments {
   std::string sensor;
   std::optional<std::uint64_t> body;
   std::string unit = "mm";
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int export_recording(const ExportArguments& arguments);

@@ -32,6 +32,7 @@ void add_import(CLI::App& app, ImportArguments& i, int& code) {
   verb->add_option("--compression", i.compression, "of depth: blosc, deflate, none")
       ->check(CLI::IsMember({"blosc", "deflate", "none"}))
       ->capture_default_str();
+  add_force(*verb, i.force);
   add_json(*verb, i.json);
   verb->footer(
       format_table() +
@@ -60,6 +61,7 @@ void add_export(CLI::App& app, ExportArguments& e, int& code) {
   verb->add_option("--unit", e.unit, "trc: mm or m")
       ->check(CLI::IsMember({"mm", "m"}))
       ->capture_default_str();
+  add_force(*verb, e.force);
   add_json(*verb, e.json);
   verb->footer("Example: trilat export trc session.h5 --sensor k1 -o walk.trc");
   verb->callback([&] {

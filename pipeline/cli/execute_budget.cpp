@@ -147,8 +147,7 @@ BudgetSummary execute_budget(const BudgetSpec& spec, const std::filesystem::path
   const std::vector<PartItem> list = list_of_items();
   if (is_done_already(output, options.work, key_of_item(work), list, {"simulator.json"}, options.tally))
     return read_budget_summary(output);
-  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
-                             options.work.shard.whole() ? "" : name_of(ResultsKind::error_budget));
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile});
   BudgetSummary budget;
   on_threads(options.threads, [&](int threads) {
     StudyItems items(name_of(ResultsKind::error_budget), work, list, folder.partial(), options.work);

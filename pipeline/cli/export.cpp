@@ -7,6 +7,7 @@
 #include "datasets/export/samples_csv.h"
 #include "datasets/export/session_csv.h"
 #include "datasets/export/session_trc.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/exchange.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -18,10 +19,16 @@ void refuse(bool given, const char* option, const char* why) {
   if (given) throw InputError(option, why);
 }
 
+void check_export(const ExportArguments& a, const std::filesystem::path& output, OutputKind kind) {
+  check_output({output, kind, {a.input, a.calibration}, a.force});
+}
+
 Json export_trc(const ExportArguments& a, const ExportOptions& frame) {
   const SessionReader session(a.input);
   Json files = Json::array();
-  for (const TrcFile& file : export_session_trc(session, a.output, {frame, a.sensor, a.body, a.unit == "mm"}))
+  const auto check = [&](const std::filesystem::path& file) { check_export(a, file, OutputKind::trc); };
+  for (const TrcFile& file :
+       export_session_trc(session, a.output, {frame, a.sensor, a.body, a.unit == "mm", check}))
     files.push_back({{"file", file.path.string()}, {"tracking_id", file.tracking_id}, {"rows", file.rows}});
   return files;
 }
@@ -33,8 +40,10 @@ Json export_csv(const ExportArguments& a, const ExportOptions& frame) {
   if (std::filesystem::is_directory(a.input)) {
     refuse(frame.calibration.has_value(), "--calibration",
            "is for sessions; results are in the world already");
+    check_export(a, a.output, OutputKind::samples_table);
     rows = export_samples_csv(SamplesFile::open(a.input / "samples.h5"), a.output, frame.progress);
   } else {
+    check_export(a, a.output, OutputKind::session_table);
     rows = export_session_csv(SessionReader(a.input), a.output, frame);
   }
   return Json::array({{{"file", a.output.string()}, {"rows", rows}}});

@@ -11,6 +11,7 @@
 #include "datasets/base/version.h"
 #include "datasets/results/speed_file.h"
 #include "evaluators/metrics/ratio_change.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/gate/accept_results.h"
@@ -141,6 +142,10 @@ void add_drifts(const GateArguments& arguments, const GateLimits& limits, Histor
 
 int gate(const GateArguments& arguments) {
   const std::string time = time_now();
+  const std::pair<std::filesystem::path, OutputKind> outputs[] = {{arguments.junit, OutputKind::junit},
+                                                                  {arguments.history, OutputKind::history}};
+  for (const auto& [path, kind] : outputs)
+    if (!path.empty()) check_output({path, kind, {arguments.results, arguments.baseline}, arguments.force});
   if (arguments.accepts) return accept(arguments, time);
   GateLimits limits;
   limits.smallest_percent = arguments.smallest_percent;

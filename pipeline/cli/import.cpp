@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
 #include "datasets/import/import_formats.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/exchange.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -57,10 +57,9 @@ void print_report(const ImportReport& report, const std::filesystem::path& outpu
 }  // namespace
 
 int import_session(const ImportArguments& arguments) {
-  check_output_file(arguments.output);
-  if (std::filesystem::exists(arguments.output))
-    throw InputError(arguments.output.string(),
-                     "exists; a session is never written over another. Take another name");
+  std::vector<std::filesystem::path> inputs = arguments.files;
+  inputs.push_back(arguments.timestamps);
+  check_output({arguments.output, OutputKind::session, inputs, arguments.force});
   ImportOptions options{.rate_hz = arguments.rate_hz,
                         .depth_unit_mm = arguments.depth_unit_mm,
                         .timestamps = arguments.timestamps,

@@ -13,6 +13,7 @@
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/clock_json.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -198,8 +199,6 @@ std::filesystem::path default_output(const std::filesystem::path& damaged) {
 int give_its_name(const std::filesystem::path& damaged, const std::filesystem::path& output, bool json) {
   const bool unnamed = damaged.extension() == ".partial";
   if (unnamed) {
-    if (std::filesystem::exists(output))
-      throw InputError(output.string(), "exists; what is recovered needs a name of its own");
     publish_file(damaged, output);
   }
   const std::filesystem::path session = unnamed ? output : damaged;
@@ -253,7 +252,10 @@ Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesyste
 int recover(const RecoverArguments& arguments) {
   const std::filesystem::path damaged = found_session(arguments.session);
   const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
-  if (SessionReader(damaged).complete()) return give_its_name(damaged, output, arguments.json);
+  const bool complete = SessionReader(damaged).complete();
+  if (!complete || damaged.extension() == ".partial")
+    check_output({output, OutputKind::session, {damaged}, arguments.force, {}, ".recovered.partial"});
+  if (complete) return give_its_name(damaged, output, arguments.json);
   std::vector<SensorRecovery> recoveries;
   {
     Progress progress("recovering " + damaged.filename().string());

@@ -92,6 +92,7 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("--threads", c.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  add_force(*verb, c.force);
   add_json(*verb, c.json);
   verb->callback([&] {
     end_in_order();
@@ -107,6 +108,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   simulate_verb->add_option("--shard", a.simulate.shard,
                             "k/n: make only part k of n, into a folder for `trilat merge`");
   add_allow_outside(*simulate_verb, a.simulate.outside, "simulation.json");
+  add_force(*simulate_verb, a.simulate.force);
   add_json(*simulate_verb, a.simulate.json);
   simulate_verb->callback([&] {
     end_in_order();
@@ -138,6 +140,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       "--output holds is always asked");
   run_verb->add_flag("--fresh", a.run.fresh, "compute all again, whatever --output holds");
   add_allow_outside(*run_verb, a.run.outside, "campaign.json or simulation.json");
+  add_force(*run_verb, a.run.force);
   add_json(*run_verb, a.run.json);
   run_verb->callback([&] {
     end_in_order();
@@ -155,6 +158,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       ->add_option("--memory-mb", a.merge.memory_mb,
                    "summarise takes in so much memory; half of what there is")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+  add_force(*merge_verb, a.merge.force);
   add_json(*merge_verb, a.merge.json);
   merge_verb->callback([&] {
     end_in_order();
@@ -169,6 +173,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
                           "the time stamp of the page, any text; without it the time of the day");
   report_verb->add_flag("--audit", a.report.audit,
                         "print what the paper's own tables imply against what it says; needs no results");
+  add_force(*report_verb, a.report.force);
   add_json(*report_verb, a.report.json);
   report_verb->callback([&] { code = report(a.report); });
 
@@ -184,6 +189,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   reproduce_verb->add_option("--threads", a.reproduce.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  add_force(*reproduce_verb, a.reproduce.force);
   add_json(*reproduce_verb, a.reproduce.json);
   reproduce_verb->callback([&] {
     end_in_order();
@@ -214,6 +220,7 @@ void add_gate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("--threads", g.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  add_force(*verb, g.force);
   add_json(*verb, g.json);
   verb->footer("Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place.");
   verb->callback([&a, &code, accept] {

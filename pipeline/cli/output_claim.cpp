@@ -22,8 +22,6 @@ bool has_no_bytes(const std::filesystem::path& path) {
 
 OutputClaim::OutputClaim(const std::filesystem::path& output) : partial_(partial_name(output)) {
   check_output_file(output);
-  if (std::filesystem::exists(output))
-    throw InputError(output.string(), "exists; a recording is never written over another. Take another name");
   const int file = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file >= 0) {
     ::close(file);

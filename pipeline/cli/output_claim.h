@@ -7,7 +7,7 @@ namespace trilat {
 
 // Holds the name of an output that takes long to come, so that no other process takes it meanwhile: the file
 // under its unfinished name, empty until somebody writes it. An empty one is removed in the end. InputError
-// where either name exists.
+// where that name exists.
 class OutputClaim {
  public:
   explicit OutputClaim(const std::filesystem::path& output);

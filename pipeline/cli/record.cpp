@@ -10,6 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/live_display.h"
 #include "pipeline/cli/output_claim.h"
 #include "pipeline/cli/record_truth.h"
@@ -96,6 +97,15 @@ std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDis
   return source;
 }
 
+std::vector<std::filesystem::path> replayed_files(const std::vector<std::string>& sources) {
+  constexpr std::string_view kReplay = "replay:";
+  std::vector<std::filesystem::path> files;
+  for (const std::string& source : sources)
+    if (source.starts_with(kReplay))
+      files.emplace_back(source.substr(kReplay.size(), source.find(',') - kReplay.size()));
+  return files;
+}
+
 void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
   const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
@@ -114,7 +124,10 @@ int record_session(const RecordArguments& arguments) {
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
   refuse_full_disk(arguments.output, arguments.reserve_mb);
+  if (!arguments.truth.empty())
+    check_output({arguments.truth, OutputKind::truth, {}, arguments.force, arguments.output.string()});
   const OutputClaim claim(arguments.output);
+  check_output({arguments.output, OutputKind::session, replayed_files(arguments.sources), arguments.force});
   std::optional<RecordTruth> truth;
   if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;

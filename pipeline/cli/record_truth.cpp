@@ -32,12 +32,12 @@ RecordTruth::RecordTruth(const std::vector<std::string>& sources, const std::fil
   plan.duration_s = duration_s > 0.0 ? duration_s : kDefaultDuration_s;
   plan.marker_joints = kMarkerJoints;
   make_folder(folder);
-  write_simulated_mocap(setup.simulation.mocap, plan, folder, stop_requested);
-  write_mapping(folder / "mapping.json", marker_mapping(kMarkerJoints));
-  Calibration poses{"simulated truth", {}};
+  Calibration poses{kSimulatedTruth, {}};
   poses.simulated = true;
   for (const SimulatedSensor& sensor : setup.sensors) poses.sensors.push_back(sensor.pose);
   write_calibration(folder / "calibration.json", poses);
+  write_simulated_mocap(setup.simulation.mocap, plan, folder, stop_requested);
+  write_mapping(folder / "mapping.json", marker_mapping(kMarkerJoints));
 }
 
 void RecordTruth::finish(FrameSource& source, const std::filesystem::path& session) const {

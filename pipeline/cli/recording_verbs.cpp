@@ -43,6 +43,7 @@ void add_record(CLI::App& app, RecordArguments& r, int& code) {
   verb->add_flag("--preview", r.preview, "shows the skeletons on the terminal");
   verb->add_option("--truth", r.truth,
                    "of a synthetic source: folder for the OptiTrack export, true poses and a campaign.json");
+  add_force(*verb, r.force);
   add_json(*verb, r.json);
   verb->footer(
       "Examples:\n"
@@ -78,6 +79,7 @@ void add_recover(CLI::App& app, RecoverArguments& r, int& code) {
   auto* verb = app.add_subcommand("recover", "save what a killed recorder left, into a new session");
   verb->add_option("session", r.session, "session.h5, or session.h5.partial")->required();
   verb->add_option("-o,--output", r.output, "the new session; by default the name without .partial");
+  add_force(*verb, r.force);
   add_json(*verb, r.json);
   verb->callback([&] {
     end_in_order();
@@ -89,6 +91,11 @@ void add_recover(CLI::App& app, RecoverArguments& r, int& code) {
 
 void add_json(CLI::App& verb, bool& json) {
   verb.add_flag("--json", json, "one JSON document on stdout, and nothing else there");
+}
+
+void add_force(CLI::App& verb, bool& force) {
+  verb.add_flag("--force", force,
+                "replace what stands under the output's name, whoever wrote it; never an input");
 }
 
 void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code) {

@@ -20,5 +20,7 @@ void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code
 
 // The flag that every verb has.
 void add_json(CLI::App& verb, bool& json);
+// And every verb that writes something.
+void add_force(CLI::App& verb, bool& force);
 
 }  // namespace trilat

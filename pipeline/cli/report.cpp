@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/audit.h"
@@ -45,6 +46,7 @@ int report(const ReportArguments& arguments) {
     throw InputError("trilat report",
                      "needs results folders, or --audit for what the paper's own numbers imply");
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
+  check_output({arguments.output, OutputKind::report, arguments.results, arguments.force});
   ReportFiles files;
   {
     Progress progress("writing the report");

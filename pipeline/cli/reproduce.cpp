@@ -9,6 +9,7 @@
 #include "datasets/base/error.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/execute_budget.h"
 #include "pipeline/cli/part_progress.h"
@@ -168,16 +169,6 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
   if (outcome.summary.interrupted) throw Interrupted();
 }
 
-// The folder is ours to fill when it is new, empty or an earlier reproduction.
-void check_output(const std::filesystem::path& folder) {
-  namespace fs = std::filesystem;
-  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder)) ||
-      fs::exists(folder / "campaign"))
-    return;
-  throw InputError(folder.string(),
-                   "exists and is not an earlier reproduction; choose another name or remove it");
-}
-
 // Every results folder, in the order of the report.
 std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> results;
@@ -185,6 +176,19 @@ std::vector<std::filesystem::path> results_in(const std::filesystem::path& folde
                            "error_budget", "table1", "table1_search", "calibration", "table4"})
     results.push_back(folder / name);
   return results;
+}
+
+// Everything that will be written, before hours of work.
+void check_outputs(const ReproduceArguments& arguments) {
+  const std::filesystem::path& folder = arguments.output;
+  const auto check = [&](const std::filesystem::path& path, OutputKind kind) {
+    check_output({path, kind, {}, arguments.force});
+  };
+  check(folder, OutputKind::reproduction);
+  for (const char* campaign : {"campaign", "campaign_different_heights", "campaign_equal_heights"})
+    check(folder / campaign, OutputKind::campaign);
+  for (const std::filesystem::path& results : results_in(folder)) check(results, OutputKind::results);
+  check(folder / "report", OutputKind::report);
 }
 
 ReportFiles report_into(const std::filesystem::path& folder) {
@@ -238,7 +242,7 @@ void print_tables(const std::filesystem::path& folder, const ReportFiles& report
 
 int reproduce(const ReproduceArguments& arguments) {
   const std::filesystem::path folder = arguments.output;
-  check_output(folder);
+  check_outputs(arguments);
   const SimulationSpec spec = paper_campaign(arguments);
   begin_stage(1, fmt::format("simulating {} participants ({} scale, seed {})", spec.participants,
                              arguments.scale, spec.seed));

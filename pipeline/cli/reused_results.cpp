@@ -5,6 +5,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
+#include "pipeline/cli/check_output.h"
+
 namespace trilat {
 namespace {
 
@@ -18,6 +21,17 @@ std::string some_of(const std::vector<std::string>& ids) {
 }
 
 }  // namespace
+
+void check_run_output(const RunArguments& arguments, ResultsKind kind,
+                      std::vector<std::filesystem::path> inputs) {
+  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  inputs.insert(inputs.end(), {arguments.study, arguments.calibration});
+  for (const std::filesystem::path& folder : arguments.reuse)
+    if (std::error_code error; !std::filesystem::equivalent(folder, arguments.output, error))
+      inputs.push_back(folder);
+  check_output({arguments.output, arguments.shard.empty() ? OutputKind::results : OutputKind::part, inputs,
+                arguments.force, name_of(kind)});
+}
 
 std::vector<std::filesystem::path> reused_results(const RunArguments& arguments) {
   std::vector<std::filesystem::path> folders = arguments.reuse;

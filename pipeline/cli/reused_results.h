@@ -6,10 +6,16 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/items/item_store.h"
 
 namespace trilat {
+
+// Refuses an output that is missing or may not be written; `inputs`: what the study reads beside what the
+// arguments name.
+void check_run_output(const RunArguments& arguments, ResultsKind kind,
+                      std::vector<std::filesystem::path> inputs = {});
 
 // The earlier results that a run may take from: those named, and what its output holds unless it is to be
 // computed afresh.

@@ -94,6 +94,13 @@ Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
   return campaign;
 }
 
+std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
+  std::vector<std::filesystem::path> inputs{campaign.folder};
+  for (const Take& t : campaign.takes)
+    inputs.insert(inputs.end(), {t.session, t.calibration, t.mocap, t.mapping, t.tracker_truth});
+  return inputs;
+}
+
 ExecuteOptions options_of(const RunArguments& arguments) {
   ExecuteOptions options;
   options.threads = arguments.threads;
@@ -156,7 +163,7 @@ int run_accuracy_study(const RunArguments& arguments, const Json& json) {
   const Campaign campaign = campaign_of(study, arguments);
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   if (arguments.dry_run) return print_plan(make_plan(study, campaign), shard, arguments.json);
-  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  check_run_output(arguments, ResultsKind::accuracy, inputs_of(campaign));
   if (!arguments.shard.empty()) return run_shard(arguments, study, campaign, shard);
   ExecuteOptions options = options_of(arguments);
   StudyRun run;

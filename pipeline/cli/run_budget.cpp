@@ -29,6 +29,13 @@ int print_results(const BudgetSummary& summary, const std::filesystem::path& out
   return kDone;
 }
 
+// That the study names; empty when it names none.
+std::filesystem::path simulation_file(const RunArguments& arguments, const Json& study) {
+  return study.contains("simulation") && study["simulation"].is_string()
+             ? arguments.study.parent_path() / study["simulation"].get<std::string>()
+             : std::filesystem::path();
+}
+
 }  // namespace
 
 int run_budget_study(const RunArguments& arguments, const Json& study) {
@@ -54,7 +61,7 @@ int run_budget_study(const RunArguments& arguments, const Json& study) {
                  spec.study.name, error_sources().size(), spec.simulation.participants);
     return kDone;
   }
-  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  check_run_output(arguments, ResultsKind::error_budget, {simulation_file(arguments, study)});
   ItemTally tally;
   const WorkOptions work = work_options(arguments);
   BudgetSummary summary;

@@ -58,7 +58,7 @@ int run_calibration_study(const RunArguments& arguments, const Json& study) {
   if (arguments.cross_check) throw InputError("--cross-check", "is for studies of kind accuracy");
   const CalibrationSpec spec = parse_calibration_spec(study, arguments.study.string());
   if (arguments.dry_run) return print_plan(spec, arguments.json);
-  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  check_run_output(arguments, ResultsKind::calibration);
   ItemTally tally;
   const WorkOptions work = work_options(arguments);
   CalibrationSummary summary;

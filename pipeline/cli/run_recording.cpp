@@ -58,7 +58,7 @@ int run_recording_study(const RunArguments& arguments, const Json& study) {
   if (arguments.cross_check) throw InputError("--cross-check", "is for studies of kind accuracy");
   const RecordingSpec spec = parse_recording_spec(study, arguments.study.string());
   if (arguments.dry_run) return print_plan(spec, arguments.json);
-  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  check_run_output(arguments, ResultsKind::recording);
   ItemTally tally;
   const WorkOptions work = work_options(arguments);
   RecordingOutcome outcome;

@@ -2,6 +2,7 @@
 // `trilat run` of a threshold sweep.
 #include "datasets/base/error.h"
 #include "pipeline/cli/part_progress.h"
+#include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/sweep_text.h"
 #include "pipeline/cli/verbs.h"
 
@@ -25,7 +26,7 @@ int run_sweep_study(const RunArguments& arguments, const Json& study) {
   options.work.reuse = arguments.reuse;
   options.fresh = arguments.fresh;
   if (arguments.dry_run) return print_sweep_plan(plan, options.work.shard, arguments.json);
-  if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
+  check_run_output(arguments, ResultsKind::threshold_sweep);
   SweepOutcome outcome;
   {
     PartProgress progress;

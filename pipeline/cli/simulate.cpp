@@ -5,6 +5,7 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
@@ -15,9 +16,16 @@
 namespace trilat {
 namespace {
 
+std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, const SimulationSpec& spec) {
+  if (!spec.recorded) return {arguments.spec};
+  return {arguments.spec, spec.recorded->mocap, spec.recorded->mapping};
+}
+
 int simulate_shard(const SimulateArguments& arguments, const Shard& shard) {
   WatchedFiles inputs({arguments.spec});
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
+  check_output({arguments.output, OutputKind::campaign_part, files_of(arguments, spec), arguments.force,
+                kCampaignPart});
   std::string sha256 = hash_of_file(arguments.spec);
   if (spec.recorded)
     for (const std::filesystem::path& file : {spec.recorded->mocap, spec.recorded->mapping}) {
@@ -27,8 +35,9 @@ int simulate_shard(const SimulateArguments& arguments, const Shard& shard) {
   ItemTally tally;
   {
     Progress progress("simulating");
-    tally = simulate_part(spec, hash_of_text(sha256), shard, arguments.output,
-                          {stop_requested, [&](double share) { progress.set(share); }, inputs});
+    tally =
+        simulate_part(spec, hash_of_text(sha256), shard, arguments.output,
+                      {stop_requested, [&](double share) { progress.set(share); }, inputs, arguments.force});
   }
   tell_reuse("recordings", tally);
   print_part(arguments.output, shard, tally, arguments.json);
@@ -40,8 +49,7 @@ int simulate_shard(const SimulateArguments& arguments, const Shard& shard) {
 int simulate(const SimulateArguments& arguments) {
   if (!arguments.shard.empty()) return simulate_shard(arguments, parse_shard(arguments.shard, "--shard"));
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
-  if (std::filesystem::exists(arguments.output) && !std::filesystem::is_directory(arguments.output))
-    throw InputError(arguments.output.string(), "is a file; a folder is needed");
+  check_output({arguments.output, OutputKind::campaign, files_of(arguments, spec), arguments.force});
   Campaign campaign;
   {
     Progress progress("simulating");

@@ -117,24 +117,23 @@ bool is_made(const fs::path& output, const WorkPart& wanted) {
     std::string id = item.id;
     done[id] = std::move(item);
   }
-  return std::all_of(wanted.items.begin(), wanted.items.end(),
-                     [&](const PartItem& item) {
-                       if (item.shard != wanted.number) return true;
-                       const auto found = done.find(item.id);
-                       return found != done.end() &&
-                              found->second.key == key_in_study(wanted.work, item.id) &&
-                              damaged_file(found->second.outcome, output / item.id).empty();
-                     }) &&
-         fs::exists(output / "items.json");
+  return std::all_of(wanted.items.begin(), wanted.items.end(), [&](const PartItem& item) {
+    if (item.shard != wanted.number) return true;
+    const auto found = done.find(item.id);
+    return found != done.end() && found->second.key == key_in_study(wanted.work, item.id) &&
+           damaged_file(found->second.outcome, output / item.id).empty();
+  });
 }
 
-// What is there already is left alone, or refused. Says whether it is there.
-bool keep_made(const fs::path& output, const WorkPart& wanted, ItemTally& tally) {
+// What is there already is left alone, or refused unless `force`. Says whether it is there.
+bool keep_made(const fs::path& output, const WorkPart& wanted, bool force, ItemTally& tally) {
   if (!fs::exists(output) || (fs::is_directory(output) && fs::is_empty(output))) return false;
-  if (!is_made(output, wanted))
+  const bool made = fs::exists(output / "items.json") && is_made(output, wanted);
+  if (!made && force) return false;
+  if (!made)
     throw InputError(output.string(),
                      "exists and is not this part; recordings are never replaced. Choose another name, or "
-                     "remove it");
+                     "replace it with --force");
   if (!fs::exists(output / "part.json")) write_part(output, wanted);
   fs::remove(output / ItemJournal::kFile);  // when it could not be removed at the end
   for (const PartItem& item : wanted.items)
@@ -151,7 +150,7 @@ ItemTally simulate_part(const SimulationSpec& spec, const std::string& sha256, c
   const WorkPart wanted{kCampaignPart, build_id(), shard.number,
                         shard.of,      work,       items_of(spec, campaign, shard)};
   ItemTally tally;
-  if (keep_made(output, wanted, tally)) return tally;
+  if (keep_made(output, wanted, options.force, tally)) return tally;
   Kept kept{ItemJournal::kFile};
   for (std::size_t r = 0; r < campaign.recordings(); ++r) kept.push_back(campaign.id(r));
   const ResultsFolder folder(output, kept);
@@ -183,8 +182,6 @@ ItemTally simulate_part(const SimulationSpec& spec, const std::string& sha256, c
 }
 
 void merge_campaign(const std::vector<FoundPart>& parts, const fs::path& output) {
-  if (fs::exists(output) && !(fs::is_directory(output) && fs::is_empty(output)))
-    throw InputError(output.string(), "exists; recordings are never replaced. Choose another name");
   const FoundPart& first = parts.front();
   JsonObject work(first.part.work, (first.folder / "part.json").string(), "/work");
   const std::string name = work.text("simulation");

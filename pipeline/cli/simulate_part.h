@@ -19,6 +19,7 @@ struct SimulatePartOptions {
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};
   WatchedFiles inputs = {};  // that the simulation was read from
+  bool force = false;        // another part may be replaced
 };
 
 // Makes one shard's recordings of a simulated campaign into a part folder, each in a folder of its own. A
@@ -27,8 +28,8 @@ ItemTally simulate_part(const SimulationSpec& spec, const std::string& sha256, c
                         const std::filesystem::path& output, const SimulatePartOptions& options);
 
 // Puts the parts' recordings into one campaign, as one simulation would have made it, to the byte. Files are
-// linked where the file system can, else copied; the parts stay as they are. An earlier campaign in `output`
-// is refused.
+// linked where the file system can, else copied; the parts stay as they are. What
+// stands under the name of `output` is replaced.
 void merge_campaign(const std::vector<FoundPart>& parts, const std::filesystem::path& output);
 
 }  // namespace trilat

@@ -190,10 +190,10 @@ Take simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& cam
 }
 
 void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
-  Calibration truth{"simulated truth", rig.poses};
+  write_declared_parameters(folder, declared_parameters(spec));  // first: by it a simulation is known
+  Calibration truth{kSimulatedTruth, rig.poses};
   truth.simulated = true;
   write_calibration(folder / "calibration.json", truth);
-  write_declared_parameters(folder, declared_parameters(spec));
 }
 
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,

@@ -36,6 +36,7 @@ struct RecordArguments {
   int workers = 2;
   bool preview = false;
   std::filesystem::path truth;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int record_session(const RecordArguments& arguments);
@@ -43,6 +44,7 @@ int record_session(const RecordArguments& arguments);
 struct RecoverArguments {
   std::filesystem::path session;
   std::filesystem::path output;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int recover(const RecoverArguments& arguments);
@@ -72,6 +74,7 @@ struct SimulateArguments {
   std::filesystem::path output;
   std::string shard;  // k/n, or empty: all of it
   OutsidePaths outside = OutsidePaths::refused;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int simulate(const SimulateArguments& arguments);
@@ -90,6 +93,7 @@ struct CalibrateArguments {
   bool no_depth_correction = false;
   std::string shard;  // k/n, or empty: all of it
   int threads = 0;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int calibrate(const CalibrateArguments& arguments);
@@ -107,6 +111,7 @@ struct RunArguments {
   std::string shard;                         // k/n, or empty: all of it
   std::vector<std::filesystem::path> reuse;  // earlier results
   bool fresh = false;                        // nothing is taken from the results that `output` holds
+  bool force = false;                        // may replace what others wrote
   bool json = false;
 };
 int run(const RunArguments& arguments);
@@ -126,6 +131,7 @@ struct MergeArguments {
   std::filesystem::path output;
   int threads = 0;
   std::optional<std::uint64_t> memory_mb;  // none: half of what there is
+  bool force = false;                      // may replace what others wrote
   bool json = false;
 };
 int merge(const MergeArguments& arguments);
@@ -135,6 +141,7 @@ struct ReportArguments {
   std::filesystem::path output;
   bool audit = false;  // of the paper alone; needs no results
   std::string time;    // the page's time stamp; empty: now
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int report(const ReportArguments& arguments);
@@ -144,6 +151,7 @@ struct ReproduceArguments {
   std::string scale = "quick";
   std::uint64_t seed = 1;
   int threads = 0;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int reproduce(const ReproduceArguments& arguments);
@@ -158,6 +166,7 @@ struct GateArguments {
   std::string reason;
   bool speed = false;
   int threads = 0;
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int gate(const GateArguments& arguments);

@@ -104,8 +104,7 @@ RecordingOutcome execute_recording(const RecordingSpec& spec, const std::filesys
   if (is_done_already(output, options.work, key_of(spec), list, files, options.tally))
     return {read_recording_summary(output),
             read_stage_timings(output).value_or(StageTimings{spec.name, processor_name(), {}})};
-  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile},
-                             options.work.shard.whole() ? "" : name_of(ResultsKind::recording));
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile});
   RecordingOutcome outcome;
   on_threads(options.threads, [&](int threads) {
     StudyItems items(name_of(ResultsKind::recording), resolved_json(spec), list, folder.partial(),

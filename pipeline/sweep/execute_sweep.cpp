@@ -102,8 +102,7 @@ SweepOutcome execute_sweep(const SweepPlan& plan, const fs::path& asked, const E
       is_part(options) ? holds_part(output, plan, options.work.shard) : holds_sweep(output, plan);
   if (is_there && !options.fresh && !holds_unfinished(output, is_part(options)))
     return unchanged(plan, output, options);
-  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{SweepLog::kFinished, SweepLog::kOpen},
-                             is_part(options) ? kSweepPart : "");
+  const ResultsFolder folder(output, options.fresh ? Kept{} : Kept{SweepLog::kFinished, SweepLog::kOpen});
   SweepOutcome outcome;
   on_threads(options.threads, [&](int threads) { outcome = execute_into(plan, folder, options, threads); });
   outcome.folder = outcome.summary.interrupted ? folder.partial() : folder.output();

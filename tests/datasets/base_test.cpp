@@ -12,6 +12,7 @@
 #include "datasets/base/philox.h"
 #include "datasets/base/time.h"
 #include "datasets/base/units.h"
+#include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
@@ -127,6 +128,13 @@ TEST(Check, ThrowsWithFileAndLine) {
   } catch (const InternalError& error) {
     EXPECT_THAT(error.what(), testing::MatchesRegex("base_test\\.cpp:[0-9]+: one is two"));
   }
+}
+
+TEST(WriteFile, WhatCannotBePutInPlaceLeavesNothingBeside) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "taken/by");
+  EXPECT_THROW(write_file(folder / "taken", "text"), OutputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "taken.partial"));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST(Exchange, WhatCannotBeMeantIsRefusedAndLeavesNothing) {
   expect_refused(run_trilat(folder, {"export", "trc", csv, "-o", folder / "a.trc"}), csv);
   EXPECT_FALSE(std::filesystem::exists(session));
   EXPECT_FALSE(std::filesystem::exists(session + ".partial"));
-  expect_refused(run_trilat(folder, {"import", "labanotation", csv, "-o", csv}), "never written over");
+  expect_refused(run_trilat(folder, {"import", "labanotation", csv, "-o", csv}), "never an input");
 }
 
 TEST(Exchange, HelpListsEveryFormat) {

@@ -5,7 +5,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/work_part.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -18,38 +17,6 @@ fs::path folder_with(const fs::path& folder, const std::string& file, const std:
   make_folder(folder);
   write_file(folder / file, text);
   return folder;
-}
-
-fs::path part_of_kind(const fs::path& folder, const std::string& kind) {
-  make_folder(folder);
-  write_part(folder, {kind, "build", 1, 2, Json::object(), {}});
-  return folder;
-}
-
-TEST(ResultsFolder, APartIsReplacedByPartsOfItsKindOnly) {
-  const ScratchFolder folder;
-  const fs::path part = part_of_kind(folder / "part", "campaign");
-  EXPECT_THAT(message_of([&] { ResultsFolder{part}; }), HasSubstr("is a part of kind campaign"));
-  EXPECT_THAT(message_of([&] { ResultsFolder(part, {}, "accuracy"); }),
-              HasSubstr("is not replaced by something else"));
-  EXPECT_TRUE(fs::exists(part / "part.json"));
-  ResultsFolder(part, {}, "campaign").put_in_place();
-  EXPECT_FALSE(fs::exists(part / "part.json"));
-}
-
-TEST(ResultsFolder, KnowsItsOwnWithoutTheOneFileThatAWorkflowEngineRemoves) {
-  const ScratchFolder folder;
-  const fs::path results = folder_with(folder / "results", "run.json", R"({"format": "trilat.run"})");
-  ResultsFolder{results}.put_in_place();
-  EXPECT_TRUE(fs::is_empty(results));
-  folder_with(results, "manifest.json", R"({"format": "trilat.manifest"})");
-  ResultsFolder{results}.put_in_place();
-  for (const char* text : {R"({"format": "another.run"})", "[]", "no JSON"}) {
-    folder_with(results, "run.json", text);
-    EXPECT_THAT(message_of([&] { ResultsFolder{results}; }), HasSubstr("is not a results folder")) << text;
-  }
-  const fs::path recordings = folder_with(folder / "sim", "items.json", R"({"format": "trilat.items"})");
-  EXPECT_THAT(message_of([&] { ResultsFolder{recordings}; }), HasSubstr("is not a results folder"));
 }
 
 TEST(ResultsFolder, WhatALinkLeadsToIsReplacedAndTheLinkStays) {

@@ -385,7 +385,7 @@ TEST(Run, AnInterruptedRunKeepsTheEarlierResults) {
   EXPECT_EQ(read_file(folder / "results/summary.json"), before);
 }
 
-TEST(Run, EarlierResultsAreReplacedAndOtherFoldersRefused) {
+TEST(Run, EarlierResultsAreReplaced) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
   const StudySpec study = study_with(R"(["mean"])", kFewMethods);
@@ -394,15 +394,6 @@ TEST(Run, EarlierResultsAreReplacedAndOtherFoldersRefused) {
   execute_study(other, campaign, folder / "results", {});
   EXPECT_EQ(read_summary(folder / "results").alignments, std::vector<std::string>{"none"});
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
-
-  std::filesystem::create_directories(folder / "thesis");
-  write_file(folder / "thesis/chapter1.tex", "ten years of work");
-  EXPECT_THAT(message_of([&] { execute_study(study, campaign, folder / "thesis", {}); }),
-              HasSubstr("thesis: exists and is not a results folder"));
-  write_file(folder / "thesis/summary.json", R"({"of": "something else"})");
-  EXPECT_THAT(message_of([&] { execute_study(study, campaign, folder / "thesis", {}); }),
-              HasSubstr("thesis: exists and is not a results folder"));
-  EXPECT_EQ(read_file(folder / "thesis/chapter1.tex"), "ten years of work");
 }
 
 TEST(Run, NeighboursOfTheResultsAreLeftAlone) {

@@ -302,7 +302,7 @@ TEST(SimulateParts, AFinishedPartIsLeftAloneAndNothingElseReplacesIt) {
   EXPECT_THAT(
       run_trilat(simulated.folder, {"run", (simulated.folder / "study.json").string(), "-o", part.string()})
           .err,
-      HasSubstr("is a part of kind campaign"));
+      HasSubstr("is not a results folder"));
   EXPECT_TRUE(std::filesystem::exists(part / "p01-walking/session.h5"));
 }
 

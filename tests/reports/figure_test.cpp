@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <regex>
 
 #include <gmock/gmock.h>
@@ -92,7 +93,7 @@ TEST(FigureScript, ALogAxisLeavesOutWhatIsNotAboveZero) {
   figure.series[0].points = {{0.0, 0.0}, {50.0, -1.0}, {100.0, 6.0, -1.0, 7.0}};
   const std::string script = gnuplot_script(figure);
   EXPECT_THAT(rows_of(script), ElementsAre("100 6 6 6"));  // an interval that goes below zero has no place
-  EXPECT_THAT(script, Not(HasSubstr("yerrorbars")));
+  EXPECT_THAT(script, Not(HasSubstr("with vectors")));
 }
 
 TEST(FigureScript, SeriesOfOneGroupAreOneEntryOfTheLegend) {
@@ -184,6 +185,24 @@ TEST(SvgLook, MediansOfBoxesBelongToTheirEntryAndThePaperTurnsDarkAlone) {
   EXPECT_THAT(svg, HasSubstr("<g id=\"a_plot_2\" class=\"companion\">"));
   EXPECT_THAT(svg, HasSubstr("svg:target [fill=\"#ffffff\"]{fill:#15171b}"));
   EXPECT_THAT(svg, testing::Not(HasSubstr("rgb(  0, 114, 178)")));
+}
+
+TEST(FigureSvg, EveryMarkerOfTheLegendIsInThePlotAlsoWithIntervals) {
+  Figure figure = small_figure();
+  FigureSeries dots{"dots", FigureSeries::Style::dots, {}};
+  FigureSeries line{"line", FigureSeries::Style::line_and_dots, {}};
+  for (int i = 0; i < 5; ++i) {
+    dots.points.push_back({1.0 * i, 2.0 + i, 1.5 + i, 2.5 + i});
+    line.points.push_back({1.0 * i, 9.0 - i, 8.5 - i, 9.5 - i});
+  }
+  figure.series = {dots, line};
+  const std::string svg = drawn(figure).svg;
+  std::map<std::string, int> markers;
+  const std::regex use("<use xlink:href='#(gp[A-Za-z0-9]+)'[^>]*color='([^']*)'");
+  for (std::sregex_iterator m(svg.begin(), svg.end(), use), end; m != end; ++m)
+    ++markers[(*m)[1].str() + (*m)[2].str()];
+  EXPECT_THAT(markers, testing::SizeIs(2));
+  for (const auto& [marker, count] : markers) EXPECT_EQ(count, 5 + 1) << marker;  // and one in the legend
 }
 
 TEST(Figure, ItsNumbersAreUnroundedAndMissingOnesEmpty) {

@@ -171,6 +171,39 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   EXPECT_EQ(report.tables.size(), 12u);
 }
 
+// Two nights, say, whose folders are called alike.
+TEST(Report, ResultsOfOneNameAreToldApartByTheFoldersAroundThem) {
+  const ScratchFolder folder;
+  std::vector<std::filesystem::path> nights;
+  for (const char* night : {"A", "B"}) {
+    std::filesystem::create_directory(folder / night);
+    nights.push_back(results_in(folder, std::string(night) + "/res", hand_made_summary()));
+    write_file(nights.back() / "manifest.json",
+               R"({"format": "trilat.manifest", "version": 1, "program": "trilat 9", "study": {"kind": )"
+               R"("accuracy", "name": ")" +
+                   hand_made_summary().study + R"(", "seed": 5}, "study_sha256": "ab"})");
+  }
+  nights.push_back(nights.front());
+  const ReportFiles report = write_report(nights, folder / "AB");
+  EXPECT_FALSE(std::filesystem::exists(folder / "AB.partial"));
+  for (const char* study : {"A-res", "B-res", "A-res--2-"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "AB/studies" / (std::string(study) + ".json"))) << study;
+  const std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
+  EXPECT_EQ(written.size(), report.written.size());
+  for (const char* name : {": A/res\n", ": B/res\n", ": A/res (2)\n"})
+    EXPECT_THAT(read_file(folder / "AB/report.md"), HasSubstr(name));
+}
+
+TEST(Report, WhatCannotBeWrittenToItsEndLeavesNothingAside) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_summary());
+  std::filesystem::create_directories(folder / "report/report.html/mine");
+  EXPECT_ANY_THROW(write_report({results}, folder / "report"));
+  EXPECT_THAT(read_file(folder / "report/files.txt"),
+              testing::StartsWith("report.html\n"));  // may be replaced
+  EXPECT_FALSE(std::filesystem::exists(folder / "report.partial"));
+}
+
 TEST(Report, ItsDocumentCompiles) {
   if (!std::filesystem::exists(kPdflatex)) GTEST_SKIP() << "pdflatex is not installed";
   const ScratchFolder folder;

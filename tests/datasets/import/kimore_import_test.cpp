@@ -60,6 +60,23 @@ TEST(KimoreImport, DoesWithoutOrientations) {
   EXPECT_THAT(frames[0].bodies[0].orientation_xyzw[3], ElementsAre(0.0f, 0.0f, 0.0f, 0.0f));
 }
 
+TEST(KimoreImport, PositionsAloneAreTakenWithARate) {
+  const Exercise exercise;
+  exercise.write("JointPosition1.csv", "\n" + positions(0) + "0.1,0.2,\n" + positions(2));
+  const auto alone = exercise.raw / "JointPosition1.csv";
+  EXPECT_THAT(import_refusal(exercise.folder, "kimore", {alone}), HasSubstr("--rate-hz: is missing"));
+  const Imported result = imported(exercise.folder, "kimore", {alone}, {.rate_hz = 20.0});
+  const auto frames = result.frames();
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].stamp.device_ticks, 1'000'000);  // the torn row in between has its time
+  EXPECT_EQ(frames[1].bodies[0].position_m[4][0], static_cast<float>(made_up_joint_m(2, 4)[0]));
+  EXPECT_EQ(result.session.header().sensors[0].nominal_rate_hz, 20.0);
+  EXPECT_THAT(result.report.note, HasSubstr("no time stamps: row / 20 Hz is the time"));
+  EXPECT_THAT(result.report.note, HasSubstr("no orientations"));
+  EXPECT_THAT(import_refusal(exercise.folder, "kimore", {exercise.raw}, {.rate_hz = 20.0}),
+              HasSubstr("--rate-hz: is not for this format"));
+}
+
 TEST(KimoreImport, ATornRowCostsOneFrameAndShiftsNoOther) {
   const Exercise exercise;
   exercise.write("JointPosition1.csv", "\n" + positions(0) + "0.1,0.2,\n" + positions(2));
@@ -82,8 +99,6 @@ TEST(KimoreImport, RefusesFoldersWithoutOrWithTwoExercises) {
   const Exercise exercise;
   exercise.write("TimeStamp2.csv", "1\n");
   EXPECT_THAT(import_refusal(exercise.folder, "kimore", {exercise.raw}), HasSubstr("2 files TimeStamp*.csv"));
-  EXPECT_THAT(import_refusal(exercise.folder, "kimore", {exercise.raw / "TimeStamp2.csv"}),
-              HasSubstr("no folder"));
   std::filesystem::remove(exercise.raw / "JointPosition1.csv");
   EXPECT_THAT(import_refusal(exercise.folder, "kimore", {exercise.raw}),
               HasSubstr("0 files JointPosition*.csv"));

@@ -7,6 +7,7 @@
 namespace trilat {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -121,6 +122,28 @@ TEST(NodeKinect2Import, AnElementThatIsNoBodyCostsOnlyItself) {
   EXPECT_EQ(result.report.sensors[0].left_out.torn_rows, 1);
 }
 
+std::string without_start(std::string text) {
+  const std::string start = R"("record_startime":1518026639637,)";
+  for (std::size_t at; (at = text.find(start)) != std::string::npos;) text.erase(at, start.size());
+  return text;
+}
+
+TEST(NodeKinect2Import, AFileThatDoesNotSayWhenItBeganIsReadAndTheNoteSaysSo) {
+  const ScratchFolder folder;
+  const auto file =
+      text_file(folder, "a.json", without_start("[" + element(0, 11) + "," + element(1, 44) + "]"));
+  const Imported result = imported(folder, "node-kinect2", {file});
+  const auto frames = result.frames();
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].stamp.arrival_ns, 11'000'000);
+  EXPECT_EQ(result.session.header().started_utc, "");
+  EXPECT_THAT(result.session.header().note, HasSubstr("does not say when it began"));
+  EXPECT_EQ(result.report.sensors[0].left_out.torn_rows, 0);
+  const auto other = text_file(folder, "b.json", walk(3));
+  EXPECT_THAT(import_refusal(folder, "node-kinect2", {other, file}),
+              AllOf(HasSubstr("a.json"), HasSubstr("shares no clock")));
+}
+
 TEST(NodeKinect2Import, RefusesOtherFiles) {
   const ScratchFolder folder;
   const auto refusal = [&](const std::string& text) {
@@ -130,7 +153,7 @@ TEST(NodeKinect2Import, RefusesOtherFiles) {
   EXPECT_THAT(refusal("{}"), HasSubstr("does not begin with '['"));
   EXPECT_THAT(refusal("[]"), HasSubstr("no frame"));
   EXPECT_THAT(refusal("[1, 2]"), HasSubstr("no object"));
-  EXPECT_THAT(refusal("[{}]"), HasSubstr("record_startime"));
+  EXPECT_THAT(refusal("[{}]"), HasSubstr("record_timestamp"));
 }
 
 TEST(NodeKinect2Import, TakesEveryFrameOfTheRealFile) {

@@ -94,6 +94,19 @@ TEST(PngImport, ConvertsOtherUnitsAndRefusesImpossibleOnes) {
               HasSubstr("--depth-unit-mm"));
 }
 
+TEST(PngImport, TheNoteSaysHowMuchLiesBeyondWhatTheSensorCanMeasure) {
+  const Folder folder({"0.png"});
+  const Imported near =
+      imported(folder.scratch, "png", {folder.path}, {.rate_hz = 30.0, .depth_unit_mm = 1.0});
+  // 217,088 pixels count from 0 to 999: every thousandth is 0, and 1 to 499 are too near
+  EXPECT_THAT(near.session.header().note,
+              HasSubstr("Of 216870 values that are not 0, 108370 (50.0 %) lie outside the 0.5 to 8 m"));
+  std::filesystem::remove(folder.scratch / "session.h5");
+  const Imported far =
+      imported(folder.scratch, "png", {folder.path}, {.rate_hz = 30.0, .depth_unit_mm = 47.0});
+  EXPECT_THAT(far.report.note, HasSubstr("up to 47.0 m: are these depth images"));
+}
+
 TEST(PngImport, NeverGuessesUnitOrTime) {
   const Folder folder;
   EXPECT_THAT(import_refusal(folder.scratch, "png", {folder.path}, {.rate_hz = 30.0}),

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/check_output.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/paths_inside.h"
+#include "datasets/base/strict_json.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/export/samples_csv.h"
+#include "datasets/export/session_csv.h"
+#include "datasets/skeleton/skeleton.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string beginning_of(const fs::path& file) {
+  std::string text(1024, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+bool begins_with(const PlannedOutput& output, const char* text) {
+  return beginning_of(output.path).starts_with(text);
+}
+
+// The document, or an empty one where it is none of this format.
+Json document(const fs::path& file, const std::string& format) {
+  if (!fs::is_regular_file(file)) return Json::object();
+  try {
+    Json json = read_json(file);
+    return json.is_object() && json.contains("format") && json["format"] == format ? json : Json::object();
+  } catch (const InputError&) {
+    return Json::object();
+  }
+}
+
+// A workflow engine removes the one file that it knows of before it makes an output anew; the others still
+// tell that it is ours. Recordings have neither of the two.
+bool is_results(const PlannedOutput& output) {
+  const fs::path& folder = output.path;
+  if (fs::exists(folder / "part.json")) return false;
+  const bool results = fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
+                       fs::exists(folder / "run.json");
+  return results || !document(folder / "run.json", "trilat.run").empty() ||
+         !document(folder / "manifest.json", "trilat.manifest").empty();
+}
+
+bool is_part(const PlannedOutput& output) {
+  const Json part = document(output.path / "part.json", "trilat.part");
+  return part.empty() ? is_results(output) : part.value("kind", Json()) == output.of;
+}
+
+bool is_campaign_part(const PlannedOutput& output) {
+  const Json part = document(output.path / "part.json", "trilat.part");
+  return part.empty() ? !document(output.path / "items.json", "trilat.items").empty()
+                      : part.value("kind", Json()) == output.of;
+}
+
+// A campaign.json that was written by hand lies beside no simulator.json, or is of real recordings.
+bool is_simulated(const PlannedOutput& output) {
+  const fs::path campaign = output.path / "campaign.json";
+  return !document(output.path / "simulator.json", "trilat.simulator").empty() &&
+         !fs::exists(output.path / "part.json") &&
+         (!fs::exists(campaign) || document(campaign, "trilat.campaign").value("simulated", Json()) == true);
+}
+
+// Of this session, or of a recording that never began.
+bool is_truth(const PlannedOutput& output) {
+  const Json poses = document(output.path / "calibration.json", "trilat.calibration");
+  if (poses.value("method", Json()) != kSimulatedTruth) return false;
+  if (!fs::exists(output.path / "campaign.json")) return true;
+  const Json takes = document(output.path / "campaign.json", "trilat.campaign").value("takes", Json::array());
+  return takes.size() == 1 && takes[0].contains("session") && takes[0]["session"].is_string() &&
+         fs::weakly_canonical(output.path / takes[0]["session"].get<std::string>()) ==
+             fs::weakly_canonical(output.of);
+}
+
+struct KindRow {
+  OutputKind kind;
+  bool folder;
+  bool (*is_ours)(const PlannedOutput&);
+  const char* refusal;
+};
+
+bool nobodys(const PlannedOutput&) { return false; }
+
+const KindRow kKinds[] = {
+    {OutputKind::session_table, false, [](const PlannedOutput& o) { return begins_with(o, kSessionCsvHead); },
+     "exists and is no table of a session"},
+    {OutputKind::samples_table, false, [](const PlannedOutput& o) { return begins_with(o, kSamplesCsvHead); },
+     "exists and is no table of results"},
+    {OutputKind::trc, false,
+     [](const PlannedOutput& o) {
+       const std::string text = beginning_of(o.path);
+       return text.starts_with("PathFileType\t") &&
+              text.find("Frame#\tTime\t" + std::string(name_of(Joint{}))) != std::string::npos;
+     },
+     "exists and is no TRC file of this program"},
+    {OutputKind::calibration, false,
+     [](const PlannedOutput& o) { return document(o.path, "trilat.calibration").contains("program"); },
+     "exists and is no calibration of `trilat calibrate`"},
+    {OutputKind::junit, false,
+     [](const PlannedOutput& o) {
+       return beginning_of(o.path).find("<testsuite name=\"trilat gate\"") != std::string::npos;
+     },
+     "exists and is no verdict of `trilat gate`"},
+    {OutputKind::history, false,
+     [](const PlannedOutput& o) {
+       const std::string text = beginning_of(o.path);
+       return text.empty() || text.find("\"format\":\"trilat.history\"") != std::string::npos;
+     },
+     "exists and is no history of `trilat gate`"},
+    {OutputKind::session, false, nobodys, "exists; a recording is never written over another"},
+    {OutputKind::merged_campaign, true, nobodys, "exists; recordings are never replaced"},
+    {OutputKind::truth, true, is_truth, "exists and is not the truth of an earlier try at this recording"},
+    {OutputKind::campaign, true, is_simulated, "exists and is not an earlier simulation"},
+    {OutputKind::campaign_part, true, is_campaign_part,
+     "exists and is not this part; recordings are never replaced"},
+    {OutputKind::results, true, is_results, "exists and is not a results folder"},
+    {OutputKind::part, true, is_part, "exists and is not a results folder or an earlier part of this kind"},
+    {OutputKind::report, true,
+     [](const PlannedOutput& o) {
+       return begins_with({o.path / "files.txt", o.kind, {}}, "report.html\n");
+     },
+     "exists and is not an earlier report"},
+    {OutputKind::reproduction, true, [](const PlannedOutput& o) { return fs::exists(o.path / "campaign"); },
+     "exists and is not an earlier reproduction"}};
+
+const KindRow& row_of(OutputKind kind) {
+  return *std::find_if(std::begin(kKinds), std::end(kKinds),
+                       [&](const KindRow& r) { return r.kind == kind; });
+}
+
+bool is_same(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::equivalent(a, b, error) && !error;
+}
+
+// Also through links, symbolic and hard.
+bool is_inside(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  for (const fs::directory_entry& entry :
+       fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error))
+    if (is_same(entry.path(), path)) return true;
+  return false;
+}
+
+void refuse_inputs(const PlannedOutput& output, bool ours) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(output.path.string(), why + "; an output is never an input, whatever is forced");
+  };
+  for (const fs::path& input : output.inputs) {
+    if (input.empty()) continue;
+    if (is_same(output.path, input)) refuse("is " + input.string() + ", which is read");
+    if (is_same(output.path.string() + output.aside, input))
+      refuse("would be written to " + input.string() + " first, which is read");
+    if (fs::is_directory(input) && fs::exists(output.path) && !ours && is_inside(input, output.path))
+      refuse("belongs to " + input.string() + ", which is read");
+    if (fs::is_directory(output.path) && lies_in(fs::canonical(output.path), fs::weakly_canonical(input)))
+      refuse("holds " + input.string() + ", which is read");
+  }
+}
+
+bool is_empty_folder(const fs::path& path) { return fs::is_directory(path) && fs::is_empty(path); }
+
+}  // namespace
+
+void check_output(const PlannedOutput& output) {
+  const KindRow& row = row_of(output.kind);
+  const bool there = fs::exists(fs::symlink_status(output.path));
+  const bool empty = row.folder && is_empty_folder(output.path);
+  const bool ours = there && (empty || row.is_ours(output));
+  refuse_inputs(output, ours);
+  if (!row.folder) check_output_file(output.path);
+  if (!there || ours) return;
+  if (row.folder && fs::exists(output.path) && !fs::is_directory(output.path))
+    throw InputError(output.path.string(), "is a file; a folder is needed");
+  if (fs::exists(output.path) && fs::is_other(output.path))
+    throw InputError(output.path.string(), "is a device, a pipe or a socket, and no file");
+  if (!output.force)
+    throw InputError(output.path.string(),
+                     std::string(row.refusal) + ". Choose another name, or replace it with --force");
+}
+
+}  // namespace trilat
