@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -12,13 +13,86 @@
 namespace trilat {
 namespace {
 
-std::string verdict_of(const DifferenceCell& cell) {
+std::string verdict_of(const ResultsSummary& s, const DifferenceCell& cell) {
   if (std::isnan(cell.low_m)) return "–";
   if (!cell.significant()) return "no";
-  return cell.difference_m < 0.0 ? "better" : "worse";
+  std::string verdict = cell.difference_m < 0.0 ? "better" : "worse";
+  const SummaryCell* own = find_cell(s, cell.method, cell.condition, cell.group, cell.alignment);
+  if (own && own->coverage() < kLeastCoverage)
+    verdict += fmt::format(", where it answers ({:.0f} %)", 100.0 * own->coverage());
+  return verdict;
+}
+
+// Rows of by_take that have the same names in `key`, added up in the order in which they come.
+using TakeKey = std::vector<std::string> (*)(const TakeJointRow&);
+
+Table added_up(const ResultsSummary& s, const std::string& id, const std::string& title, TakeKey key,
+               std::vector<TableColumn> names) {
+  struct Sum {
+    std::uint64_t asked = 0, answered = 0;
+    double distance_m = 0.0;
+  };
+  std::vector<std::pair<std::vector<std::string>, Sum>> sums;
+  std::map<std::vector<std::string>, std::size_t> place;
+  for (const TakeJointRow& row : s.by_take) {
+    const auto [found, is_new] = place.try_emplace(key(row), sums.size());
+    if (is_new) sums.emplace_back(found->first, Sum{});
+    Sum& sum = sums[found->second].second;
+    sum.asked += row.asked;
+    sum.answered += row.answered;
+    if (row.answered > 0) sum.distance_m += row.mae_m * static_cast<double>(row.answered);
+  }
+  Table table;
+  table.id = usable_id(id + "-" + s.study);
+  table.title = title + " (" + about(s, "", s.alignments.front()) + ")";
+  table.columns = std::move(names);
+  table.columns.insert(table.columns.end(), {{"method", "method", true},
+                                             {"asked", "asked"},
+                                             {"n", "n"},
+                                             {"coverage (%)", "coverage_percent"},
+                                             {"MAE (cm)", "mae_cm"}});
+  for (const auto& [texts, sum] : sums) {
+    std::vector<TableValue> cells;
+    for (const std::string& text : texts) cells.push_back(TableValue::of(text));
+    cells.insert(
+        cells.end(),
+        {count_cell(sum.asked), count_cell(sum.answered), percent_cell(share_of(sum.answered, sum.asked)),
+         cm_cell(sum.answered == 0 ? kNoNumber : sum.distance_m / static_cast<double>(sum.answered))});
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
 }
 
 }  // namespace
+
+std::vector<Table> apart_tables(const ResultsSummary& s) {
+  if (s.by_take.empty()) return {};
+  return {
+      added_up(
+          s, "by-take", "Error of each take, all joints together",
+          [](const TakeJointRow& r) -> std::vector<std::string> {
+            return {r.take, r.participant, r.condition, r.method};
+          },
+          {{"take", "take", true}, {"participant", "participant", true}, {"condition", "condition", true}}),
+      added_up(s, "by-participant", "Error of each participant, all joints together",
+               [](const TakeJointRow& r) -> std::vector<std::string> {
+                 return {r.participant, r.condition, r.method};
+               },
+               {{"participant", "participant", true}, {"condition", "condition", true}}),
+      added_up(s, "by-joint", "Error of each joint, left and right apart",
+               [](const TakeJointRow& r) -> std::vector<std::string> {
+                 return {r.joint, r.condition, r.method};
+               },
+               {{"joint", "joint", true}, {"condition", "condition", true}}),
+      added_up(s, "by-take-and-joint", "Error of each joint of each take",
+               [](const TakeJointRow& r) -> std::vector<std::string> {
+                 return {r.take, r.participant, r.condition, r.joint, r.method};
+               },
+               {{"take", "take", true},
+                {"participant", "participant", true},
+                {"condition", "condition", true},
+                {"joint", "joint", true}})};
+}
 
 Table differences_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   Table table;
@@ -43,7 +117,7 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
                           cm_cell(c.difference_m), cm_cell(c.low_m), cm_cell(c.high_m),
                           TableValue::of(c.percent_of_reference, 1), TableValue::of(c.percent_low, 1),
                           TableValue::of(c.percent_high, 1), TableValue::of(c.percent_of_method, 1),
-                          TableValue::of(verdict_of(c))});
+                          TableValue::of(verdict_of(s, c))});
   }
   table.notes = {
       fmt::format(

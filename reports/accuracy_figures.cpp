@@ -18,11 +18,14 @@ constexpr std::size_t kMostMethods = 5;
 constexpr std::array kPaperAndMean{"linear", "geometric", "nonlinear", "mean"};
 constexpr const char* kMean = "mean with its 95 % interval";
 
-// Of the average over the groups in the first condition and alignment; infinite where there is none.
+// Of the average over the groups in the first condition and alignment; infinite where there is none, or where
+// a method answers too little to be compared by what it answers.
 double average_m(const ResultsSummary& s, const std::string& method) {
   if (s.conditions.empty() || s.alignments.empty()) return std::numeric_limits<double>::infinity();
   const SummaryCell* cell = find_cell(s, method, s.conditions.front(), kAverageGroup, s.alignments.front());
-  return cell && std::isfinite(cell->mae_m) ? cell->mae_m : std::numeric_limits<double>::infinity();
+  return cell && std::isfinite(cell->mae_m) && cell->coverage() >= kLeastCoverage
+             ? cell->mae_m
+             : std::numeric_limits<double>::infinity();
 }
 
 FigurePoint box_of(const SummaryCell& cell, double x) {

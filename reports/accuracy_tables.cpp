@@ -77,6 +77,7 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
       "MAE is the mean Euclidean distance; n counts instants and joints with ground truth that the method "
       "answered; coverage is n over all that have ground truth.",
       "x, y, z are the world's axes, y up.", interval_note(s)};
+  add_coverage_note(s, condition, alignment, table);
   add_floor_notes(s, condition, alignment, table);
   add_take_notes(s, table);
   return table;
@@ -181,6 +182,7 @@ std::vector<Table> table3(const ResultsSummary& summary) {
         "The average is the plain mean of the four groups. The printed averages 10.8 and 8.7 do not follow "
         "from the printed rows, which give 10.7 and 8.6.",
         kOneFrameNote, interval_note(summary)};
+    add_coverage_note(summary, condition, "mean", table);
     if (summary.simulated)
       table.notes.push_back(
           "Our numbers come from simulated sensors with declared errors, not from the paper's "

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "reports/accuracy_words.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace trilat {
@@ -20,6 +22,34 @@ std::string interval_note(const ResultsSummary& s) {
       "bootstrap-t with participants as clusters and blocks of {:g} s within them, {} resamples; of fewer "
       "than six participants Student's t. A single participant has none.",
       s.block_s, s.resamples);
+}
+
+void add_coverage_note(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
+                       Table& table) {
+  std::string methods;
+  for (const std::string& method : s.methods) {
+    SummaryCell all;
+    for (const SummaryCell& c : s.cells) {
+      if (c.method != method || c.condition != condition || c.alignment != alignment ||
+          c.group == kAverageGroup)
+        continue;
+      all.asked += c.asked;
+      all.answered += c.answered;
+      for (const auto& [status, n] : c.statuses)
+        if (status != "converged" && status != "closed_form" && status != "clamped")
+          all.statuses[status] += n;
+    }
+    if (!(all.coverage() < kLeastCoverage) || all.statuses.empty()) continue;
+    const auto reason = std::max_element(all.statuses.begin(), all.statuses.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    methods += fmt::format("{}{} {:.0f} % ({} {:.0f} %)", methods.empty() ? "" : ", ", method,
+                           100.0 * all.coverage(), reason->first,
+                           100.0 * static_cast<double>(reason->second) / static_cast<double>(all.asked));
+  }
+  if (!methods.empty())
+    table.notes.push_back(
+        "Answered less than 80 %, so that errors by themselves flatter these methods: " + methods +
+        ". Compare them by the differences, which are of samples that both answer.");
 }
 
 void add_take_notes(const ResultsSummary& summary, Table& table) {

@@ -15,6 +15,11 @@ inline constexpr const char* kOneFrameNote =
     "One frame: how much the error would change with the truth one instant early or late.";
 // How the intervals were made, or why there are none.
 std::string interval_note(const ResultsSummary& summary);
+// Below this share of the samples asked, an error is said to be of these only.
+inline constexpr double kLeastCoverage = 0.8;
+// One note for the methods that answer less, each with its share and how most of the others end.
+void add_coverage_note(const ResultsSummary& summary, const std::string& condition,
+                       const std::string& alignment, Table& table);
 void add_take_notes(const ResultsSummary& summary, Table& table);
 
 }  // namespace trilat

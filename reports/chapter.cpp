@@ -58,6 +58,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evide
     append(chapter, std::vector{std::move(coverage)});
   chapter.first_tables = chapter.tables.size();
   append(chapter, accuracy_tables(s));
+  chapter.apart = apart_tables(s);
   if (const auto tracking = read_tracking_summary(path)) {
     append(chapter, efficiency_tables(s, *tracking));
     append(chapter, tracking_tables(*tracking));

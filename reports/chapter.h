@@ -24,6 +24,7 @@ struct Chapter {
   std::vector<std::string> sentences = {};  // what it says, marked up alike
   std::vector<Table> tables = {};           // those that answer the study's question first
   std::size_t first_tables = 0;             // how many those are; the others are details
+  std::vector<Table> apart = {};            // by take, participant, joint: written as CSV alone
   std::vector<DrawnFigure> figures = {};    // not drawn yet
   std::vector<PackedReplay> replays = {};
 };

@@ -25,9 +25,11 @@ ClaimVerdict not_run(const std::string& study);
 
 // "5.99 cm (5.70 to 6.20)"; without an interval the number alone.
 std::string cell_text(const SummaryCell* cell);
-// "worse by 0.38 cm (0.32 to 0.45), 6.0 % of its own error, 6.4 % of the other's", or "better by …": a method
-// against the study's reference.
+// "worse by 0.38 cm (0.32 to 0.45), 6.4 %", or "better by …": a method against the study's reference, on the
+// samples that both answer, in percent of the reference's error.
 std::string worse_text(const DifferenceCell* difference);
+// "5.11 against 4.02 cm": the errors of a method and of the reference on the samples that both answer.
+std::string paired_text(const DifferenceCell* difference);
 
 const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
                                       const std::string& condition, const std::string& group,

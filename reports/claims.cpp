@@ -64,8 +64,14 @@ std::string worse_text(const DifferenceCell* d) {
   if (std::isfinite(d->low_m))
     text += fmt::format(" ({:.2f} to {:.2f})", sign * (worse ? d->low_m : d->high_m),
                         sign * (worse ? d->high_m : d->low_m));
-  return text + fmt::format(", {:.1f} % of its own error, {:.1f} % of the other's",
-                            std::abs(d->percent_of_method), std::abs(d->percent_of_reference));
+  return text + fmt::format(", {:.1f} %", std::abs(d->percent_of_reference));
+}
+
+std::string paired_text(const DifferenceCell* d) {
+  if (!d || !std::isfinite(d->difference_m) || d->difference_m == 0.0) return "not compared";
+  const double reference_m = 100.0 * d->difference_m / d->percent_of_reference;
+  return fmt::format("{:.2f} against {:.2f} cm", (reference_m + d->difference_m) * kCentimetresPerMetre,
+                     reference_m * kCentimetresPerMetre);
 }
 
 const DifferenceCell* find_difference(const ResultsSummary& s, const std::string& method,
@@ -105,7 +111,11 @@ Table claims_table(const ClaimEvidence& evidence) {
   table.notes = {
       "Paper: " + printed.source + "; claims in our words.",
       "A claim holds when the 95 % interval of the paired difference is on its side of zero, does not hold "
-      "when it is on the other side, and is undecided when it contains zero."};
+      "when it is on the other side, and is undecided when it contains zero. Differences of two methods are "
+      "of the "
+      "samples that both answer, in percent of nonlinear's error; an error that stands by itself is over "
+      "what its "
+      "method answers."};
   if (any_simulated(evidence))
     table.notes.push_back(
         "Our numbers are simulated: a verdict says what follows from the declared errors of sensors and "

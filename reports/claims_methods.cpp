@@ -7,6 +7,7 @@
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "reports/claim_evidence.h"
+#include "reports/table_cells.h"
 
 namespace trilat {
 namespace {
@@ -32,9 +33,12 @@ std::string worse_verdict(const DifferenceCell* d) {
 
 ClaimVerdict better_than(const ResultsSummary& s, const std::string& method) {
   const DifferenceCell* d = against_ours(s, method);
+  if (!d || !average_of(s, method)) return not_run("a study with " + method);
   ClaimVerdict v{fmt::format("{} against {}; {} is {}", cell_text(average_of(s, kOurs)),
                              cell_text(average_of(s, method)), method, worse_text(d)),
-                 worse_verdict(d), "paired, on samples that both answer"};
+                 worse_verdict(d),
+                 fmt::format("paired: {} on the {:.0f} % of samples that {} answers", paired_text(d),
+                             100.0 * average_of(s, method)->coverage(), method)};
   if (const SummaryCell* printed = average_of(s, "nonlinear as printed"); printed && method == "linear")
     v.reason +=
         "; with equations 17 and 19 as printed it stops at the first step that lowers F, near the linear "
@@ -127,24 +131,23 @@ ClaimVerdict wrist_deviation(const ResultsSummary* s) {
   return v;
 }
 
-// How much of geometric's arrears nonlinear has as well when it gets the same three sensors.
+// On the same three sensors geometric and nonlinear are the same point wherever both answer (a law of the
+// solvers' tests), so what is left of their difference is which samples they answer.
 ClaimVerdict three_sensors(const ResultsSummary& s) {
   const char* kSame = "nonlinear, 3 sensors";
-  const DifferenceCell *geometric = against_ours(s, "geometric"), *same = against_ours(s, kSame);
-  if (!geometric || !same || !std::isfinite(same->difference_m)) return not_run("a study with three sensors");
-  const SummaryCell* answered = average_of(s, kSame);
-  const double share = same->difference_m / geometric->difference_m;
-  return {
-      fmt::format("geometric {}, nonlinear with the same three {}, with four {}",
-                  cell_text(average_of(s, "geometric")), cell_text(answered),
-                  cell_text(average_of(s, kOurs))),
-      !geometric->significant() || !same->significant() ? kUndecided
-      : share > 0.5                                     ? kHolds
-                                                        : kDoesNotHold,
-      fmt::format(
-          "taking the fourth sensor away costs nonlinear {:.0f} % of what geometric is worse by; with three "
-          "it answers {:.0f} % of the samples",
-          100.0 * share, 100.0 * answered->coverage())};
+  const DifferenceCell* same = against_ours(s, kSame);
+  if (!average_of(s, "geometric") || !average_of(s, kSame) || !same || !std::isfinite(same->difference_m))
+    return not_run("a study with three sensors");
+  const SummaryCell *mine = average_of(s, kSame), *theirs = average_of(s, "geometric");
+  const auto clamped = theirs->statuses.find("clamped");
+  return {fmt::format("without the fourth sensor nonlinear is {}", worse_text(same)), worse_verdict(same),
+          fmt::format(
+              "with the same three sensors geometric and nonlinear give the same point wherever both answer; "
+              "{} and {} differ because geometric answers {:.0f} % of the samples, {:.0f} % of them "
+              "clamped where the spheres do not meet, and nonlinear {:.0f} %",
+              cell_text(theirs), cell_text(mine), 100.0 * theirs->coverage(),
+              clamped == theirs->statuses.end() ? 0.0 : 100.0 * share_of(clamped->second, theirs->answered),
+              100.0 * mine->coverage())};
 }
 
 ClaimVerdict more_sensors(const std::vector<ResultsSummary>& studies) {

@@ -23,14 +23,17 @@ ClaimVerdict occlusion_helps(const ResultsSummary& s, const std::string& activit
     return find_cell(s, method, condition, kAverageGroup, kAlignment);
   };
   if (!d || !cell(kWith)) return not_run("Table II with occluded samples apart");
-  return {fmt::format("with {}, without {}", cell_text(cell(kWith)), cell_text(cell("nonlinear"))),
+  const SummaryCell *mean_with = cell("mean, occlusion corrected"), *mean = cell("mean");
+  return {fmt::format("with it {} without, on the {:.0f} % of samples that both answer", paired_text(d),
+                      100.0 * cell(kWith)->coverage()),
           !d->significant()       ? kUndecided
           : d->difference_m < 0.0 ? kHolds
                                   : kDoesNotHold,
-          fmt::format("on the {:.0f} % of samples that it still answers it is {}: every sensor left out is a "
-                      "range less. For the mean of the positions: with {}, without {}",
-                      100.0 * cell(kWith)->coverage(), worse_text(d),
-                      cell_text(cell("mean, occlusion corrected")), cell_text(cell("mean")))};
+          fmt::format(
+              "it is {}: every sensor left out is a range less. For the mean of the positions: with it {}, "
+              "without {}, over what each answers ({:.0f} and {:.0f} %)",
+              worse_text(d), cell_text(mean_with), cell_text(mean),
+              mean_with ? 100.0 * mean_with->coverage() : 0.0, mean ? 100.0 * mean->coverage() : 0.0)};
 }
 
 ClaimVerdict legs_worse(const ResultsSummary& s) {

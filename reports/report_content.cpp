@@ -113,6 +113,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   for (Chapter& chapter : content.chapters) {
     const std::string& study = chapter.provenance.study;
     for (Table& table : chapter.tables) make_unique(table.id, ids, study);
+    for (Table& table : chapter.apart) make_unique(table.id, ids, study);
     for (DrawnFigure& figure : chapter.figures) make_unique(figure.figure.id, ids, study);
   }
   content.parameters = parameter_tables(results, names);

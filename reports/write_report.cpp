@@ -145,6 +145,8 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                 static_cast<double>(report.tables.size()));
   }
   for (const Chapter& chapter : content.chapters)
+    for (const Table& table : chapter.apart) write(table.id + ".csv", csv_of(table));
+  for (const Chapter& chapter : content.chapters)
     for (const DrawnFigure& figure : chapter.figures) {
       write(figure.figure.id + ".svg", figure.svg);
       write(figure.figure.id + ".pdf", figure.pdf);

@@ -35,6 +35,8 @@ SummaryCell full_cell() {
   cell.p95_m = 0.7;
   cell.max_m = 1e3;
   cell.mean_gdop = 2.5;
+  cell.rms_gdop = 2.75;
+  cell.gdop_rmse_m = 0.45;
   cell.mean_iterations = 4.25;
   cell.mae_low_m = 0.27;
   cell.mae_high_m = 0.34;
@@ -70,6 +72,7 @@ ResultsSummary summary_of(std::vector<SummaryCell> cells) {
   summary.resamples = 2000;
   summary.block_s = 1.0;
   summary.cells = std::move(cells);
+  summary.by_take = {{"a", "p01", "walking", "wrist_left", "nonlinear", 50, 40, 0.1 + 0.2}};
   summary.notes = {{"b", true, "b/mocap.csv:17", "is cut"}};
   summary.cross_check = CrossCheck{"nonlinear", 93, 1, 3e-8, 1e-7, "a instant 3 head"};
   return summary;
@@ -97,6 +100,8 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
                                                {a.p95_m, b.p95_m},
                                                {a.max_m, b.max_m},
                                                {a.mean_gdop, b.mean_gdop},
+                                               {a.rms_gdop, b.rms_gdop},
+                                               {a.gdop_rmse_m, b.gdop_rmse_m},
                                                {a.mean_iterations, b.mean_iterations},
                                                {a.mae_low_m, b.mae_low_m},
                                                {a.mae_high_m, b.mae_high_m},
@@ -127,6 +132,10 @@ TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   expect_equal(read.cells[1], written.cells[1]);
   EXPECT_TRUE(std::isnan(read.cells[1].mae_m));
   EXPECT_TRUE(std::isnan(read.cells[1].axis_mae_m[2]));
+  ASSERT_EQ(read.by_take.size(), 1u);
+  EXPECT_EQ(read.by_take[0].joint, "wrist_left");
+  EXPECT_EQ(read.by_take[0].answered, 40u);
+  EXPECT_EQ(read.by_take[0].mae_m, written.by_take[0].mae_m);
   ASSERT_EQ(read.notes.size(), 1u);
   EXPECT_EQ(read.notes[0].place, "b/mocap.csv:17");
   EXPECT_TRUE(read.notes[0].failed);

@@ -237,6 +237,22 @@ TEST_P(EveryMethod, WithThreeSensorsAnswersOnlyWithAHint) {
   EXPECT_EQ(solve(problem).status, SolveStatus::mirror_ambiguous);
 }
 
+// The paper compares geometric on three sensors with nonlinear on four; on the same three they are one
+// method.
+TEST(ThreeSensors, GeometricAndNonlinearGiveTheSamePointWhereverBothAnswer) {
+  int both = 0;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    const Vector3d joint_m = random_joint_m({61, Purpose::test, 0}, i);
+    RangeProblem problem = hinted({{2, 0.6, 0}, {0, 2.2, 2}, {-2, 0.9, 0}}, joint_m);
+    add_noise(problem, RandomStream{62, Purpose::test, i}, 0.03);
+    const PointEstimate geometric = solve_geometric(problem, {}), nonlinear = solve_nonlinear(problem, {});
+    if (!is_usable(geometric.status) || !is_usable(nonlinear.status)) continue;
+    ++both;
+    EXPECT_LT((geometric.position_m - nonlinear.position_m).norm(), 1e-7) << i;
+  }
+  EXPECT_GT(both, 350);
+}
+
 TEST_P(EveryMethod, FindsAJointOnASensor) {
   const auto sensors_m = well_posed_sensors_m();
   const RangeProblem problem = hinted(sensors_m, sensors_m[3]);

@@ -6,7 +6,9 @@
 
 #include <gmock/gmock.h>
 
+#include "reports/accuracy_comparisons.h"
 #include "reports/accuracy_figures.h"
+#include "reports/efficiency.h"
 #include "reports/gdop_figure.h"
 #include "reports/render.h"
 #include "tests/reports/summaries.h"
@@ -14,6 +16,7 @@
 namespace trilat {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -147,6 +150,63 @@ DifferenceCell difference(const std::string& method, double difference_m, double
   d.percent_of_reference = -25.0;
   d.percent_of_method = -100.0 / 3.0;
   return d;
+}
+
+TEST(AccuracyTables, WhoAnswersLittleIsNamedWithTheReason) {
+  ResultsSummary summary = hand_made_summary();
+  const auto tables = accuracy_tables(summary);
+  EXPECT_THAT(tables[0].notes, testing::Contains(AllOf(HasSubstr("nonlinear 75 % (too_few_ranges 25 %)"),
+                                                       testing::Not(HasSubstr("mean 100 %")))));
+  for (SummaryCell& cell : summary.cells) cell.answered = cell.asked;
+  EXPECT_THAT(accuracy_tables(summary)[0].notes,
+              testing::Not(testing::Contains(HasSubstr("less than 80 %"))));
+}
+
+TEST(AccuracyTables, AMethodThatAnswersLittleIsBetterOnlyWhereItAnswers) {
+  ResultsSummary summary = hand_made_summary();
+  summary.reference = "mean";
+  summary.differences = {difference("nonlinear", -0.01, -0.02, -0.005)};
+  EXPECT_EQ(row(accuracy_tables(summary)[1], "head", "nonlinear").back().text,
+            "better, where it answers (75 %)");
+}
+
+// Ranges off by 2 cm and an rms GDOP of 2 make a bound of 4 cm; at 8 cm that is an efficiency of a quarter.
+TEST(Efficiency, ComparesTheRootMeanSquareGdopWithTheErrorOfTheSameSamples) {
+  ResultsSummary summary = hand_made_summary();
+  for (SummaryCell& cell : summary.cells) {
+    cell.alignment = "none";
+    cell.mean_gdop = 1.5;
+    cell.rmse_m = 9.0;  // with samples whose GDOP is infinite
+    cell.rms_gdop = 2.0;
+    cell.gdop_rmse_m = 0.08;
+  }
+  TrackingSummary tracking;
+  tracking.ranges = {{"walking", "head", 100, 0.001, 0.02}};
+  const auto tables = efficiency_tables(summary, tracking);
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_DOUBLE_EQ(number(tables[0], "head", "nonlinear", "bound_cm"), 4.0);
+  EXPECT_DOUBLE_EQ(number(tables[0], "head", "nonlinear", "rmse_cm"), 8.0);
+  EXPECT_DOUBLE_EQ(number(tables[0], "head", "nonlinear", "efficiency"), 0.25);
+}
+
+// Two takes of one person: 10 answered at 2 cm and 30 at 6 cm are 5 cm, of 80 asked.
+TEST(AccuracyTables, TakesPersonsAndSidesStandApart) {
+  ResultsSummary summary = hand_made_summary();
+  summary.by_take = {{"a", "p1", "walking", "wrist_left", "mean", 20, 10, 0.02},
+                     {"a", "p1", "walking", "wrist_right", "mean", 20, 0, kNoNumber},
+                     {"b", "p1", "walking", "wrist_left", "mean", 40, 30, 0.06}};
+  const auto tables = apart_tables(summary);
+  ASSERT_EQ(tables.size(), 4u);
+  ASSERT_EQ(tables[0].rows.size(), 2u);
+  EXPECT_DOUBLE_EQ(*tables[0].rows[0][column(tables[0], "mae_cm")].number, 2.0);
+  EXPECT_DOUBLE_EQ(*tables[0].rows[0][column(tables[0], "coverage_percent")].number, 25.0);
+  ASSERT_EQ(tables[1].rows.size(), 1u);
+  EXPECT_DOUBLE_EQ(*tables[1].rows[0][column(tables[1], "mae_cm")].number, 5.0);
+  EXPECT_DOUBLE_EQ(*tables[1].rows[0][column(tables[1], "asked")].number, 80.0);
+  ASSERT_EQ(tables[2].rows.size(), 2u);
+  EXPECT_EQ(tables[2].rows[1][0].text, "wrist_right");
+  EXPECT_EQ(printed(tables[2].rows[1][column(tables[2], "mae_cm")]), "–");
+  EXPECT_EQ(tables[3].rows.size(), 3u);
 }
 
 TEST(AccuracyTables, DifferencesSayWhichMethodIsBetterAndInBothConventions) {
