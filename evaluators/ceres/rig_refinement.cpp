@@ -425,7 +425,11 @@ RigRefinement Refiner::result(RigStatus status) {
   count_used();  // of what the last rejection left, when nothing was measured since
   for (std::size_t s = 0; s < problem_.sensors; ++s) {
     result_.sensors[s].world_from_sensor = {state_.rotation[s].normalized(), state_.position_m[s]};
-    if (options_.depth_correction) result_.sensors[s].depth_offset_m = state_.depth_terms_m[s][0];
+    if (!options_.depth_correction) continue;
+    const DepthTerms& terms_m = state_.depth_terms_m[s];
+    result_.sensors[s].depth_offset_m = terms_m[0];
+    result_.sensors[s].depth_chi2 =
+        terms_m.cwiseQuotient(prior_sigmas_m(*options_.depth_correction)).squaredNorm();
   }
   result_.point_in_world_m.assign(state_.point_m.begin(), state_.point_m.end());
   return result_;

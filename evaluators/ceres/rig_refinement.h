@@ -69,7 +69,8 @@ struct RefinedSensor {
   Eigen::Matrix<double, 6, 6> covariance;
   double depth_offset_m = 0.0;
   double depth_offset_sigma_m = 0.0;
-  double rms_m = 0.0;  // of the observations used, an axis
+  double depth_chi2 = 0.0;  // of the depth correction by its priors; some 25 where they hold
+  double rms_m = 0.0;       // of the observations used, an axis
   std::size_t used = 0;
   std::size_t rejected = 0;
 };

@@ -168,7 +168,13 @@ void check_movement(const WandViews& views, const CalibrateWandOptions& options,
 // wrong without looking so.
 void check_agreement(const RigRefinement& refined, const WandViews& views, const std::string& place) {
   constexpr double kMost = 1.0 / 3.0;
+  constexpr double kMostDepth = 100.0;  // chi squared of 25 exceeds it once in 10^10
   for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
+    if (refined.sensors[s].depth_chi2 > kMostDepth)
+      throw InputError(
+          place, fmt::format("sensor \"{}\" agrees with the others only if its depth is off by more "
+                             "than a sensor's is; are the intrinsics its own, and was the rig left alone?",
+                             views.evidence[s].name));
     const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
     if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))
       throw InputError(place,
