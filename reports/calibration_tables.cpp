@@ -115,7 +115,11 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
                    {"within limits (%)", "within_limits_percent"},
                    {"truth in interval (%)", "coverage_percent"},
                    {"95 % from (%)", "coverage_low_percent"},
-                   {"to (%)", "coverage_high_percent"}};
+                   {"to (%)", "coverage_high_percent"},
+                   {"error/sigma, position", "position_z_rms"},
+                   {"rotation", "rotation_z_rms"},
+                   {"Mahalanobis squared", "mahalanobis2_mean"},
+                   {"reduced chi squared", "reduced_chi2_mean"}};
   for (const RigRow& r : s.rigs)
     table.rows.push_back({TableValue::of(r.method), count_cell(r.runs), count_cell(r.position.asked),
                           count_cell(r.position.asked - r.position.answered), cm_cell(r.position.mean_m),
@@ -123,13 +127,16 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
                           cm_cell(r.position.p95_m), cm_cell(r.position.max_m),
                           degree_cell(r.rotation_mean_rad), degree_cell(r.rotation_max_rad),
                           percent_cell(r.within_limits_share), percent_cell(r.coverage_share),
-                          percent_cell(r.coverage_low), percent_cell(r.coverage_high)});
+                          percent_cell(r.coverage_low), percent_cell(r.coverage_high),
+                          TableValue::of(r.position_z_rms, 2), TableValue::of(r.rotation_z_rms, 2),
+                          TableValue::of(r.mahalanobis2_mean, 1), TableValue::of(r.reduced_chi2_mean, 2)});
   table.notes = {
       "Errors are of the sensors that got a pose (a run that fails leaves all of its sensors without one), "
       "with the mean's 95 % interval over runs; within limits: 5 mm and 0.2 degrees, from bodies 2 cm and "
       "0.5 degrees, of all sensors.",
       "Truth in interval: how often a stated 95 % interval of an axis holds the truth, with its own "
-      "interval; a dash where a method states none.",
+      "interval; a dash where a method states none. Error/sigma is the root mean square over axes, 1 where "
+      "what is stated is right; Mahalanobis squared is of all six numbers of a pose, 6 where it is right.",
       "The wand's depth correction expects offsets and wiggles of the size that the simulated units have; "
       "with others its intervals may hold the truth less often.",
       "Two positions: the ball is found by our sphere fit, at places that all sensors can see, and its "

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "datasets/results/results_file.h"
+#include "reports/accuracy_comparisons.h"
 #include "reports/accuracy_figures.h"
 #include "reports/accuracy_tables.h"
 #include "reports/budget_figures.h"

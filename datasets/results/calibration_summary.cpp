@@ -139,7 +139,11 @@ Json json_of(const RigRow& r) {
           {"within_limits_share", number(r.within_limits_share)},
           {"coverage_share", number(r.coverage_share)},
           {"coverage_low", number(r.coverage_low)},
-          {"coverage_high", number(r.coverage_high)}};
+          {"coverage_high", number(r.coverage_high)},
+          {"position_z_rms", number(r.position_z_rms)},
+          {"rotation_z_rms", number(r.rotation_z_rms)},
+          {"mahalanobis2_mean", number(r.mahalanobis2_mean)},
+          {"reduced_chi2_mean", number(r.reduced_chi2_mean)}};
 }
 
 RigRow read_rig_row(JsonObject& object) {
@@ -154,6 +158,10 @@ RigRow read_rig_row(JsonObject& object) {
   r.coverage_share = number_or_nan(object, "coverage_share");
   r.coverage_low = number_or_nan(object, "coverage_low");
   r.coverage_high = number_or_nan(object, "coverage_high");
+  r.position_z_rms = number_or_nan(object, "position_z_rms");
+  r.rotation_z_rms = number_or_nan(object, "rotation_z_rms");
+  r.mahalanobis2_mean = number_or_nan(object, "mahalanobis2_mean");
+  r.reduced_chi2_mean = number_or_nan(object, "reduced_chi2_mean");
   object.finish();
   return r;
 }

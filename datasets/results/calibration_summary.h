@@ -68,6 +68,10 @@ struct RigRow {
   double within_limits_share = ErrorSpread::kNone;  // of sensors: 5 mm and 0.2 degrees
   double coverage_share = ErrorSpread::kNone;  // of stated 95 % intervals, an axis each, that hold the truth
   double coverage_low = ErrorSpread::kNone, coverage_high = ErrorSpread::kNone;  // 95 % interval over runs
+  // Errors over stated standard deviations, root mean square over axes: 1 where what is stated is right.
+  double position_z_rms = ErrorSpread::kNone, rotation_z_rms = ErrorSpread::kNone;
+  double mahalanobis2_mean = ErrorSpread::kNone;  // squared, of a pose's six numbers: 6 where it is right
+  double reduced_chi2_mean = ErrorSpread::kNone;  // over runs
 };
 
 // How an uncertain calibration carries into joints.

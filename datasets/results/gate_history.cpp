@@ -34,6 +34,7 @@ Json json_of(const HistoryEntry& e) {
           {"reason", e.reason},
           {"quiet", e.quiet},
           {"alarms", e.alarms},
+          {"not_judged", e.not_judged},
           {"error_m", json_of(e.error_m)},
           {"coverage", json_of(e.coverage)},
           {"speed", json_of(e.speed)}};
@@ -50,6 +51,7 @@ HistoryEntry read_entry(const std::string& line, const std::string& place) {
   e.reason = object.text("reason");
   e.quiet = object.boolean("quiet", true);
   e.alarms = object.texts("alarms");
+  if (object.has("not_judged")) e.not_judged = object.texts("not_judged");
   e.error_m = read_values(object.object("error_m"));
   e.coverage = read_values(object.object("coverage"));
   e.speed = read_values(object.object("speed"));

@@ -17,6 +17,7 @@ struct HistoryEntry {
   std::string reason;     // of an acceptance
   bool quiet = true;
   std::vector<std::string> alarms;        // what each was about, one name a thing
+  std::vector<std::string> not_judged;    // studies of which nobody can say whether they are worse
   std::map<std::string, double> error_m;  // mean absolute error by cell
   std::map<std::string, double> coverage;
   std::map<std::string, double> speed;  // lower quartile of the ratios to the reference, by solver

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "evaluators/wand/ball_fit.h"
+
 namespace trilat {
 
 // One point (a wand position, a joint at an instant) as one sensor measured it.
@@ -15,7 +17,7 @@ struct PointObservation {
   std::size_t point = 0;
   Eigen::Vector3d point_in_sensor_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();
-  double surface_depth_m = 0.0;  // the z that the sensor measured for it: the ball's surface, not its centre
+  DepthInfluence depth = {};  // of what the sensor's depth is off by; looked at where that is estimated
 };
 
 // Where do sensors stand that saw the same points? At most one observation a sensor and point.

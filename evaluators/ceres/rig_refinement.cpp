@@ -7,12 +7,14 @@
 #include <map>
 #include <memory>
 #include <memory_resource>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/covariance.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
+#include <ceres/normal_prior.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
@@ -27,10 +29,40 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double square(double value) { return value * value; }
 
-struct DepthCorrection {
-  double offset_m = 0.0;
-  std::pmr::map<int, double> knot_m;  // by number: depth = number * spacing
-};
+using DepthTerms = Eigen::Matrix<double, kDepthTerms, 1>;
+
+// The waves' numbers per metre of depth lie evenly between those of the longest and the shortest.
+double wave_rad_per_m(const DepthCorrectionOptions& options, int wave) {
+  const double fewest = 1.0 / options.longest_wave_m, most = 1.0 / options.shortest_wave_m;
+  return 2.0 * std::numbers::pi * (fewest + (wave + 0.5) / kDepthWaves * (most - fewest));
+}
+
+// Standard deviations of the terms: of waves whose length is uniform within the span, as many have a number
+// per metre about f as 1 / f^2.
+DepthTerms prior_sigmas_m(const DepthCorrectionOptions& options) {
+  DepthTerms sigmas_m;
+  sigmas_m[0] = options.offset_sigma_m;
+  double squares = 0.0;
+  for (int wave = 0; wave < kDepthWaves; ++wave) squares += 1.0 / square(wave_rad_per_m(options, wave));
+  for (int wave = 0; wave < kDepthWaves; ++wave)
+    sigmas_m.segment<2>(1 + 2 * wave)
+        .setConstant(options.wiggle_sigma_m / wave_rad_per_m(options, wave) / std::sqrt(squares));
+  return sigmas_m;
+}
+
+// How an observed point moves with each term.
+Eigen::Matrix<double, 3, kDepthTerms> by_term(const DepthInfluence& depth,
+                                              const DepthCorrectionOptions& options) {
+  Eigen::Matrix<double, 3, kDepthTerms> moves;
+  moves.col(0) = depth.by_error;
+  for (int wave = 0; wave < kDepthWaves; ++wave) {
+    const double rad_per_m = wave_rad_per_m(options, wave);
+    const double cosine = std::cos(rad_per_m * depth.depth_m), sine = std::sin(rad_per_m * depth.depth_m);
+    moves.col(1 + 2 * wave) = cosine * depth.by_error - rad_per_m * sine * depth.by_slope_m;
+    moves.col(2 + 2 * wave) = sine * depth.by_error + rad_per_m * cosine * depth.by_slope_m;
+  }
+  return moves;
+}
 
 // Ceres orders unknowns by address: they lie in one block of memory, in the order in which they are made, so
 // that equal problems give equal bits.
@@ -40,12 +72,12 @@ struct State {
   std::pmr::vector<Eigen::Quaterniond> rotation{&memory};
   std::pmr::vector<Eigen::Vector3d> position_m{&memory};
   std::pmr::vector<Eigen::Vector3d> point_m{&memory};
-  std::pmr::vector<DepthCorrection> correction{&memory};
+  std::pmr::vector<DepthTerms> depth_terms_m{&memory};  // none, or one a sensor
 };
 
 // Generous, so that the block never has to grow.
 std::size_t enough_bytes(const RigProblem& problem) {
-  return 512 * (problem.sensors + 1) + 32 * problem.points + 160 * problem.observations.size();
+  return 512 * (problem.sensors + 1) + 32 * problem.points;
 }
 
 class Refiner {
@@ -65,10 +97,9 @@ class Refiner {
   RigStatus solve(bool robust);
   bool reject_worst();
   std::size_t used_of_sensor(std::size_t sensor) const;
-  int knot_of(const PointObservation& o) const {
-    return static_cast<int>(std::floor(o.surface_depth_m / options_.depth_correction->knot_spacing_m));
+  const double* depth_terms_m(std::size_t sensor) const {
+    return options_.depth_correction ? state_.depth_terms_m[sensor].data() : nullptr;
   }
-  double depth_correction_m(const PointObservation& o, double share_b) const;
   void count_used();
   void measure();
   double reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const;
@@ -96,15 +127,7 @@ Refiner::Refiner(const RigProblem& problem, const std::vector<RigidTransform>& s
   result_.sensors.resize(problem.sensors);
   for (RefinedSensor& sensor : result_.sensors) sensor.covariance.setConstant(kNone);
   start_points(start);
-  if (!options_.depth_correction) return;
-  state_.correction.reserve(problem.sensors);
-  for (std::size_t s = 0; s < problem.sensors; ++s)
-    state_.correction.push_back({0.0, std::pmr::map<int, double>(&state_.memory)});
-  for (const PointObservation& o : problem.observations) {
-    const int knot = knot_of(o);
-    state_.correction[o.sensor].knot_m[knot] = 0.0;
-    state_.correction[o.sensor].knot_m[knot + 1] = 0.0;
-  }
+  if (options_.depth_correction) state_.depth_terms_m.assign(problem.sensors, DepthTerms::Zero());
 }
 
 // Each point at the median of what its observations say, an axis at a time.
@@ -173,16 +196,9 @@ bool Refiner::gauge_holds() const {
 PointResidual Refiner::residual_of(const PointObservation& o) const {
   PointResidual residual;
   residual.measured_m = o.point_in_sensor_m;
-  residual.along_ray = o.point_in_sensor_m / o.point_in_sensor_m.z();
-  const Eigen::Matrix3d covariance = o.covariance_m2 + options_.covariance_floor_m *
-                                                           options_.covariance_floor_m *
-                                                           Eigen::Matrix3d::Identity();
   // covariance = L L^T, so L^-1 whitens
-  residual.whitening = covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity());
-  if (options_.depth_correction) {
-    const double place = o.surface_depth_m / options_.depth_correction->knot_spacing_m;
-    residual.share_b = place - std::floor(place);
-  }
+  residual.whitening = o.covariance_m2.llt().matrixL().solve(Eigen::Matrix3d::Identity());
+  if (options_.depth_correction) residual.by_term = by_term(o.depth, *options_.depth_correction);
   return residual;
 }
 
@@ -194,30 +210,23 @@ void Refiner::add_observations(ceres::Problem& ceres_problem, ceres::LossFunctio
     double* rotation = state_.rotation[o.sensor].coeffs().data();
     double* position = state_.position_m[o.sensor].data();
     double* point = state_.point_m[o.point].data();
-    if (!options_.depth_correction) {
+    if (options_.depth_correction)
+      ceres_problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3, kDepthTerms>(residual.release()), loss,
+          rotation, position, point, state_.depth_terms_m[o.sensor].data());
+    else
       ceres_problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3>(residual.release()), loss, rotation,
           position, point);
-      continue;
-    }
-    DepthCorrection& correction = state_.correction[o.sensor];
-    const int knot = knot_of(o);
-    ceres_problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3, 1, 1, 1>(residual.release()), loss,
-        rotation, position, point, &correction.offset_m, &correction.knot_m.at(knot),
-        &correction.knot_m.at(knot + 1));
   }
 }
 
 void Refiner::add_priors(ceres::Problem& ceres_problem) {
-  for (DepthCorrection& correction : state_.correction) {
-    const auto add = [&](double* value, double sigma_m) {
-      if (ceres_problem.HasParameterBlock(value))
-        ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{1.0 / sigma_m}),
-                                       nullptr, value);
-    };
-    add(&correction.offset_m, options_.depth_correction->offset_sigma_m);
-    for (auto& [number, value] : correction.knot_m) add(&value, options_.depth_correction->wiggle_sigma_m);
+  for (DepthTerms& terms_m : state_.depth_terms_m) {
+    const DepthTerms weights = prior_sigmas_m(*options_.depth_correction).cwiseInverse();
+    ceres_problem.AddResidualBlock(
+        new ceres::NormalPrior(ceres::Matrix(weights.asDiagonal()), ceres::Vector::Zero(kDepthTerms)),
+        nullptr, terms_m.data());
   }
   if (gauge_.first_points && gauge_.first_points->distance_m) {
     const FirstPoints& first = *gauge_.first_points;
@@ -294,13 +303,6 @@ std::size_t Refiner::used_of_sensor(std::size_t sensor) const {
   return count;
 }
 
-double Refiner::depth_correction_m(const PointObservation& o, double share_b) const {
-  if (!options_.depth_correction) return 0.0;
-  const DepthCorrection& c = state_.correction[o.sensor];
-  const int knot = knot_of(o);
-  return c.offset_m + (1.0 - share_b) * c.knot_m.at(knot) + share_b * c.knot_m.at(knot + 1);
-}
-
 void Refiner::count_used() {
   for (RefinedSensor& sensor : result_.sensors) sensor.used = sensor.rejected = 0;
   for (std::size_t i = 0; i < result_.used.size(); ++i) {
@@ -321,8 +323,7 @@ void Refiner::measure() {
     const PointResidual residual = residual_of(o);
     Eigen::Vector3d whitened;
     residual.whitened(state_.rotation[o.sensor].coeffs().data(), state_.position_m[o.sensor].data(),
-                      state_.point_m[o.point].data(), depth_correction_m(o, residual.share_b),
-                      whitened.data());
+                      state_.point_m[o.point].data(), depth_terms_m(o.sensor), whitened.data());
     result_.chi2[i] = whitened.squaredNorm();
     if (!result_.used[i]) continue;
     ++used;
@@ -342,11 +343,8 @@ void Refiner::measure() {
 
 // Priors of the depth correction add as many residuals as unknowns; what they pull is in the total.
 double Refiner::reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const {
-  for (const DepthCorrection& c : state_.correction) {
-    total += square(c.offset_m / options_.depth_correction->offset_sigma_m);
-    for (const auto& [number, value] : c.knot_m)
-      total += square(value / options_.depth_correction->wiggle_sigma_m);
-  }
+  for (const DepthTerms& terms_m : state_.depth_terms_m)
+    total += terms_m.cwiseQuotient(prior_sigmas_m(*options_.depth_correction)).squaredNorm();
   std::size_t residuals = 3 * used, known_points = 0;
   for (const KnownPoint& known : gauge_.known_points) {
     if (!point_used[known.point]) continue;
@@ -398,8 +396,7 @@ void Refiner::find_covariances(ceres::Problem& ceres_problem) {
     wanted.emplace_back(rotation, rotation);
     wanted.emplace_back(rotation, position);
     wanted.emplace_back(position, position);
-    if (options_.depth_correction)
-      wanted.emplace_back(&state_.correction[s].offset_m, &state_.correction[s].offset_m);
+    if (options_.depth_correction) wanted.emplace_back(depth_terms_m(s), depth_terms_m(s));
   }
   if (!covariance.Compute(wanted, &ceres_problem)) return;
   const double scale = std::max(1.0, std::isfinite(result_.reduced_chi2) ? result_.reduced_chi2 : 1.0);
@@ -416,10 +413,10 @@ void Refiner::find_covariances(ceres::Problem& ceres_problem) {
     auto& result = result_.sensors[s].covariance;
     result << 4.0 * rr, 2.0 * rp, 2.0 * rp.transpose(), pp;
     result *= scale;
-    double variance = 0.0;
-    if (options_.depth_correction && covariance.GetCovarianceBlock(&state_.correction[s].offset_m,
-                                                                   &state_.correction[s].offset_m, &variance))
-      result_.sensors[s].depth_offset_sigma_m = std::sqrt(scale * variance);
+    Eigen::Matrix<double, kDepthTerms, kDepthTerms, Eigen::RowMajor> terms;
+    if (options_.depth_correction &&
+        covariance.GetCovarianceBlock(depth_terms_m(s), depth_terms_m(s), terms.data()))
+      result_.sensors[s].depth_offset_sigma_m = std::sqrt(scale * terms(0, 0));
   }
 }
 
@@ -428,7 +425,11 @@ RigRefinement Refiner::result(RigStatus status) {
   count_used();  // of what the last rejection left, when nothing was measured since
   for (std::size_t s = 0; s < problem_.sensors; ++s) {
     result_.sensors[s].world_from_sensor = {state_.rotation[s].normalized(), state_.position_m[s]};
-    if (options_.depth_correction) result_.sensors[s].depth_offset_m = state_.correction[s].offset_m;
+    if (!options_.depth_correction) continue;
+    const DepthTerms& terms_m = state_.depth_terms_m[s];
+    result_.sensors[s].depth_offset_m = terms_m[0];
+    result_.sensors[s].depth_chi2 =
+        terms_m.cwiseQuotient(prior_sigmas_m(*options_.depth_correction)).squaredNorm();
   }
   result_.point_in_world_m.assign(state_.point_m.begin(), state_.point_m.end());
   return result_;

@@ -14,12 +14,13 @@
 
 namespace trilat {
 
-// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a smooth function
-// of depth, piecewise linear between knots. Priors keep it at zero where the data say nothing.
+// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a wiggle. The
+// wiggle is a sum of waves whose lengths are spread evenly over the span. Priors keep both at zero where the
+// data say nothing; together the waves' have the root mean square of the wiggle.
 struct DepthCorrectionOptions {
-  double offset_sigma_m = 0.014;   // 24 mm uniform in +-
-  double wiggle_sigma_m = 0.0025;  // of each knot
-  double knot_spacing_m = 0.1;
+  double offset_sigma_m = 0.0139;   // 24 mm uniform in +-
+  double wiggle_sigma_m = 0.00255;  // a wave whose amplitude is uniform within 2 to 5 mm
+  double shortest_wave_m = 0.6, longest_wave_m = 2.0;
 };
 
 // A point whose place in the world is known, from OptiTrack or a laser meter.
@@ -46,10 +47,9 @@ struct RigGauge {
 
 struct RigRefinementOptions {
   std::optional<DepthCorrectionOptions> depth_correction;
-  double covariance_floor_m = 0.0;  // added to every observation, an axis: what its covariance leaves out
-  double robust_scale = 3.0;        // soft-L1 loss of the first round, in standard deviations
-  double rejection_chi2 = 30.0;     // squared normalised distance beyond which an observation is left out
-  int rejection_rounds = 5;         // 0: nothing is left out and the loss stays
+  double robust_scale = 3.0;     // soft-L1 loss of the first round, in standard deviations
+  double rejection_chi2 = 30.0;  // squared normalised distance beyond which an observation is left out
+  int rejection_rounds = 5;      // 0: nothing is left out and the loss stays
   bool covariances = true;
 };
 
@@ -69,7 +69,8 @@ struct RefinedSensor {
   Eigen::Matrix<double, 6, 6> covariance;
   double depth_offset_m = 0.0;
   double depth_offset_sigma_m = 0.0;
-  double rms_m = 0.0;  // of the observations used, an axis
+  double depth_chi2 = 0.0;  // of the depth correction by its priors; some 25 where they hold
+  double rms_m = 0.0;       // of the observations used, an axis
   std::size_t used = 0;
   std::size_t rejected = 0;
 };

@@ -7,41 +7,34 @@
 // The terms of refine_rig()'s cost, for automatic derivatives.
 namespace trilat {
 
-// Whitened distance of a point from its observation, in the sensor's frame, the measured depth corrected
-// along the ray by offset + wiggle.
+// What a unit's depth may be off by: a constant, and waves of some lengths, each as cosine and sine.
+inline constexpr int kDepthWaves = 12;
+inline constexpr int kDepthTerms = 1 + 2 * kDepthWaves;
+
+// Whitened distance of a point from its observation, in the sensor's frame, less what the depth is off by.
 struct PointResidual {
-  Eigen::Vector3d measured_m, along_ray;  // the ray scaled to z = 1
+  Eigen::Vector3d measured_m;
   Eigen::Matrix3d whitening;
-  double share_b = 0.0;  // of the second knot
+  Eigen::Matrix<double, 3, kDepthTerms> by_term;  // how the measured point moves with each term
 
   template <class T>
-  void whitened(const T* rotation, const T* position, const T* point, const T& correction_m, T* out) const {
+  void whitened(const T* rotation, const T* position, const T* point, const T* terms_m, T* out) const {
     using Vector = Eigen::Matrix<T, 3, 1>;
     const Eigen::Map<const Eigen::Quaternion<T>> q(rotation);
     const Vector in_world = Eigen::Map<const Vector>(point) - Eigen::Map<const Vector>(position);
-    const Vector expected = q.conjugate() * in_world;
-    const Vector corrected = measured_m.cast<T>() - correction_m * along_ray.cast<T>();
+    Vector off = q.conjugate() * in_world - measured_m.cast<T>();
+    if (terms_m) off += by_term.cast<T>() * Eigen::Map<const Eigen::Matrix<T, kDepthTerms, 1>>(terms_m);
     Eigen::Map<Vector> residual(out);
-    residual = whitening.cast<T>() * (expected - corrected);
+    residual = whitening.cast<T>() * off;
   }
   template <class T>
   bool operator()(const T* rotation, const T* position, const T* point, T* out) const {
-    whitened(rotation, position, point, T(0), out);
+    whitened(rotation, position, point, static_cast<const T*>(nullptr), out);
     return true;
   }
   template <class T>
-  bool operator()(const T* rotation, const T* position, const T* point, const T* offset, const T* knot_a,
-                  const T* knot_b, T* out) const {
-    whitened(rotation, position, point, offset[0] + (1.0 - share_b) * knot_a[0] + share_b * knot_b[0], out);
-    return true;
-  }
-};
-
-struct Prior {
-  double weight = 1.0;
-  template <class T>
-  bool operator()(const T* value, T* out) const {
-    out[0] = weight * value[0];
+  bool operator()(const T* rotation, const T* position, const T* point, const T* terms_m, T* out) const {
+    whitened(rotation, position, point, terms_m, out);
     return true;
   }
 };

@@ -20,6 +20,7 @@ constexpr std::size_t kCoarsePixels = 300;            // enough for the first st
 constexpr double kMaxBehindShare = 0.25;      // in the first steps, when the centre may be somewhat off
 constexpr double kMaxInnerBehindShare = 0.1;  // once pixels are chosen by the noise
 constexpr double kGateSigmas = 4.0;
+constexpr int kBeside_px = 2;            // none is used so near one that is hidden
 constexpr double kMaxNoiseFactor = 2.5;  // an image may be noisier than the model, within reason
 
 // Where a ray meets the ball: t d = point, |t d - c| = r. With d_z = 1, t is the depth along z.
@@ -75,6 +76,13 @@ struct Sums {
   }
 };
 
+// Beyond the first, a pixel lies in the ball's disc without counting: it sees the surface at too large an
+// angle or lies less than `pixels_inside` inside the outline.
+double max_sine(const Vector3d& centre, const BallFitOptions& options, double pixels_inside) {
+  const double outline_px = options.radius_m / (centre.norm() * options.pixel_rad);
+  return std::min(std::sin(options.max_angle_rad), 1.0 - pixels_inside / outline_px);
+}
+
 class Fitter {
  public:
   Fitter(std::span<const RayDepth> pixels, const Vector3d& start, const BallFitOptions& options)
@@ -101,15 +109,10 @@ class Fitter {
   }
 
  private:
-  double max_sine(double pixels_inside) const {
-    const double outline_px = options_.radius_m / (centre_.norm() * options_.pixel_rad);
-    return std::min(std::sin(options_.max_angle_rad), 1.0 - pixels_inside / outline_px);
-  }
-
   // Cosine squared as weight: near the outline a small shift of the centre changes depths much.
   Sums coarse(double gate_m, std::size_t stride) const {
     Sums sums;
-    const double limit = max_sine(1.0);
+    const double limit = max_sine(centre_, options_, 1.0);
     for (std::size_t i = 0; i < pixels_.size(); i += stride) {
       if (pixels_[i].depth_m <= 0.0) continue;
       const auto meeting = meet(pixels_[i], centre_, options_.radius_m);
@@ -136,8 +139,8 @@ class Fitter {
   std::vector<Seen> seen_on_ball() {
     std::vector<Seen> seen;
     seen.reserve(pixels_.size());
-    const double limit = max_sine(1.0);
-    const double inner_limit = max_sine(2.0);
+    const double limit = max_sine(centre_, options_, 1.0);
+    const double inner_limit = max_sine(centre_, options_, 2.0);
     result_.inner = result_.inner_invalid = 0;
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       const auto meeting = meet(pixels_[i], centre_, options_.radius_m);
@@ -173,7 +176,30 @@ class Fitter {
     }
     if (result_.inner_behind > kMaxInnerBehindShare * result_.inner)
       return failed(BallFitStatus::seen_through);
+    leave_out_beside_hidden(seen, gate);
     return true;
+  }
+
+  // A stick or finger before the ball meets it somewhere: beside what is clearly before it, some of it lies
+  // too near the ball's surface to be told from noise, and would pull the centre.
+  void leave_out_beside_hidden(const std::vector<Seen>& seen, float gate) {
+    const int half =
+        kBeside_px + 1 + static_cast<int>(1.5 * options_.radius_m / centre_.z() / options_.pixel_rad);
+    const int side = 2 * half + 1;
+    std::vector<bool> beside(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), false);
+    const auto at = [&](const Seen& s, int right, int down) {
+      const auto cell = [&](double ray, double middle) {
+        const auto from_middle = std::lround((ray - middle / centre_.z()) / options_.pixel_rad);
+        return static_cast<int>(std::clamp<long>(from_middle, kBeside_px - half, half - kBeside_px)) + half;
+      };
+      const int row = cell(pixels_[s.pixel].y, centre_.y()) + down;
+      return static_cast<std::size_t>(row * side + cell(pixels_[s.pixel].x, centre_.x()) + right);
+    };
+    for (const Seen& s : seen)
+      if (s.in_sigmas <= -gate)
+        for (int down = -kBeside_px; down <= kBeside_px; ++down)
+          for (int right = -kBeside_px; right <= kBeside_px; ++right) beside[at(s, right, down)] = true;
+    std::erase_if(chosen_, [&](const Seen& s) { return beside[at(s, 0, 0)]; });
   }
 
   // How much noisier than the model the image is, by the median: hidden pixels shall not count.
@@ -248,6 +274,33 @@ class Fitter {
 BallFit fit_ball(std::span<const RayDepth> pixels, const Vector3d& start_in_sensor_m,
                  const BallFitOptions& options) {
   return Fitter(pixels, start_in_sensor_m, options).run();
+}
+
+DepthInfluence depth_influence(const Vector3d& centre_in_sensor_m, const BallFitOptions& options) {
+  constexpr int kHalf = 16;  // rays to each side of the middle; a thousand make sums of an integral
+  const Vector3d middle = centre_in_sensor_m / centre_in_sensor_m.z();
+  // Off the axis the disc is stretched by up to 1 / cos^2 of the angle.
+  const double step = 1.1 * options.radius_m * middle.squaredNorm() / centre_in_sensor_m.norm() / kHalf;
+  const double limit = max_sine(centre_in_sensor_m, options, 1.0);
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d by_error = Vector3d::Zero(), by_depth = Vector3d::Zero();
+  double weights = 0.0, depths = 0.0;
+  for (int row = -kHalf; row <= kHalf; ++row)
+    for (int column = -kHalf; column <= kHalf; ++column) {
+      const RayDepth ray{middle.x() + column * step, middle.y() + row * step, 0.0};
+      const auto meeting = meet(ray, centre_in_sensor_m, options.radius_m);
+      if (!meeting || meeting->sine > limit) continue;
+      const double weight = 1.0 / variance_m2(options, *meeting);
+      const Vector3d gradient = weight * meeting->depth_by_centre;
+      normal += gradient * meeting->depth_by_centre.transpose();
+      by_error += gradient;
+      by_depth += meeting->depth_m * gradient;
+      weights += weight;
+      depths += weight * meeting->depth_m;
+    }
+  const Eigen::LDLT<Matrix3d> factors(normal);
+  const double depth_m = depths / weights;
+  return {depth_m, factors.solve(by_error), factors.solve(by_depth - depth_m * by_error)};
 }
 
 }  // namespace trilat

@@ -69,4 +69,17 @@ struct BallFit {
 [[nodiscard]] BallFit fit_ball(std::span<const RayDepth> pixels, const Eigen::Vector3d& start_in_sensor_m,
                                const BallFitOptions& options);
 
+// What a sensor's depth is off by moves the centre that is fitted: an error e(z) of the depth z, that of all
+// pixels, by by_error * e(depth_m) + by_slope * e'(depth_m), to first order. Off the optical axis the ball's
+// surface is farther on one side than on the other, so that a slope moves the centre sideways.
+struct DepthInfluence {
+  double depth_m = 0.0;                                // of the surface, the mean by weight
+  Eigen::Vector3d by_error = Eigen::Vector3d::Zero();  // without unit
+  Eigen::Vector3d by_slope_m = Eigen::Vector3d::Zero();
+};
+
+// Of a ball that is seen whole.
+[[nodiscard]] DepthInfluence depth_influence(const Eigen::Vector3d& centre_in_sensor_m,
+                                             const BallFitOptions& options);
+
 }  // namespace trilat

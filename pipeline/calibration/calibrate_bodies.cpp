@@ -80,8 +80,7 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
         if (tracked(s))
           problem.observations.push_back(
               {s, i * kJointCount + j, seen[s].at(static_cast<Joint>(j)),
-               options.joint_sigma_m * options.joint_sigma_m * Eigen::Matrix3d::Identity(),
-               seen[s].at(static_cast<Joint>(j)).z()});
+               options.joint_sigma_m * options.joint_sigma_m * Eigen::Matrix3d::Identity()});
     }
   }
   return problem;

@@ -15,17 +15,18 @@ namespace {
 
 constexpr std::size_t kFewestPositions = 3;
 
-// The ball's surface is what the sensor measures: nearer than the centre by the radius along the ray.
-double surface_depth_m(const Eigen::Vector3d& centre_in_sensor_m, double ball_radius_m) {
-  return centre_in_sensor_m.z() * (1.0 - ball_radius_m / centre_in_sensor_m.norm());
-}
-
-RigProblem problem_of(const std::vector<WandPosition>& positions, std::size_t sensors, double ball_radius_m) {
-  RigProblem problem{sensors, positions.size(), {}};
-  for (std::size_t p = 0; p < positions.size(); ++p)
-    for (const RestingBall& ball : positions[p].seen)
-      problem.observations.push_back({ball.sensor, p, ball.centre_in_sensor_m, ball.covariance_m2,
-                                      surface_depth_m(ball.centre_in_sensor_m, ball_radius_m)});
+RigProblem problem_of(const WandViews& views, const CalibrateWandOptions& options) {
+  RigProblem problem{views.evidence.size(), views.positions.size(), {}};
+  const FindWandOptions& find = options.search.find;
+  const BallFitOptions fit{
+      .radius_m = find.ball_radius_m, .noise = find.noise, .lateral_sigma_m = find.lateral_sigma_m};
+  const double uncorrected_m = options.depth_correction ? 0.0 : options.uncorrected_depth_sigma_m;
+  for (std::size_t p = 0; p < views.positions.size(); ++p)
+    for (const RestingBall& ball : views.positions[p].seen)
+      problem.observations.push_back(
+          {ball.sensor, p, ball.centre_in_sensor_m,
+           ball.covariance_m2 + uncorrected_m * uncorrected_m * Eigen::Matrix3d::Identity(),
+           depth_influence(ball.centre_in_sensor_m, fit)});
   return problem;
 }
 
@@ -167,7 +168,13 @@ void check_movement(const WandViews& views, const CalibrateWandOptions& options,
 // wrong without looking so.
 void check_agreement(const RigRefinement& refined, const WandViews& views, const std::string& place) {
   constexpr double kMost = 1.0 / 3.0;
+  constexpr double kMostDepth = 100.0;  // chi squared of 25 exceeds it once in 10^10
   for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
+    if (refined.sensors[s].depth_chi2 > kMostDepth)
+      throw InputError(
+          place, fmt::format("sensor \"{}\" agrees with the others only if its depth is off by more "
+                             "than a sensor's is; are the intrinsics its own, and was the rig left alone?",
+                             views.evidence[s].name));
     const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
     if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))
       throw InputError(place,
@@ -183,8 +190,7 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options) {
   const std::vector<bool> saw_before = sensors_that_saw(views);
   keep_useful_positions(views);
-  const RigProblem problem =
-      problem_of(views.positions, views.evidence.size(), options.search.find.ball_radius_m);
+  const RigProblem problem = problem_of(views, options);
   const RigStart start = start_rig(problem, {});
   check_placement(start, views, saw_before, place);
   if (views.positions.size() < kFewestPositions)
@@ -194,8 +200,6 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
   check_movement(views, options, place);
   RigRefinementOptions refinement;
   if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
-  refinement.covariance_floor_m =
-      options.depth_correction ? options.covariance_floor_m : options.uncorrected_depth_sigma_m;
   const RigRefinement refined =
       refine_rig(problem, start.reference_from_sensor, start.reference, gauge_of(views, options), refinement);
   check_refined(refined, views, place);

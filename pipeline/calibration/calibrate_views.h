@@ -16,9 +16,7 @@ struct CalibrateWandOptions : ViewWandOptions {
   std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
   double movement_sigma_m = 0.001;
   bool depth_correction = true;
-  // What the covariance of a ball's centre leaves out: rounding to millimetres, the outline, the lens model.
-  double covariance_floor_m = 0.0003;
-  // And what it leaves out, too, where depth offsets are not estimated.
+  // What the covariance of a ball's centre leaves out where depth offsets are not estimated.
   double uncorrected_depth_sigma_m = 0.014;
 };
 

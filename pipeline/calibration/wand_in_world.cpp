@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration/wand_in_world.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
@@ -16,12 +18,21 @@ struct Mean {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d first_m = Eigen::Vector3d::Zero();
   double farthest_m = 0.0;
+  double squares_m2 = 0.0;  // of the distances from the first
   int samples = 0;
 
   void add(const Eigen::Vector3d& position_m) {
     if (samples++ == 0) first_m = position_m;
     sum_m += position_m;
     farthest_m = std::max(farthest_m, (position_m - first_m).norm());
+    squares_m2 += (position_m - first_m).squaredNorm();
+  }
+  Eigen::Vector3d mean_m() const { return sum_m / samples; }
+  // Of the mean, an axis. One sample alone tells no scatter.
+  double variance_m2() const {
+    if (samples < 2) return 0.0;
+    const double scatter_m2 = squares_m2 - samples * (mean_m() - first_m).squaredNorm();
+    return scatter_m2 / (3.0 * (samples - 1) * samples);
   }
 };
 
@@ -55,7 +66,8 @@ std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<cons
   std::vector<KnownPoint> known;
   for (std::size_t p = 0; p < positions.size(); ++p)
     if (means[p].samples > 0 && means[p].farthest_m <= kStill_m)
-      known.push_back({p, means[p].sum_m / means[p].samples, world.sigma_m});
+      known.push_back(
+          {p, means[p].mean_m(), std::sqrt(world.sigma_m * world.sigma_m + means[p].variance_m2())});
   if (known.size() < 3)
     throw InputError(
         world.mocap.string(),

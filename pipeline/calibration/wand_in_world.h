@@ -26,16 +26,18 @@ struct WandInWorld {
   std::filesystem::path mocap;
   std::string asset;  // whose position is the ball's centre
   std::int64_t mocap_start_host_ns = 0;
-  double sigma_m = 0.001;
+  // Of a place, an axis, beside what its samples scatter: what OptiTrack's own calibration leaves. OptiTrack
+  // states +-0.1 mm for its best cameras.
+  double sigma_m = 0.0001;
   std::optional<WandTrack> track = std::nullopt;  // read from the export where it is not here
 };
 
 // InputError when the export has no such asset, or not its position.
 WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset);
 
-// Where OptiTrack saw the wand while it rested: the mean over each position's interval. Positions that the
-// export does not cover, or at which the asset moved by more than 5 mm, are left out. InputError when fewer
-// than three are left.
+// Where OptiTrack saw the wand while it rested: the mean over each position's interval, as sure as its
+// samples and `sigma_m` say. Positions that the export does not cover, or at which the asset moved by more
+// than 5 mm, are left out. InputError when fewer than three are left.
 std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions);
 
 }  // namespace trilat

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Cholesky>
+
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/error_statistics.h"
 
@@ -65,6 +67,16 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t s
   }
   std::tie(spread.mean_low_m, spread.mean_high_m) = bootstrap_mean(sums, counts, seed);
   return spread;
+}
+
+PoseMisfit misfit_of(const Eigen::Matrix<double, 6, 1>& error,
+                     const Eigen::Matrix<double, 6, 6>& covariance) {
+  constexpr double kNormal95 = 1.959964;
+  const Eigen::Array<double, 6, 1> z2 = error.array().square() / covariance.diagonal().array();
+  PoseMisfit misfit{z2.head<3>().mean(), z2.tail<3>().mean(), error.dot(covariance.ldlt().solve(error)), 0,
+                    6};
+  for (const double axis : z2) misfit.covered += axis <= kNormal95 * kNormal95;
+  return misfit;
 }
 
 }  // namespace trilat

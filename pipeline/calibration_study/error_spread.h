@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "datasets/results/calibration_summary.h"
 
 namespace trilat {
@@ -22,5 +24,15 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t s
 // 95 % interval of the mean of `values`, one a cluster, by bootstrap; NaN with fewer than four.
 std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
                                          std::uint64_t seed);
+
+// How an error of a pose (rotation vector, rad; position, m) stands to the covariance that is stated for it.
+// 0 axes where none is.
+struct PoseMisfit {
+  double rotation_z2 = ErrorSpread::kNone,
+         position_z2 = ErrorSpread::kNone;   // (error / sigma)^2, mean of 3 axes
+  double mahalanobis2 = ErrorSpread::kNone;  // of all six together
+  std::uint64_t covered = 0, asked = 0;      // axes whose 95 % interval holds the truth
+};
+PoseMisfit misfit_of(const Eigen::Matrix<double, 6, 1>& error, const Eigen::Matrix<double, 6, 6>& covariance);
 
 }  // namespace trilat

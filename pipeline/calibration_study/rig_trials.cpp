@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,7 +22,6 @@ namespace {
 
 constexpr double kGoodPosition_m = 0.005, kGoodRotation_rad = 0.2 * kRadPerDegree;
 constexpr double kGoodBodies_m = 0.02, kGoodBodies_rad = 0.5 * kRadPerDegree;
-constexpr double kNormal95 = 1.959964;
 
 struct Method {
   const char* name;
@@ -31,6 +31,7 @@ struct Method {
   bool option = true;             // wand: depth correction; bodies: biased tracker
   bool usable_for_joints = true;  // goes on to the effect on joints
   bool measured = false;          // wand: the first movement was measured, to 1 mm
+  bool known = false;             // wand: OptiTrack saw its places
 };
 
 std::vector<Method> methods() {
@@ -50,6 +51,7 @@ std::vector<Method> methods() {
           {"wand, depth taken as it is", Kind::wand, {}, true, false},
           {"wand", Kind::wand, {}, true, true},
           {"wand, first movement measured to 1 mm", Kind::wand, {}, true, true, true, true},
+          {"wand, its places seen by OptiTrack", Kind::wand, {}, true, true, false, false, true},
           {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
           {"bodies", Kind::bodies, {}, true, true}};
 }
@@ -57,11 +59,12 @@ std::vector<Method> methods() {
 // One sensor's error in one run.
 struct PoseError {
   double position_m = ErrorSpread::kNone, rotation_rad = ErrorSpread::kNone;
-  std::uint64_t covered = 0, asked = 0;  // of the stated intervals
+  PoseMisfit misfit = {};
 };
 
 struct RunOutcome {
   bool failed = true;  // at least one sensor has no pose
+  double reduced_chi2 = ErrorSpread::kNone;
   std::vector<PoseError> sensors;
   CalibratedRig in_world;
 };
@@ -81,17 +84,17 @@ PoseError error_of(const RigidTransform& got, const RigidTransform& truth,
   off << turn.angle() * turn.axis(), got.translation_m - truth.translation_m;
   error.position_m = off.tail<3>().norm();
   error.rotation_rad = off.head<3>().norm();
-  if (!covariance) return error;
-  for (int i = 0; i < 6; ++i, ++error.asked)
-    error.covered += std::abs(off[i]) <= kNormal95 * std::sqrt((*covariance)(i, i));
+  if (covariance) error.misfit = misfit_of(off, *covariance);
   return error;
 }
 
 // `frame_from_world` is the truth's frame in which the poses were found.
-RunOutcome compare(const std::vector<SensorPose>& poses, const RigidTransform& frame_from_world,
+RunOutcome compare(const Calibration& calibration, const RigidTransform& frame_from_world,
                    const std::vector<RigidTransform>& truth) {
+  const std::vector<SensorPose>& poses = calibration.sensors;
   RunOutcome outcome;
   outcome.failed = false;
+  outcome.reduced_chi2 = calibration.reduced_chi2;
   const RigidTransform world_from_frame = frame_from_world.inverse();
   for (std::size_t s = 0; s < truth.size(); ++s) {
     outcome.sensors.push_back(
@@ -139,9 +142,13 @@ RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const 
   options.search.find.ball_radius_m = spec.ball_radius_m;
   options.depth_correction = method.option;
   if (method.measured) options.movement_m = run.measured_movement_m;
+  if (method.known) {
+    options.world = WandInWorld{};
+    options.world->track = run.track;
+  }
   try {
     const WandCalibration result = calibrate_views(run.views, "simulated run", options);
-    return compare(result.calibration.sensors, run.wand_from_world, truth);
+    return compare(result.calibration, method.known ? RigidTransform{} : run.wand_from_world, truth);
   } catch (const InputError&) {
     return failed_run(truth.size());
   }
@@ -166,7 +173,8 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
     const BodyCalibration result = calibrate_bodies(session, {.instants = spec.bodies_instants});
     const auto& poses = result.calibration.sensors;
     const std::size_t reference = result.reference;
-    outcome = compare(poses, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
+    outcome =
+        compare(result.calibration, poses[reference].world_from_sensor * truth[reference].inverse(), truth);
     outcome.sensors.erase(outcome.sensors.begin() + static_cast<std::ptrdiff_t>(reference));
   } catch (const InputError&) {
     outcome = failed_run(truth.size() - 1);
@@ -174,45 +182,60 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
   return outcome;
 }
 
+// How right what the poses of one method state of themselves is, over all runs.
+void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, RigRow& row) {
+  std::vector<double> covered, asked;  // of each run that states something
+  double position_z2 = 0.0, rotation_z2 = 0.0, mahalanobis2 = 0.0, poses = 0.0, chi2 = 0.0;
+  for (const RunOutcome& outcome : outcomes) {
+    double run_covered = 0.0, run_asked = 0.0;
+    for (const PoseError& e : outcome.sensors) {
+      if (e.misfit.asked == 0) continue;
+      poses += 1.0;
+      position_z2 += e.misfit.position_z2;
+      rotation_z2 += e.misfit.rotation_z2;
+      mahalanobis2 += e.misfit.mahalanobis2;
+      run_covered += static_cast<double>(e.misfit.covered);
+      run_asked += static_cast<double>(e.misfit.asked);
+    }
+    if (run_asked == 0.0) continue;
+    covered.push_back(run_covered);
+    asked.push_back(run_asked);
+    chi2 += outcome.reduced_chi2;
+  }
+  if (asked.empty()) return;
+  row.coverage_share =
+      std::accumulate(covered.begin(), covered.end(), 0.0) / std::accumulate(asked.begin(), asked.end(), 0.0);
+  std::tie(row.coverage_low, row.coverage_high) = bootstrap_mean(covered, asked, seed);
+  row.position_z_rms = std::sqrt(position_z2 / poses);
+  row.rotation_z_rms = std::sqrt(rotation_z2 / poses);
+  row.mahalanobis2_mean = mahalanobis2 / poses;
+  row.reduced_chi2_mean = chi2 / static_cast<double>(asked.size());
+}
+
 RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std::uint64_t seed) {
   RigRow row;
   row.method = method.name;
   row.runs = outcomes.size();
   std::vector<ClusteredError> errors;
-  std::vector<double> covered, asked;
   double rotation_sum = 0.0, good = 0.0, sensors = 0.0, placed = 0.0;
   const bool bodies = method.kind == Method::Kind::bodies;
   for (std::size_t r = 0; r < outcomes.size(); ++r) {
     row.failed_runs += outcomes[r].failed;
-    double run_covered = 0.0, run_asked = 0.0;
     for (const PoseError& e : outcomes[r].sensors) {
       errors.push_back({r, e.position_m});
       sensors += 1.0;
       if (!std::isfinite(e.position_m)) continue;
       placed += 1.0;
       rotation_sum += e.rotation_rad;
-      row.rotation_max_rad = std::isfinite(row.rotation_max_rad)
-                                 ? std::max(row.rotation_max_rad, e.rotation_rad)
-                                 : e.rotation_rad;
+      row.rotation_max_rad = std::fmax(row.rotation_max_rad, e.rotation_rad);
       good += e.position_m <= (bodies ? kGoodBodies_m : kGoodPosition_m) &&
               e.rotation_rad <= (bodies ? kGoodBodies_rad : kGoodRotation_rad);
-      run_covered += static_cast<double>(e.covered);
-      run_asked += static_cast<double>(e.asked);
     }
-    if (run_asked == 0.0) continue;
-    covered.push_back(run_covered);
-    asked.push_back(run_asked);
   }
   row.position = spread_of(errors, seed);
   if (placed > 0.0) row.rotation_mean_rad = rotation_sum / placed;
   if (sensors > 0.0) row.within_limits_share = good / sensors;
-  double covered_sum = 0.0, asked_sum = 0.0;
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    covered_sum += covered[i];
-    asked_sum += asked[i];
-  }
-  if (asked_sum > 0.0) row.coverage_share = covered_sum / asked_sum;
-  std::tie(row.coverage_low, row.coverage_high) = bootstrap_mean(covered, asked, seed);
+  add_misfits(outcomes, seed, row);
   return row;
 }
 
@@ -234,26 +257,40 @@ std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vect
   return outcomes;
 }
 
-Json json_of(const RunOutcome& outcome) {
-  std::vector<double> position_m, rotation_rad, poses_wxyz_m;
+// What is stored of every sensor besides counts: a name and where it is.
+struct StoredNumber {
+  const char* key;
+  double& (*of)(PoseError&);
+};
+constexpr std::array kStoredNumbers{
+    StoredNumber{"position_m", [](PoseError& e) -> double& { return e.position_m; }},
+    StoredNumber{"rotation_rad", [](PoseError& e) -> double& { return e.rotation_rad; }},
+    StoredNumber{"position_z2", [](PoseError& e) -> double& { return e.misfit.position_z2; }},
+    StoredNumber{"rotation_z2", [](PoseError& e) -> double& { return e.misfit.rotation_z2; }},
+    StoredNumber{"mahalanobis2", [](PoseError& e) -> double& { return e.misfit.mahalanobis2; }}};
+
+Json json_of(RunOutcome outcome) {
+  std::vector<double> poses_wxyz_m;
   std::vector<std::uint64_t> covered, asked;
+  Json json{{"failed", outcome.failed}, {"reduced_chi2", numbers_json(std::vector{outcome.reduced_chi2})}};
+  for (const StoredNumber& stored : kStoredNumbers) {
+    std::vector<double> numbers;
+    for (PoseError& e : outcome.sensors) numbers.push_back(stored.of(e));
+    json[stored.key] = numbers_json(numbers);
+  }
   for (const PoseError& e : outcome.sensors) {
-    position_m.push_back(e.position_m);
-    rotation_rad.push_back(e.rotation_rad);
-    covered.push_back(e.covered);
-    asked.push_back(e.asked);
+    covered.push_back(e.misfit.covered);
+    asked.push_back(e.misfit.asked);
   }
   for (const RigidTransform& pose : outcome.in_world.world_from_sensor) {
     const Eigen::Quaterniond& q = pose.rotation;
     const Eigen::Vector3d& t = pose.translation_m;
     poses_wxyz_m.insert(poses_wxyz_m.end(), {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
   }
-  return {{"failed", outcome.failed},
-          {"position_m", numbers_json(position_m)},
-          {"rotation_rad", numbers_json(rotation_rad)},
-          {"covered", covered},
-          {"asked", asked},
-          {"poses_wxyz_m", numbers_json(poses_wxyz_m)}};
+  json["covered"] = covered;
+  json["asked"] = asked;
+  json["poses_wxyz_m"] = numbers_json(poses_wxyz_m);
+  return json;
 }
 
 // `sensors`: of the rig.
@@ -261,17 +298,26 @@ RunOutcome read_outcome(JsonObject& object, std::size_t sensors) {
   RunOutcome outcome;
   if (!object.has("failed")) object.refuse("failed", "is missing");
   outcome.failed = object.boolean("failed", true);
+  outcome.reduced_chi2 = object.numbers_or_none("reduced_chi2", 1)[0];
   const std::size_t judged = object.value("position_m").size();
   // bodies place all but one; nobody who failed need have any
   if (judged > sensors || (!outcome.failed && judged + 1 < sensors))
     object.refuse("position_m", "must be one number for each sensor that is placed");
-  const auto position_m = object.numbers_or_none("position_m", judged);
-  const auto rotation_rad = object.numbers_or_none("rotation_rad", judged);
+  outcome.sensors.resize(judged);
+  for (const StoredNumber& stored : kStoredNumbers) {
+    const auto numbers = object.numbers_or_none(stored.key, judged);
+    for (std::size_t s = 0; s < judged; ++s) stored.of(outcome.sensors[s]) = numbers[s];
+  }
   const auto covered = object.counts("covered", judged), asked = object.counts("asked", judged);
   for (std::size_t s = 0; s < judged; ++s) {
-    outcome.sensors.push_back({position_m[s], rotation_rad[s], covered[s], asked[s]});
-    if (position_m[s] < 0.0 || rotation_rad[s] < 0.0 ||
-        std::isnan(position_m[s]) != std::isnan(rotation_rad[s]) || covered[s] > asked[s] || asked[s] > 6)
+    PoseError& e = outcome.sensors[s];
+    e.misfit.covered = covered[s];
+    e.misfit.asked = asked[s];
+    const bool stated = asked[s] > 0;
+    if (e.position_m < 0.0 || e.rotation_rad < 0.0 ||
+        std::isnan(e.position_m) != std::isnan(e.rotation_rad) || covered[s] > asked[s] || asked[s] > 6 ||
+        stated != (e.misfit.mahalanobis2 >= 0.0) || stated != (e.misfit.position_z2 >= 0.0) ||
+        stated != (e.misfit.rotation_z2 >= 0.0))
       object.refuse("position_m", "and the lists beside it hold what no pose's error is");
   }
   const std::size_t placed = outcome.failed && object.value("poses_wxyz_m").empty() ? 0 : sensors;

@@ -6,6 +6,7 @@
 #include "datasets/base/error.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/wand_motion.h"
 #include "evaluators/calibration/wand_frame.h"
@@ -30,6 +31,24 @@ DepthScene scene_at(const WandInstant& instant, std::size_t place, double ball_r
   append_person(scene, instant.person);
   append_wand(scene, instant.ball_in_world_m, instant.stick_direction, {.ball_radius_m = ball_radius_m});
   return scene;
+}
+
+// What OptiTrack sees of the ball while it rests: off at every place by as much as a calibration takes it to
+// be; of lost frames nothing.
+void add_samples(std::uint64_t run_seed, const WandPosition& position, const Eigen::Vector3d& ball_in_world_m,
+                 WandTrack& track) {
+  const MocapSpec mocap;
+  const Duration step = duration_from_s(1.0 / mocap.rate_hz);
+  const RandomStream place{run_seed, Purpose::calibration_trial, random_item(0, 5, 0, track.times.size())};
+  const Eigen::Vector3d off_m =
+      WandInWorld{}.sigma_m * Eigen::Vector3d(place.normal(0), place.normal(1), place.normal(2));
+  for (HostTime time = position.first; time <= position.last; time = time + step) {
+    const auto frame = static_cast<std::uint64_t>(time.ns / step.ns);
+    const Eigen::Vector3d seen_m = simulate_rigid_body(ball_in_world_m, mocap, {run_seed, 0, 0}, frame);
+    if (!seen_m.allFinite()) continue;
+    track.times.push_back({time.ns});
+    track.position_m.push_back(seen_m + off_m);
+  }
 }
 
 }  // namespace
@@ -68,6 +87,7 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
       position.seen.push_back(mean_of_rest(found, s, WandPositionOptions{}.deviation));
     }
     if (position.seen.empty()) continue;
+    add_samples(run_seed, position, hold.ball_in_world_m, result.track);
     result.views.positions.push_back(std::move(position));
     result.position_in_world_m.push_back(hold.ball_in_world_m);
   }

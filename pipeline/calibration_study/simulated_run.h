@@ -18,6 +18,7 @@ struct SimulatedRun {
   RigidTransform wand_from_world;                    // the frame that the first three places define
   double movement_m = 0.0;                           // from the first to the second
   double measured_movement_m = 0.0;                  // the same with an error of 1 mm
+  WandTrack track;                                   // of the ball, as OptiTrack would see it at rest
 };
 SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
                           std::uint64_t run, const StudyHooks& hooks);

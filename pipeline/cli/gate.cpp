@@ -133,20 +133,23 @@ void add_drifts(const GateArguments& arguments, const GateLimits& limits, Histor
     report.findings.push_back(std::move(drift));
   }
   sort_findings(report.findings);
-  tonight.quiet = report.quiet();
   report.notes.push_back(
       fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
 }
 
-}  // namespace
+int exit_code_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::quiet:
+      return kDone;
+    case Verdict::regression:
+      return kItemsFailed;
+    case Verdict::not_judged:
+      break;
+  }
+  return kNotJudged;
+}
 
-int gate(const GateArguments& arguments) {
-  const std::string time = time_now();
-  const std::pair<std::filesystem::path, OutputKind> outputs[] = {{arguments.junit, OutputKind::junit},
-                                                                  {arguments.history, OutputKind::history}};
-  for (const auto& [path, kind] : outputs)
-    if (!path.empty()) check_output({path, kind, {arguments.results, arguments.baseline}, arguments.force});
-  if (arguments.accepts) return accept(arguments, time);
+int compare(const GateArguments& arguments, const std::string& time) {
   GateLimits limits;
   limits.smallest_percent = arguments.smallest_percent;
   GateReport report;
@@ -166,13 +169,34 @@ int gate(const GateArguments& arguments) {
   add_series(find_results(arguments.results), tonight);
   report.history = arguments.history.string();
   if (!arguments.history.empty()) add_drifts(arguments, limits, tonight, report);
+  const Verdict verdict = report.verdict();
+  tonight.quiet = verdict == Verdict::quiet;
+  for (const StudyVerdict& s : report.studies)
+    if (s.state == StudyState::not_judged) tonight.not_judged.push_back(s.study);
   if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit(report));
   if (!arguments.history.empty()) append_history(arguments.history, tonight);
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
   else
     fmt::print("{}", arguments.method.empty() ? morning_text(report) : cell_table(report, arguments.method));
-  return report.quiet() ? kDone : kItemsFailed;
+  return exit_code_of(verdict);
+}
+
+}  // namespace
+
+int gate(const GateArguments& arguments) {
+  const std::string time = time_now();
+  const std::pair<std::filesystem::path, OutputKind> outputs[] = {{arguments.junit, OutputKind::junit},
+                                                                  {arguments.history, OutputKind::history}};
+  for (const auto& [path, kind] : outputs)
+    if (!path.empty()) check_output({path, kind, {arguments.results, arguments.baseline}, arguments.force});
+  if (arguments.accepts) return accept(arguments, time);
+  try {
+    return compare(arguments, time);
+  } catch (const InputError& error) {
+    if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit_of_error(time, error.what()));
+    throw;
+  }
 }
 
 }  // namespace trilat

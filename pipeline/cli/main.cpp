@@ -222,7 +222,10 @@ void add_gate(CLI::App& app, AllArguments& a, int& code) {
       ->capture_default_str();
   add_force(*verb, g.force);
   add_json(*verb, g.json);
-  verb->footer("Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place.");
+  verb->footer(
+      "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: too "
+      "few "
+      "participants to tell a change from chance.");
   verb->callback([&a, &code, accept] {
     end_in_order();
     a.gate.accepts = accept->count() > 0;

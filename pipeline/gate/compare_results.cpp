@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/gate/compare_results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <set>
@@ -15,6 +16,7 @@
 #include "datasets/results/summary.h"
 #include "pipeline/gate/judge_history.h"
 #include "pipeline/gate/judge_numbers.h"
+#include "pipeline/gate/paired_cells.h"
 #include "pipeline/gate/paired_samples.h"
 #include "pipeline/gate/same_configuration.h"
 #include "pipeline/gate/shell_word.h"
@@ -142,8 +144,20 @@ class Comparison {
     const bool same = same_inputs(pair.now.manifest, pair.before.manifest);
     auto cells = compared_cells(samples.study, {options_.resamples, same});
     if (cells.empty() && samples.takes_with_other_instants == 0) verdict.state = StudyState::same_values;
+    if (!same) check_participants(cells, verdict);
     std::move(cells.begin(), cells.end(), std::back_inserter(report_.cells));
     tell_numbers(pair);
+  }
+
+  // Other recordings of few people differ by chance as much as a regression would.
+  static void check_participants(const std::vector<ComparedCell>& cells, StudyVerdict& verdict) {
+    const auto fewest = std::min_element(
+        cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.clusters < b.clusters; });
+    if (fewest == cells.end() || fewest->clusters >= kFewestParticipants) return;
+    verdict.state = StudyState::not_judged;
+    verdict.participants = fewest->clusters;
+    verdict.note += fmt::format("; the fewest that can be judged with other recordings are {} participants",
+                                kFewestParticipants);
   }
 
   // Told without an alarm: single numbers have no chance to be held against.

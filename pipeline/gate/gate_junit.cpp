@@ -51,21 +51,45 @@ std::string failure_text(const GateFinding& f) {
   return text;
 }
 
+std::string suite_of(std::size_t tests, std::uint64_t failures, std::size_t errors, std::size_t skipped,
+                     const std::string& time, const std::string& cases) {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{0}\" failures=\"{1}\" "
+      "errors=\"{2}\">\n"
+      "  <testsuite name=\"trilat gate\" timestamp=\"{4}\" tests=\"{0}\" failures=\"{1}\" errors=\"{2}\" "
+      "skipped=\"{3}\">\n{5}  </testsuite>\n</testsuites>\n",
+      tests, failures, errors, skipped, xml(time), cases);
+}
+
+// Why a study was not compared or not judged; empty when it was.
+std::string why_skipped(const StudyVerdict& s) {
+  if (s.state == StudyState::only_now) return "not in the baseline";
+  if (s.state == StudyState::only_before) return "only in the baseline";
+  if (s.state == StudyState::not_judged)
+    return fmt::format("not judged: {} participants; {}", s.participants, s.note);
+  return "";
+}
+
 }  // namespace
+
+std::string gate_junit_of_error(const std::string& time, const std::string& message) {
+  return suite_of(1, 0, 1, 0, time,
+                  fmt::format("    <testcase classname=\"trilat.gate\" name=\"compared with the baseline\">\n"
+                              "      <error message=\"{}\"/>\n    </testcase>\n",
+                              xml(message)));
+}
 
 std::string gate_junit(const GateReport& report) {
   std::string cases;
   std::size_t tests = 0, skipped = 0;
   for (const StudyVerdict& s : report.studies) {
-    const bool not_compared = s.state == StudyState::only_now || s.state == StudyState::only_before;
+    const std::string why = why_skipped(s);
     cases += fmt::format("    <testcase classname=\"trilat.gate.{}\" name=\"compared with the baseline\"",
                          xml(s.study));
-    cases += not_compared ? fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n",
-                                        s.state == StudyState::only_now ? "not in the baseline"
-                                                                        : "only in the baseline")
-                          : "/>\n";
+    cases +=
+        why.empty() ? "/>\n" : fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n", xml(why));
     ++tests;
-    skipped += not_compared;
+    skipped += !why.empty();
   }
   for (const GateFinding& f : report.findings) {
     if (!f.alarm) continue;
@@ -75,11 +99,7 @@ std::string gate_junit(const GateReport& report) {
         xml(f.study), xml(name_of_case(f)), name_of(f.direction), xml(failure_text(f)), xml(f.command));
     ++tests;
   }
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{0}\" failures=\"{1}\">\n  <testsuite "
-      "name=\"trilat gate\" timestamp=\"{3}\" tests=\"{0}\" failures=\"{1}\" errors=\"0\" "
-      "skipped=\"{2}\">\n{4}  </testsuite>\n</testsuites>\n",
-      tests, report.alarms(), skipped, xml(report.time), cases);
+  return suite_of(tests, report.alarms(), 0, skipped, report.time, cases);
 }
 
 }  // namespace trilat

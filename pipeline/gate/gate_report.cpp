@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace trilat {
@@ -57,8 +58,8 @@ Json json_of(const ComparedCell& c) {
 }  // namespace
 
 const char* name_of(StudyState state) {
-  constexpr std::array<const char*, 5> kNames{"identical", "same_values", "compared", "only_now",
-                                              "only_before"};
+  constexpr std::array<const char*, 6> kNames{"identical",  "same_values", "compared",
+                                              "not_judged", "only_now",    "only_before"};
   return kNames.at(static_cast<std::size_t>(state));
 }
 
@@ -67,7 +68,24 @@ std::uint64_t GateReport::alarms() const {
       std::count_if(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; }));
 }
 
-bool GateReport::quiet() const { return alarms() == 0; }
+const char* name_of(Verdict verdict) {
+  constexpr std::array<const char*, 3> kNames{"quiet", "regression", "not_judged"};
+  return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+Verdict GateReport::verdict() const {
+  if (alarms() > 0) return Verdict::regression;
+  return not_judged_text(*this).empty() ? Verdict::quiet : Verdict::not_judged;
+}
+
+std::string not_judged_text(const GateReport& report) {
+  std::string text;
+  for (const StudyVerdict& s : report.studies)
+    if (s.state == StudyState::not_judged)
+      text += fmt::format("{}{} participant{} in {}", text.empty() ? "" : ", ", s.participants,
+                          s.participants == 1 ? "" : "s", s.study);
+  return text;
+}
 
 void sort_findings(std::vector<GateFinding>& findings) {
   const auto size = [](const GateFinding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
@@ -82,7 +100,7 @@ Json gate_json(const GateReport& report) {
   Json json{{"format", "trilat.gate"},
             {"version", 1},
             {"time", report.time},
-            {"verdict", report.quiet() ? "quiet" : "regression"},
+            {"verdict", name_of(report.verdict())},
             {"alarms", report.alarms()},
             {"results", report.results},
             {"baseline", report.baseline},

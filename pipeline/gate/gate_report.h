@@ -15,6 +15,7 @@ enum class StudyState : std::uint8_t {
   identical,    // equal to the byte
   same_values,  // other bytes, the same numbers
   compared,     // numbers differ and were judged
+  not_judged,   // numbers differ, and too few participants to tell a change from chance
   only_now,     // not in the baseline
   only_before,  // in the baseline alone
 };
@@ -23,8 +24,13 @@ const char* name_of(StudyState state);
 struct StudyVerdict {
   std::string study, kind;
   StudyState state = StudyState::compared;
-  std::string note;  // what else is to be known of the comparison
+  std::string note;              // what else is to be known of the comparison
+  std::size_t participants = 0;  // of a study that is not judged
 };
+
+// A regression that was found counts, whatever was not judged beside it.
+enum class Verdict : std::uint8_t { quiet, regression, not_judged };
+const char* name_of(Verdict verdict);
 
 // How the speed was judged.
 struct SpeedVerdict {
@@ -45,7 +51,7 @@ struct GateReport {
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
   SpeedVerdict speed;
   std::vector<std::string> notes;
-  bool quiet() const;  // no alarm
+  Verdict verdict() const;
   std::uint64_t alarms() const;
 };
 
@@ -61,7 +67,13 @@ std::string cell_table(const GateReport& report, const std::string& method);
 
 Json gate_json(const GateReport& report);
 
-// JUnit XML as CI services read it: one test case a study and one a finding that is an alarm.
+// "2 participants in table3": what was not judged and why; empty when all was.
+std::string not_judged_text(const GateReport& report);
+
+// JUnit XML as CI services read it: one test case a study and one a finding that is an alarm. A study that
+// was not judged is skipped, with the reason.
 std::string gate_junit(const GateReport& report);
+// Of a gate that could not be done: one test case that is an error, with the message.
+std::string gate_junit_of_error(const std::string& time, const std::string& message);
 
 }  // namespace trilat

@@ -118,6 +118,7 @@ std::string studies_text(const GateReport& report) {
   add(StudyState::identical, "identical to the byte");
   add(StudyState::same_values, "the same numbers");
   add(StudyState::compared, "numbers differ");
+  add(StudyState::not_judged, "numbers differ, not judged");
   add(StudyState::only_now, "new, not in the baseline");
   add(StudyState::only_before, "only in the baseline");
   return text;
@@ -149,12 +150,26 @@ std::string methods_text(const GateReport& report) {
   return text.empty() ? text : text + "\n";
 }
 
+std::string headline_of(const GateReport& report) {
+  const std::string not_judged = not_judged_text(report);
+  switch (report.verdict()) {
+    case Verdict::quiet:
+      return "QUIET: nothing is worse than the baseline";
+    case Verdict::not_judged:
+      return fmt::format("NOT JUDGED: {}, of which nobody can say whether it is worse than the baseline",
+                         not_judged);
+    case Verdict::regression:
+      break;
+  }
+  return fmt::format("REGRESSION: {} thing(s) are worse than the baseline{}",
+                     together(report.findings, true).size(),
+                     not_judged.empty() ? "" : "; not judged: " + not_judged);
+}
+
 }  // namespace
 
 std::string morning_text(const GateReport& report) {
-  const bool quiet = report.quiet();
-  std::string text = quiet ? "QUIET" : fmt::format("REGRESSION: {}", together(report.findings, true).size());
-  text += quiet ? ": nothing is worse than the baseline" : " thing(s) are worse than the baseline";
+  std::string text = headline_of(report);
   text += fmt::format(" ({}", report.baseline);
   if (!report.baseline_time.empty()) text += ", of " + report.baseline_time;
   text += ")\n" + methods_text(report);
@@ -169,7 +184,7 @@ std::string morning_text(const GateReport& report) {
     if (!s.note.empty()) text += fmt::format("{}: {}\n", s.study, s.note);
   if (!report.speed.note.empty()) text += fmt::format("speed: {}\n", report.speed.note);
   for (const std::string& note : report.notes) text += note + "\n";
-  if (!quiet)
+  if (report.verdict() != Verdict::quiet)
     text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{}{} --accept \"why\"\n",
                         shell_word(report.results), shell_word(report.baseline),
                         report.history.empty() ? "" : " --history " + shell_word(report.history),

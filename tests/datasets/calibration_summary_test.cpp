@@ -36,7 +36,7 @@ CalibrationSummary full_summary() {
   s.wand_samples = {{0, 1, 1.5, 0.25, 0.012}, {1, 0, 2.5, 0.5, kNone}};
   s.distortion = {
       {2.0, 1000, 1, -0.013, {1000, 0}, {0.01, kNone}, {0.001, kNone}, {0.2, kNone}, {0.003, 0.0}}};
-  s.rigs = {{"wand", 6, 1, spread, 0.001, 0.002, 0.875, 0.95, 0.9, kNone}};
+  s.rigs = {{"wand", 6, 1, spread, 0.001, 0.002, 0.875, 0.95, 0.9, kNone, 1.1, 0.9, 6.5, 1.02}};
   s.effect = {{"exact", 0.0, 0.025, "nonlinear", 200, 199, 0.03, 0.029, 0.98, kNone}};
   return s;
 }
@@ -70,6 +70,10 @@ TEST(CalibrationSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   EXPECT_EQ(read.rigs[0].failed_runs, 1u);
   EXPECT_EQ(read.rigs[0].coverage_share, 0.95);
   EXPECT_TRUE(std::isnan(read.rigs[0].coverage_high));
+  EXPECT_EQ(read.rigs[0].position_z_rms, 1.1);
+  EXPECT_EQ(read.rigs[0].rotation_z_rms, 0.9);
+  EXPECT_EQ(read.rigs[0].mahalanobis2_mean, 6.5);
+  EXPECT_EQ(read.rigs[0].reduced_chi2_mean, 1.02);
   ASSERT_EQ(read.effect.size(), 1u);
   EXPECT_EQ(read.effect[0].answered, 199u);
   EXPECT_TRUE(std::isnan(read.effect[0].ratio_high));

@@ -68,8 +68,11 @@ SimulatedRig simulated_rig(std::uint64_t seed, const RigErrors& errors, std::siz
       Eigen::Vector3d measured = truth + error_m * truth / truth.z();
       for (int axis = 0; axis < 3; ++axis) measured[axis] += errors.noise_m * random.normal(draw++);
       const double sigma_m = std::max(errors.noise_m, 1e-6);
-      rig.problem.observations.push_back(
-          {s, p, measured, sigma_m * sigma_m * Eigen::Matrix3d::Identity(), surface_m + error_m});
+      rig.problem.observations.push_back({s,
+                                          p,
+                                          measured,
+                                          sigma_m * sigma_m * Eigen::Matrix3d::Identity(),
+                                          {surface_m + error_m, truth / truth.z(), Eigen::Vector3d::Zero()}});
     }
   }
   return rig;
@@ -110,13 +113,14 @@ TEST(RigRefinement, RecoversPosesExactlyWithoutNoise) {
 
 TEST(RigRefinement, StatedIntervalsCoverTheTruthWithDepthOffsetsAndWiggle) {
   int covered = 0, asked = 0;
-  double worst_m = 0.0, worst_rad = 0.0;
+  double worst_m = 0.0, worst_rad = 0.0, position_z2 = 0.0, rotation_z2 = 0.0, reduced_chi2 = 0.0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const SimulatedRig rig = simulated_rig(seed, {0.0003, 0.024, 0.002, 0.005});
+    const SimulatedRig rig = simulated_rig(seed, {0.0001, 0.024, 0.002, 0.005});
     RigRefinementOptions options;
     options.depth_correction = DepthCorrectionOptions{};
     const RigRefinement refined = refine(rig.problem, options);
     ASSERT_EQ(refined.status, RigStatus::converged);
+    reduced_chi2 += refined.reduced_chi2 / 60.0;
     for (std::size_t s = 0; s < 4; ++s) {
       const PoseError error = error_of(rig, refined, s);
       worst_m = std::max(worst_m, error.position_m.norm());
@@ -127,11 +131,18 @@ TEST(RigRefinement, StatedIntervalsCoverTheTruthWithDepthOffsetsAndWiggle) {
         covered +=
             std::abs(error.rotation_rad[axis]) < 1.96 * std::sqrt(refined.sensors[s].covariance(axis, axis));
         asked += 2;
+        position_z2 += error.position_m[axis] * error.position_m[axis] /
+                       refined.sensors[s].covariance(3 + axis, 3 + axis);
+        rotation_z2 +=
+            error.rotation_rad[axis] * error.rotation_rad[axis] / refined.sensors[s].covariance(axis, axis);
       }
     }
   }
-  EXPECT_GT(covered, asked * 0.90);
-  EXPECT_LT(covered, asked * 0.99);
+  EXPECT_GT(covered, asked * 0.93);
+  EXPECT_LT(covered, asked * 0.97);
+  EXPECT_NEAR(std::sqrt(2.0 * position_z2 / asked), 1.0, 0.2);
+  EXPECT_NEAR(std::sqrt(2.0 * rotation_z2 / asked), 1.0, 0.2);
+  EXPECT_NEAR(reduced_chi2, 1.0, 0.15);
   EXPECT_LT(worst_m, 0.005);
   EXPECT_LT(worst_rad, 0.2 * kRadPerDegree);
 }
@@ -247,7 +258,7 @@ TEST(RigRefinement, ADepthOffsetOfOneSensorIsFoundAndDoesNotMoveThePoses) {
   for (PointObservation& o : rig.problem.observations)
     if (o.sensor == 1) {
       o.point_in_sensor_m += 0.02 * o.point_in_sensor_m / o.point_in_sensor_m.z();
-      o.surface_depth_m += 0.02;
+      o.depth.depth_m += 0.02;
     }
   RigRefinementOptions options;
   options.depth_correction = DepthCorrectionOptions{};

@@ -83,6 +83,34 @@ TEST(BallFit, IsExactOnPointsOfASphere) {
   }
 }
 
+// A constant and a slope, of balls on the optical axis and far off it, where a slope moves the centre
+// sideways.
+TEST(BallFit, AnErrorOfTheDepthMovesTheCentreAsItsInfluenceSays) {
+  for (const Vector3d& centre : {Vector3d(0.0, 0.0, 2.0), Vector3d(0.5, -0.3, 1.2)}) {
+    const BallFitOptions options{.pixel_rad = 0.002};
+    const DepthInfluence influence = depth_influence(centre, options);
+    const double error_m = 0.004, slope = 0.02;
+    std::vector<RayDepth> pixels;
+    PictureScene scene;
+    scene.balls.push_back({centre, kBall_m});
+    for (double x = -0.12; x <= 0.12; x += 0.002)
+      for (double y = -0.12; y <= 0.12; y += 0.002) {
+        const Vector3d ray(centre.x() / centre.z() + x, centre.y() / centre.z() + y, 1.0);
+        const RayHit hit = first_hit(scene, ray);
+        if (std::isfinite(hit.depth_m))
+          pixels.push_back(
+              {ray.x(), ray.y(), hit.depth_m + error_m + slope * (hit.depth_m - influence.depth_m)});
+      }
+    const BallFit fit = fit_ball(pixels, centre, options);
+    ASSERT_EQ(fit.status, BallFitStatus::fitted);
+    const Vector3d moved_m = fit.centre_in_sensor_m - centre;
+    EXPECT_LT((moved_m - influence.by_error * error_m - influence.by_slope_m * slope).norm(), 6e-5)
+        << moved_m.transpose();
+    EXPECT_NEAR(influence.by_error.normalized().dot(centre.normalized()), 1.0, 1e-3);
+    EXPECT_EQ(influence.by_slope_m.head<2>().norm() > 0.002, centre.x() > 0.0);
+  }
+}
+
 TEST(BallFit, SeesByHowMuchTheRadiusIsWrong) {
   std::vector<RayDepth> pixels;
   PictureScene scene;
@@ -348,6 +376,22 @@ TEST(FindWand, AStickFromAnyDirectionDoesNotShiftTheBall) {
             << depth_m << " m, along " << along.transpose() << ": " << name_of(sighting.status);
         EXPECT_LT(error_m(sighting, centre), 0.001) << depth_m << " m, along " << along.transpose();
       }
+}
+
+// Where a stick comes out of the ball it is too near the ball's surface to be told from it.
+TEST(FindWand, TheFootOfAStickBeforeTheBallDoesNotPullTheCentreTowardsIt) {
+  double pull_m = 0.0;
+  for (int direction = 0; direction < 24; ++direction) {
+    const double angle_rad = 2.0 * std::numbers::pi * direction / 24;
+    const Vector3d aside(std::cos(angle_rad), std::sin(angle_rad), 0.0), centre(0.0, 0.0, 2.6);
+    const Vector3d along = (aside - Vector3d::UnitZ()).normalized();
+    PictureScene scene = ball_at(centre);
+    scene.sticks.push_back({centre + 0.07 * along, centre + 1.2 * along, 0.01});
+    const WandSighting sighting = found_in(scene);
+    ASSERT_EQ(sighting.status, WandStatus::found) << angle_rad;
+    pull_m += (sighting.centre_in_sensor_m - centre).dot(aside) / 24.0;
+  }
+  EXPECT_LT(std::abs(pull_m), 0.00005);
 }
 
 TEST(FindWand, ScatteredLostPixelsDoNotHideTheBall) {

@@ -125,6 +125,29 @@ TEST(ErrorSpread, AnIntervalNeedsFourClustersAndResamplesThemWhole) {
   EXPECT_EQ(spread_of(equal, 1).mean_high_m, 0.5);
 }
 
+// Sigmas of 1, 2, 1 rad and 1, 3, 2 m: errors of 1, 1, 2 and 0, 1, 2 of them, of which two are beyond 1.96.
+TEST(PoseMisfit, ErrorsOverStatedSigmasByPencil) {
+  Eigen::Matrix<double, 6, 1> error, sigmas;
+  error << 1.0, 2.0, 2.0, 0.0, 3.0, 4.0;
+  sigmas << 1.0, 2.0, 1.0, 1.0, 3.0, 2.0;
+  const PoseMisfit misfit = misfit_of(error, sigmas.cwiseAbs2().asDiagonal());
+  EXPECT_DOUBLE_EQ(misfit.rotation_z2, 2.0);
+  EXPECT_DOUBLE_EQ(misfit.position_z2, 5.0 / 3.0);
+  EXPECT_DOUBLE_EQ(misfit.mahalanobis2, 11.0);
+  EXPECT_EQ(misfit.covered, 4u);
+  EXPECT_EQ(misfit.asked, 6u);
+}
+
+// Errors that go together as stated are less far off than each by itself says: (1 + 1 - 2 / 2) / (1 - 1 / 4).
+TEST(PoseMisfit, TheMahalanobisDistanceKnowsThatTurnAndPlaceGoTogether) {
+  Eigen::Matrix<double, 6, 1> error;
+  error << 1.0, 0.0, 0.0, 1.0, 0.0, 0.0;
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
+  covariance(0, 3) = covariance(3, 0) = 0.5;
+  EXPECT_NEAR(misfit_of(error, covariance).mahalanobis2, 4.0 / 3.0, 1e-12);
+  EXPECT_DOUBLE_EQ(misfit_of(error, covariance).rotation_z2, 1.0 / 3.0);
+}
+
 CalibrationSpec tiny_spec() {
   return spec_of(R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
       "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
@@ -164,7 +187,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   ASSERT_THAT(summary.distortion, SizeIs(1));
   EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
   EXPECT_EQ(summary.distortion[0].frames, 4u);
-  ASSERT_THAT(summary.rigs, SizeIs(11));
+  ASSERT_THAT(summary.rigs, SizeIs(12));
   EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
   EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
   EXPECT_THAT(summary.effect, testing::Not(IsEmpty()));

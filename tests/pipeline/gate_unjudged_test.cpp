@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include "datasets/results/gate_history.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "tests/pipeline/made_results.h"
@@ -48,6 +49,47 @@ TEST(GateUnjudged, ATakeTooShortToJudgeIsAnAlarmWhenItChanged) {
   EXPECT_THAT(ended.out, HasSubstr("cannot be judged, but it changed"));
   EXPECT_THAT(ended.out + nights.gate({"--method", "nonlinear"}).out, Not(HasSubstr("nan")));
   EXPECT_EQ(TwoNights(one_take(20), larger_errors(1.001)).gate().code, 0);
+}
+
+// Errors of other recordings, twice as large, but not alike in both participants: chance to whoever sees two.
+TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsAreNotQuiet) {
+  MadeStudy study;
+  study.participants = 2;
+  TwoNights nights(study, {});
+  study.input_sha256 = "11";
+  write_made_results(nights.folder / "now", study,
+                     [](MadeSample& s) { s.error_m *= s.take == 0 ? 1.8 : 2.2; });
+  const auto junit = nights.folder / "gate.xml", history = nights.folder / "history.jsonl";
+  const Ended ended = nights.gate({"--junit", junit.string(), "--history", history.string()});
+  EXPECT_EQ(ended.code, 3) << ended.out;
+  EXPECT_THAT(ended.out, testing::StartsWith("NOT JUDGED: 2 participants in walks"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("QUIET")));
+  EXPECT_THAT(read_file(junit), testing::AllOf(HasSubstr("<skipped message=\"not judged: 2 participants; "),
+                                               HasSubstr("skipped=\"1\""), HasSubstr("failures=\"0\"")));
+  const History read = read_history(history);
+  ASSERT_EQ(read.entries.size(), 1u);
+  EXPECT_FALSE(read.entries[0].quiet);
+  EXPECT_THAT(read.entries[0].not_judged, testing::ElementsAre("walks"));
+  EXPECT_THAT(nights.gate({"--json"}).out, HasSubstr("\"verdict\": \"not_judged\""));
+}
+
+TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsWithTheSameNumbersAreQuiet) {
+  MadeStudy study;
+  study.participants = 2;
+  TwoNights nights(study, {});
+  study.input_sha256 = "11";
+  write_made_results(nights.folder / "now", study);
+  EXPECT_EQ(nights.gate().code, 0);
+}
+
+TEST(GateUnjudged, WhatCannotBeComparedIsAnErrorInJunitToo) {
+  TwoNights nights({}, {});
+  std::filesystem::remove(nights.folder / "before/manifest.json");
+  const auto junit = nights.folder / "gate.xml";
+  const Ended ended = nights.gate({"--junit", junit.string()});
+  EXPECT_EQ(ended.code, 2) << ended.out;
+  EXPECT_THAT(read_file(junit), testing::AllOf(HasSubstr("errors=\"1\""), HasSubstr("<error message="),
+                                               HasSubstr((nights.folder / "before").string())));
 }
 
 TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {

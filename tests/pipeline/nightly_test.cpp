@@ -125,6 +125,17 @@ TEST(Nightly, ARegressionEndsWithOne) {
   EXPECT_EQ(checkout.night().code, 1);
 }
 
+TEST(Nightly, ANightThatCannotBeJudgedEndsWithThreeAndIsNoJudgedOne) {
+  const Checkout checkout;
+  ASSERT_EQ(checkout.night().code, 0);
+  checkout.age("2000-01-01T00-00-00Z");
+  checkout.ends_with("gate", 3);
+  const Ended ended = checkout.night();
+  EXPECT_EQ(ended.code, 3) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("said by gate"));
+  EXPECT_FALSE(fs::exists(checkout.out / "latest/judged"));
+}
+
 TEST(Nightly, NightsThatWereNotJudgedPushNoJudgedOneOut) {
   const Checkout checkout;
   ASSERT_EQ(checkout.night("trilat", "1").code, 0);

@@ -69,8 +69,20 @@ inline CalibrationSummary hand_made_calibration() {
                     {2, 1, 4.5, 30 * kRadPerDegree, ErrorSpread::kNone},
                     {1, 0, 0.5, 10 * kRadPerDegree, 0.30}};
   s.distortion = {hand_made_curve()};
-  RigRow wand{"wand", 3,    1,   spread_around(0.005, 10, 12), 0.5 * kRadPerDegree, 1.5 * kRadPerDegree, 0.75,
-              0.9,    0.85, 0.95};
+  RigRow wand{"wand",
+              3,
+              1,
+              spread_around(0.005, 10, 12),
+              0.5 * kRadPerDegree,
+              1.5 * kRadPerDegree,
+              0.75,
+              0.9,
+              0.85,
+              0.95,
+              1.04,
+              0.97,
+              6.2,
+              1.03};
   s.rigs = {wand};
   s.effect = {effect_of("exact", 0.0, "nonlinear", 0.04, 0.04), effect_of("exact", 0.0, "mean", 0.02, 0.04),
               effect_of("10 mm an axis", 0.01, "nonlinear", 0.05, 0.04),

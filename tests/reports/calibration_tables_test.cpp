@@ -105,8 +105,9 @@ TEST(CalibrationTables, ColumnsWithoutADepthDoNotCount) {
 TEST(CalibrationTables, ARigsRowCountsSensorsWithoutAPose) {
   const Table table = calibration_rigs_table(hand_made_calibration());
   ASSERT_THAT(table.rows, SizeIs(1));
-  EXPECT_THAT(texts_of(table.rows[0]), ElementsAre("wand", "3", "12", "2", "0.50", "0.25", "0.75", "1.00",
-                                                   "1.50", "0.50", "1.50", "75.0", "90.0", "85.0", "95.0"));
+  EXPECT_THAT(texts_of(table.rows[0]),
+              ElementsAre("wand", "3", "12", "2", "0.50", "0.25", "0.75", "1.00", "1.50", "0.50", "1.50",
+                          "75.0", "90.0", "85.0", "95.0", "1.04", "0.97", "6.2", "1.03"));
 }
 
 TEST(CalibrationTables, TheMeanHasNoBound) {
