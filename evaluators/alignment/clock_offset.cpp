@@ -271,10 +271,9 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
     least_m = apart_m;
     chosen = peak;
   }
-  if (chosen.at_end) return ClockOffsetStatus::at_limit;
   if (!(least_m <= options.largest_misfit_m)) return ClockOffsetStatus::no_agreement;
-  return least_m > options.largest_misfit_ratio * next_m ? ClockOffsetStatus::ambiguous
-                                                         : ClockOffsetStatus::found;
+  if (least_m > options.largest_misfit_ratio * next_m) return ClockOffsetStatus::ambiguous;
+  return chosen.at_end ? ClockOffsetStatus::at_limit : ClockOffsetStatus::found;
 }
 
 double mean_speed_m_s(const std::vector<ComparedJoint>& joints) {

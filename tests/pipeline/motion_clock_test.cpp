@@ -99,6 +99,13 @@ TEST(MotionClock, AStartThatIsOffIsToldWithWhatItCosts) {
   EXPECT_THAT(notes_of(spec, 4.4, "check"), testing::HasSubstr("does not move as the sensors see"));
 }
 
+TEST(MotionClock, ArmsThatSwingOnTheSpotTellNoPeriodFromAnotherAndThatIsNoWarning) {
+  SimulationSpec spec = synchronised(without_noise(walking_spec(1, 20.0)));
+  spec.activities[0].activity = Activity::arm_swing;
+  EXPECT_EQ(clock_of(spec, 0.0).status, "ambiguous");
+  EXPECT_EQ(notes_of(spec, 0.0, "check"), "");
+}
+
 TEST(MotionClock, TheLagOfTrackersIsNoWarning) {
   SimulationSpec spec = walking_spec(2, 20.0);
   spec.body_tracker = default_body_tracker();
