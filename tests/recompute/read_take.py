@@ -5,6 +5,7 @@ It reads what `trilat simulate` writes: one person, clocks that never jump, ways
 no frozen markers, and takes that are too short for a clock to be bent.
 """
 import csv
+import itertools
 import json
 import pathlib
 
@@ -18,6 +19,9 @@ JOINTS = (["spine_base", "spine_mid", "neck", "head"] + [f"{part}_left" for part
           "knee_right", "ankle_right", "foot_right", "spine_shoulder", "hand_tip_left", "thumb_left", "hand_tip_right",
           "thumb_right"])
 MIRROR = [JOINTS.index(n.replace("left", "LEFT").replace("right", "left").replace("LEFT", "right")) for n in JOINTS]
+CHAINS = ["spine_base spine_mid spine_shoulder neck head"] + [chain.replace("*", side) for side in ("left", "right") for chain in (
+    "spine_shoulder shoulder_* elbow_* wrist_* hand_* hand_tip_*", "wrist_* thumb_*", "spine_base hip_* knee_* ankle_* foot_*")]
+BONES = [(JOINTS.index(a), JOINTS.index(b)) for chain in CHAINS for a, b in zip(chain.split(), chain.split()[1:])]
 HAS_MIRROR = np.array([MIRROR[j] != j for j in range(len(JOINTS))])
 SHORTEST_DRIFT_SPAN_NS = 10_000_000_000
 
@@ -136,6 +140,32 @@ def body_at(frame_ns, position_m, state, time_ns, longest_gap_ns):
     return np.where(there[:, :, None], joint_m, np.float32(np.nan)), np.where(there, joint_state, 0)
 
 
+def crossings(in_sensor_m, rule):
+    """How many bones cross before each joint's own bones: (... x 25 x 3) gives (... x 25). The paper's eq. 8.
+
+    Bones are segments of the image, and 1 / z is linear along them; `printed`: of (x, y), with z.
+    """
+    x, y, z = np.moveaxis(in_sensor_m, -1, 0)
+    z = np.where(z > 0.0, z, np.nan) if rule == "corrected" else z
+    place, far = (np.stack([x / z, y / z], -1), -1.0 / z) if rule == "corrected" else (np.stack([x, y], -1), z)
+
+    def share(a, b):  # of segment a, where the line of segment b cuts it; NaN where it does not
+        along = place[..., b[1], :] - place[..., b[0], :]
+        side = [np.cross(place[..., end, :] - place[..., b[0], :], along) for end in a]
+        return np.where(side[0] * side[1] < 0.0, side[0] / (side[0] - side[1]), np.nan)
+
+    count = np.zeros(x.shape, int)
+    for a, b in itertools.combinations(BONES, 2):
+        if rule == "corrected" and set(a) & set(b):
+            continue
+        on_a, on_b = share(a, b), share(b, a)
+        far_a, far_b = ((1.0 - s) * far[..., i] + s * far[..., j] for s, (i, j) in ((on_a, a), (on_b, b)))
+        for behind, bone in ((far_a > far_b, a), (far_b > far_a, b)):
+            for end in bone:
+                count[..., end] += behind
+    return count
+
+
 def rotation_of(xyzw):
     x, y, z, w = np.array(xyzw) / np.linalg.norm(xyzw)
     return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -199,4 +229,6 @@ class TakeAtInstants:
         wanted = [JOINTS.index(joint) for joint in joints]
         self.state = self.all_state[:, :, wanted].swapaxes(1, 2)
         self.world_m = self.all_world_m[:, :, wanted].swapaxes(1, 2)
+        self.crossings = {rule: crossings(in_sensor_m, rule)[:, :, wanted].swapaxes(1, 2)
+                          for rule in ("corrected", "printed")}
         self.range_m = np.linalg.norm(in_sensor_m[:, :, wanted], axis=3).swapaxes(1, 2)

@@ -49,6 +49,9 @@ METHODS = {
     "mean": ({"method": "mean"}, solve.mean, SENSORS, {}),
     "tracked_mean": ({"method": "tracked_mean"}, solve.tracked_mean, SENSORS, {}),
     "weighted_mean": ({"method": "weighted_mean"}, solve.weighted_mean, SENSORS, {}),
+    "mean, unoccluded": ({"method": "mean", "occlusion": "corrected"}, solve.mean, SENSORS, {}),
+    "nonlinear, unoccluded": ({"method": "nonlinear", "occlusion": "printed", "fewest_sensors": 3}, solve.nonlinear,
+                              SENSORS, {}),
     "median": ({"method": "median"}, solve.median, SENSORS, {}),
     **{f"single {name}": ({"method": "single", "sensors": [name]}, solve.mean, [name], {}) for name in SENSORS}}
 
@@ -85,19 +88,32 @@ class Samples:
     def __init__(self, file, group):
         self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
         names = np.array(file.attrs["status_names"].astype(str), object)
-        for name in ("time_ns", "truth_m", "ranges", "estimate_m", "error_m", "iterations", "cost_m2", "gdop"):
+        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "error_m", "iterations", "cost_m2", "gdop"):
             setattr(self, name, group[name][:])
         self.status = names[group["status"][:]]
         self.asked = np.isfinite(self.truth_m[:, :, 0])
         self.answered = np.isin(self.status, solve.ANSWERS) & self.asked[:, :, None]
 
 
+def sensors_used(take, name):
+    """Instants x joints x sensors: those that see the joint and that the method may use and does not count as occluded."""
+    entry, _, sensors, _ = METHODS[name]
+    used = (take.state > 0) & np.isin(take.sensors, sensors)
+    if "occlusion" not in entry:
+        return used
+    count = np.where(used, take.crossings[entry["occlusion"]] + (take.state == 1), 10**6)
+    wanted = np.clip(used.sum(axis=2), 1, entry.get("fewest_sensors", 1))
+    most = np.take_along_axis(np.sort(count, axis=2), wanted[:, :, None] - 1, axis=2)
+    return used & (count <= most)
+
+
 def solve_again(take, name):
     """The method `name` for all instants and joints: estimate_m, status, iterations."""
-    _, solver, sensors, settings = METHODS[name]
+    _, solver, _, settings = METHODS[name]
     shape = take.range_m.shape
-    flat = [a.reshape(shape[0] * shape[1], *a.shape[2:]) for a in (take.world_m, take.range_m, take.state)]
-    found = solver(take.sensor_m, *flat, np.isin(take.sensors, sensors), **settings)
+    flat = [a.reshape(shape[0] * shape[1], *a.shape[2:]) for a in (take.world_m, take.range_m, take.state,
+                                                                             sensors_used(take, name))]
+    found = solver(take.sensor_m, *flat, **settings)
     return [a.reshape(shape[0], shape[1], *a.shape[1:]) for a in found]
 
 
@@ -109,6 +125,8 @@ def compare_take(take, samples):
     require_same(lambda i=0: f"time_ns of {place(i)}", take.time_ns, samples.time_ns, 0)
     require_same(lambda *at: f"truth_m of {place(*at)}", take.truth_m, samples.truth_m, SAME_M)
     require_same(lambda *at: f"ranges of {place(*at)}", (take.state > 0).sum(axis=2), samples.ranges, 0)
+    occluded = (take.state == 1) | ((take.state == 2) & (take.crossings["corrected"] > 0))
+    require_same(lambda *at: f"occluded of {place(*at)}", occluded.sum(axis=2), samples.occluded, 0)
     for m, name in enumerate(samples.methods):
         estimate_m, status, iterations = solve_again(take, name)
         require_same(lambda *at: f"status of {name}, {place(*at)}", status, samples.status[:, :, m], 0)
@@ -125,7 +143,7 @@ def compare_geometry(take, name, samples, m, place):
     """cost_m2 = sum f_i^2 and gdop = sqrt trace (J^T J)^-1 of answers by ranges."""
     if METHODS[name][0]["method"] not in ("linear", "geometric", "nonlinear"):
         return
-    used = np.isfinite(take.range_m) & np.isin(take.sensors, METHODS[name][2])
+    used = sensors_used(take, name)
     away_m = samples.estimate_m[:, :, m, None] - take.sensor_m
     d_m = np.linalg.norm(away_m, axis=3)
     u = np.where(used[..., None], away_m / d_m[..., None], 0.0)
@@ -148,27 +166,33 @@ def compare_numbers(where, expected, written):
 
 
 def compare_tables(takes, summary):
-    """Every cell and difference of summary.json, from the samples of all its takes (which are of one condition)."""
-    methods, groups = takes[0].methods, tables.joints_of_groups(takes[0].joints)
-    cells = {(c["method"], c["alignment"], c["group"]): c for c in summary["cells"]}
-    differences = {(d["method"], d["alignment"], d["group"]): d for d in summary["differences"]}
-    reference = methods.index(REFERENCE)
-    for m, name in enumerate(methods):
+    """Every cell and difference of summary.json, of all samples and of those that a sensor sees occluded."""
+    cells = {(c["condition"], c["method"], c["alignment"], c["group"]): c for c in summary["cells"]}
+    differences = {(d["condition"], d["method"], d["alignment"], d["group"]): d for d in summary["differences"]}
+    for m, name in enumerate(takes[0].methods):
         for alignment in ALIGNMENTS:
-            errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
-            computed = {g: tables.cell_of(takes, m, joints, errors_m) for g, joints in groups.items()}
-            computed["average"] = tables.average_of(computed.values())
-            for group, numbers in computed.items():
-                compare_numbers(f"{name}, alignment {alignment}, group {group}", numbers, cells.pop((name, alignment, group)))
-            if m == reference:
-                continue
-            for group, (n, mean_m, reference_m) in tables.difference_of(takes, m, reference, alignment, groups).items():
-                compare_numbers(f"{name} - {REFERENCE}, alignment {alignment}, group {group}",
-                                {"n": n, "difference_m": mean_m, "percent_of_reference": 100 * mean_m / reference_m,
-                                 "percent_of_method": 100 * mean_m / (reference_m + mean_m)},
-                                differences.pop((name, alignment, group)))
+            compare_method(takes, m, name, alignment, cells, differences)
     if cells or differences:
         raise Different(f"summary.json also has {[*cells, *differences]}")
+
+
+def compare_method(takes, m, name, alignment, cells, differences):
+    """Takes what it has compared out of `cells` and `differences`."""
+    groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
+    errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
+    pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
+    for condition, parts in (("walking", [s.asked for s in takes]),
+                             ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
+        computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
+        computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
+        against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
+        computed["average"] = tables.average_of(computed.values())
+        for group, numbers in computed.items():
+            where = f"{condition}, alignment {alignment}, group {group}"
+            compare_numbers(f"{name}, {where}", numbers, cells.pop((condition, name, alignment, group)))
+            if m != reference:
+                compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
+                                differences.pop((condition, name, alignment, group)))
 
 
 def compare_rows_of_takes(takes, ids, summary):
@@ -202,6 +226,7 @@ class Results:
         simulation = {"format": "trilat.simulation", "version": 1, "name": name, "seed": 7, "participants": 2}
         study = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": name, "alignments": ALIGNMENTS,
                  "reference": REFERENCE, "clock": "stated", "repair_exchanges": False, "resamples": 0,
+                 "occluded_apart": True,
                  "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items()]}
         (folder / f"{name}_simulation.json").write_text(json.dumps({**simulation, **SIMULATIONS[name]}))
         (folder / f"{name}_study.json").write_text(json.dumps(study))
@@ -270,12 +295,12 @@ class Recompute(unittest.TestCase):
             cell = next(c for c in results.summary["cells"] if c["method"] == "mean" and c["group"] == "elbow"
                         and c["alignment"] == "rigid")
             cell["mae_m"] += 2e-6
-        self.says(alter, "mae_m of mean, alignment rigid, group elbow")
+        self.says(alter, "mae_m of mean, walking, alignment rigid, group elbow")
 
     def test_a_difference_that_is_two_micrometres_off_is_named(self):
         def alter(results):
             next(d for d in results.summary["differences"] if d["group"] == "average")["difference_m"] -= 2e-6
-        self.says(alter, "difference_m of linear - nonlinear, alignment mean, group average")
+        self.says(alter, "difference_m of linear - nonlinear, walking, alignment mean, group average")
 
 
 if __name__ == "__main__":

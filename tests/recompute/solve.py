@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The methods of a study for all samples at once: a second implementation, written from FORMATS.md alone.
 
-Samples are rows: world_m (N x sensors x 3), range_m and state (N x sensors), NaN where a sensor does not see the
-joint. A method returns estimate_m (N x 3), status (N texts) and iterations (N numbers, or None where
+Samples are rows: world_m (N x sensors x 3), range_m, state and used (N x sensors): `used` are sensors that see the
+joint and that the method takes; NaN where a sensor does not see it. A method returns estimate_m (N x 3), status (N texts) and iterations (N numbers, or None where
 FORMATS.md does not fix them).
 """
 import itertools
@@ -44,14 +44,13 @@ class Plane:
 
 
 def by_sensors(solve_alike):
-    """Groups the samples by the sensors that see the joint: `solve_alike` gets samples that all of them see."""
-    def solve(sensor_m, world_m, range_m, state, allowed, **settings):
+    """Groups the samples by the sensors used: `solve_alike` gets samples that all have the same."""
+    def solve(sensor_m, world_m, range_m, state, used, **settings):
         n = len(range_m)
         estimate_m, status, iterations = np.full((n, 3), np.nan), np.full(n, "", object), np.zeros(n, int)
-        seen = np.isfinite(range_m) & allowed
-        hint_m = hint_of(np.where(seen[:, :, None], world_m, np.nan))
-        for pattern in np.unique(seen, axis=0):
-            rows = np.flatnonzero((seen == pattern).all(axis=1))
+        hint_m = hint_of(np.where(used[:, :, None], world_m, np.nan))
+        for pattern in np.unique(used, axis=0):
+            rows = np.flatnonzero((used == pattern).all(axis=1))
             if pattern.sum() < 3:
                 status[rows] = "too_few_ranges"
                 continue
@@ -196,20 +195,20 @@ def weighted(world_m, weight):
     return x_m, np.where(total > 0.0, "closed_form", "no_observation").astype(object), np.zeros(len(total), int)
 
 
-def mean(sensor_m, world_m, range_m, state, allowed):
-    return weighted(world_m, ((state > 0) & allowed).astype(float))
+def mean(sensor_m, world_m, range_m, state, used):
+    return weighted(world_m, used.astype(float))
 
 
-def tracked_mean(sensor_m, world_m, range_m, state, allowed):
-    tracked = (state == 2) & allowed
-    return weighted(world_m, np.where(tracked.any(axis=1)[:, None], tracked, (state > 0) & allowed).astype(float))
+def tracked_mean(sensor_m, world_m, range_m, state, used):
+    tracked = (state == 2) & used
+    return weighted(world_m, np.where(tracked.any(axis=1)[:, None], tracked, used).astype(float))
 
 
-def weighted_mean(sensor_m, world_m, range_m, state, allowed, inferred_weight=1.0 / 9.0):
+def weighted_mean(sensor_m, world_m, range_m, state, used, inferred_weight=1.0 / 9.0):
     """By state, and by the depth noise of Fankhauser et al. 2015 at the joint's range, seen straight on."""
     sigma_m = 1e-3 * (1.5 - 0.5 * range_m + 0.3 * range_m**2)
     weight = np.where(state == 2, 1.0, inferred_weight) / sigma_m**2
-    return weighted(world_m, np.where((state > 0) & allowed, weight, 0.0))
+    return weighted(world_m, np.where(used, weight, 0.0))
 
 
 def median_of_points(points_m):
@@ -236,10 +235,10 @@ def median_of_points(points_m):
     return x_m, "iteration_limit"
 
 
-def median(sensor_m, world_m, range_m, state, allowed):
+def median(sensor_m, world_m, range_m, state, used):
     x_m, status = np.full((len(state), 3), np.nan), np.full(len(state), "no_observation", object)
     for n in range(len(state)):
-        points_m = world_m[n, (state[n] > 0) & allowed]
+        points_m = world_m[n, used[n]]
         if len(points_m) > 0:
             x_m[n], status[n] = median_of_points(points_m)
     return x_m, status, np.full(len(state), -1)

@@ -46,14 +46,15 @@ def mean_of(values):
     return np.mean(values) if len(values) else np.nan
 
 
-def cell_of(takes, m, joints, errors_m):
-    """The numbers of one cell; `errors_m` holds one array a take. Quantiles are of type 7 of Hyndman and Fan."""
-    length_m = np.concatenate([np.linalg.norm(e[:, joints][s.answered[:, joints, m]], axis=1)
-                               for s, e in zip(takes, errors_m)])
-    gdop = np.concatenate([s.gdop[:, joints, m][s.answered[:, joints, m]] for s in takes]).astype(float)
-    known, asked = np.isfinite(gdop), int(sum(s.asked[:, joints].sum() for s in takes))
+def cell_of(takes, m, joints, errors_m, parts):
+    """The numbers of one cell, of the samples in `parts`. Quantiles are of type 7 of Hyndman and Fan."""
+    counted = [(s.answered[:, :, m] & part)[:, joints] for s, part in zip(takes, parts)]
+    length_m = np.concatenate([np.linalg.norm(e[:, joints][c], axis=1) for e, c in zip(errors_m, counted)])
+    gdop = np.concatenate([s.gdop[:, joints, m][c] for s, c in zip(takes, counted)]).astype(float)
+    asked = int(sum(part[:, joints].sum() for part in parts))
+    known = np.isfinite(gdop)
     median_m, p95_m, max_m = np.quantile(length_m, [0.5, 0.95, 1.0]) if len(length_m) else 3 * [np.nan]
-    return {"asked": asked, "answered": len(length_m), "coverage": len(length_m) / asked,
+    return {"asked": asked, "answered": len(length_m), "coverage": len(length_m) / asked if asked else np.nan,
             "mae_m": mean_of(length_m), "rmse_m": np.sqrt(mean_of(length_m**2)), "median_m": median_m, "p95_m": p95_m,
             "max_m": max_m, "mean_gdop": mean_of(gdop[known]), "rms_gdop": np.sqrt(mean_of(gdop[known]**2)),
             "gdop_rmse_m": np.sqrt(mean_of(length_m[known]**2))}
@@ -66,17 +67,21 @@ def average_of(cells):
             "mae_m": np.mean([c["mae_m"] for c in cells])}
 
 
-def difference_of(takes, m, reference, alignment, groups):
-    """Of both methods on the samples that both answer, aligned on these: (n, mean difference, reference) a group."""
-    lengths = []
-    for s in takes:
-        both = s.answered[:, :, m] & s.answered[:, :, reference]
-        lengths.append([np.linalg.norm(errors_of(s, k, alignment, both), axis=2) for k in (m, reference)])
-    result = {}
+def lengths_on_both(samples, m, reference, alignment):
+    """Error lengths of a method and the reference, each aligned on the samples that both answer; NaN elsewhere."""
+    both = samples.answered[:, :, m] & samples.answered[:, :, reference]
+    return [np.linalg.norm(errors_of(samples, k, alignment, both), axis=2) for k in (m, reference)]
+
+
+def differences_of(pairs, groups, parts):
+    """The numbers of one difference a group, of the samples in `parts`, and of their average."""
+    sums = {}
     for group, joints in groups.items():
-        ours, theirs = (np.concatenate([pair[k][:, joints].ravel() for pair in lengths]) for k in (0, 1))
+        ours, theirs = (np.concatenate([pair[k][:, joints][part[:, joints]] for pair, part in zip(pairs, parts)])
+                        for k in (0, 1))
         both = np.isfinite(ours)
-        result[group] = (int(both.sum()), mean_of((ours - theirs)[both]), mean_of(theirs[both]))
-    result["average"] = (sum(r[0] for r in result.values()), np.mean([r[1] for r in result.values()]),
-                         np.mean([r[2] for r in result.values()]))
-    return result
+        sums[group] = (int(both.sum()), mean_of((ours - theirs)[both]), mean_of(theirs[both]))
+    n, difference_m, reference_m = zip(*sums.values())
+    sums["average"] = (sum(n), np.mean(difference_m), np.mean(reference_m))
+    return {group: {"n": n, "difference_m": d, "percent_of_reference": 100 * d / r, "percent_of_method": 100 * d / (r + d)}
+            for group, (n, d, r) in sums.items()}
