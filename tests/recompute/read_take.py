@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a take's raw files say at the instants of a study: a second implementation, written from FORMATS.md alone.
+"""What a take's raw files say at the instants of a study: a second implementation, written from FORMATS.md.
 
 It reads what `trilat simulate` writes: one person, clocks that never jump, ways of the network that queue alike,
 no frozen markers, and takes that are too short for a clock to be bent.
@@ -18,11 +18,13 @@ JOINTS = (["spine_base", "spine_mid", "neck", "head"] + [f"{part}_left" for part
           + [f"{part}_right" for part in SIDES] + ["hip_left", "knee_left", "ankle_left", "foot_left", "hip_right",
           "knee_right", "ankle_right", "foot_right", "spine_shoulder", "hand_tip_left", "thumb_left", "hand_tip_right",
           "thumb_right"])
-MIRROR = [JOINTS.index(n.replace("left", "LEFT").replace("right", "left").replace("LEFT", "right")) for n in JOINTS]
-CHAINS = ["spine_base spine_mid spine_shoulder neck head"] + [chain.replace("*", side) for side in ("left", "right") for chain in (
-    "spine_shoulder shoulder_* elbow_* wrist_* hand_* hand_tip_*", "wrist_* thumb_*", "spine_base hip_* knee_* ankle_* foot_*")]
-BONES = [(JOINTS.index(a), JOINTS.index(b)) for chain in CHAINS for a, b in zip(chain.split(), chain.split()[1:])]
+SWAPPED = {"left": "right", "right": "left"}
+MIRROR = [JOINTS.index("_".join(SWAPPED.get(word, word) for word in joint.split("_"))) for joint in JOINTS]
 HAS_MIRROR = np.array([MIRROR[j] != j for j in range(len(JOINTS))])
+ONE_SIDE = ("spine_shoulder shoulder_* elbow_* wrist_* hand_* hand_tip_*", "wrist_* thumb_*",
+            "spine_base hip_* knee_* ankle_* foot_*")
+CHAINS = ["spine_base spine_mid spine_shoulder neck head"] + [c.replace("*", s) for s in SWAPPED for c in ONE_SIDE]
+BONES = [(JOINTS.index(a), JOINTS.index(b)) for chain in CHAINS for a, b in zip(chain.split(), chain.split()[1:])]
 SHORTEST_DRIFT_SPAN_NS = 10_000_000_000
 
 
@@ -183,7 +185,8 @@ def read_export(path):
     names = next(row for row in rows if len(row) > 1 and row[1] == "Name")
     values = np.array([[float(v) if v else np.nan for v in row] for row in rows[first + 1:] if row])
     time_ns = rounded((values[:, 0] - values[0, 0]) * 1e9 / float(head["Export Frame Rate"]))
-    return time_ns, {name: values[:, k:k + 3] for k, name in reversed(list(enumerate(names))) if name not in ("", "Name")}
+    first_column = {name: k for k, name in reversed(list(enumerate(names))) if k >= 2}
+    return time_ns, {name: values[:, k:k + 3] for name, k in first_column.items()}
 
 
 def truth_at(take_folder, mocap, mapping, joints, time_ns, longest_gap_ns):

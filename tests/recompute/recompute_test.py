@@ -88,7 +88,8 @@ class Samples:
     def __init__(self, file, group):
         self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
         names = np.array(file.attrs["status_names"].astype(str), object)
-        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "error_m", "iterations", "cost_m2", "gdop"):
+        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "error_m", "iterations", "cost_m2",
+                     "gdop"):
             setattr(self, name, group[name][:])
         self.status = names[group["status"][:]]
         self.asked = np.isfinite(self.truth_m[:, :, 0])
@@ -96,7 +97,7 @@ class Samples:
 
 
 def sensors_used(take, name):
-    """Instants x joints x sensors: those that see the joint and that the method may use and does not count as occluded."""
+    """Instants x joints x sensors: those that see the joint, and that the method takes."""
     entry, _, sensors, _ = METHODS[name]
     used = (take.state > 0) & np.isin(take.sensors, sensors)
     if "occlusion" not in entry:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The methods of a study for all samples at once: a second implementation, written from FORMATS.md alone.
+"""The methods of a study for all samples at once: a second implementation, written from FORMATS.md.
 
-Samples are rows: world_m (N x sensors x 3), range_m, state and used (N x sensors): `used` are sensors that see the
-joint and that the method takes; NaN where a sensor does not see it. A method returns estimate_m (N x 3), status (N texts) and iterations (N numbers, or None where
-FORMATS.md does not fix them).
+Samples are rows: world_m (N x sensors x 3), range_m, state and used (N x sensors): `used` are the sensors that see the
+joint and that the method takes; positions and ranges are NaN where a sensor does not see it. A method returns
+estimate_m (N x 3), status (N texts) and iterations (N numbers; -1 where FORMATS.md does not fix them).
 """
 import itertools
 
@@ -167,7 +167,7 @@ def nonlinear(s_m, r_m, hint_m, numbers, range_sigma_m=0.05):
 
 @by_sensors
 def as_printed(s_m, r_m, hint_m, numbers, unit_m=0.01, threshold_m2=1e-8, max_iterations=1000):
-    """Equations 14, 17 and 19 as the paper prints them, from the hint, which also decides between images in three's plane."""
+    """Equations 14, 17 and 19 as the paper prints them, from the hint; of three sensors' two images it decides."""
     x_m, status = hint_m.copy(), np.full(len(r_m), "iteration_limit", object)
     iterations = np.full(len(r_m), max_iterations)
     for k in range(1, max_iterations + 1):

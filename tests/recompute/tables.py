@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Errors and tables of a study from its samples: a second implementation, written from FORMATS.md alone.
+"""Errors and tables of a study from its samples: a second implementation, written from FORMATS.md.
 
 `takes` are samples with truth_m, estimate_m, gdop, asked and answered, arrays instants x joints x methods.
 """
@@ -83,5 +83,5 @@ def differences_of(pairs, groups, parts):
         sums[group] = (int(both.sum()), mean_of((ours - theirs)[both]), mean_of(theirs[both]))
     n, difference_m, reference_m = zip(*sums.values())
     sums["average"] = (sum(n), np.mean(difference_m), np.mean(reference_m))
-    return {group: {"n": n, "difference_m": d, "percent_of_reference": 100 * d / r, "percent_of_method": 100 * d / (r + d)}
-            for group, (n, d, r) in sums.items()}
+    return {group: {"n": n, "difference_m": d, "percent_of_reference": 100 * d / r,
+                    "percent_of_method": 100 * d / (r + d)} for group, (n, d, r) in sums.items()}
