@@ -1,0 +1,308 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Evaluates two small simulated campaigns again from their raw files and compares with what the program writes.
+
+    recompute_test.py PROGRAM
+"""
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+import read_take
+import solve
+import tables
+
+PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/trilat"
+SAME_M = 1e-6  # single precision at 4 m
+SAME_RATIO = 1e-6  # of numbers that are stored in single precision
+SENSORS = ["k1", "k2", "k3", "k4"]
+ALIGNMENTS = ["mean", "none", "first", "rigid"]
+REFERENCE = "nonlinear"
+
+# Heights that differ much, and 12 s, after which a clock's drift is known; the tracker's model on a rig that is nearly
+# flat, where the hint decides between the sides of the sensors' plane; and a rig in between.
+SHORT = {"activities": [{"name": "walking", "duration_s": 6}], "body_tracker": {}}
+SIMULATIONS = {
+    "high and low": {"activities": [{"name": "walking", "duration_s": 12}]},
+    "nearly flat": {**SHORT, "rig": {"heights_m": [1.39, 1.41, 1.395, 1.405]}},
+    "in between": {**SHORT, "rig": {"heights_m": [1.3, 1.5, 1.35, 1.4]}}}
+
+# Each method's entry in the study and how it is computed again: solver, sensors, settings.
+METHODS = {
+    "linear": ({"method": "linear"}, solve.linear, SENSORS, {}),
+    "linear k3": ({"method": "linear", "reference": "k3"}, solve.linear, SENSORS, {"reference": 2}),
+    "linear all pairs": ({"method": "linear", "reference": "all_pairs"}, solve.linear, SENSORS, {"reference": None}),
+    "geometric": ({"method": "geometric"}, solve.geometric, SENSORS[:3], {}),
+    "nonlinear": ({"method": "nonlinear"}, solve.nonlinear, SENSORS, {}),
+    "nonlinear, three": ({"method": "nonlinear", "sensors": ["k1", "k2", "k4"]}, solve.nonlinear,
+                         ["k1", "k2", "k4"], {}),
+    "nonlinear, sure": ({"method": "nonlinear", "range_sigma_m": 0}, solve.nonlinear, SENSORS, {"range_sigma_m": 1e-9}),
+    "as printed": ({"method": "nonlinear", "gradient": "printed", "damping": "none", "stop": "printed",
+                    "start": "hint"}, solve.as_printed, SENSORS, {}),
+    "mean": ({"method": "mean"}, solve.mean, SENSORS, {}),
+    "tracked_mean": ({"method": "tracked_mean"}, solve.tracked_mean, SENSORS, {}),
+    "weighted_mean": ({"method": "weighted_mean"}, solve.weighted_mean, SENSORS, {}),
+    "mean, unoccluded": ({"method": "mean", "occlusion": "corrected"}, solve.mean, SENSORS, {}),
+    "nonlinear, unoccluded": ({"method": "nonlinear", "occlusion": "printed", "fewest_sensors": 3}, solve.nonlinear,
+                              SENSORS, {}),
+    "median": ({"method": "median"}, solve.median, SENSORS, {}),
+    **{f"single {name}": ({"method": "single", "sensors": [name]}, solve.mean, [name], {}) for name in SENSORS}}
+
+
+def run_program(*arguments):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{arguments} ended with {done.returncode}: {done.stderr}")
+
+
+class Different(AssertionError):
+    """Says which number differs, and both values."""
+
+
+def require_same(what, expected, written, tolerance):
+    """`what(*index)` names an element. NaN equals NaN; texts and counts must be equal."""
+    expected, written = np.asarray(expected), np.asarray(written)
+    if expected.shape != written.shape:
+        raise Different(f"{what()}: {expected.shape} computed again, {written.shape} in the results")
+    if expected.dtype == object or tolerance == 0:
+        same = expected == written
+    else:
+        same = (np.abs(expected - written) <= tolerance) | (np.isnan(expected) & np.isnan(written))
+    if not same.all():
+        wrong = np.argwhere(~same)
+        at = tuple(wrong[0])
+        raise Different(f"{what(*at)}: {expected[at]!r} computed again, {written[at]!r} in the results "
+                        f"({len(wrong)} of {same.size} differ)")
+
+
+class Samples:
+    """One take's samples: arrays instants x joints x methods."""
+
+    def __init__(self, file, group):
+        self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
+        names = np.array(file.attrs["status_names"].astype(str), object)
+        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "error_m", "iterations", "cost_m2",
+                     "gdop"):
+            setattr(self, name, group[name][:])
+        self.status = names[group["status"][:]]
+        self.asked = np.isfinite(self.truth_m[:, :, 0])
+        self.answered = np.isin(self.status, solve.ANSWERS) & self.asked[:, :, None]
+
+
+def sensors_used(take, name):
+    """Instants x joints x sensors: those that see the joint, and that the method takes."""
+    entry, _, sensors, _ = METHODS[name]
+    used = (take.state > 0) & np.isin(take.sensors, sensors)
+    if "occlusion" not in entry:
+        return used
+    count = np.where(used, take.crossings[entry["occlusion"]] + (take.state == 1), 10**6)
+    wanted = np.clip(used.sum(axis=2), 1, entry.get("fewest_sensors", 1))
+    most = np.take_along_axis(np.sort(count, axis=2), wanted[:, :, None] - 1, axis=2)
+    return used & (count <= most)
+
+
+def solve_again(take, name):
+    """The method `name` for all instants and joints: estimate_m, status, iterations."""
+    _, solver, _, settings = METHODS[name]
+    shape = take.range_m.shape
+    flat = [a.reshape(shape[0] * shape[1], *a.shape[2:]) for a in (take.world_m, take.range_m, take.state,
+                                                                             sensors_used(take, name))]
+    found = solver(take.sensor_m, *flat, **settings)
+    return [a.reshape(shape[0], shape[1], *a.shape[1:]) for a in found]
+
+
+def compare_take(take, samples):
+    """Instants, truth, and every method's estimates and statuses."""
+    def place(i=0, j=0, axis=0):
+        return f"take {take.id}, instant {i}, joint {take.joints[j]}"
+
+    require_same(lambda i=0: f"time_ns of {place(i)}", take.time_ns, samples.time_ns, 0)
+    require_same(lambda *at: f"truth_m of {place(*at)}", take.truth_m, samples.truth_m, SAME_M)
+    require_same(lambda *at: f"ranges of {place(*at)}", (take.state > 0).sum(axis=2), samples.ranges, 0)
+    occluded = (take.state == 1) | ((take.state == 2) & (take.crossings["corrected"] > 0))
+    require_same(lambda *at: f"occluded of {place(*at)}", occluded.sum(axis=2), samples.occluded, 0)
+    for m, name in enumerate(samples.methods):
+        estimate_m, status, iterations = solve_again(take, name)
+        require_same(lambda *at: f"status of {name}, {place(*at)}", status, samples.status[:, :, m], 0)
+        answered = np.isin(status, solve.ANSWERS)
+        require_same(lambda *at: f"estimate_m of {name}, {place(*at)}",
+                     np.where(answered[:, :, None], estimate_m, np.nan),
+                     np.where(answered[:, :, None], samples.estimate_m[:, :, m], np.nan), SAME_M)
+        require_same(lambda *at: f"iterations of {name}, {place(*at)}",
+                     np.where(iterations < 0, samples.iterations[:, :, m], iterations), samples.iterations[:, :, m], 0)
+        compare_geometry(take, name, samples, m, place)
+
+
+def compare_geometry(take, name, samples, m, place):
+    """cost_m2 = sum f_i^2 and gdop = sqrt trace (J^T J)^-1 of answers by ranges."""
+    if METHODS[name][0]["method"] not in ("linear", "geometric", "nonlinear"):
+        return
+    used = sensors_used(take, name)
+    away_m = samples.estimate_m[:, :, m, None] - take.sensor_m
+    d_m = np.linalg.norm(away_m, axis=3)
+    u = np.where(used[..., None], away_m / d_m[..., None], 0.0)
+    cost_m2 = np.where(used, (d_m - take.range_m)**2, 0.0).sum(axis=2)
+    answered = np.isin(samples.status[:, :, m], solve.ANSWERS)
+    finite = answered & np.isfinite(samples.gdop[:, :, m])  # not so where a clamped point lies in the sensors' plane
+    normal = np.einsum("nsa,nsb->nab", u[finite], u[finite])
+    gdop = np.sqrt(np.trace(np.linalg.inv(normal), axis1=1, axis2=2))
+    require_same(lambda *at: f"cost_m2 of {name}, {place(*at)}", cost_m2[answered],
+                 samples.cost_m2[:, :, m][answered], SAME_M)
+    require_same(lambda *at: f"gdop of {name}, {place(*at)}, relative", np.ones(finite.sum()),
+                 samples.gdop[:, :, m][finite] / gdop, 1e-4)
+
+
+def compare_numbers(where, expected, written):
+    for key, value in expected.items():
+        other = np.nan if written[key] is None else written[key]
+        tolerance = 0 if isinstance(value, int) else SAME_RATIO * max(1.0, abs(value))
+        require_same(lambda: f"{key} of {where}", np.asarray(value), np.asarray(other), tolerance)
+
+
+def compare_tables(takes, summary):
+    """Every cell and difference of summary.json, of all samples and of those that a sensor sees occluded."""
+    cells = {(c["condition"], c["method"], c["alignment"], c["group"]): c for c in summary["cells"]}
+    differences = {(d["condition"], d["method"], d["alignment"], d["group"]): d for d in summary["differences"]}
+    for m, name in enumerate(takes[0].methods):
+        for alignment in ALIGNMENTS:
+            compare_method(takes, m, name, alignment, cells, differences)
+    if cells or differences:
+        raise Different(f"summary.json also has {[*cells, *differences]}")
+
+
+def compare_method(takes, m, name, alignment, cells, differences):
+    """Takes what it has compared out of `cells` and `differences`."""
+    groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
+    errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
+    pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
+    for condition, parts in (("walking", [s.asked for s in takes]),
+                             ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
+        computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
+        computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
+        against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
+        computed["average"] = tables.average_of(computed.values())
+        for group, numbers in computed.items():
+            where = f"{condition}, alignment {alignment}, group {group}"
+            compare_numbers(f"{name}, {where}", numbers, cells.pop((condition, name, alignment, group)))
+            if m != reference:
+                compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
+                                differences.pop((condition, name, alignment, group)))
+
+
+def compare_rows_of_takes(takes, ids, summary):
+    """by_take, and error_m of samples.h5: both under the study's first alignment."""
+    rows = {(r["take"], r["method"], r["joint"]): r for r in summary["by_take"]}
+    for s, take in zip(takes, ids):
+        for m, name in enumerate(s.methods):
+            errors_m = tables.errors_of(s, m, ALIGNMENTS[0], s.answered[:, :, m])
+            require_same(lambda i=0, j=0, axis=0: f"error_m of {name}, take {take}, instant {i}, joint {s.joints[j]}",
+                         errors_m, s.error_m[:, :, m], SAME_M)
+            for j, joint in enumerate(s.joints):
+                length_m = np.linalg.norm(errors_m[s.answered[:, j, m], j], axis=1)
+                compare_numbers(f"{name}, take {take}, joint {joint}",
+                                {"asked": int(s.asked[:, j].sum()), "answered": len(length_m),
+                                 "mae_m": tables.mean_of(length_m)}, rows[take, name, joint])
+
+
+def compare_replay(take, replay):
+    """What each sensor gives at the instants, in the world (single precision), and the tracking states."""
+    def place(i=0, s=0, j=0, axis=0):
+        return f"take {take.id}, instant {i}, sensor {take.sensors[s]}, joint {read_take.JOINTS[j]}"
+
+    require_same(lambda *at: f"joint_m of {place(*at)}", take.all_world_m, replay["joint_m"], SAME_M)
+    require_same(lambda *at: f"state of {place(*at)}", take.all_state, replay["state"], 0)
+
+
+class Results:
+    """A campaign, simulated and evaluated by the program, and its takes as the raw files have them."""
+
+    def __init__(self, folder, name):
+        simulation = {"format": "trilat.simulation", "version": 1, "name": name, "seed": 7, "participants": 2}
+        study = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": name, "alignments": ALIGNMENTS,
+                 "reference": REFERENCE, "clock": "stated", "repair_exchanges": False, "resamples": 0,
+                 "occluded_apart": True,
+                 "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items()]}
+        (folder / f"{name}_simulation.json").write_text(json.dumps({**simulation, **SIMULATIONS[name]}))
+        (folder / f"{name}_study.json").write_text(json.dumps(study))
+        run_program("simulate", folder / f"{name}_simulation.json", "-o", folder / name)
+        results = folder / f"{name}_results"
+        run_program("run", folder / f"{name}_study.json", "--campaign", folder / name, "-o", results)
+        self.summary = json.loads((results / "summary.json").read_text())
+        with h5py.File(results / "samples.h5") as file:
+            self.samples = [Samples(file, group) for group in file["takes"].values()]
+        entries = json.loads((folder / name / "campaign.json").read_text())["takes"]
+        self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS) for e in entries]
+        with h5py.File(results / "replay.h5") as file:
+            self.replay = {key: file["takes/00000"][key][:] for key in ("joint_m", "state")}
+
+    def compare(self):
+        compare_replay(self.takes[0], self.replay)
+        for take, samples in zip(self.takes, self.samples):
+            compare_take(take, samples)
+        compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary)
+        compare_tables(self.samples, self.summary)
+
+
+class Recompute(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory() as folder:
+            cls.results = {name: Results(pathlib.Path(folder), name) for name in SIMULATIONS}
+
+    def test_samples_and_tables_follow_from_the_raw_files(self):
+        for name, results in self.results.items():
+            with self.subTest(campaign=name):
+                results.compare()
+
+    def test_every_kind_of_answer_is_among_the_samples(self):
+        found = set().union(*(s.status.ravel() for results in self.results.values() for s in results.samples))
+        self.assertLessEqual({"converged", "closed_form", "clamped", "mirror_ambiguous", "rank_deficient",
+                              "too_few_ranges", "no_observation"}, found)
+
+    def says(self, alter, *words):
+        """`alter` changes a copy of the results; the comparison must say all these words."""
+        altered = copy.deepcopy(self.results["high and low"])
+        alter(altered)
+        with self.assertRaises(Different) as raised:
+            altered.compare()
+        for word in words:
+            self.assertIn(word, str(raised.exception))
+
+    def test_an_estimate_that_is_two_micrometres_off_is_named(self):
+        def alter(results):
+            results.samples[1].estimate_m[100, 3, 4, 0] += 2e-6
+        self.says(alter, "estimate_m of nonlinear, take p02-walking, instant 100, joint elbow_left",
+                  "computed again", "in the results (1 of")
+
+    def test_an_instant_that_is_a_nanosecond_late_is_named(self):
+        def alter(results):
+            results.samples[0].time_ns[7] += 1
+        self.says(alter, "time_ns of take p01-walking, instant 7")
+
+    def test_a_status_that_differs_is_named(self):
+        def alter(results):
+            results.samples[0].status[50, 2, 0] = "diverged"
+        self.says(alter, "status of linear, take p01-walking, instant 50, joint shoulder_right", "'diverged'")
+
+    def test_a_table_cell_that_is_two_micrometres_off_is_named(self):
+        def alter(results):
+            cell = next(c for c in results.summary["cells"] if c["method"] == "mean" and c["group"] == "elbow"
+                        and c["alignment"] == "rigid")
+            cell["mae_m"] += 2e-6
+        self.says(alter, "mae_m of mean, walking, alignment rigid, group elbow")
+
+    def test_a_difference_that_is_two_micrometres_off_is_named(self):
+        def alter(results):
+            next(d for d in results.summary["differences"] if d["group"] == "average")["difference_m"] -= 2e-6
+        self.says(alter, "difference_m of linear - nonlinear, walking, alignment mean, group average")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
