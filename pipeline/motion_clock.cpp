@@ -57,6 +57,12 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
 
 // What a user has to know of a clock that the trackers' lag does not explain; empty when there is nothing.
 std::string warning_of(const ClockOffset& found, const StudySpec& study) {
+  if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.misfit_m))
+    return fmt::format(
+        "lies {:.1f} m from where the sensors see the joints, at every start within {:g} s of the stated one "
+        "that fits "
+        "their speeds; is the calibration in its world, and mocap_start_host_ns right?",
+        found.misfit_m, study.clock_search_s);
   if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
     return fmt::format(
         "does not move as the sensors see the person move, at any start within {:g} s of the stated "
@@ -84,7 +90,7 @@ MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const 
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
-  options.one_frame = planned.in_mocap_world;
+  options.one_frame = planned.in_mocap_world && plan.study.alignments != std::vector{AlignmentKind::rigid};
   const ClockOffset found = find_clock_offset(
       estimated_paths(plan, planned, data),
       true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);

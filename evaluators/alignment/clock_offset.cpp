@@ -255,7 +255,7 @@ Refined refine(std::span<const ComparedJoint> joints, double offset_s, const Clo
 // Chooses among the peaks, of which there is one, and says how sure that is: found so far, or why there is
 // none.
 ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vector<Peak> peaks,
-                              const ClockOffsetOptions& options, Peak& chosen) {
+                              const ClockOffsetOptions& options, Peak& chosen, double& least_m) {
   chosen = peaks.front();
   if (!(chosen.value >= options.least_peak)) return ClockOffsetStatus::no_agreement;
   std::erase_if(peaks, [&](const Peak& p) { return p.value < options.largest_second * chosen.value; });
@@ -263,7 +263,8 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
     if (chosen.at_end) return ClockOffsetStatus::at_limit;
     return peaks.size() > 1 ? ClockOffsetStatus::ambiguous : ClockOffsetStatus::found;
   }
-  double least_m = std::numeric_limits<double>::infinity(), next_m = least_m;
+  double next_m = std::numeric_limits<double>::infinity();
+  least_m = next_m;
   for (const Peak& peak : peaks) {
     const double apart_m = misfit_m(joints, peak.step / options.grid_hz);
     next_m = std::min(next_m, std::max(apart_m, least_m));
@@ -344,7 +345,7 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
   const std::vector<Peak> peaks =
       peaks_of(curve, static_cast<int>(std::lround(options.search_s * options.grid_hz)), options);
   Peak chosen;
-  const ClockOffsetStatus status = choose_peak(joints, peaks, options, chosen);
+  const ClockOffsetStatus status = choose_peak(joints, peaks, options, chosen, result.misfit_m);
   result.peak = chosen.value;
   result.second = 0.0;
   for (const Peak& peak : peaks)

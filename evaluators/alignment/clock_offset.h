@@ -53,6 +53,7 @@ struct ClockOffset {
   double peak = kNaN;       // correlation of the speeds at the best offset, mean over joints
   double second = kNaN;     // the largest other peak over it; 0 when there is none
   double speed_m_s = kNaN;  // mean of the truth's joints
+  double misfit_m = kNaN;   // median distance between the joints at the best offset, of streams in one frame
 };
 
 // Finds by motion how two recordings of the same joints are shifted in time. First the speeds are correlated,

@@ -13,6 +13,7 @@ namespace {
 constexpr double kFarthestStart = 2.0;     // of mean range and spread
 constexpr double kLeastStartOffset = 0.1;  // of the mean range
 constexpr double kSameResidual_m = 1e-9;   // allows for rounding
+constexpr int kBetween = 32;               // steps from one descent's end to the other's
 
 double residual_rms_m(const RangeProblem& problem, double cost_m2) {
   double weights = 0.0;
@@ -28,8 +29,10 @@ bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
   const auto cost_m2 = [&](double share) {
     return linearise(ranges, one_m + share * (other_m - one_m)).cost_m2;
   };
-  const double between_m2 = std::max({cost_m2(0.25), cost_m2(0.5), cost_m2(0.75)});
-  return between_m2 > std::max(cost_m2(0.0), cost_m2(1.0));
+  const double ends_m2 = std::max(cost_m2(0.0), cost_m2(1.0));
+  for (int k = 1; k < kBetween; ++k)
+    if (cost_m2(static_cast<double>(k) / kBetween) > ends_m2) return true;
+  return false;
 }
 
 // Of two descents that ended on different sides.

@@ -13,7 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const trilat::MemoryFile time(std::span(end_of(first), second));
   const trilat::MemoryFile orientation(std::span(end_of(second), bytes.end()));
   trilat::read_body_file(std::span(bytes.begin(), first), [&](const std::filesystem::path& path) {
-    return std::make_unique<trilat::KimoreReader>(trilat::KimoreFiles{path, time.path(), orientation.path()});
+    return std::make_unique<trilat::KimoreReader>(trilat::KimoreFiles{path, time.path(), orientation.path()},
+                                                  30.0);
   });
   return 0;
 }

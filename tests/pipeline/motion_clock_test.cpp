@@ -96,13 +96,14 @@ TEST(MotionClock, AStartThatIsOffIsToldWithWhatItCosts) {
                                                            testing::HasSubstr("mocap_start_host_ns")));
   EXPECT_THAT(notes_of(spec, -2.0, "check"), testing::HasSubstr("later than stated"));
   EXPECT_THAT(notes_of(spec, 0.2, "motion"), testing::HasSubstr("was applied"));
-  EXPECT_THAT(notes_of(spec, 4.4, "check"), testing::HasSubstr("does not move as the sensors see"));
+  EXPECT_THAT(notes_of(spec, 4.4, "check"), testing::HasSubstr("mocap_start_host_ns right?"));
 }
 
-TEST(MotionClock, ArmsThatSwingOnTheSpotTellNoPeriodFromAnotherAndThatIsNoWarning) {
-  SimulationSpec spec = synchronised(without_noise(walking_spec(1, 20.0)));
+// One period fits as well as another, also at the end of the search.
+TEST(MotionClock, ArmsThatSwingOnTheSpotAreNoWarning) {
+  SimulationSpec spec = walking_spec(6, 15.0);
   spec.activities[0].activity = Activity::arm_swing;
-  EXPECT_EQ(clock_of(spec, 0.0).status, "ambiguous");
+  spec.body_tracker = default_body_tracker();
   EXPECT_EQ(notes_of(spec, 0.0, "check"), "");
 }
 

@@ -42,7 +42,8 @@ void expect_every_error_below(const ResultsSummary& summary, double limit_m) {
   for (const SummaryCell& cell : summary.cells) {
     if (cell.group == kAverageGroup) continue;
     const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
-    EXPECT_GT(cell.coverage(), 0.95) << what;
+    // Sensors that run freely do not all see the first and the last instant of a second.
+    EXPECT_GT(cell.coverage(), 0.92) << what;
     EXPECT_LT(cell.max_m, limit_m) << what;
   }
 }

@@ -93,8 +93,8 @@ TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsVal
 
 TEST(Statistics, DifferencesAreOfTheSamplesThatBothAnswered) {
   Evaluated evaluated;
-  const ResultsSummary summary =
-      evaluated.of(walking_spec(4, 2.0), study_with(R"("alignments": ["none"], "reference": "mean")"));
+  const ResultsSummary summary = evaluated.of(synchronised(walking_spec(4, 2.0)),
+                                              study_with(R"("alignments": ["none"], "reference": "mean")"));
   EXPECT_EQ(find_difference(summary, "mean", "walking", "wrist", "none"), nullptr);
   const DifferenceCell* d = find_difference(summary, "single k1", "walking", "wrist", "none");
   const SummaryCell* reference = find_cell(summary, "mean", "walking", "wrist", "none");

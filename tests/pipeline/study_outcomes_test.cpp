@@ -81,7 +81,7 @@ TEST_F(StudyOutcomes, OfTheRigsAreReadStrictly) {
   EXPECT_THAT(with("/methods/5/poses_wxyz_m/4", nullptr), HasSubstr("rotations of unit length"));
   EXPECT_THAT(said("rigs/run-0", [](Json& outcome) { outcome["methods"][0].erase("failed"); }),
               HasSubstr("/methods/0/failed: is missing"));
-  EXPECT_THAT(with("/methods", Json::array()), HasSubstr("item rigs/run-0 /methods: must be 11"));
+  EXPECT_THAT(with("/methods", Json::array()), HasSubstr("item rigs/run-0 /methods: must be 12"));
 }
 
 TEST_F(StudyOutcomes, AsTheyWereWrittenMakeAStudy) {

@@ -135,8 +135,8 @@ def minimum_from(x_m, s_m, r_m):
 
 
 def rises_between(a_m, b_m, s_m, r_m):
-    """Whether F a quarter, half or three quarters of the way between two points is above its value at both."""
-    between_m2 = np.max([terms_of(a_m + t * (b_m - a_m), s_m, r_m)[3] for t in (0.25, 0.5, 0.75)], axis=0)
+    """Whether F at any 32nd of the way between two points is above its value at both."""
+    between_m2 = np.max([terms_of(a_m + t * (b_m - a_m), s_m, r_m)[3] for t in np.arange(1, 32) / 32], axis=0)
     return between_m2 > np.maximum(terms_of(a_m, s_m, r_m)[3], terms_of(b_m, s_m, r_m)[3])
 
 
