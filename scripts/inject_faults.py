@@ -107,6 +107,8 @@ class Injector:
             return "" if "failed" in err else f"ends with 1 and names no failure: {err[-300:]}"
         if not err.startswith("trilat: ") and "\ntrilat: " not in err and not silent:
             return f"fails without a message: {err[-300:]}"
+        if scenario.name == "gate" and (folder / "out").is_file() and "<error message=" in (folder / "out").read_text():
+            return ""  # the JUnit file says that nothing could be compared
         if scenario.whole:
             # finished, and only what the unfinished output needed could not be removed: that is said, and no harm
             rest = {n: h for n, h in now.items() if n in clean_files or not UNFINISHED.match(n)}
