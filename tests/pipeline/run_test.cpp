@@ -42,8 +42,7 @@ void expect_every_error_below(const ResultsSummary& summary, double limit_m) {
   for (const SummaryCell& cell : summary.cells) {
     if (cell.group == kAverageGroup) continue;
     const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
-    // Sensors that run freely do not all see the first and the last instant of a second.
-    EXPECT_GT(cell.coverage(), 0.92) << what;
+    EXPECT_GT(cell.coverage(), 0.95) << what;
     EXPECT_LT(cell.max_m, limit_m) << what;
   }
 }
@@ -63,7 +62,8 @@ TEST(RunLaw, WithoutNoiseAndClockErrorsEveryMethodFindsTheTruth) {
 
 TEST(RunLaw, APersonWhoStandsStillIsFoundWhateverTheClocks) {
   const ScratchFolder folder;
-  SimulationSpec spec = without_noise(walking_spec(1));
+  // Long enough for the first and last instants, which not all sensors that run freely see, to be few.
+  SimulationSpec spec = without_noise(walking_spec(1, 3.0));
   spec.activities[0].activity = Activity::standing;
   spec.mocap.marker_noise_sigma_m = 1e-6;  // a marker that stands still to the last digit is frozen
   const Campaign campaign = simulate_into(folder / "campaign", spec);
