@@ -49,12 +49,19 @@ TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const St
   const auto instants = static_cast<double>(samples.header().takes[take].instants);
   const auto training_end =
       any_is_trained ? static_cast<std::uint64_t>(std::llround(layout.training_share * instants)) : 0;
-  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
+  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own, complete = own,
+                                            reference_complete = own;
   stream_take(
       samples, take, axes, SampleColumns::positions,
       [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-        if (!is_usable(view.status(slot))) return;
         const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
+        const std::size_t completed = view.completed_slot(i, j, m, layout),
+                          reference = view.completed_slot(i, j, layout.reference, layout);
+        if (is_usable(view.status(completed)) && is_usable(view.status(reference))) {
+          complete[k].add(view, i, j, completed, training_end);
+          reference_complete[k].add(view, i, j, reference, training_end);
+        }
+        if (!is_usable(view.status(slot))) return;
         own[k].add(view, i, j, slot, training_end);
         if (!is_usable(view.status(reference_slot))) return;
         on_both[k].add(view, i, j, slot, training_end);
@@ -65,7 +72,11 @@ TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const St
   for (AlignmentKind kind : kinds)
     result.push_back({solve_table(own, axes, kind, training_end),
                       solve_table(on_both, axes, kind, training_end),
-                      solve_table(reference_on_both, axes, kind, training_end)});
+                      solve_table(reference_on_both, axes, kind, training_end),
+                      {},
+                      {}});
+  result.front().complete = solve_table(complete, axes, kinds.front(), training_end);
+  result.front().reference_complete = solve_table(reference_complete, axes, kinds.front(), training_end);
   return result;
 }
 

@@ -38,6 +38,10 @@ struct KindAlignments {
   AlignmentTable own;
   AlignmentTable on_both;            // the method's, on samples that the reference answers too
   AlignmentTable reference_on_both;  // the reference's, on samples that the method answers too
+  // The method's and the reference's, completed by their fallbacks, where both of these answer; of the first
+  // kind alone, empty for the others.
+  AlignmentTable complete;
+  AlignmentTable reference_complete;
 };
 using TakeAlignments = std::vector<KindAlignments>;  // by kind
 
@@ -57,6 +61,12 @@ struct SampleView {
   // How many sets the joint's samples of this instant belong to, from the first on.
   std::size_t sets(std::uint64_t i, std::size_t j) const {
     return axes.sets == 1 || block.occluded[i * axes.joints + j] == 0 ? 1 : 2;
+  }
+  // Where the method's answer stands, or that of its fallback when it has none.
+  std::size_t completed_slot(std::uint64_t i, std::size_t j, std::size_t m,
+                             const StatisticsLayout& layout) const {
+    const std::size_t own = slot(i, j, m);
+    return is_usable(status(own)) || !layout.fallback[m] ? own : slot(i, j, *layout.fallback[m]);
   }
   double heading_rad(std::uint64_t i) const { return static_cast<double>(block.heading_rad[i]); }
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }

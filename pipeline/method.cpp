@@ -3,9 +3,12 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "evaluators/bodies/occlusion.h"
+#include "pipeline/sensor_sets.h"
 
 namespace trilat {
 namespace {
@@ -45,6 +48,32 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
   return method;
 }
 
+// What an entry of the study stands for: itself, or one method for each set of sensors.
+std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std::string>& rig) {
+  const bool is_each_single = spec.kind == MethodKind::single && spec.sensors.empty();
+  const std::size_t size = is_each_single ? 1 : spec.each;
+  if (size == 0) return {spec};
+  const std::vector<std::string>& pool = spec.sensors.empty() ? rig : spec.sensors;
+  if (size > pool.size())
+    throw InputError("method \"" + spec.name + '"',
+                     fmt::format("asks for sets of {} of {} sensors", size, pool.size()));
+  std::vector<MethodSpec> methods;
+  const auto sets = sensor_sets(pool.size(), size, spec.most_sets);
+  for (const std::vector<std::size_t>& set : sets) {
+    MethodSpec one = spec;
+    one.family = spec.name;
+    one.sensors.clear();
+    std::string names;
+    for (const std::size_t s : set) {
+      one.sensors.push_back(pool[s]);
+      names += (names.empty() ? "" : "+") + pool[s];
+    }
+    if (sets.size() > 1 || is_each_single) one.name = spec.name + " " + names;
+    methods.push_back(std::move(one));
+  }
+  return methods;
+}
+
 bool is_iterative(const Method& method) {
   return method.spec.kind == MethodKind::nonlinear || method.spec.kind == MethodKind::newton;
 }
@@ -64,18 +93,8 @@ Options among(Options options, SensorMask sensors) {
 
 std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig) {
   std::vector<Method> methods;
-  for (const MethodSpec& m : spec.methods) {
-    if (m.kind != MethodKind::single || !m.sensors.empty()) {
-      methods.push_back(resolve(m, rig));
-      continue;
-    }
-    for (const std::string& sensor : rig) {
-      MethodSpec one = m;
-      one.sensors = {sensor};
-      one.name = m.name + " " + sensor;
-      methods.push_back(resolve(one, rig));
-    }
-  }
+  for (const MethodSpec& m : spec.methods)
+    for (const MethodSpec& one : one_a_set(m, rig)) methods.push_back(resolve(one, rig));
   std::vector<std::string> names;
   for (const Method& method : methods) names.push_back(method.spec.name);
   if (const std::string twice = first_repeated(names); !twice.empty())

@@ -21,8 +21,8 @@ struct Method {
   SingleSensorOptions single;
 };
 
-// `single` without sensors becomes one method a sensor. InputError naming a sensor that the rig does not
-// have.
+// An entry that names a size of sets (`single` without sensors: one) becomes one method a set. InputError
+// naming a sensor that the rig does not have.
 std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig);
 
 // How often each sensor's view of a joint is occluded, by each rule.

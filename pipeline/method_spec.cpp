@@ -25,6 +25,15 @@ double read_range_sigma_m(JsonObject& object) {
   return number_within(object, "range_sigma_m", kUsualRangeSigma_m, 0.0, 10.0);
 }
 
+void read_sets(JsonObject& object, MethodSpec& method) {
+  method.each = count_within(object, "each", 1, 1, kMaxSensors);
+  method.most_sets = count_within(object, "most_sets", method.most_sets, 1, 1000);
+  if (method.kind == MethodKind::geometric && method.each != 3)
+    object.refuse("each", "must be 3, of which geometric trilateration uses as many");
+  if (method.kind == MethodKind::single && method.each != 1)
+    object.refuse("each", "must be 1 of kind single");
+}
+
 void read_linear(JsonObject& object, MethodSpec& method) {
   method.linear.range_sigma_m = read_range_sigma_m(object);
   method.reference = object.text("reference", "");
@@ -153,11 +162,13 @@ MethodSpec read_method(JsonObject& object) {
   method.name = object.text("name", method_kind_names()[static_cast<std::size_t>(method.kind)]);
   if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
   method.sensors = different_texts(object, "sensors");
+  if (object.has("each")) read_sets(object, method);
   if (method.kind == MethodKind::linear) read_linear(object, method);
   if (method.kind == MethodKind::nonlinear || method.kind == MethodKind::newton)
     read_nonlinear(object, method);
   if (method.kind == MethodKind::ceres) method.ceres.range_sigma_m = read_range_sigma_m(object);
-  if (method.kind == MethodKind::geometric && !method.sensors.empty() && method.sensors.size() != 3)
+  if (method.kind == MethodKind::geometric && method.each == 0 && !method.sensors.empty() &&
+      method.sensors.size() != 3)
     object.refuse("sensors", "must name the three sensors that geometric trilateration uses");
   read_fusion(object, method);
   read_occlusion(object, method);
@@ -169,6 +180,7 @@ Json resolved_json(const MethodSpec& m) {
   Json entry{{"method", method_kind_names()[static_cast<std::size_t>(m.kind)]},
              {"name", m.name},
              {"sensors", m.sensors}};
+  if (m.each > 0) entry.update({{"each", m.each}, {"most_sets", m.most_sets}});
   if (m.kind == MethodKind::linear) {
     entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
     entry["range_sigma_m"] = m.linear.range_sigma_m;

@@ -46,7 +46,10 @@ struct MethodSpec {
   MethodKind kind = MethodKind::nonlinear;
   std::string name;                  // of its rows; unique in the study
   std::vector<std::string> sensors;  // those it may use; empty: all. geometric uses the first three
-  std::string reference;             // linear: the reference sensor; empty: the first
+  std::uint64_t each = 0;        // of these many sensors in turn, every set or most_sets of them; 0: of all
+  std::uint64_t most_sets = 12;  // sets of one size are first parts of the same orders of all sensors
+  std::string family;            // of a method that stands for one set: the name of the study's entry
+  std::string reference;         // linear: the reference sensor; empty: the first
   LinearOptions linear;
   NonlinearOptions nonlinear;  // of nonlinear and newton
   CeresOptions ceres;

@@ -42,6 +42,20 @@ std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
   return layout.block_instants;
 }
 
+// The plain mean of the same sensors, or else of all; none where the study has neither.
+std::optional<std::size_t> fallback_of(const Plan& plan, std::size_t method) {
+  const SensorMask all = SensorMask(~0ULL >> (kMaxSensors - plan.rig.size()));
+  const auto used = [&](const Method& m) { return m.allowed & all; };
+  std::optional<std::size_t> of_all;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const Method& mean = plan.methods[m];
+    if (mean.spec.kind != MethodKind::mean || mean.spec.occlusion != OcclusionRule::off) continue;
+    if (used(mean) == used(plan.methods[method])) return m;
+    if (used(mean) == all && !of_all) of_all = m;
+  }
+  return of_all;
+}
+
 }  // namespace
 
 std::vector<std::string> groups_of(const Plan& plan) {
@@ -59,6 +73,7 @@ StatisticsLayout statistics_layout(const Plan& plan) {
   layout.alignments = plan.study.alignments;
   layout.training_share = plan.study.training_share;
   layout.reference = plan.reference;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) layout.fallback.push_back(fallback_of(plan, m));
   const auto& kinds = layout.alignments;
   const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
   if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,7 @@ struct StatisticsLayout {
   std::vector<AlignmentKind> alignments;
   double training_share = 0.0;                             // of a take's instants, at its start
   std::size_t reference = 0;                               // the method that the others are compared with
+  std::vector<std::optional<std::size_t>> fallback;        // by method: whose answer stands where it has none
   std::size_t body_alignment = 0;                          // of whole bodies: none when the study has it
   double rate_hz = 30.0;                                   // of the instants
   std::uint64_t block_instants = 30;                       // that make one time block

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 #include <span>
+#include <tuple>
 
 #include <tbb/task_arena.h>
 
@@ -14,6 +15,7 @@
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/aligned_errors.h"
 #include "pipeline/parallel.h"
+#include "pipeline/participant_errors.h"
 #include "pipeline/spilled_values.h"
 #include "pipeline/statistics.h"
 
@@ -133,15 +135,64 @@ void add_condition(const std::vector<QuantileSelection>& quantiles, const std::v
   }
 }
 
-void add_take_rows(const Plan& plan, std::size_t take, const TakeStatistics& statistics,
-                   ResultsSummary& summary) {
+PairedErrors errors_of(const PairedSums& sums) {
+  return {sums.method_m.n, sums.method_m.value(), sums.reference_m.value()};
+}
+
+void add_take_rows(const Plan& plan, const StatisticsLayout& layout, std::size_t take,
+                   const TakeStatistics& statistics, ResultsSummary& summary) {
   const Take& of = plan.takes[take].take;
-  for (std::size_t j = 0; j < plan.joints.size(); ++j)
-    for (std::size_t m = 0; m < plan.methods.size(); ++m) {
-      const JointSums& sums = statistics.of_joint[j * plan.methods.size() + m];
-      if (sums.asked == 0) continue;
-      summary.by_take.push_back({of.id, of.participant, of.activity, std::string(name_of(plan.joints[j])),
-                                 summary.methods[m], sums.asked, sums.distance_m.n, sums.distance_m.value()});
+  const Axes& axes = layout.axes;
+  for (std::size_t k = 0; k < statistics.of_joint.size(); ++k) {
+    const JointSums& sums = statistics.of_joint[k];
+    if (sums.asked == 0) continue;
+    const std::size_t j = k / axes.methods % axes.joints;
+    const bool all = k < axes.joints * axes.methods;
+    summary.by_take.push_back({of.id, of.participant, all ? of.activity : occluded_condition(of.activity),
+                               summary.groups[axes.group_of_joint[j]], std::string(name_of(plan.joints[j])),
+                               summary.methods[k % axes.methods], sums.asked, sums.distance_m.n,
+                               sums.distance_m.value(), errors_of(sums.both), errors_of(sums.complete)});
+  }
+}
+
+void add_families(const Plan& plan, const StatisticsLayout& layout, ResultsSummary& summary) {
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const MethodSpec& spec = plan.methods[m].spec;
+    if (layout.fallback[m]) summary.fallbacks[spec.name] = summary.methods[*layout.fallback[m]];
+    if (spec.family.empty()) continue;
+    if (summary.families.empty() || summary.families.back().name != spec.family)
+      summary.families.push_back({spec.family, spec.sensors.size(), {}});
+    summary.families.back().methods.push_back(spec.name);
+  }
+}
+
+// The plain mean of a name's errors over the groups.
+ContrastEstimate mean_error_m(const ParticipantErrors& errors, const std::string& name,
+                              const std::string& condition, bool complete) {
+  Contrast mean;
+  const std::vector<std::string> groups = errors.groups_of(condition);
+  for (const std::string& group : groups) {
+    mean.value.push_back(complete ? errors.complete_error_m(name, condition, group)
+                                  : errors.error_m(name, condition, group));
+    mean.value.back().weight = 1.0 / static_cast<double>(groups.size());
+  }
+  return solve_contrast(mean);
+}
+
+void add_family_cells(ResultsSummary& summary) {
+  const ParticipantErrors errors(summary);
+  for (const std::string& condition : summary.conditions)
+    for (const MethodFamily& family : summary.families) {
+      const ContrastEstimate own = mean_error_m(errors, family.name, condition, false),
+                             complete = mean_error_m(errors, family.name, condition, true);
+      FamilyCell cell{family.name,    condition,      own.value,       own.low(), own.high(),
+                      complete.value, complete.low(), complete.high(), {},        {}};
+      for (const std::string& method : family.methods) {
+        const double error_m = mean_error_m(errors, method, condition, true).value;
+        if (!(error_m >= cell.best_m)) std::tie(cell.best, cell.best_m) = std::tie(method, error_m);
+        if (!(error_m <= cell.worst_m)) std::tie(cell.worst, cell.worst_m) = std::tie(method, error_m);
+      }
+      summary.family_cells.push_back(std::move(cell));
     }
 }
 
@@ -177,6 +228,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   ResultsSummary summary = empty_summary(plan, outcome);
   const StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
+  add_families(plan, layout, summary);
   const std::vector<std::string> activities = activities_of(plan);
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,
@@ -203,7 +255,8 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
     add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), of_activity, axes, takes,
                   activities[a], summary);
   }
-  for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, t, takes[t].statistics, summary);
+  for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, layout, t, takes[t].statistics, summary);
+  add_family_cells(summary);
   if (progress) progress(kCellsShare);
   add_statistics(plan, outcome, layout, takes, summary);
   if (progress) progress(1.0);

@@ -85,7 +85,8 @@ class TakeGatherer {
       const std::size_t slot = view.slot(i, j, m);
       const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
       if (!e.asked) return;
-      if (a == 0) add_joint(e, result_.of_joint[j * axes_.methods + m]);
+      const Pair pair = pair_of(view, i, j, m, a);
+      if (a == 0) add_joint(e, pair, completed_pair(view, i, j, m), sets, j * axes_.methods + m);
       for (std::size_t set = 0; set < sets; ++set)
         add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
       if (!is_usable(e.status)) continue;
@@ -93,7 +94,6 @@ class TakeGatherer {
       const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
       const double later_m = has_later ? (aligned_m - view.truth(i + 1, j)).norm() - distance_m : 0.0;
       const double earlier_m = has_earlier ? (aligned_m - view.truth(i - 1, j)).norm() - distance_m : 0.0;
-      const Pair pair = pair_of(view, i, j, m, a);
       for (std::size_t set = 0; set < sets; ++set) {
         const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
         double* sums = &result_.cells(static_cast<Eigen::Index>(block_),
@@ -111,9 +111,26 @@ class TakeGatherer {
     }
   }
 
-  static void add_joint(const AlignedError& e, JointSums& sums) {
-    ++sums.asked;
-    if (is_usable(e.status)) sums.distance_m.add(e.error_m.norm());
+  // The distances of a method and the reference where both answer, aligned on such samples.
+  struct Pair {
+    bool both = false;
+    double method_m = 0.0, reference_m = 0.0;
+    void add_to(PairedSums& sums) const {
+      if (!both) return;
+      sums.method_m.add(method_m);
+      sums.reference_m.add(reference_m);
+    }
+  };
+
+  void add_joint(const AlignedError& e, const Pair& both, const Pair& complete, std::size_t sets,
+                 std::size_t joint_and_method) {
+    for (std::size_t set = 0; set < sets; ++set) {
+      JointSums& sums = result_.of_joint[set * axes_.joints * axes_.methods + joint_and_method];
+      ++sums.asked;
+      if (is_usable(e.status)) sums.distance_m.add(e.error_m.norm());
+      both.add_to(sums.both);
+      complete.add_to(sums.complete);
+    }
   }
 
   static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
@@ -128,16 +145,20 @@ class TakeGatherer {
     ++sums.with_gdop;
   }
 
-  // The distances of a method and the reference where both answer, aligned on such samples.
-  struct Pair {
-    bool both = false;
-    double method_m = 0.0, reference_m = 0.0;
-  };
   Pair pair_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t a) const {
     const std::size_t k = j * axes_.methods + m;
-    const AlignedError method = error_of(view, i, j, view.slot(i, j, m), alignments_[a].on_both[k]);
-    const AlignedError reference =
-        error_of(view, i, j, view.slot(i, j, layout_.reference), alignments_[a].reference_on_both[k]);
+    return pair_of(
+        error_of(view, i, j, view.slot(i, j, m), alignments_[a].on_both[k]),
+        error_of(view, i, j, view.slot(i, j, layout_.reference), alignments_[a].reference_on_both[k]));
+  }
+  // The same of their answers completed by their fallbacks, under the first alignment.
+  Pair completed_pair(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m) const {
+    const std::size_t k = j * axes_.methods + m;
+    return pair_of(error_of(view, i, j, view.completed_slot(i, j, m, layout_), alignments_[0].complete[k]),
+                   error_of(view, i, j, view.completed_slot(i, j, layout_.reference, layout_),
+                            alignments_[0].reference_complete[k]));
+  }
+  static Pair pair_of(const AlignedError& method, const AlignedError& reference) {
     if (!is_usable(method.status) || !is_usable(reference.status)) return {};
     return {true, method.error_m.norm(), reference.error_m.norm()};
   }
@@ -222,7 +243,7 @@ TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t in
   empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
   empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
   empty.one_frame.resize(axes.cells());
-  empty.of_joint.resize(axes.joints * axes.methods);
+  empty.of_joint.resize(axes.sets * axes.joints * axes.methods);
   empty.of_method.resize(axes.methods);
   empty.of_group.resize(axes.groups);
   return empty;

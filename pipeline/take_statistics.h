@@ -54,10 +54,17 @@ struct CellSums {
   void merge(const CellSums& later);
 };
 
-// Of one joint and method under the first alignment.
+// A method and the reference on the same samples.
+struct PairedSums {
+  Mean method_m, reference_m;
+};
+
+// Of one joint and method under the first alignment, in one set of samples.
 struct JointSums {
   std::uint64_t asked = 0;
-  Mean distance_m;  // of what was answered
+  Mean distance_m;      // of what was answered
+  PairedSums both;      // where both answer
+  PairedSums complete;  // where both answer, or their fallbacks do
 };
 
 struct TakeStatistics {
@@ -65,7 +72,7 @@ struct TakeStatistics {
   RowMatrix cells;                  // blocks x (cells of the axes x CellColumns)
   RowMatrix bodies;                 // blocks x (methods x BodySumColumns)
   std::vector<OneFrame> one_frame;  // by cell
-  std::vector<JointSums> of_joint;  // joint * methods + method
+  std::vector<JointSums> of_joint;  // (set * joints + joint) * methods + method
   std::vector<TakeBodies> of_method;
   std::vector<TakeTruth> of_group;
   Mean truth_jerk_m_s3;

@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFile = "summary.bin";
-constexpr std::string_view kFormat = "trilat.take_summary 2\n";
+constexpr std::string_view kFormat = "trilat.take_summary 3\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 constexpr std::size_t kOtherBytes = 1 << 20;  // that most summaries have besides block sums
@@ -111,6 +111,10 @@ void see_statistics(const See& see, S& s, std::uint64_t blocks) {
   for (auto& joint : s.of_joint) {
     see(joint.asked);
     see_mean(see, joint.distance_m);
+    for (auto* paired : {&joint.both, &joint.complete}) {
+      see_mean(see, paired->method_m);
+      see_mean(see, paired->reference_m);
+    }
   }
   for (auto& bodies : s.of_method) {
     for (auto& count : bodies.within) see(count);
@@ -154,8 +158,9 @@ void check_counts(const TakeStatistics& statistics, std::uint64_t most, const st
                   most))
     refuse();
   for (const JointSums& joint : statistics.of_joint)
-    if (joint.asked > most || joint.distance_m.n > joint.asked || !std::isfinite(joint.distance_m.sum))
-      refuse();
+    for (const Mean* mean : {&joint.distance_m, &joint.both.method_m, &joint.both.reference_m,
+                             &joint.complete.method_m, &joint.complete.reference_m})
+      if (joint.asked > most || mean->n > joint.asked || !std::isfinite(mean->sum)) refuse();
   for (const CellSums& cell : statistics.sums) {
     std::uint64_t all = 0, answered = 0;
     bool right = cell.errors.asked() >= 0;

@@ -9,7 +9,6 @@
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
 #include "reports/calibration_findings.h"
-#include "reports/claim_evidence.h"
 #include "reports/claims.h"
 #include "reports/table_cells.h"
 
@@ -111,19 +110,7 @@ void audit_words(Table& table, const PrintedTable3& paper, const PrintedErrata& 
           "named, and shown");
 }
 
-// What one method does against another of the same study, in the paper's metric.
-std::string beside(const std::optional<ResultsSummary>& s, const std::string& condition,
-                   const std::string& printed, const std::string& corrected) {
-  if (!s) return {};
-  const SummaryCell* a = find_cell(*s, printed, condition, kAverageGroup, "mean");
-  const SummaryCell* b = find_cell(*s, corrected, condition, kAverageGroup, "mean");
-  if (!a || !b || !std::isfinite(a->mae_m) || !std::isfinite(b->mae_m)) return {};
-  return fmt::format(
-      "{} {} against {} of {}, answering {:.0f} and {:.0f} % (each over what it answers, not paired)",
-      printed, cell_text(a), cell_text(b), corrected, 100.0 * a->coverage(), 100.0 * b->coverage());
-}
-
-std::string wand_effect(const ClaimEvidence& e, const std::string& erratum) {
+std::string wand_effect(const PaperEvidence& e, const std::string& erratum) {
   if (!e.calibration) return {};
   for (const std::string& sentence : wand_errata_sentences(*e.calibration))
     if (const std::string start = erratum + ": "; sentence.starts_with(start)) {
@@ -133,7 +120,7 @@ std::string wand_effect(const ClaimEvidence& e, const std::string& erratum) {
   return {};
 }
 
-std::string pose_effect(const ClaimEvidence& e) {
+std::string pose_effect(const PaperEvidence& e) {
   if (!e.calibration) return {};
   const RigRow* printed = rig_row(*e.calibration, "two positions, eq. 6 and 7 as printed");
   const RigRow* corrected = rig_row(*e.calibration, "two positions, corrected");
@@ -143,7 +130,7 @@ std::string pose_effect(const ClaimEvidence& e) {
                      printed->position.asked, mean_text(corrected->position));
 }
 
-std::string clock_effect(const ClaimEvidence& e) {
+std::string clock_effect(const PaperEvidence& e) {
   if (!e.recording || e.recording->clocks.empty()) return {};
   const auto median_ms = [&](const std::string& method) {
     for (const ClockErrorRow& row : e.recording->clocks)
@@ -155,7 +142,7 @@ std::string clock_effect(const ClaimEvidence& e) {
                      e.recording->clocks.front().network);
 }
 
-std::string steps_effect(const ClaimEvidence& e) {
+std::string steps_effect(const PaperEvidence& e) {
   if (!e.sweep || !e.sweep->search || e.sweep->search->compromises.empty()) return {};
   const SweepCompromise& c = e.sweep->search->compromises.front();
   const auto most = [](const std::vector<double>& factors) {
@@ -170,25 +157,17 @@ std::string both(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + "; " + b;
 }
 
-std::string effect_of(const std::string& erratum, const ClaimEvidence& e) {
-  constexpr const char* kWalking = "walking";
+std::string effect_of(const std::string& erratum, const PaperFindings& findings) {
+  const PaperEvidence& e = findings.evidence;
   if (erratum == "E1" || erratum == "E2" || erratum == "E3") return wand_effect(e, erratum);
   if (erratum == "E4" || erratum == "E5") return pose_effect(e);
-  if (erratum == "E6")
-    return beside(e.occluded, occluded_condition("arm_swing"), "nonlinear, occlusion printed",
-                  "nonlinear, occlusion corrected");
-  if (erratum == "E7")
-    return both(steps_effect(e), beside(e.walking, kWalking, "nonlinear printed gradient", "nonlinear"));
-  if (erratum == "E8") return beside(e.walking, kWalking, "nonlinear printed stop", "nonlinear");
   if (erratum == "E11") return clock_effect(e);
-  if (erratum == "E16") return beside(e.walking, kWalking, "geometric", "nonlinear, 3 sensors");
-  return {};
-}
-
-bool is_of_the_text(const std::string& erratum) {
-  for (const char* id : {"E9", "E10", "E12", "E13", "E14", "E15"})
-    if (erratum == id) return true;
-  return false;
+  const auto found = findings.errata.find(erratum);
+  std::string text;
+  if (found != findings.errata.end())
+    text = fmt::format("{}; with the mean where one is silent {}", parts_text(found->second, false),
+                       parts_text(found->second, true));
+  return erratum == "E7" ? both(steps_effect(e), text) : text;
 }
 
 }  // namespace
@@ -212,24 +191,25 @@ Table audit_table() {
   return table;
 }
 
-Table errata_table(const ClaimEvidence& evidence) {
+Table errata_table(const PaperFindings& findings) {
   Table table;
   table.id = "errata";
   table.title = std::string("What is printed that cannot be so, and what the difference does") +
-                (any_simulated(evidence) ? " (simulated)" : "");
+                (findings.evidence.any_simulated() ? " (simulated)" : "");
   table.columns = {{"erratum", "erratum", true},     {"where", "where", true},
                    {"printed", "printed", true},     {"why not", "problem", true},
                    {"corrected", "corrected", true}, {"effect in these results", "effect", true}};
   for (const PrintedErrata::Erratum& e : printed_errata().errata) {
-    std::string effect = effect_of(e.id, evidence);
+    std::string effect = effect_of(e.id, findings);
     if (effect.empty())
-      effect = is_of_the_text(e.id) ? "none on a result" : "its study is not among these results";
+      effect = !e.changes_results ? "none on a result" : "its study is not among these results";
     table.rows.push_back({TableValue::of(e.id), TableValue::of(e.where), TableValue::of(e.printed),
                           TableValue::of(e.problem), TableValue::of(e.corrected), TableValue::of(effect)});
   }
   table.notes = {
       "Every erratum that changes a number is a setting (printed or corrected), so both can be run.",
-      "Errors are means over head, shoulder, elbow and wrist with their 95 % interval."};
+      "Percent: of the error of the method that stands second, as in the table of claims, with its 95 % "
+      "interval."};
   return table;
 }
 

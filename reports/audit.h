@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "reports/claims.h"
+#include "datasets/results/paper_evidence.h"
 #include "reports/table.h"
 
 namespace trilat {
@@ -14,6 +14,6 @@ Table audit_table();
 
 // Every erratum: what is printed, why it cannot be so, what stands in its place, and what the difference does
 // in these results, as far as a study of it was run.
-Table errata_table(const ClaimEvidence& evidence);
+Table errata_table(const PaperFindings& findings);
 
 }  // namespace trilat

@@ -39,9 +39,8 @@ Chapter new_chapter(const std::filesystem::path& path, const std::string& study,
   return {.provenance = read_provenance(path, study, campaign), .results = path, .title = study, .about = {}};
 }
 
-Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
-  const ResultsSummary s = read_summary(path);
-  evidence.add(s);
+Chapter accuracy_chapter(const std::filesystem::path& path) {
+  const ResultsSummary s = without_sets(read_summary(path));
   Chapter chapter = new_chapter(path, s.study, s.campaign);
   chapter.title = s.study + " on " + s.campaign;
   chapter.simulated = s.simulated;
@@ -72,9 +71,8 @@ Chapter accuracy_chapter(const std::filesystem::path& path, ClaimEvidence& evide
   return chapter;
 }
 
-Chapter sweep_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+Chapter sweep_chapter(const std::filesystem::path& path) {
   const SweepSummary s = read_sweep_summary(path);
-  if (s.search && !evidence.sweep) evidence.sweep = s;
   const std::optional<SweepTimings> timings = read_sweep_timings(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
@@ -90,9 +88,8 @@ Chapter sweep_chapter(const std::filesystem::path& path, ClaimEvidence& evidence
   return chapter;
 }
 
-Chapter calibration_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+Chapter calibration_chapter(const std::filesystem::path& path) {
   const CalibrationSummary s = read_calibration_summary(path);
-  if (!evidence.calibration) evidence.calibration = s;
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Calibration, **simulated** (seed {}{}): every number here is one of simulated depth images and "
@@ -116,11 +113,9 @@ Chapter budget_chapter(const std::filesystem::path& path) {
   return chapter;
 }
 
-Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+Chapter recording_chapter(const std::filesystem::path& path) {
   const RecordingSummary s = read_recording_summary(path);
   const std::optional<StageTimings> timings = read_stage_timings(path);
-  if (!evidence.recording) evidence.recording = s;
-  if (!evidence.stages) evidence.stages = timings;
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Clocks and processing times, **simulated** recordings (seed {}{}); the times that frames take are "
@@ -134,20 +129,20 @@ Chapter recording_chapter(const std::filesystem::path& path, ClaimEvidence& evid
 
 }  // namespace
 
-Chapter read_chapter(const std::filesystem::path& path, ClaimEvidence& evidence) {
+Chapter read_chapter(const std::filesystem::path& path) {
   switch (results_kind(path)) {
     case ResultsKind::threshold_sweep:
-      return sweep_chapter(path, evidence);
+      return sweep_chapter(path);
     case ResultsKind::calibration:
-      return calibration_chapter(path, evidence);
+      return calibration_chapter(path);
     case ResultsKind::error_budget:
       return budget_chapter(path);
     case ResultsKind::recording:
-      return recording_chapter(path, evidence);
+      return recording_chapter(path);
     case ResultsKind::accuracy:
       break;
   }
-  return accuracy_chapter(path, evidence);
+  return accuracy_chapter(path);
 }
 
 }  // namespace trilat

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "reports/claims.h"
 #include "reports/draw_figures.h"
 #include "reports/provenance.h"
 #include "reports/replay_data.h"
@@ -29,8 +28,7 @@ struct Chapter {
   std::vector<PackedReplay> replays = {};
 };
 
-// Reads a results folder of any kind and adds it to the evidence on the paper's claims. InputError with the
-// place when it holds no results of this version.
-Chapter read_chapter(const std::filesystem::path& results, ClaimEvidence& evidence);
+// Reads a results folder of any kind. InputError with the place when it holds no results of this version.
+Chapter read_chapter(const std::filesystem::path& results);
 
 }  // namespace trilat

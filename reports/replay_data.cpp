@@ -83,17 +83,20 @@ void pack_sensors(const ReplayTake& take, Packer& packer) {
                  [&](std::uint64_t i) { return millimetres(double{take.joint_m[i * row * 3 + c]}); });
 }
 
-void pack_samples(const SamplesHeader& header, const SampleBlock& block, Packer& packer) {
+// `shown`: methods, by their numbers in the samples.
+void pack_samples(const SamplesHeader& header, const SampleBlock& block,
+                  const std::vector<std::size_t>& shown, Packer& packer) {
   const std::size_t joints = header.joints.size(), methods = header.methods.size();
   for (std::size_t c = 0; c < joints * 3; ++c)
     packer.add16(block.instants,
                  [&](std::uint64_t i) { return millimetres(block.truth_m[i * joints * 3 + c]); });
-  for (std::size_t slot = 0; slot < joints * methods; ++slot)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      packer.add16(block.instants, [&](std::uint64_t i) {
-        const std::size_t at = i * joints * methods + slot;
-        return is_usable(header, block.status[at]) ? millimetres(block.estimate_m[at * 3 + axis]) : kNone;
-      });
+  for (std::size_t j = 0; j < joints; ++j)
+    for (const std::size_t m : shown)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        packer.add16(block.instants, [&](std::uint64_t i) {
+          const std::size_t at = (i * joints + j) * methods + m;
+          return is_usable(header, block.status[at]) ? millimetres(block.estimate_m[at * 3 + axis]) : kNone;
+        });
 }
 
 void pack_states(const ReplayTake& take, Packer& packer) {
@@ -135,7 +138,11 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
   const SampleBlock block = samples.read(take.take, 0, take.instants, SampleColumns::positions);
   Packer packer;
   pack_sensors(take, packer);
-  pack_samples(header, block, packer);
+  std::vector<std::size_t> shown;
+  for (std::size_t m = 0; m < header.methods.size(); ++m)
+    if (std::find(summary.methods.begin(), summary.methods.end(), header.methods[m]) != summary.methods.end())
+      shown.push_back(m);
+  pack_samples(header, block, shown, packer);
   pack_states(take, packer);
   const double span_s =
       take.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
@@ -148,8 +155,8 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
                   {"sensors", sensors_json(take)},
                   {"skeleton", skeleton_json()},
                   {"joints", header.joints},
-                  {"methods", header.methods},
-                  {"colours", colours_of(header.methods)},
+                  {"methods", summary.methods},
+                  {"colours", colours_of(summary.methods)},
                   {"view_deg", {70.6, 60.0}},  // of a Kinect v2
                   {"range_m", {0.5, 4.5}}};
   return {summary.study + ": " + take.condition + ", take " + take.id, json_text(json, -1),

@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
 #include "reports/audit.h"
+#include "reports/claims.h"
 #include "reports/parameters_table.h"
 
 namespace trilat {
@@ -89,13 +90,13 @@ void refuse_unfinished(const std::filesystem::path& given) {
 }  // namespace
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
+                          const std::optional<PaperFindings>& paper,
                           const std::function<void(double)>& progress) {
   ReportContent content;
-  ClaimEvidence evidence;
   const std::vector<std::string> names = names_of(results);
   for (const auto& path : results) {
     refuse_unfinished(path);
-    content.chapters.push_back(read_chapter(path, evidence));
+    content.chapters.push_back(read_chapter(path));
     Chapter& chapter = content.chapters.back();
     const std::string name = names[content.chapters.size() - 1];
     if (name != chapter.provenance.folder) chapter.title += ": " + name;
@@ -104,9 +105,9 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
   }
   std::set<std::string> ids;
-  if (evidence.is_of_the_paper()) {
-    content.claims = claims_table(evidence);
-    content.audit = {audit_table(), errata_table(evidence)};
+  if (paper) {
+    content.claims = claims_table(*paper);
+    content.audit = {audit_table(), errata_table(*paper)};
     for (const Table& table : content.audit) ids.insert(table.id);
     ids.insert(content.claims->id);
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "datasets/results/paper_evidence.h"
 #include "reports/chapter.h"
 #include "reports/table.h"
 
@@ -19,8 +20,10 @@ struct ReportContent {
   std::vector<Table> parameters;  // one for all studies that assume the same
 };
 
-// Reads results folders in this order and draws their figures. `progress` is told the share that is done.
+// Reads results folders in this order and draws their figures. `paper`: what they say about
+// the paper, as far as that was asked. `progress` is told the share that is done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
+                          const std::optional<PaperFindings>& paper = {},
                           const std::function<void(double)>& progress = {});
 
 // Every table, in the order of the report.

@@ -2,8 +2,7 @@
 #include "reports/sensor_counts.h"
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -13,98 +12,113 @@
 namespace trilat {
 namespace {
 
-struct Counted {
-  std::string method;
-  int sensors = 0;
-  const SummaryCell* cell = nullptr;
-};
+// Each single sensor is a row of the other tables.
+bool is_of_sets(const MethodFamily& family) { return family.sensors > 1; }
 
-// "nonlinear, 4 sensors" is nonlinear with 4.
-std::optional<Counted> counted(const std::string& name) {
-  constexpr std::string_view kEnd = " sensors";
-  const auto comma = name.rfind(", ");
-  if (comma == std::string::npos || !name.ends_with(kEnd)) return std::nullopt;
-  Counted result{name.substr(0, comma), 0, nullptr};
-  const char* from = name.data() + comma + 2;
-  const char* to = name.data() + name.size() - kEnd.size();
-  const auto [end, error] = std::from_chars(from, to, result.sensors);
-  if (error != std::errc() || end != to) return std::nullopt;
-  return result;
+const FamilyCell* find_family(const ResultsSummary& s, const std::string& family,
+                              const std::string& condition) {
+  for (const FamilyCell& cell : s.family_cells)
+    if (cell.family == family && cell.condition == condition) return &cell;
+  return nullptr;
 }
 
-// All of them, or nothing when the study has methods of other names or only one number of sensors.
-std::vector<Counted> counted_methods(const ResultsSummary& s, const std::string& condition,
-                                     const std::string& alignment) {
-  std::vector<Counted> all;
-  for (const std::string& name : s.methods) {
-    auto method = counted(name);
-    if (!method) return {};
-    method->cell = find_cell(s, name, condition, kAverageGroup, alignment);
-    if (method->cell) all.push_back(*method);
-  }
-  const bool several =
-      std::any_of(all.begin(), all.end(), [&](const Counted& c) { return c.sensors != all[0].sensors; });
-  return several ? all : std::vector<Counted>{};
+// "geometric, each three k1+k2+k4" of the family "geometric, each three" is "k1+k2+k4".
+std::string set_of(const std::string& method, const std::string& family) {
+  return method == family ? "all" : method.substr(std::min(method.size(), family.size() + 1));
 }
 
 }  // namespace
 
 std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
   std::vector<Table> tables;
-  for (const std::string& condition : s.conditions)
-    for (const std::string& alignment : s.alignments) {
-      const auto methods = counted_methods(s, condition, alignment);
-      if (methods.empty()) continue;
-      Table table;
-      table.id = usable_id(fmt::format("sensors-{}-{}", condition, alignment));
-      table.title = "Number of sensors: mean absolute error, average over the joint groups (" +
-                    about(s, condition, alignment) + ")";
-      table.columns = {{"method", "method", true},
-                       {"sensors", "sensors", false, true},
-                       {"MAE (cm)", "mae_cm"},
-                       {"from", "mae_from_cm"},
-                       {"to", "mae_to_cm"},
-                       {"n", "n"},
-                       {"coverage (%)", "coverage_percent"}};
-      for (const Counted& m : methods)
-        table.rows.push_back({TableValue::of(m.method), TableValue::of(m.sensors, 0), cm_cell(m.cell->mae_m),
-                              cm_cell(m.cell->mae_low_m), cm_cell(m.cell->mae_high_m),
-                              count_cell(m.cell->answered), percent_cell(m.cell->coverage())});
-      table.notes = {interval_note(s)};
-      tables.push_back(std::move(table));
+  for (const std::string& condition : s.conditions) {
+    Table table;
+    table.id = usable_id("sensor-sets-" + condition);
+    table.title = fmt::format("Sets of sensors: mean absolute error, average over the joint groups ({})",
+                              about(s, condition, s.alignments.front()));
+    table.columns = {{"methods", "methods", true},
+                     {"sensors", "sensors", false, true},
+                     {"sets", "sets"},
+                     {"MAE (cm)", "mae_cm"},
+                     {"from", "mae_from_cm"},
+                     {"to", "mae_to_cm"},
+                     {"with the mean where silent (cm)", "complete_cm"},
+                     {"from", "complete_from_cm"},
+                     {"to", "complete_to_cm"},
+                     {"best set", "best", true},
+                     {"its (cm)", "best_cm"},
+                     {"worst set", "worst", true},
+                     {"its (cm)", "worst_cm"}};
+    for (const MethodFamily& family : s.families) {
+      const FamilyCell* c = find_family(s, family.name, condition);
+      if (!is_of_sets(family) || !c) continue;
+      table.rows.push_back({TableValue::of(family.name), count_cell(family.sensors),
+                            count_cell(family.methods.size()), cm_cell(c->mae_m), cm_cell(c->low_m),
+                            cm_cell(c->high_m), cm_cell(c->complete_m), cm_cell(c->complete_low_m),
+                            cm_cell(c->complete_high_m), TableValue::of(set_of(c->best, family.name)),
+                            cm_cell(c->best_m), TableValue::of(set_of(c->worst, family.name)),
+                            cm_cell(c->worst_m)});
     }
+    if (table.rows.empty()) continue;
+    table.notes = {
+        "Mean over all sets of so many sensors, or over a declared number of them. With the mean where "
+        "silent: the plain "
+        "mean of the sensors' positions stands in for an answer that is missing, also in the best and the "
+        "worst set, "
+        "which were picked afterwards.",
+        "From and to: 95 % interval by Student's t between participants."};
+    tables.push_back(std::move(table));
+  }
   return tables;
 }
 
 std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
   std::vector<Figure> figures;
-  const std::string alignment = s.alignments.empty() ? "" : s.alignments.front();
   for (const std::string& condition : s.conditions) {
     Figure figure;
-    for (const Counted& m : counted_methods(s, condition, alignment)) {
+    for (const MethodFamily& family : s.families) {
+      const FamilyCell* c = find_family(s, family.name, condition);
+      const std::string end = fmt::format(", {} sensors", family.sensors);
+      if (!c || !family.name.ends_with(end)) continue;
+      const std::string method = family.name.substr(0, family.name.size() - end.size());
       auto series = std::find_if(figure.series.begin(), figure.series.end(),
-                                 [&](const FigureSeries& other) { return other.name == m.method; });
+                                 [&](const FigureSeries& other) { return other.name == method; });
       if (series == figure.series.end())
         series = figure.series.insert(figure.series.end(),
-                                      {m.method, FigureSeries::Style::line_and_dots, {}, {}, m.method});
-      series->points.push_back({static_cast<double>(m.sensors), m.cell->mae_m * kCentimetresPerMetre,
-                                m.cell->mae_low_m * kCentimetresPerMetre,
-                                m.cell->mae_high_m * kCentimetresPerMetre});
+                                      {method, FigureSeries::Style::line_and_dots, {}, {}, method});
+      series->points.push_back({static_cast<double>(family.sensors), c->complete_m * kCentimetresPerMetre,
+                                c->complete_low_m * kCentimetresPerMetre,
+                                c->complete_high_m * kCentimetresPerMetre});
     }
     if (figure.series.empty()) continue;
     figure.id = usable_id(fmt::format("sensors-{}", condition));
     figure.title =
         fmt::format("Number of sensors, {}, {}{}", s.campaign, condition, s.simulated ? ", simulated" : "");
     figure.caption = fmt::format(
-        "{}Mean absolute error with its interval, average over the joint groups, alignment {}; the table has "
-        "how "
-        "many samples each method answers.",
-        s.simulated ? "Simulated. " : "", alignment);
+        "{}Mean absolute error over sets of so many sensors, with its interval over participants, average "
+        "over the "
+        "joint groups, alignment {}; where a method has no answer, the mean of the sensors' positions stands "
+        "in.",
+        s.simulated ? "Simulated. " : "", s.alignments.front());
     figure.x_label = "sensors";
     figure.y_label = "mean absolute error (cm)";
     figures.push_back(std::move(figure));
   }
   return figures;
+}
+
+ResultsSummary without_sets(ResultsSummary s) {
+  std::set<std::string> members;
+  for (const MethodFamily& family : s.families)
+    if (is_of_sets(family) && family.methods.size() > 1)
+      members.insert(family.methods.begin(), family.methods.end());
+  members.erase(s.reference);
+  std::erase_if(s.methods, [&](const std::string& name) { return members.contains(name); });
+  const auto is_member = [&](const auto& entry) { return members.contains(entry.method); };
+  std::erase_if(s.cells, is_member);
+  std::erase_if(s.differences, is_member);
+  std::erase_if(s.bodies, is_member);
+  return s;
 }
 
 }  // namespace trilat

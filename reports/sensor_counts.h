@@ -9,9 +9,13 @@
 
 namespace trilat {
 
-// Error against the number of sensors: a row for every number and method of a study whose methods are named
-// "METHOD, N sensors", the average over the joint groups; and the same as a figure. Empty for other studies.
+// Families of methods, one for each set of so many sensors: their mean, best and worst set; and families
+// named "METHOD, N sensors" as a figure of error against N. Empty for a study without families of sets.
 std::vector<Table> sensor_counts_table(const ResultsSummary& summary);
 std::vector<Figure> sensor_counts_figure(const ResultsSummary& summary);
+
+// The summary without the methods that stand for one of several sets: the tables of families speak for them.
+// What is by take stays whole.
+ResultsSummary without_sets(ResultsSummary summary);
 
 }  // namespace trilat

@@ -123,7 +123,8 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   const auto advance = [&](double share) {
     if (options.progress) options.progress(share);
   };
-  const ReportContent content = read_report(results, [&](double share) { advance(kReadShare * share); });
+  const ReportContent content =
+      read_report(results, options.paper, [&](double share) { advance(kReadShare * share); });
   ReportFiles report{tables_of(content), figures_of(content), {}};
   const std::string page =
       page_of(content, {options.made.empty() ? time_of_day() : options.made, citation_bibtex(),

@@ -3,16 +3,19 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/results/paper_evidence.h"
 #include "reports/figure.h"
 #include "reports/table.h"
 
 namespace trilat {
 
 struct ReportOptions {
-  std::string made = {};  // the page's time stamp; empty: the time of the day, UTC
+  std::optional<PaperFindings> paper = {};  // the claims and the audit of the paper; none: neither
+  std::string made = {};                    // the page's time stamp; empty: the time of the day, UTC
   // three.js, as Debian's libjs-three has it; where it is not, the page has no replay
   std::filesystem::path three_js = "/usr/share/javascript/three/three.min.js";
   std::function<void(double)> progress = {};  // share of the work that is done

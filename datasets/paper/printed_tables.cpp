@@ -89,16 +89,7 @@ PrintedTable4 printed_table4() {
   return table;
 }
 
-PrintedClaims printed_claims() {
-  const Json json = parse_json(embedded::claims_json, "datasets/paper/claims.json");
-  JsonObject object(json, "datasets/paper/claims.json", "");
-  PrintedClaims paper;
-  paper.source = object.text("source");
-  for (JsonObject& claim : object.objects("claims"))
-    paper.claims.push_back(
-        {claim.text("id"), claim.text("where"), claim.text("claim"), claim.text("printed")});
-  return paper;
-}
+Json printed_claims() { return parse_json(embedded::claims_json, "datasets/paper/claims.json"); }
 
 PrintedErrata printed_errata() {
   const Json json = parse_json(embedded::errata_json, "datasets/paper/errata.json");
@@ -106,8 +97,9 @@ PrintedErrata printed_errata() {
   PrintedErrata errata;
   errata.source = object.text("source");
   for (JsonObject& e : object.objects("errata"))
-    errata.errata.push_back(
-        {e.text("id"), e.text("where"), e.text("printed"), e.text("problem"), e.text("corrected")});
+    errata.errata.push_back({e.text("id"), e.text("where"), e.text("printed"), e.text("problem"),
+                             e.text("corrected"), e.boolean("changes_results", true),
+                             e.has("effect") ? e.value("effect") : Json()});
   JsonObject improvement = object.object("improvement_percent");
   for (const std::string& where : improvement.keys()) {
     JsonObject by_method = improvement.object(where);

@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/strict_json.h"
+
 namespace trilat {
 
 // Table I as the paper prints it. The paper does not say in which unit C is.
@@ -88,22 +92,17 @@ struct PrintedTable4 {
 
 PrintedTable4 printed_table4();
 
-// What the paper claims, in our words, with its number.
-struct PrintedClaims {
-  struct Claim {
-    std::string id, where, claim, printed;
-  };
-  std::string source;
-  std::vector<Claim> claims;
-};
-
-PrintedClaims printed_claims();
+// What the paper claims, in our words, with its numbers, and how each claim is judged: the rows of
+// datasets/paper/claims.json, which reports/claims reads.
+Json printed_claims();
 
 // What the paper prints that cannot be so, in our words, with the numbers of its text that its tables
 // contradict.
 struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;
+    bool changes_results = true;  // false: of the text or of a printed table alone
+    Json effect = nullptr;        // how what it does to errors is measured, as a part of a claim
   };
   struct Improvement {
     std::string where, method;  // of the abstract or the text; better than which method

@@ -22,11 +22,75 @@ TakeNote read_note(JsonObject& object) {
   return note;
 }
 
+Json json_of(const PairedErrors& paired) {
+  return {{"n", paired.n}, {"mae_m", paired.mae_m}, {"reference_mae_m", paired.reference_mae_m}};
+}
+
+PairedErrors read_paired(JsonObject object) {
+  PairedErrors paired;
+  paired.n = object.count("n");
+  paired.mae_m = number_or_nan(object, "mae_m");
+  paired.reference_mae_m = number_or_nan(object, "reference_mae_m");
+  object.finish();
+  return paired;
+}
+
+Json json_of(const MethodFamily& family) {
+  return {{"name", family.name}, {"sensors", family.sensors}, {"methods", family.methods}};
+}
+
+MethodFamily read_family(JsonObject& object) {
+  MethodFamily family{object.text("name"), object.count("sensors"), object.texts("methods")};
+  object.finish();
+  return family;
+}
+
+Json json_of(const FamilyCell& cell) {
+  return {{"family", cell.family},
+          {"condition", cell.condition},
+          {"mae_m", cell.mae_m},
+          {"low_m", cell.low_m},
+          {"high_m", cell.high_m},
+          {"complete_m", cell.complete_m},
+          {"complete_low_m", cell.complete_low_m},
+          {"complete_high_m", cell.complete_high_m},
+          {"best", cell.best},
+          {"best_m", cell.best_m},
+          {"worst", cell.worst},
+          {"worst_m", cell.worst_m}};
+}
+
+FamilyCell read_family_cell(JsonObject& object) {
+  FamilyCell cell;
+  cell.family = object.text("family");
+  cell.condition = object.text("condition");
+  for (const auto& [key, value] : {std::pair{"mae_m", &cell.mae_m},
+                                   {"low_m", &cell.low_m},
+                                   {"high_m", &cell.high_m},
+                                   {"complete_m", &cell.complete_m},
+                                   {"complete_low_m", &cell.complete_low_m},
+                                   {"complete_high_m", &cell.complete_high_m},
+                                   {"best_m", &cell.best_m},
+                                   {"worst_m", &cell.worst_m}})
+    *value = number_or_nan(object, key);
+  cell.best = object.text("best");
+  cell.worst = object.text("worst");
+  object.finish();
+  return cell;
+}
+
 Json json_of(const TakeJointRow& row) {
-  return {{"take", row.take},           {"participant", row.participant},
-          {"condition", row.condition}, {"joint", row.joint},
-          {"method", row.method},       {"asked", row.asked},
-          {"answered", row.answered},   {"mae_m", row.mae_m}};
+  return {{"take", row.take},
+          {"participant", row.participant},
+          {"condition", row.condition},
+          {"group", row.group},
+          {"joint", row.joint},
+          {"method", row.method},
+          {"asked", row.asked},
+          {"answered", row.answered},
+          {"mae_m", row.mae_m},
+          {"both", json_of(row.both)},
+          {"complete", json_of(row.complete)}};
 }
 
 TakeJointRow read_take_joint(JsonObject& object) {
@@ -34,12 +98,17 @@ TakeJointRow read_take_joint(JsonObject& object) {
   row.take = object.text("take");
   row.participant = object.text("participant");
   row.condition = object.text("condition");
+  row.group = object.text("group");
   row.joint = object.text("joint");
   row.method = object.text("method");
   row.asked = object.count("asked");
   row.answered = object.count("answered");
   if (row.answered > row.asked) object.refuse("answered", "is more than was asked");
   row.mae_m = number_or_nan(object, "mae_m");
+  row.both = read_paired(object.object("both"));
+  row.complete = read_paired(object.object("complete"));
+  if (row.both.n > row.answered) object.refuse("both", "has more samples than were answered");
+  if (row.complete.n > row.asked) object.refuse("complete", "has more samples than were asked");
   object.finish();
   return row;
 }
@@ -67,25 +136,16 @@ CrossCheck read_cross_check(JsonObject object) {
 
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& s) {
   Json json = results_head(ResultsKind::accuracy);
-  json.update({{"study", s.study},
-               {"campaign", s.campaign},
-               {"simulated", s.simulated},
-               {"takes", s.takes},
-               {"takes_failed", s.takes_failed},
-               {"participants", s.participants},
-               {"methods", s.methods},
-               {"reference", s.reference},
-               {"conditions", s.conditions},
-               {"groups", s.groups},
-               {"alignments", s.alignments},
-               {"resamples", s.resamples},
-               {"block_s", s.block_s},
-               {"cells", Json::array()},
-               {"differences", Json::array()},
-               {"bodies", Json::array()},
-               {"truth_floor", Json::array()},
-               {"by_take", Json::array()},
+  json.update({{"study", s.study},         {"campaign", s.campaign},         {"simulated", s.simulated},
+               {"takes", s.takes},         {"takes_failed", s.takes_failed}, {"participants", s.participants},
+               {"methods", s.methods},     {"families", Json::array()},      {"family_cells", Json::array()},
+               {"fallbacks", s.fallbacks}, {"reference", s.reference},       {"conditions", s.conditions},
+               {"groups", s.groups},       {"alignments", s.alignments},     {"resamples", s.resamples},
+               {"block_s", s.block_s},     {"cells", Json::array()},         {"differences", Json::array()},
+               {"bodies", Json::array()},  {"truth_floor", Json::array()},   {"by_take", Json::array()},
                {"notes", Json::array()}});
+  for (const MethodFamily& family : s.families) json["families"].push_back(json_of(family));
+  for (const FamilyCell& cell : s.family_cells) json["family_cells"].push_back(json_of(cell));
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
   for (const DifferenceCell& cell : s.differences) json["differences"].push_back(json_of(cell));
   for (const BodyCell& cell : s.bodies) json["bodies"].push_back(json_of(cell));
@@ -108,6 +168,10 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   s.takes_failed = object.count("takes_failed");
   s.participants = object.count("participants");
   s.methods = object.texts("methods");
+  for (JsonObject& family : object.objects("families")) s.families.push_back(read_family(family));
+  for (JsonObject& cell : object.objects("family_cells")) s.family_cells.push_back(read_family_cell(cell));
+  JsonObject fallbacks = object.object("fallbacks");
+  for (const std::string& method : fallbacks.keys()) s.fallbacks[method] = fallbacks.text(method);
   s.reference = object.text("reference");
   s.conditions = object.texts("conditions");
   s.groups = object.texts("groups");

@@ -130,12 +130,37 @@ struct TruthFloor {
   double clock_m() const { return mean_speed_m_s * clock_error_s; }
 };
 
+// A method and the study's reference on the same samples, each aligned on just these: their mean distances.
+struct PairedErrors {
+  std::uint64_t n = 0;
+  double mae_m = kNoNumber, reference_mae_m = kNoNumber;
+};
+
 // One joint of one take and method under the study's first alignment: where an odd take, person or side
-// shows.
+// shows, and what every comparison of methods with participants as clusters can be made from.
 struct TakeJointRow {
-  std::string take, participant, condition, joint, method;
+  std::string take, participant, condition, group, joint, method;  // condition and group: as of a SummaryCell
   std::uint64_t asked = 0, answered = 0;
   double mae_m = kNoNumber;
+  PairedErrors both = {};      // where both answer
+  PairedErrors complete = {};  // also where they do not: there stands the answer of their fallback
+};
+
+// The methods that one entry of a study became: one for each set of so many sensors.
+struct MethodFamily {
+  std::string name;
+  std::uint64_t sensors = 0;  // in a set
+  std::vector<std::string> methods;
+};
+
+// A family in one condition, on average over the joint groups, under the study's first alignment; intervals
+// are Student's, participants as clusters.
+struct FamilyCell {
+  std::string family, condition;
+  double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
+  double complete_m = kNoNumber, complete_low_m = kNoNumber, complete_high_m = kNoNumber;  // with fallbacks
+  std::string best, worst;  // methods, by their errors with fallbacks
+  double best_m = kNoNumber, worst_m = kNoNumber;
 };
 
 struct ResultsSummary {
@@ -145,23 +170,26 @@ struct ResultsSummary {
   std::uint64_t takes = 0;
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
-  std::vector<std::string> methods;     // in the order of the study
-  std::string reference;                // the method that differences are against
-  std::vector<std::string> conditions;  // in the order of the takes
+  std::vector<std::string> methods;    // in the order of the study
+  std::vector<MethodFamily> families;  // of some of them
+  std::vector<FamilyCell> family_cells;
+  std::map<std::string, std::string> fallbacks;  // whose answer stands where a method has none; not of all
+  std::string reference;                         // the method that differences are against
+  std::vector<std::string> conditions;           // in the order of the takes
   std::vector<std::string> groups;
   std::vector<std::string> alignments;
   std::vector<SummaryCell> cells;
   std::vector<DifferenceCell> differences;
   std::vector<BodyCell> bodies;
   std::vector<TruthFloor> truth_floor;
-  std::vector<TakeJointRow> by_take;  // takes in their order, then joints, then methods
+  std::vector<TakeJointRow> by_take;  // takes, in each condition, joint, method
   std::uint64_t resamples = 0;        // of the intervals; 0: there are none
   double block_s = kNoNumber;         // length of their blocks
   std::vector<TakeNote> notes;
   std::optional<CrossCheck> cross_check;
 };
 
-// summary.json (results format 4, kind accuracy). NaN is written as null.
+// summary.json (results format 5, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
 // not one.

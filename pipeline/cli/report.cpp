@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
+#include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -51,7 +52,9 @@ int report(const ReportArguments& arguments) {
   {
     Progress progress("writing the report");
     files = write_report(arguments.results, arguments.output,
-                         {.made = arguments.time, .progress = [&](double share) { progress.set(share); }});
+                         {.paper = judge_paper(arguments.results),
+                          .made = arguments.time,
+                          .progress = [&](double share) { progress.set(share); }});
   }
   if (arguments.json) {
     Json list = Json::array();

@@ -9,6 +9,7 @@
 #include "datasets/base/error.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/execute_budget.h"
@@ -193,8 +194,9 @@ void check_outputs(const ReproduceArguments& arguments) {
 
 ReportFiles report_into(const std::filesystem::path& folder) {
   Progress progress("writing the report");
-  return write_report(results_in(folder), folder / "report",
-                      {.progress = [&](double s) { progress.set(s); }});
+  return write_report(
+      results_in(folder), folder / "report",
+      {.paper = judge_paper(results_in(folder)), .progress = [&](double s) { progress.set(s); }});
 }
 
 std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {

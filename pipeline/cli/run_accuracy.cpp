@@ -16,6 +16,7 @@
 #include "pipeline/study_part.h"
 #include "reports/accuracy_tables.h"
 #include "reports/render.h"
+#include "reports/sensor_counts.h"
 
 namespace trilat {
 namespace {
@@ -150,7 +151,7 @@ int print_results(const ResultsSummary& summary, const std::filesystem::path& ou
     document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
     fmt::print("{}\n", json_text(document, 2));
   } else {
-    for (const Table& table : accuracy_tables(summary)) fmt::print("{}\n", markdown_of(table));
+    for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
     fmt::print("results: {}\n", output.string());
   }
   return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;

@@ -17,7 +17,7 @@ constexpr std::size_t kLong = 40;    // bytes of a text that is broken into line
 constexpr std::size_t kMany = 12;    // columns that a print has to make small
 
 const char* badge_class(const std::string& verdict) {
-  if (verdict == "holds" || verdict == "better") return "holds";
+  if (verdict.starts_with("holds") || verdict == "better") return "holds";
   if (verdict == "does not hold" || verdict == "worse") return "fails";
   if (verdict == "contradicts itself") return "fails against";
   return verdict == "undecided" ? "unsure" : "untested";

@@ -59,7 +59,7 @@ PageSection claims_section(const ReportContent& content) {
   for (const char* word :
        {"holds", "does not hold", "undecided", "contradicts itself", "cannot be tested here"})
     if (const auto n = std::count_if(claims.rows.begin(), claims.rows.end(),
-                                     [&](const auto& row) { return row[verdict].text == word; }))
+                                     [&](const auto& row) { return row[verdict].text.starts_with(word); }))
       section.html += fmt::format("<li>{} {}</li>\n", n, verdict_badge(word));
   section.html = "<ul class=\"tally\">\n" + section.html + "</ul>\n" + html_of(claims, {});
   return section;

@@ -72,7 +72,19 @@ ResultsSummary summary_of(std::vector<SummaryCell> cells) {
   summary.resamples = 2000;
   summary.block_s = 1.0;
   summary.cells = std::move(cells);
-  summary.by_take = {{"a", "p01", "walking", "wrist_left", "nonlinear", 50, 40, 0.1 + 0.2}};
+  summary.by_take = {{"a",
+                      "p01",
+                      "walking",
+                      "wrist",
+                      "wrist_left",
+                      "nonlinear",
+                      50,
+                      40,
+                      0.1 + 0.2,
+                      {30, 0.2, 0.3},
+                      {45, 0.4, kNoNumber}}};
+  summary.families = {{"single", 1, {"single k1", "single k2"}}};
+  summary.fallbacks = {{"nonlinear", "mean"}};
   summary.notes = {{"b", true, "b/mocap.csv:17", "is cut"}};
   summary.cross_check = CrossCheck{"nonlinear", 93, 1, 3e-8, 1e-7, "a instant 3 head"};
   return summary;
@@ -135,7 +147,15 @@ TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   ASSERT_EQ(read.by_take.size(), 1u);
   EXPECT_EQ(read.by_take[0].joint, "wrist_left");
   EXPECT_EQ(read.by_take[0].answered, 40u);
+  EXPECT_EQ(read.by_take[0].group, "wrist");
   EXPECT_EQ(read.by_take[0].mae_m, written.by_take[0].mae_m);
+  EXPECT_EQ(read.by_take[0].both.n, 30u);
+  EXPECT_EQ(read.by_take[0].both.reference_mae_m, 0.3);
+  EXPECT_EQ(read.by_take[0].complete.n, 45u);
+  EXPECT_TRUE(std::isnan(read.by_take[0].complete.reference_mae_m));
+  ASSERT_EQ(read.families.size(), 1u);
+  EXPECT_EQ(read.families[0].methods, written.families[0].methods);
+  EXPECT_EQ(read.fallbacks, written.fallbacks);
   ASSERT_EQ(read.notes.size(), 1u);
   EXPECT_EQ(read.notes[0].place, "b/mocap.csv:17");
   EXPECT_TRUE(read.notes[0].failed);
@@ -224,7 +244,7 @@ TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 1})");
   EXPECT_THAT(
       message_of([&] { read_summary(folder.path()); }),
-      HasSubstr("summary.json /version: is another version; this program reads version 4 of results of "
+      HasSubstr("summary.json /version: is another version; this program reads version 5 of results of "
                 "kind \"accuracy\""));
   write_file(folder / "summary.json", R"({"format": "coverage.py", "version": 1})");
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),

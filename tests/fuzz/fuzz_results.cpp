@@ -6,6 +6,7 @@
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/speed_file.h"
+#include "pipeline/claims/judge_claims.h"
 #include "pipeline/gate/found_results.h"
 #include "reports/chapter.h"
 #include "reports/claims.h"
@@ -46,11 +47,10 @@ void report_on(const SoundFile& file) {
   } else if (file.name == "simulator.json") {
     print(parameters_table(read_declared_parameters(file.folder), "fuzz"));
   } else {
-    ClaimEvidence evidence;
-    const Chapter chapter = read_chapter(file.folder, evidence);
+    const Chapter chapter = read_chapter(file.folder);
     for (const Table& table : chapter.tables) print(table);
     for (const DrawnFigure& figure : chapter.figures) gnuplot_script(figure.figure);
-    print(claims_table(evidence));
+    if (const auto paper = judge_paper({file.folder})) print(claims_table(*paper));
   }
 }
 

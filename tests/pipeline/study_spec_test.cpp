@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/study_spec.h"
 
+#include <set>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
 #include "pipeline/method.h"
+#include "pipeline/sensor_sets.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
@@ -43,6 +46,51 @@ TEST(Study, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
     EXPECT_THAT(refusal_of(members), HasSubstr(message)) << members;
 }
 
+std::vector<std::string> names_on(const std::vector<std::string>& rig, const std::string& methods) {
+  std::vector<std::string> names;
+  for (const Method& m : resolve_methods(study_of(R"("methods": [{)" + methods + "}]"), rig))
+    names.push_back(m.spec.name);
+  return names;
+}
+
+TEST(Study, AnEntryOfSetsBecomesOneMethodForEachSetOfSensors) {
+  const std::vector<std::string> rig{"k1", "k2", "k3", "k4"};
+  EXPECT_THAT(names_on(rig, R"("method": "geometric", "each": 3)"),
+              testing::ElementsAre("geometric k1+k2+k3", "geometric k1+k2+k4", "geometric k1+k3+k4",
+                                   "geometric k2+k3+k4"));
+  EXPECT_THAT(names_on(rig, R"("method": "single", "name": "one")"),
+              testing::ElementsAre("one k1", "one k2", "one k3", "one k4"));
+  EXPECT_THAT(names_on(rig, R"("method": "mean", "each": 2, "sensors": ["k4", "k2"])"),  // of one set
+              testing::ElementsAre("mean"));
+  const auto methods =
+      resolve_methods(study_of(R"("methods": [{"method": "geometric", "each": 3, "name": "triples"}])"), rig);
+  EXPECT_EQ(methods[3].geometric.sensors, (std::array{1, 2, 3}));
+  EXPECT_EQ(methods[3].spec.family, "triples");
+}
+
+TEST(Study, OfManySetsADeclaredNumberStandsForAllAndSmallerOnesLieWithinLargerOnes) {
+  for (std::size_t size = 2; size < 8; ++size) {
+    const auto sets = sensor_sets(8, size, 9), larger = sensor_sets(8, size + 1, 9);
+    EXPECT_EQ(sets.size(), size == 7 ? 8u : 9u);
+    EXPECT_EQ(std::set(sets.begin(), sets.end()).size(), sets.size());
+    std::size_t nested = 0;
+    for (const auto& set : sets)
+      nested += std::any_of(larger.begin(), larger.end(), [&](const auto& whole) {
+        return std::includes(whole.begin(), whole.end(), set.begin(), set.end());
+      });
+    EXPECT_GE(nested, size < 6 ? 7u : 8u) << size;  // a set that came twice has another in its place
+  }
+}
+
+TEST(Study, SetsThatCannotBeAreRefused) {
+  EXPECT_THAT(refusal_of_method(R"("method": "geometric", "each": 4)"), HasSubstr("/each: must be 3"));
+  EXPECT_THAT(refusal_of_method(R"("method": "single", "each": 2)"), HasSubstr("/each: must be 1"));
+  EXPECT_THAT(message_of([&] {
+                names_on({"k1", "k2"}, R"("method": "mean", "each": 3)");
+              }),
+              HasSubstr("asks for sets of 3 of 2 sensors"));
+}
+
 TEST(Study, WhatIsWrittenOutIsReadAsTheSameForEveryKindOfMethod) {
   std::string methods;
   for (const std::string& kind : method_kind_names())
@@ -53,7 +101,8 @@ TEST(Study, WhatIsWrittenOutIsReadAsTheSameForEveryKindOfMethod) {
                                                         *more == '\0' ? "" : " occluded", more);
   methods += R"(, {"method": "nonlinear", "name": "paper", "gradient": "printed", "damping": "none",
       "threshold_cm2": 0.3, "max_iterations": 7, "start": "linear", "printed_unit_m": 0.01},
-      {"method": "linear", "name": "pairs", "reference": "all_pairs"})";
+      {"method": "linear", "name": "pairs", "reference": "all_pairs"},
+      {"method": "mean", "name": "threes", "each": 3, "most_sets": 2})";
   const Json once =
       resolved_json(study_of(R"("alignments": ["held_out", "none"], "methods": [)" + methods + "]"));
   const Json twice =

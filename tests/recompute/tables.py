@@ -4,6 +4,7 @@
 `takes` are samples with truth_m, estimate_m, gdop, asked and answered, arrays instants x joints x methods.
 """
 import collections
+import types
 
 import numpy as np
 
@@ -65,6 +66,21 @@ def average_of(cells):
     asked, answered = sum(c["asked"] for c in cells), sum(c["answered"] for c in cells)
     return {"asked": asked, "answered": answered, "coverage": answered / asked,
             "mae_m": np.mean([c["mae_m"] for c in cells])}
+
+
+def completed(samples, m, fallback):
+    """Samples of one method whose gaps are filled with the answers of another."""
+    own = samples.answered[:, :, m]
+    return types.SimpleNamespace(
+        truth_m=samples.truth_m, answered=np.where(own, own, samples.answered[:, :, fallback])[:, :, None],
+        estimate_m=np.where(own[:, :, None], samples.estimate_m[:, :, m], samples.estimate_m[:, :, fallback])[:, :, None])
+
+
+def lengths_completed(samples, m, reference, fallbacks, alignment):
+    """Error lengths of a method and the reference, completed, each aligned where both of these answer; NaN elsewhere."""
+    pair = [completed(samples, k, fallbacks[k]) for k in (m, reference)]
+    both = pair[0].answered[:, :, 0] & pair[1].answered[:, :, 0]
+    return [np.linalg.norm(errors_of(c, 0, alignment, both), axis=2) for c in pair]
 
 
 def lengths_on_both(samples, m, reference, alignment):

@@ -192,9 +192,9 @@ TEST(Efficiency, ComparesTheRootMeanSquareGdopWithTheErrorOfTheSameSamples) {
 // Two takes of one person: 10 answered at 2 cm and 30 at 6 cm are 5 cm, of 80 asked.
 TEST(AccuracyTables, TakesPersonsAndSidesStandApart) {
   ResultsSummary summary = hand_made_summary();
-  summary.by_take = {{"a", "p1", "walking", "wrist_left", "mean", 20, 10, 0.02},
-                     {"a", "p1", "walking", "wrist_right", "mean", 20, 0, kNoNumber},
-                     {"b", "p1", "walking", "wrist_left", "mean", 40, 30, 0.06}};
+  summary.by_take = {{"a", "p1", "walking", "wrist", "wrist_left", "mean", 20, 10, 0.02, {}, {}},
+                     {"a", "p1", "walking", "wrist", "wrist_right", "mean", 20, 0, kNoNumber, {}, {}},
+                     {"b", "p1", "walking", "wrist", "wrist_left", "mean", 40, 30, 0.06, {}, {}}};
   const auto tables = apart_tables(summary);
   ASSERT_EQ(tables.size(), 4u);
   ASSERT_EQ(tables[0].rows.size(), 2u);

@@ -65,33 +65,23 @@ TEST(Audit, NothingIsLeftEmpty) {
     }
 }
 
-TEST(Errata, AllSixteenAreListedAndWithoutAStudyNoEffectIsClaimed) {
+TEST(Errata, AllAreListedAndWithoutAStudyNoEffectIsClaimed) {
   const Table table = errata_table({});
-  ASSERT_EQ(table.rows.size(), 16u);
-  for (std::size_t k = 0; k < 16; ++k) EXPECT_EQ(table.rows[k][0].text, "E" + std::to_string(k + 1));
+  ASSERT_EQ(table.rows.size(), 21u);
+  for (std::size_t k = 0; k < table.rows.size(); ++k)
+    EXPECT_EQ(table.rows[k][0].text, "E" + std::to_string(k + 1));
   EXPECT_EQ(table.rows[6][5].text, "its study is not among these results");
   EXPECT_EQ(table.rows[8][5].text, "none on a result");
 }
 
 TEST(Errata, TheEffectIsPrintedBesideCorrected) {
-  ClaimEvidence evidence;
-  ResultsSummary walking = hand_made_summary();
-  walking.cells.clear();
-  for (const auto& [method, mae_m] :
-       {std::pair{"nonlinear printed stop", 0.08}, std::pair{"nonlinear", 0.06}}) {
-    SummaryCell cell;
-    cell.method = method;
-    cell.condition = "walking";
-    cell.group = kAverageGroup;
-    cell.alignment = "mean";
-    cell.asked = cell.answered = 10;
-    cell.mae_m = mae_m;
-    walking.cells.push_back(cell);
-  }
-  evidence.walking = walking;
-  EXPECT_THAT(
-      errata_table(evidence).rows[7][5].text,
-      HasSubstr("nonlinear printed stop 8.00 cm against 6.00 cm of nonlinear, answering 100 and 100 %"));
+  PaperFindings findings;
+  findings.errata["E8"] = {
+      {"printed stop against nonlinear", "%", {33.3, 30.0, 36.0, 4}, ClaimEstimate{20.0}, ""}};
+  EXPECT_EQ(errata_table(findings).rows[7][5].text,
+            "printed stop against nonlinear: 33.3 % (30 to 36); with the mean where one is silent printed "
+            "stop against "
+            "nonlinear: 20 %");
 }
 
 }  // namespace

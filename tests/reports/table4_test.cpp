@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "reports/claims.h"
 #include "reports/clock_figures.h"
 #include "reports/render.h"
 #include "reports/write_report.h"
@@ -80,35 +79,6 @@ TEST(Table4, IsAChapterOfTheReportWithOrWithoutTimes) {
   EXPECT_EQ(write_report({folder.path()}, folder / "a").tables.size(), 2u);
   write_stage_timings(folder.path(), timings_of(1));
   EXPECT_EQ(write_report({folder.path()}, folder / "b").tables.size(), 3u);
-}
-
-std::vector<TableValue> claim(const ClaimEvidence& evidence, const std::string& id) {
-  const PrintedClaims printed = printed_claims();
-  const Table table = claims_table(evidence);
-  for (std::size_t k = 0; k < printed.claims.size(); ++k)
-    if (printed.claims[k].id == id) return table.rows.at(k);
-  throw std::out_of_range(id);
-}
-
-TEST(Table4, DecidesTheClaimOnClockErrorsByItsInterval) {
-  ClaimEvidence evidence;
-  EXPECT_EQ(claim(evidence, "clock_error")[4].text, "contradicts itself");
-  evidence.recording = summary_of(998, 2);
-  const auto row = claim(evidence, "clock_error");
-  EXPECT_EQ(row[4].text, "holds");
-  EXPECT_THAT(row[3].text, HasSubstr("99.80 % (99.70 to 99.80) below 2 ms"));
-  EXPECT_THAT(row[5].text, HasSubstr("on the client's clock, 95.00 %"));
-  evidence.recording = summary_of(994, 6);  // from 99.3 %, where 99.36 % are printed
-  EXPECT_EQ(claim(evidence, "clock_error")[4].text, "does not hold");
-}
-
-TEST(Table4, SaysWhatOfTheProcessingTimeIsMeasured) {
-  ClaimEvidence evidence;
-  EXPECT_THAT(claim(evidence, "real_time")[5].text, HasSubstr("Table IV are not among those"));
-  evidence.stages = timings_of(4);
-  const auto row = claim(evidence, "real_time");
-  EXPECT_THAT(row[3].text, HasSubstr("99.60 % of 1000 frames, half of them within 28 us"));
-  EXPECT_EQ(row[4].text, "cannot be tested here");
 }
 
 TEST(ClockFigures, HaveTheSharesOfThePaperAndOfEveryMethod) {

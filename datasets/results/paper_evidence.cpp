@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/paper_evidence.h"
+
+#include <algorithm>
+
+#include "datasets/results/results_file.h"
+
+namespace trilat {
+namespace {
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+void PaperEvidence::add(const ResultsSummary& s) {
+  if (has(s.methods, "nonlinear, 8 sensors")) {
+    sensor_counts.push_back(s);
+    return;
+  }
+  if (!walking && has(s.conditions, "walking") && has(s.methods, "nonlinear")) walking = s;
+  if (!occluded && (has(s.conditions, occluded_condition("arm_swing")) ||
+                    has(s.conditions, occluded_condition("leg_crossing"))))
+    occluded = s;
+}
+
+bool PaperEvidence::any_simulated() const {
+  return (walking && walking->simulated) || (occluded && occluded->simulated) ||
+         std::any_of(sensor_counts.begin(), sensor_counts.end(),
+                     [](const ResultsSummary& s) { return s.simulated; }) ||
+         sweep || calibration || recording;
+}
+
+PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {
+  PaperEvidence evidence;
+  for (const std::filesystem::path& folder : results) {
+    const ResultsKind kind = results_kind(folder);
+    if (kind == ResultsKind::accuracy) evidence.add(read_summary(folder));
+    if (kind == ResultsKind::calibration && !evidence.calibration)
+      evidence.calibration = read_calibration_summary(folder);
+    if (kind == ResultsKind::recording && !evidence.recording)
+      evidence.recording = read_recording_summary(folder);
+    if (kind != ResultsKind::threshold_sweep || evidence.sweep) continue;
+    if (SweepSummary sweep = read_sweep_summary(folder); sweep.search) evidence.sweep = std::move(sweep);
+  }
+  return evidence;
+}
+
+}  // namespace trilat

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/claims/judge_claims.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/paper/printed_tables.h"
+#include "evaluators/metrics/holm.h"
+#include "pipeline/claims/statistics.h"
+#include "pipeline/claims/verdict.h"
+
+namespace trilat {
+namespace {
+
+// A claim with the numbers that it is decided by.
+struct OpenClaim {
+  struct Part {
+    Measurement measured;
+    ClaimBound bound;
+    std::optional<double> paper;  // the paper's own, where it prints one
+    ClaimChance chance;
+  };
+  JudgedClaim judged;
+  std::vector<Part> parts;
+};
+
+constexpr std::array<const char*, 3> kBounds{"more_than", "less_than", "within"};
+
+std::optional<ClaimBound> read_bound(JsonObject& object) {
+  std::optional<ClaimBound> bound;
+  for (std::size_t k = 0; k < kBounds.size(); ++k) {
+    if (!object.has(kBounds[k])) continue;
+    if (bound) object.refuse(kBounds[k], "is a second bound; one is enough");
+    bound = ClaimBound{static_cast<ClaimBound::Side>(k), object.number(kBounds[k])};
+  }
+  return bound;
+}
+
+std::string bound_text(const ClaimBound& bound, const std::string& unit) {
+  constexpr std::array<const char*, 3> kWords{"more than", "less than", "within"};
+  return fmt::format("{} {:g} {}", kWords[static_cast<std::size_t>(bound.side)], bound.margin, unit);
+}
+
+ClaimEstimate estimate_of(const ContrastEstimate& e) {
+  const bool is_sampled = e.standard_error > 0.0;
+  return {e.value, is_sampled ? e.low() : kNoNumber, is_sampled ? e.high() : kNoNumber, e.clusters};
+}
+
+ClaimPart part_of(const Measurement& measured, const std::string& bound) {
+  ClaimPart part{measured.what, measured.unit, estimate_of(measured.estimate), {}, bound};
+  if (measured.complete) part.complete = estimate_of(*measured.complete);
+  return part;
+}
+
+// Takes a claim's parts in; what is missing of them, or nothing.
+std::string measure_parts(JsonObject& row, const ClaimStudies& studies, OpenClaim& claim, bool& contradicts) {
+  const std::optional<ClaimBound> usual = read_bound(row);
+  std::string missing;
+  for (JsonObject& entry : row.objects("parts")) {
+    const std::optional<ClaimBound> own = read_bound(entry);
+    std::optional<double> paper;
+    if (entry.has("paper")) paper = entry.number("paper");
+    MeasuredPart measured = measure(entry, studies);
+    entry.finish();
+    contradicts |= measured.contradicts;
+    if (!measured.missing.empty()) missing = measured.missing;
+    if (!measured.parts.empty() && !own && !usual)
+      entry.refuse("statistic", "needs a bound: more_than, less_than or within");
+    claim.judged.clusters = measured.clusters;
+    for (const Measurement& part : measured.parts) {
+      const ClaimBound bound = own ? *own : *usual;
+      claim.parts.push_back({part, bound, paper, chance_of(part.estimate, bound)});
+      claim.judged.parts.push_back(part_of(part, bound_text(bound, part.unit)));
+    }
+  }
+  return missing;
+}
+
+OpenClaim read_claim(JsonObject& row, const ClaimStudies& studies) {
+  OpenClaim claim;
+  JudgedClaim& judged = claim.judged;
+  judged.id = row.text("id");
+  judged.where = row.text("where");
+  judged.claim = row.text("claim");
+  judged.printed = row.text("printed");
+  judged.confirmatory = row.boolean("confirmatory", false);
+  judged.reason = row.text("because", "");
+  bool contradicts = false;
+  const std::string missing = measure_parts(row, studies, claim, contradicts);
+  row.finish();
+  if (contradicts) {
+    judged.verdict = kContradicts;
+    judged.reason = "by the paper's own numbers: see the audit";
+  } else if (!missing.empty()) {
+    judged.verdict = kCannotTest;
+    judged.confirmatory = false;
+    judged.reason = missing;
+    judged.parts.clear();
+    claim.parts.clear();
+  }
+  return claim;
+}
+
+ClaimChance chance_of(const OpenClaim& claim) {
+  std::vector<ClaimChance> chances;
+  for (const OpenClaim::Part& part : claim.parts) chances.push_back(part.chance);
+  return chance_of_all(chances);
+}
+
+std::string needed_text(const OpenClaim& claim, double alpha) {
+  const OpenClaim::Part& weakest =
+      *std::max_element(claim.parts.begin(), claim.parts.end(), [](const auto& a, const auto& b) {
+        return a.chance.holds - a.chance.fails < b.chance.holds - b.chance.fails;
+      });
+  const ContrastEstimate& e = weakest.measured.estimate;
+  if (const auto needed = clusters_needed(e, weakest.bound, alpha))
+    return fmt::format("; some {} {} would decide it, here are {}", *needed, claim.judged.clusters,
+                       e.clusters);
+  return fmt::format("; not even 10,000 {} would decide it", claim.judged.clusters);
+}
+
+// Words behind "holds": it may hold only where both answer, or by another size than the paper's.
+std::string reservations(const OpenClaim& claim) {
+  std::string words, size;
+  for (const OpenClaim::Part& part : claim.parts) {
+    if (const auto& complete = part.measured.complete;
+        complete && chance_of(*complete, part.bound).holds > kFalseVerdicts)
+      words = ", where both answer";
+    if (part.paper && size.empty()) size = size_beside(part.measured.estimate, *part.paper);
+  }
+  return size.empty() ? words : words + ", but " + size;
+}
+
+// The verdict once the chance is corrected; `alpha` is what an undecided one is planned with.
+void decide(OpenClaim& claim, double alpha) {
+  const ClaimChance chance = chance_of(claim);
+  JudgedClaim& judged = claim.judged;
+  if (!(judged.chance <= kFalseVerdicts)) {
+    judged.verdict = kUndecided;
+    judged.reason += needed_text(claim, alpha);
+  } else if (chance.fails < chance.holds) {
+    judged.verdict = kDoesNotHold;
+  } else {
+    judged.verdict = kHolds + reservations(claim);
+  }
+}
+
+}  // namespace
+
+std::vector<JudgedClaim> judge_claims(const Json& rows, const std::string& place,
+                                      const PaperEvidence& evidence) {
+  JsonObject document(rows, place, "");
+  document.text("source");
+  const ClaimStudies studies(evidence);
+  std::vector<OpenClaim> claims;
+  for (JsonObject& row : document.objects("claims")) claims.push_back(read_claim(row, studies));
+  document.finish();
+  std::vector<double> chances;
+  for (const OpenClaim& claim : claims)
+    chances.push_back(claim.judged.confirmatory ? chance_of(claim).decided() : kNaN);
+  const std::vector<double> corrected = holm_adjusted(chances);
+  const auto looked_at = static_cast<double>(
+      std::count_if(chances.begin(), chances.end(), [](double chance) { return !std::isnan(chance); }));
+  std::vector<JudgedClaim> judged;
+  for (std::size_t k = 0; k < claims.size(); ++k) {
+    OpenClaim& claim = claims[k];
+    const bool is_corrected = claim.judged.confirmatory;
+    if (!claim.parts.empty()) {
+      claim.judged.chance = is_corrected ? corrected[k] : chance_of(claim).decided();
+      decide(claim, is_corrected ? kFalseVerdicts / looked_at : kFalseVerdicts);
+    }
+    judged.push_back(std::move(claim.judged));
+  }
+  return judged;
+}
+
+std::optional<PaperFindings> judge_paper(const std::vector<std::filesystem::path>& results) {
+  PaperFindings findings{read_paper_evidence(results), {}, {}};
+  if (!findings.evidence.is_of_the_paper()) return std::nullopt;
+  findings.claims = judge_claims(printed_claims(), "datasets/paper/claims.json", findings.evidence);
+  const ClaimStudies studies(findings.evidence);
+  for (const PrintedErrata::Erratum& erratum : printed_errata().errata) {
+    if (erratum.effect.is_null()) continue;
+    JsonObject effect(erratum.effect, "datasets/paper/errata.json", "/" + erratum.id);
+    for (const Measurement& measured : measure(effect, studies).parts)
+      findings.errata[erratum.id].push_back(part_of(measured, ""));
+    effect.finish();
+  }
+  return findings;
+}
+
+}  // namespace trilat

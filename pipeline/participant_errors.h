@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/results/summary.h"
+#include "evaluators/metrics/cluster_contrast.h"
+
+namespace trilat {
+
+// Which samples a comparison of two methods is over.
+enum class ComparedSamples { both, complete };
+
+// The errors of an accuracy study by participant, for comparisons that its tables do not hold: between
+// joints, conditions and families of methods. A name that is looked for is that of a method, of a family (the
+// mean over its methods), or "best of FAMILY": for each participant the method of it that does best on all
+// the others, so that nobody is judged by whom they helped to choose.
+class ParticipantErrors {
+ public:
+  // `summary` must outlive it.
+  explicit ParticipantErrors(const ResultsSummary& summary);
+
+  const ResultsSummary& summary() const { return summary_; }
+  // Of the condition, in the study's order.
+  std::vector<std::string> groups_of(const std::string& condition) const;
+  bool knows(const std::string& name) const { return !methods_of(name).empty(); }
+  std::vector<std::string> methods_of(const std::string& name) const;
+
+  // The mean error of a name over what it answers, or completed by its fallback; empty sums where there are
+  // no such samples.
+  WeightedRatio error_m(const std::string& name, const std::string& condition,
+                        const std::string& group) const;
+  WeightedRatio complete_error_m(const std::string& name, const std::string& condition,
+                                 const std::string& group) const;
+
+  // (of - against) / against, each the plain mean over the groups. Over the samples that `both` answer one of
+  // the two has to be the study's reference; else the result is empty.
+  Contrast difference(const std::string& of, const std::string& against, const std::string& condition,
+                      const std::vector<std::string>& groups, ComparedSamples samples) const;
+
+ private:
+  // Sums over one participant's takes and joints.
+  struct Sums {
+    double answered = 0.0, error_m = 0.0;
+    struct Paired {
+      double n = 0.0, method_m = 0.0, reference_m = 0.0;
+      void add(const PairedErrors& paired);
+    } both, complete;
+  };
+  using ByParticipant = std::vector<Sums>;
+
+  ByParticipant sums_of(const std::string& name, const std::string& condition,
+                        const std::string& group) const;
+  // By participant, which of the methods does best on the others; empty without others.
+  std::vector<std::string> best_on_others(const std::vector<std::string>& methods,
+                                          const std::string& condition) const;
+
+  const ResultsSummary& summary_;
+  std::vector<std::string> participants_;
+  std::map<std::string, std::map<std::string, std::map<std::string, ByParticipant>>>
+      sums_;  // condition, group, method
+};
+
+}  // namespace trilat
