@@ -11,6 +11,13 @@
 
 namespace trilat {
 
+// One sensor's clock in one run: frames asked for, with an answer, and with an error below 2 and 4 ms. Runs
+// and sensors are independent of each other, frames of one clock are not.
+struct ClockUnit {
+  std::uint64_t asked = 0, answered = 0, below_2ms = 0, below_4ms = 0;
+  bool operator==(const ClockUnit&) const = default;
+};
+
 // One way to put a sensor's machine on the server's clock, over one kind of network.
 struct ClockErrorRow {
   std::string network;
@@ -20,6 +27,7 @@ struct ClockErrorRow {
   // Share of answers below 2 ms, with its 95 % interval over sensors and runs.
   double below_2ms = TimeSpread::kNone;
   double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
+  std::vector<ClockUnit> units;  // one a run and sensor, all sensors of the first run first
 };
 
 // What the corrected fit says of itself, over one kind of network: means over sensors and runs.

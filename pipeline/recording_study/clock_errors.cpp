@@ -17,7 +17,6 @@
 namespace trilat {
 namespace {
 
-constexpr double kGood_s = 0.002;
 constexpr double kSigmas = 4.0;
 
 struct FitShares {
@@ -57,6 +56,16 @@ TrialErrors measure_trial(const RecordingSpec& spec, const NetworkSpec& network,
   return errors;
 }
 
+ClockUnit count_errors(const std::vector<double>& errors_s) {
+  ClockUnit unit{errors_s.size()};
+  for (double error_s : errors_s) {
+    unit.answered += std::isfinite(error_s);
+    unit.below_2ms += error_s < kTimeEdges_s[1];
+    unit.below_4ms += error_s < kTimeEdges_s[2];
+  }
+  return unit;
+}
+
 ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std::size_t method,
                      const std::vector<TrialErrors>& trials) {
   ClockErrorRow row;
@@ -65,12 +74,11 @@ ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std:
   std::vector<double> all_s, good, answered;
   for (const TrialErrors& trial : trials) {
     const std::vector<double>& errors_s = trial.by_method_s[method];
-    row.asked += errors_s.size();
+    const ClockUnit unit = row.units.emplace_back(count_errors(errors_s));
+    row.asked += unit.asked;
     all_s.insert(all_s.end(), errors_s.begin(), errors_s.end());
-    good.push_back(static_cast<double>(
-        std::count_if(errors_s.begin(), errors_s.end(), [](double e) { return e < kGood_s; })));
-    answered.push_back(static_cast<double>(
-        std::count_if(errors_s.begin(), errors_s.end(), [](double e) { return std::isfinite(e); })));
+    good.push_back(static_cast<double>(unit.below_2ms));
+    answered.push_back(static_cast<double>(unit.answered));
   }
   row.error = spread_times(std::move(all_s));
   if (row.error.n == 0) return row;

@@ -162,6 +162,17 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   EXPECT_GT(row_of(summary, ClockMethod::none).error.median_s,
             row_of(summary, ClockMethod::first_exchange).error.median_s);
   EXPECT_GT(row_of(summary, ClockMethod::printed).error.median_s, 0.005);
+  const ClockErrorRow& none = row_of(summary, ClockMethod::none);
+  ASSERT_EQ(none.units.size(), 4u * 2);
+  std::uint64_t below_4ms = 0;
+  for (const ClockUnit& unit : none.units) {
+    EXPECT_EQ(unit.asked, 900u);
+    EXPECT_EQ(unit.answered, 900u);
+    // A machine's clock is off by much the same all the time.
+    EXPECT_TRUE(unit.below_4ms == 0 || unit.below_4ms == 900u) << unit.below_4ms;
+    below_4ms += unit.below_4ms;
+  }
+  EXPECT_EQ(below_4ms, none.error.bins[0] + none.error.bins[1]);
   EXPECT_EQ(summary.fits.at(0).within_bound_share, 1.0);
   const auto timings = read_stage_timings(folder / "1");
   ASSERT_TRUE(timings.has_value());

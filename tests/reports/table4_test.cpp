@@ -25,6 +25,7 @@ ClockErrorRow clock_row(const std::string& method, std::uint64_t good, std::uint
   row.below_2ms = static_cast<double>(good) / static_cast<double>(good + bad);
   row.below_2ms_low = row.below_2ms - 0.001;
   row.below_2ms_high = row.below_2ms;
+  row.units = {{good + bad, good + bad, good, good + bad}, {}, {}, {}, {}, {}, {}, {}};
   return row;
 }
 
@@ -56,6 +57,18 @@ TEST(Table4, SetsThePapersClockErrorsBesideOurs) {
   EXPECT_EQ(cell(table, 0, "from_33ms_percent"), 0.0);
   EXPECT_NEAR(cell(table, 1, "below_2ms_percent"), 99.8, 1e-9);
   EXPECT_NEAR(cell(table, 1, "median_ms"), 1.5, 1e-9);
+}
+
+TEST(Table4, SaysHowManyClockErrorsAreBelow4msAndOfHowManyRunsAllAre) {
+  RecordingSummary s = summary_of(990, 6);
+  ClockErrorRow& row = s.clocks[0];
+  row.error.bins[5] = 4;
+  row.error.n = 1000;
+  row.units = {{500, 500, 495, 500}, {500, 500, 495, 496}, {100, 0, 0, 0}};
+  const Table table = table4_clocks(s);
+  EXPECT_NEAR(cell(table, 0, "below_4ms_percent"), 100.0, 1e-9);  // the paper's
+  EXPECT_NEAR(cell(table, 1, "below_4ms_percent"), 99.6, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "units_below_4ms_percent"), 50.0, 1e-9);  // one gave no answer
 }
 
 TEST(Table4, CountsTheThreeShortestRangesAsThePapersShortest) {
