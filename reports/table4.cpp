@@ -79,6 +79,9 @@ std::vector<std::string> clock_notes() {
       "As printed, equations 20 to 22 give a time on the client's clock (E11). Taken for the server's, it is "
       "off by the whole offset of the clocks; compared with the client's, as the paper seems to have done, "
       "by how much the delay of the frame differs from that of the latest exchange.",
+      "Corrected is one fit to the whole recording, which no live system has; causal looks at no exchange "
+      "that "
+      "came after the frame: of the last 8 it takes the offset by that of least delay.",
       "Intervals are over sensors and runs, each with other clocks, and so is the share of sensors' runs in "
       "which every answer is below 4 ms; what a constant difference of the delays "
       "does, no method can see."};

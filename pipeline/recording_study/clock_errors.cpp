@@ -41,7 +41,7 @@ FitShares shares_of(const ClockTrial& trial, const std::vector<double>& errors_s
   }
   const double limit_s = fit.bound_s + kSigmas * fit.sigma_s;
   const auto within =
-      std::count_if(errors_s.begin(), errors_s.end(), [&](double error_s) { return error_s <= limit_s; });
+      std::count_if(errors_s.begin(), errors_s.end(), [&](double e) { return std::abs(e) <= limit_s; });
   fit.within = static_cast<double>(within) / static_cast<double>(errors_s.size());
   fit.used = static_cast<double>(clock.exchanges_used) / static_cast<double>(clock.exchanges);
   return fit;
@@ -60,8 +60,8 @@ ClockUnit count_errors(const std::vector<double>& errors_s) {
   ClockUnit unit{errors_s.size()};
   for (double error_s : errors_s) {
     unit.answered += std::isfinite(error_s);
-    unit.below_2ms += error_s < kTimeEdges_s[1];
-    unit.below_4ms += error_s < kTimeEdges_s[2];
+    unit.below_2ms += std::abs(error_s) < kTimeEdges_s[1];
+    unit.below_4ms += std::abs(error_s) < kTimeEdges_s[2];
   }
   return unit;
 }
@@ -76,7 +76,7 @@ ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std:
     const std::vector<double>& errors_s = trial.by_method_s[method];
     const ClockUnit unit = row.units.emplace_back(count_errors(errors_s));
     row.asked += unit.asked;
-    all_s.insert(all_s.end(), errors_s.begin(), errors_s.end());
+    for (double error_s : errors_s) all_s.push_back(std::abs(error_s));
     good.push_back(static_cast<double>(unit.below_2ms));
     answered.push_back(static_cast<double>(unit.answered));
   }

@@ -113,6 +113,46 @@ TEST(ClockMethods, BeforeAnyExchangeThePrintedOnesHaveNoAnswer) {
     EXPECT_TRUE(std::isnan(clock_errors_s(silent, static_cast<ClockMethod>(m))[1])) << m;
 }
 
+// A client 10 ms ahead, asked every 100 ms. Exchange 0 takes 1 ms each way; the others 1 ms back but 1 + k ms
+// there, so that by them the client seems to be k / 2 ms further ahead. Frames are sent as soon as they are
+// made and take 1 ms.
+ClockTrial slower_and_slower(std::int64_t exchanges, const std::vector<std::int64_t>& frames_ms) {
+  constexpr std::int64_t kMs = 1'000'000;
+  ClockTrial trial;
+  for (std::int64_t k = 0; k < exchanges; ++k) {
+    const std::int64_t t1 = 100 * k, t2 = t1 + 1 + k;
+    trial.exchanges.push_back({t1 * kMs, (t2 + 10) * kMs, (t2 + 10) * kMs, (t2 + 1) * kMs});
+  }
+  for (std::int64_t at : frames_ms)
+    trial.frames.push_back({{0, 0, (at + 10) * kMs}, {at * kMs}, {at * kMs}, {(at + 1) * kMs}});
+  return trial;
+}
+
+TEST(ClockMethods, TheCausalOneTakesTheLeastDelayOfTheLastEightExchangesThatTheServerHas) {
+  // Answers come at 2, 103, 204, …; at 1 none has come, at 710 eight have, and from 810 on the first is too
+  // old.
+  const auto errors_s =
+      clock_errors_s(slower_and_slower(10, {0, 50, 150, 709, 811, 950}), ClockMethod::corrected_causal);
+  EXPECT_TRUE(std::isnan(errors_s[0]));
+  EXPECT_NEAR(errors_s[1], 0.0, 1e-12);
+  EXPECT_NEAR(errors_s[2], 0.0, 1e-12);
+  EXPECT_NEAR(errors_s[3], 0.0, 1e-12);
+  EXPECT_NEAR(errors_s[4], -0.0005, 1e-12);
+  EXPECT_NEAR(errors_s[5], -0.001, 1e-12);
+}
+
+TEST(ClockMethods, TheCausalOneDoesNotChangeByWhatComesLater) {
+  const RecordingSpec spec = spec_of(R"(, "frames": 300)");
+  ClockTrial trial = simulate_clocks(spec, {}, 0, 1);
+  const auto all_s = clock_errors_s(trial, ClockMethod::corrected_causal);
+  std::erase_if(trial.exchanges,
+                [&](const ClockExchange& e) { return e.t4_ns > trial.frames[150].received.ns; });
+  trial.frames.resize(151);
+  const auto first_s = clock_errors_s(trial, ClockMethod::corrected_causal);
+  for (std::size_t f = 1; f < first_s.size(); ++f) EXPECT_EQ(first_s[f], all_s[f]) << f;
+  EXPECT_NE(clock_errors_s(trial, ClockMethod::corrected)[100], 0.0);
+}
+
 TEST(ClockTrial, NetworksAreComparedOnTheSameDraws) {
   const RecordingSpec spec = spec_of(R"(, "frames": 60)");
   NetworkSpec other;
@@ -159,6 +199,11 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   EXPECT_LT(row_of(summary, ClockMethod::corrected).error.max_s, 0.0005);
   EXPECT_LT(row_of(summary, ClockMethod::corrected_ticks).error.max_s, 0.0005);
   EXPECT_EQ(row_of(summary, ClockMethod::corrected).below_2ms, 1.0);
+  // What a live system can do lies between the fit of all exchanges and the latest exchange alone.
+  EXPECT_GT(row_of(summary, ClockMethod::corrected_causal).error.p95_s,
+            row_of(summary, ClockMethod::corrected).error.p95_s);
+  EXPECT_LT(row_of(summary, ClockMethod::corrected_causal).error.p95_s,
+            row_of(summary, ClockMethod::printed_client).error.p95_s);
   EXPECT_GT(row_of(summary, ClockMethod::none).error.median_s,
             row_of(summary, ClockMethod::first_exchange).error.median_s);
   EXPECT_GT(row_of(summary, ClockMethod::printed).error.median_s, 0.005);
