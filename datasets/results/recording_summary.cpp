@@ -99,6 +99,41 @@ ClockFitRow read_clock_fit(JsonObject object) {
   return r;
 }
 
+Json json_of(const QueueRow& r) {
+  return {{"network", r.network},
+          {"method", r.method},
+          {"server", r.server},
+          {"came", r.counts.came},
+          {"untimed", r.counts.untimed},
+          {"too_early", r.counts.too_early},
+          {"too_late", r.counts.too_late},
+          {"taken", r.counts.taken},
+          {"taken_low", number(r.taken_low)},
+          {"taken_high", number(r.taken_high)}};
+}
+
+QueueRow read_queue(JsonObject object) {
+  QueueRow r;
+  r.network = object.text("network");
+  r.method = object.text("method");
+  r.server = object.text("server");
+  r.counts.came = object.count("came");
+  std::uint64_t left = r.counts.came;
+  for (const auto& [key, count] : {std::pair{"untimed", &QueueCounts::untimed},
+                                   {"too_early", &QueueCounts::too_early},
+                                   {"too_late", &QueueCounts::too_late},
+                                   {"taken", &QueueCounts::taken}}) {
+    r.counts.*count = object.count(key);
+    if (r.counts.*count > left) object.refuse(key, "makes more frames than came");
+    left -= r.counts.*count;
+  }
+  if (left > 0) object.refuse("came", "must be the sum of the frames without a time, dropped and taken");
+  r.taken_low = number_or_nan(object, "taken_low");
+  r.taken_high = number_or_nan(object, "taken_high");
+  object.finish();
+  return r;
+}
+
 void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& s) {
   Json json = results_head(ResultsKind::recording);
   json["study"] = s.study;
@@ -112,6 +147,9 @@ void write_recording_summary(const std::filesystem::path& folder, const Recordin
   for (const ClockErrorRow& row : s.clocks) json["clocks"].push_back(json_of(row));
   json["fits"] = Json::array();
   for (const ClockFitRow& row : s.fits) json["fits"].push_back(json_of(row));
+  json["late_s"] = s.late_s;
+  json["queues"] = Json::array();
+  for (const QueueRow& row : s.queues) json["queues"].push_back(json_of(row));
   write_file(folder / "summary.json", json_text(json, -1) + "\n");
 }
 
@@ -133,6 +171,8 @@ RecordingSummary read_recording_summary(const std::filesystem::path& folder) {
       entry.refuse("units", "must hold one row for each run and sensor");
   }
   for (JsonObject& entry : object.objects("fits")) s.fits.push_back(read_clock_fit(entry));
+  s.late_s = object.number("late_s");
+  for (JsonObject& entry : object.objects("queues")) s.queues.push_back(read_queue(entry));
   object.finish();
   return s;
 }

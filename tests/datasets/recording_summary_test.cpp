@@ -28,10 +28,11 @@ TimeSpread small_spread() {
 
 RecordingSummary small_summary() {
   constexpr double kNone = TimeSpread::kNone;
-  RecordingSummary s{"table4", 18'000'000'000'000'000'000u, true, 6, 2, 1, {}, {}};
+  RecordingSummary s{"table4", 18'000'000'000'000'000'000u, true, 6, 2, 1, {}, {}, 0.02, {}};
   s.clocks = {{"lan", "corrected", 7, small_spread(), 1.0 / 6.0, 0.1, 0.2, {{3, 2, 0, 1}, {4, 4, 1, 2}}},
               {"lan", "none", 6, {}, kNone, kNone, kNone, {{6, 0, 0, 0}, {}}}};
   s.fits = {{"lan", 1e-5, 2e-4, 1.0, 0.25}, {"cut"}};
+  s.queues = {{"lan", "corrected", "as they come", {10, 1, 2, 3, 4}, 0.3, kNone}};
   return s;
 }
 
@@ -48,6 +49,9 @@ TEST(RecordingSummary, IsReadAsItWasWritten) {
   EXPECT_EQ(read.clocks[0].units, small_summary().clocks[0].units);
   EXPECT_TRUE(std::isnan(read.clocks[0].error.p95_s) && std::isnan(read.clocks[1].below_2ms));
   EXPECT_EQ(read.fits[0].offset_bound_s, 2e-4);
+  EXPECT_EQ(read.late_s, 0.02);
+  EXPECT_EQ(read.queues.at(0).counts, (QueueCounts{10, 1, 2, 3, 4}));
+  EXPECT_EQ(read.queues[0].server, "as they come");
   EXPECT_TRUE(std::isnan(read.fits[1].offset_sigma_s));
   const std::string once = read_file(folder / "summary.json");
   write_recording_summary(folder.path(), read);
@@ -82,6 +86,18 @@ TEST(RecordingSummary, WhatIsNotOneIsRefusedWithItsPlace) {
               HasSubstr("/clocks/0/error/bins: must hold counts"));
   EXPECT_THAT(refusal([](Json& j) { j["fits"][0].erase("offset_sigma_s"); }),
               HasSubstr("/fits/0/offset_sigma_s"));
+}
+
+TEST(RecordingSummary, FramesOfAQueueMustAddUp) {
+  const auto with = [](const char* key, const Json& count) {
+    return refusal([&](Json& j) { j["queues"][0][key] = count; });
+  };
+  EXPECT_EQ(with("came", 10), "no error");
+  EXPECT_THAT(with("came", 11), HasSubstr("/queues/0/came: must be the sum"));
+  EXPECT_THAT(with("taken", 5), HasSubstr("/queues/0/taken: makes more frames than came"));
+  EXPECT_THAT(with("too_late", 18446744073709551615u),
+              HasSubstr("/queues/0/too_late: makes more frames than came"));
+  EXPECT_THAT(with("too_late", -1), HasSubstr("/queues/0/too_late"));
 }
 
 TEST(RecordingSummary, CountsOfRunsAndSensorsMustFitTheirRow) {

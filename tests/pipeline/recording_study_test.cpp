@@ -9,6 +9,7 @@
 #include "datasets/base/files.h"
 #include "pipeline/recording_study/clock_methods.h"
 #include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/frame_queue.h"
 #include "pipeline/recording_study/spread_times.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
@@ -42,6 +43,8 @@ TEST(RecordingSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
               HasSubstr("/networks/0/asymmetry_s: makes messages arrive before they are sent"));
   EXPECT_THAT(refusal(R"(, "networks": [{"name": "a", "lost_share": 1.1}])"),
               HasSubstr("/networks/0/lost_share"));
+  EXPECT_THAT(refusal(R"(, "late_s": -0.1)"), HasSubstr("/late_s: must lie between 0.0 and 10.0"));
+  EXPECT_THAT(refusal(R"(, "body_tracking_s": 2)"), HasSubstr("/body_tracking_s: must lie between"));
   EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "kalman"}])"),
               HasSubstr("/methods/0/method: must be one that takes a frame by itself"));
   EXPECT_THAT(refusal(R"(, "methods": [{"name": "a", "method": "mean", "sensors": ["k9"]}])"),
@@ -177,6 +180,94 @@ TEST(ClockTrial, ALoadedWayBackLeavesTheWayThereAlone) {
   EXPECT_GT(back_ns, 1e7);
 }
 
+TEST(ClockTrial, ASensorExposesAtTheRateOfItsOwnClock) {
+  const RecordingSpec spec = spec_of(R"(, "frames": 18000)");
+  double slowest_s = 0.0;
+  for (std::uint64_t sensor = 0; sensor < 4; ++sensor) {
+    const ClockTrial trial = simulate_clocks(spec, {}, 0, sensor);
+    const TrialFrame &first = trial.frames.front(), &last = trial.frames.back();
+    const double by_sensor_s =
+        1e-9 *
+        static_cast<double>((last.stamp.device_ticks - first.stamp.device_ticks) * trial.sensor.tick_ns);
+    const double by_server_s = 1e-9 * static_cast<double>(last.exposure.ns - first.exposure.ns);
+    EXPECT_NEAR(by_sensor_s, 17999.0 / 30.0, 2e-6);
+    EXPECT_NEAR(by_server_s, 17999.0 / 30.0, 1.001 * 30e-6 * 600.0);
+    slowest_s = std::max(slowest_s, std::abs(by_server_s - 17999.0 / 30.0));
+  }
+  EXPECT_GT(slowest_s, 0.001);
+}
+
+TEST(ClockTrial, ALateFrameHoldsUpThoseBehindIt) {
+  const RecordingSpec spec = spec_of(R"(, "frames": 300, "networks": [{"name": "a", "jitter_back_s": 0.2}])");
+  const ClockTrial trial = simulate_clocks(spec, spec.networks[0], 0, 1);
+  std::size_t held_up = 0;
+  for (std::size_t f = 1; f < trial.frames.size(); ++f) {
+    EXPECT_GE(trial.frames[f].received.ns, trial.frames[f - 1].received.ns) << f;
+    held_up += trial.frames[f].received == trial.frames[f - 1].received;
+  }
+  EXPECT_GT(held_up, 100u);
+}
+
+struct QueuePencil {
+  std::vector<TrialFrame> frames;
+  std::vector<double> errors_s;
+};
+
+QueuePencil pencil_queue() {
+  constexpr std::int64_t kMs = 1'000'000;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  QueuePencil pencil;
+  const auto add = [&](std::int64_t sent, std::int64_t received, double error_s) {
+    pencil.frames.push_back({{}, {}, {sent * kMs}, {received * kMs}});
+    pencil.errors_s.push_back(error_s);
+  };
+  add(10, 12, 0.0);
+  add(40, 61, 0.0);  // the server's frame at 60 began while it was on its way
+  add(70, 72, 0.0);
+  add(85, 86, 0.0);  // the frame at 90 is that of the one before
+  add(100, 101, 0.0);
+  add(130, 131, 0.1);  // seems to come from the future
+  add(140, 141, none);
+  add(150, 180, 0.0);  // just as old as is allowed
+  return pencil;
+}
+
+TEST(FrameQueue, AServerWithFramesOfItsOwnDropsWhatIsOlderThanAFrameByPencil) {
+  const auto [frames, errors_s] = pencil_queue();
+  const Duration ms30 = duration_from_s(0.03);
+  EXPECT_EQ(run_queue(frames, errors_s, {ms30, ms30}), (QueueCounts{8, 1, 1, 2, 4}));
+}
+
+TEST(FrameQueue, TakenAsTheyComeFramesAreAsOldAsTheirDelay) {
+  const auto [frames, errors_s] = pencil_queue();
+  EXPECT_EQ(run_queue(frames, errors_s, {duration_from_s(0.03), {0}}), (QueueCounts{8, 1, 1, 0, 6}));
+  EXPECT_EQ(run_queue(frames, errors_s, {duration_from_s(0.02), {0}}), (QueueCounts{8, 1, 1, 2, 4}));
+}
+
+// By right clocks nothing comes from the future; a machine's clock that is taken for the server's is off by
+// up to a second, and its frames are dropped for it.
+TEST(RecordingStudy, AWrongClockMakesTheQueueDropFramesThatCameInTime) {
+  const ScratchFolder folder;
+  ExecuteRecordingOptions options;
+  options.threads = 1;
+  const RecordingSummary summary =
+      execute_recording(spec_of(R"(, "frames": 900, "runs": 2, "clock_offset_s": 1)"), folder / "out",
+                        options)
+          .summary;
+  ASSERT_EQ(summary.queues.size(), 6u * 2);  // the sensor's ticks do not tell when a frame was sent
+  const auto counts = [&](ClockMethod method, std::size_t way) {
+    return summary.queues.at(2 * static_cast<std::size_t>(method) + way).counts;
+  };
+  for (const QueueRow& row : summary.queues) EXPECT_EQ(row.counts.came, 900u * 4 * 2);
+  EXPECT_EQ(counts(ClockMethod::corrected, 0).taken, 7200u);
+  EXPECT_GT(counts(ClockMethod::none, 0).too_early, 0u);
+  EXPECT_GT(counts(ClockMethod::none, 0).too_late, 0u);
+  EXPECT_LT(counts(ClockMethod::none, 0).taken, 3600u);
+  EXPECT_EQ(counts(ClockMethod::corrected, 1).too_early, 0u);
+  EXPECT_LE(counts(ClockMethod::corrected, 1).taken, 7200u);
+  EXPECT_EQ(summary.late_s, 1.0 / 30.0);
+}
+
 const ClockErrorRow& row_of(const RecordingSummary& summary, ClockMethod method) {
   return summary.clocks.at(static_cast<std::size_t>(method));
 }
@@ -221,8 +312,14 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(summary.fits.at(0).within_bound_share, 1.0);
   const auto timings = read_stage_timings(folder / "1");
   ASSERT_TRUE(timings.has_value());
-  ASSERT_EQ(timings->stages.size(), 5u);  // linear, and each single sensor
+  ASSERT_EQ(timings->stages.size(), 2 * 5u);  // linear, and each single sensor
   for (const StageTiming& stage : timings->stages) EXPECT_EQ(stage.time.n, 900u);
+  for (std::size_t m = 0; m < 5; ++m) {
+    EXPECT_LT(timings->stages[m].time.median_s, 0.005);
+    EXPECT_EQ(timings->stages[5 + m].name, kDepthToJoints);
+    EXPECT_EQ(timings->stages[5 + m].method, timings->stages[m].method);
+    EXPECT_GT(timings->stages[5 + m].time.median_s, 0.005 + timings->stages[m].time.median_s);
+  }
   EXPECT_FALSE(read_declared_parameters(folder / "1").empty());
 }
 
