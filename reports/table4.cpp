@@ -159,8 +159,8 @@ std::vector<std::string> queue_notes() {
       "and one that was sent before a frame of the server began and came after it is older than a whole "
       "frame "
       "at the next.",
-      "In real time: taken, and processed in less than 33 ms. Processing is body tracking as declared "
-      "(simulated) "
+      "In real time: taken, and processed in less than 33 ms. Processing rests on body tracking as "
+      "declared (simulated) "
       "and trilateration as measured, by the slowest of the study's methods; the paper's also holds its "
       "network.",
       "The paper counts frames of the server and ours are those of the clients; how many of four clients a "
