@@ -10,6 +10,9 @@
 
 namespace trilat {
 
+// From the depth images to the joints: body tracking as the study declares it, and trilateration as measured.
+inline constexpr const char* kDepthToJoints = "body tracking (simulated) and trilateration";
+
 // What a frame costs in one stage of its way, measured.
 struct StageTiming {
   std::string name;    // "trilateration"

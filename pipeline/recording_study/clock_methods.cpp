@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/recording_study/clock_methods.h"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <limits>
-#include <optional>
+#include <span>
 
 namespace trilat {
 namespace {
+
+constexpr std::size_t kRecentExchanges = 8;
 
 // The server's view: D and E of equation 21.
 struct PrintedExchange {
@@ -17,7 +20,7 @@ PrintedExchange printed_exchange(const ClockExchange& e) {
   return {((e.t4_ns - e.t1_ns) - (e.t3_ns - e.t2_ns)) / 2, ((-e.t2_ns + e.t1_ns) + (e.t4_ns - e.t3_ns)) / 2};
 }
 
-double seconds(std::int64_t ns) { return std::abs(static_cast<double>(ns)) * 1e-9; }
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 std::vector<double> without_exchanges(const ClockTrial& trial) {
   std::vector<double> errors_s;
@@ -35,22 +38,46 @@ std::vector<double> by_first_exchange(const ClockTrial& trial) {
   return errors_s;
 }
 
-// Frames and exchanges come in the order of their arrival at the server.
-std::vector<double> as_printed(const ClockTrial& trial, bool on_client_clock) {
+// `error_ns` of each frame and the exchanges that the server had when it received it, at least one. Frames
+// and exchanges come in the order of their arrival at the server.
+template <typename ErrorNs>
+std::vector<double> by_known_exchanges(const ClockTrial& trial, const ErrorNs& error_ns) {
+  const std::span<const ClockExchange> all(trial.exchanges);
   std::vector<double> errors_s;
-  std::size_t next = 0;
-  std::optional<PrintedExchange> latest;
+  std::size_t known = 0;
   for (const TrialFrame& f : trial.frames) {
-    for (; next < trial.exchanges.size() && trial.exchanges[next].t4_ns <= f.received.ns; ++next)
-      latest = printed_exchange(trial.exchanges[next]);
-    if (!latest) {
-      errors_s.push_back(std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    const std::int64_t sent_ns = f.received.ns - latest->delay_ns - latest->error_ns;  // equation 22
-    errors_s.push_back(seconds(sent_ns - (on_client_clock ? f.stamp.arrival_ns : f.sent.ns)));
+    while (known < all.size() && all[known].t4_ns <= f.received.ns) ++known;
+    errors_s.push_back(known == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                  : seconds(error_ns(f, all.first(known))));
   }
   return errors_s;
+}
+
+using KnownExchanges = std::span<const ClockExchange>;
+
+std::int64_t printed_sent_ns(const TrialFrame& f, KnownExchanges known) {
+  const PrintedExchange latest = printed_exchange(known.back());
+  return f.received.ns - latest.delay_ns - latest.error_ns;  // equation 22
+}
+
+std::vector<double> as_printed(const ClockTrial& trial) {
+  return by_known_exchanges(
+      trial, [](const TrialFrame& f, KnownExchanges known) { return printed_sent_ns(f, known) - f.sent.ns; });
+}
+
+std::vector<double> as_printed_on_client(const ClockTrial& trial) {
+  return by_known_exchanges(trial, [](const TrialFrame& f, KnownExchanges known) {
+    return printed_sent_ns(f, known) - f.stamp.arrival_ns;
+  });
+}
+
+std::vector<double> by_least_delay(const ClockTrial& trial) {
+  return by_known_exchanges(trial, [](const TrialFrame& f, KnownExchanges known) {
+    const KnownExchanges recent = known.last(std::min(kRecentExchanges, known.size()));
+    const auto delay_ns = [](const ClockExchange& e) { return printed_exchange(e).delay_ns; };
+    const ClockExchange& best = *std::ranges::min_element(recent, {}, delay_ns);
+    return f.stamp.arrival_ns + printed_exchange(best).error_ns - f.sent.ns;
+  });
 }
 
 std::vector<double> by_fit(const ClockTrial& trial) {
@@ -74,34 +101,33 @@ std::vector<double> by_ticks(const ClockTrial& trial) {
   return errors_s;
 }
 
+struct MethodRow {
+  const char* name;
+  std::vector<double> (*errors_s)(const ClockTrial&);
+};
+
+// In the order of ClockMethod.
+constexpr std::array<MethodRow, 7> kMethods{{{"none", without_exchanges},
+                                             {"one exchange at the start", by_first_exchange},
+                                             {"as printed, for the server's clock", as_printed},
+                                             {"as printed, on the client's clock", as_printed_on_client},
+                                             {"corrected", by_fit},
+                                             {"corrected, causal", by_least_delay},
+                                             {"corrected, by the sensor's ticks", by_ticks}}};
+
 }  // namespace
 
 const std::vector<std::string>& clock_method_names() {
-  static const std::vector<std::string> names{"none",
-                                              "one exchange at the start",
-                                              "as printed, for the server's clock",
-                                              "as printed, on the client's clock",
-                                              "corrected",
-                                              "corrected, by the sensor's ticks"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const MethodRow& row : kMethods) list.push_back(row.name);
+    return list;
+  }();
   return names;
 }
 
 std::vector<double> clock_errors_s(const ClockTrial& trial, ClockMethod method) {
-  switch (method) {
-    case ClockMethod::none:
-      break;
-    case ClockMethod::first_exchange:
-      return by_first_exchange(trial);
-    case ClockMethod::printed:
-      return as_printed(trial, false);
-    case ClockMethod::printed_client:
-      return as_printed(trial, true);
-    case ClockMethod::corrected:
-      return by_fit(trial);
-    case ClockMethod::corrected_ticks:
-      return by_ticks(trial);
-  }
-  return without_exchanges(trial);
+  return kMethods.at(static_cast<std::size_t>(method)).errors_s(trial);
 }
 
 }  // namespace trilat

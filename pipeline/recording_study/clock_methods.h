@@ -17,12 +17,15 @@ enum class ClockMethod {
   // client's.
   printed,
   printed_client,
-  corrected,       // the offline fit of all exchanges
+  corrected,  // the offline fit of all exchanges
+  // What a live system can do: the machine's clock and, of the last 8 exchanges that the server had when it
+  // received the frame, the offset by the one of least delay, as NTP's clock filter (RFC 5905, section 10).
+  corrected_causal,
   corrected_ticks  // the same, and the sensor's own ticks for the exposure
 };
 const std::vector<std::string>& clock_method_names();
 
-// |error| of every frame's time, in seconds; NaN where there was no exchange yet.
+// Error of every frame's time, stated less true, in seconds; NaN where there was no exchange yet.
 std::vector<double> clock_errors_s(const ClockTrial& trial, ClockMethod method);
 
 }  // namespace trilat

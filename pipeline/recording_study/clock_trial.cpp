@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/recording_study/clock_trial.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -44,38 +45,59 @@ TrueClocks draw_clocks(const RecordingSpec& spec, const RandomStream& random) {
           random.uniform(4)};
 }
 
+// How long a message takes.
+struct Delays {
+  Duration there, back;  // at least
+  double jitter_there_s = 0.0, jitter_back_s = 0.0;
+};
+
+std::vector<ClockExchange> simulate_exchanges(const RecordingSpec& spec, double lost_share,
+                                              const Draws& draws, const TrueClocks& clocks,
+                                              const Delays& delays) {
+  const double duration_s = static_cast<double>(spec.frames) / spec.rate_hz;
+  std::vector<ClockExchange> exchanges;
+  for (std::uint64_t e = 0; static_cast<double>(e) * spec.exchange_period_s <= duration_s; ++e) {
+    const RandomStream random = draws.of(Purpose::clock_exchange, e);
+    if (random.uniform(0) < lost_share) continue;
+    const HostTime t1 = kStart + duration_from_s(static_cast<double>(e) * spec.exchange_period_s);
+    const HostTime t2 = t1 + delays.there + exponential(random, 1, delays.jitter_there_s);
+    const HostTime t3 = t2 + duration_from_s(kAnswer_s);
+    const HostTime t4 = t3 + delays.back + exponential(random, 2, delays.jitter_back_s);
+    exchanges.push_back({t1.ns, clocks.agent_from_host(t2).ns, clocks.agent_from_host(t3).ns, t4.ns});
+  }
+  return exchanges;
+}
+
+// The sensor exposes at the rate of its own clock.
+TrialFrame simulate_frame(const RecordingSpec& spec, std::uint64_t f, const RandomStream& random,
+                          const TrueClocks& clocks, const Delays& delays) {
+  const Duration since_start = duration_from_s((static_cast<double>(f) + clocks.phase) / spec.rate_hz);
+  const SensorTime exposed = clocks.sensor_from_host.origin_to + since_start;
+  TrialFrame frame;
+  frame.exposure = clocks.sensor_from_host.inverse()(exposed);
+  frame.sent =
+      frame.exposure + duration_from_s(spec.latency_s) + exponential(random, 0, spec.arrival_jitter_s);
+  frame.received = frame.sent + delays.back + exponential(random, 1, delays.jitter_back_s);
+  frame.stamp = {static_cast<std::int64_t>(f), exposed.ns / SensorDescription{}.tick_ns,
+                 clocks.agent_from_host(frame.sent).ns};
+  return frame;
+}
+
 }  // namespace
 
 ClockTrial simulate_clocks(const RecordingSpec& spec, const NetworkSpec& network, std::uint64_t run,
                            std::uint64_t sensor) {
   const Draws draws(spec, run, sensor);
   const TrueClocks clocks = draw_clocks(spec, draws.of(Purpose::sensor_clock, 0));
+  const Delays delays{duration_from_s(network.wire_s + network.asymmetry_s), duration_from_s(network.wire_s),
+                      network.jitter_s, network.jitter_back_s.value_or(network.jitter_s)};
   ClockTrial trial;
   trial.sensor.name = fmt::format("k{}", sensor + 1);
   trial.sensor.latency_ns = duration_from_s(spec.latency_s).ns;
-  const double duration_s = static_cast<double>(spec.frames) / spec.rate_hz;
-  const Duration there = duration_from_s(network.wire_s + network.asymmetry_s),
-                 back = duration_from_s(network.wire_s);
-  const double jitter_back_s = network.jitter_back_s.value_or(network.jitter_s);
-  for (std::uint64_t e = 0; static_cast<double>(e) * spec.exchange_period_s <= duration_s; ++e) {
-    const RandomStream random = draws.of(Purpose::clock_exchange, e);
-    if (random.uniform(0) < network.lost_share) continue;
-    const HostTime t1 = kStart + duration_from_s(static_cast<double>(e) * spec.exchange_period_s);
-    const HostTime t2 = t1 + there + exponential(random, 1, network.jitter_s);
-    const HostTime t3 = t2 + duration_from_s(kAnswer_s);
-    const HostTime t4 = t3 + back + exponential(random, 2, jitter_back_s);
-    trial.exchanges.push_back({t1.ns, clocks.agent_from_host(t2).ns, clocks.agent_from_host(t3).ns, t4.ns});
-  }
+  trial.exchanges = simulate_exchanges(spec, network.lost_share, draws, clocks, delays);
   for (std::uint64_t f = 0; f < spec.frames; ++f) {
-    const RandomStream random = draws.of(Purpose::arrival_delay, f);
-    TrialFrame frame;
-    frame.exposure = kStart + duration_from_s((static_cast<double>(f) + clocks.phase) / spec.rate_hz);
-    frame.sent =
-        frame.exposure + duration_from_s(spec.latency_s) + exponential(random, 0, spec.arrival_jitter_s);
-    frame.received = frame.sent + back + exponential(random, 1, jitter_back_s);
-    frame.stamp = {static_cast<std::int64_t>(f),
-                   clocks.sensor_from_host(frame.exposure).ns / trial.sensor.tick_ns,
-                   clocks.agent_from_host(frame.sent).ns};
+    TrialFrame frame = simulate_frame(spec, f, draws.of(Purpose::arrival_delay, f), clocks, delays);
+    if (f > 0) frame.received = std::max(frame.received, trial.frames.back().received);
     trial.frames.push_back(frame);
   }
   return trial;

@@ -19,7 +19,7 @@ struct TrialFrame {
 struct ClockTrial {
   SensorDescription sensor;
   std::vector<ClockExchange> exchanges;  // by t1
-  std::vector<TrialFrame> frames;
+  std::vector<TrialFrame> frames;  // received in this order, as over TCP: a late one holds up those behind it
 };
 
 // The noise depends on seed, run and sensor, not on the network: all networks are compared on the same draws.

@@ -42,8 +42,14 @@ RecordingHooks hooks_of(const ExecuteRecordingOptions& options, const std::strin
 std::string key_of(const RecordingSpec& spec) { return key_of_item(resolved_json(spec)); }
 
 RecordingOutcome empty_outcome(const RecordingSpec& spec) {
-  return {{spec.name, spec.seed, false, spec.frames, spec.sensors, spec.runs, {}, {}},
+  return {{spec.name, spec.seed, false, spec.frames, spec.sensors, spec.runs, {}, {}, spec.late_s, {}},
           {spec.name, processor_name(), {}}};
+}
+
+void put_clocks(ClockErrorResults clocks, RecordingSummary& summary) {
+  summary.clocks = std::move(clocks.rows);
+  summary.fits = std::move(clocks.fits);
+  summary.queues = std::move(clocks.queues);
 }
 
 bool captures(const RecordingSpec& spec, const ExecuteRecordingOptions& options) {
@@ -78,9 +84,7 @@ RecordingOutcome run_parts(const RecordingSpec& spec, const std::filesystem::pat
   Json times = Json::object();
   const RunningTime start;
   try {
-    ClockErrorResults clocks = measure_clocks(spec, items, hooks_of(options, "clocks"));
-    outcome.summary.clocks = std::move(clocks.rows);
-    outcome.summary.fits = std::move(clocks.fits);
+    put_clocks(measure_clocks(spec, items, hooks_of(options, "clocks")), outcome.summary);
     times["clocks_s"] = start.seconds();
     const RunningTime timing;
     if (items.first()) time_stages(spec, folder, options, outcome.timings);
@@ -124,9 +128,7 @@ RecordingOutcome merge_recording(const std::vector<FoundPart>& parts, const std:
   StudyItems items(parts);
   const ResultsFolder folder(output);
   RecordingOutcome outcome = empty_outcome(spec);
-  ClockErrorResults clocks = measure_clocks(spec, items, {});
-  outcome.summary.clocks = std::move(clocks.rows);
-  outcome.summary.fits = std::move(clocks.fits);
+  put_clocks(measure_clocks(spec, items, {}), outcome.summary);
   if (auto timings = read_stage_timings(first.folder)) outcome.timings = std::move(*timings);
   write_outcome(spec, outcome, items, folder.partial());
   write_run_record(folder.partial(), Json::object(), start.seconds(), options.threads);

@@ -105,6 +105,10 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   spec.exchange_period_s = number_within(object, "exchange_period_s", spec.exchange_period_s, 0.01, 3600.0);
   spec.latency_s = number_within(object, "latency_s", spec.latency_s, 0.0, 1.0);
   spec.arrival_jitter_s = number_within(object, "arrival_jitter_s", spec.arrival_jitter_s, 0.0, 1.0);
+  spec.late_s = number_within(object, "late_s", spec.late_s, 0.0, 10.0);
+  spec.body_tracking_s = number_within(object, "body_tracking_s", spec.body_tracking_s, 0.0, 1.0);
+  spec.body_tracking_jitter_s =
+      number_within(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, 0.0, 1.0);
   spec.capture_s = number_within(object, "capture_s", spec.capture_s, 0.0, 86'400.0);
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
@@ -128,6 +132,9 @@ Json resolved_json(const RecordingSpec& s) {
             {"exchange_period_s", s.exchange_period_s},
             {"latency_s", s.latency_s},
             {"arrival_jitter_s", s.arrival_jitter_s},
+            {"late_s", s.late_s},
+            {"body_tracking_s", s.body_tracking_s},
+            {"body_tracking_jitter_s", s.body_tracking_jitter_s},
             {"capture_s", s.capture_s},
             {"networks", Json::array()},
             {"methods", Json::array()}};
@@ -146,7 +153,11 @@ std::vector<DeclaredParameter> recording_parameters(const RecordingSpec& s) {
       {"clock drift", "+-" + text(s.clock_drift_ppm), "ppm", "tolerance of common crystal oscillators"},
       {"clock exchanges", "every " + text(s.exchange_period_s), "s", kAssumption},
       {"latency", text(s.latency_s), "s", "at least 20 ms by the sensor's makers; taken as known"},
-      {"arrival jitter", text(s.arrival_jitter_s), "s, mean of exponential", kAssumption}};
+      {"arrival jitter", text(s.arrival_jitter_s), "s, mean of exponential", kAssumption},
+      {"limit of the queue", text(s.late_s), "s", kPaper},
+      {"body tracking", text(s.body_tracking_s), "s",
+       "under 5 ms on the Xbox 360: Shotton et al., Communications of the ACM 56(1), 2013"},
+      {"body tracking, jitter", text(s.body_tracking_jitter_s), "s, mean of exponential", kAssumption}};
   for (const NetworkSpec& n : s.networks)
     list.push_back({n.name, delays_text(n), "s a message", kAssumption});
   return list;

@@ -39,7 +39,11 @@ struct RecordingSpec {
   double latency_s = 0.02;          // exposure to arrival, known
   double arrival_jitter_s = 0.001;  // mean of the exponential part
   std::vector<NetworkSpec> networks{NetworkSpec{}};
-  double capture_s = 30.0;  // of recording in real time, to time it; 0: not timed
+  // The most by which a frame's time of sending may differ from the server's time for the paper's queue.
+  double late_s = 1.0 / 30.0;
+  double body_tracking_s = 0.005;         // of a depth image on the sensor's machine
+  double body_tracking_jitter_s = 0.001;  // mean of the exponential part
+  double capture_s = 30.0;                // of recording in real time, to time it; 0: not timed
   // Frames are also trilaterated and timed, by each of these.
   std::vector<MethodSpec> methods;
 };

@@ -19,11 +19,12 @@ struct PaperTable {
   const char* name;
   const char* where;
 };
-constexpr std::array<PaperTable, 6> kPaperTables{{{"table1", "Table I", "Table I"},
+constexpr std::array<PaperTable, 7> kPaperTables{{{"table1", "Table I", "Table I"},
                                                   {"calibration_wand", "Calibration", "Calibration"},
                                                   {"table2", "Table II", "Table II"},
                                                   {"table3", "Table III", "Table III"},
                                                   {"table4_clocks", "Table IV, clocks", "Table IV"},
+                                                  {"table4_queue", "Table IV, real time", "Table IV"},
                                                   {"table4_processing", "Table IV, processing", "Table IV"}}};
 
 std::size_t column_of(const Table& table, const std::string& key) {

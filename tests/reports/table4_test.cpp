@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "reports/table4.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "datasets/paper/printed_tables.h"
@@ -24,12 +26,14 @@ ClockErrorRow clock_row(const std::string& method, std::uint64_t good, std::uint
   row.below_2ms = static_cast<double>(good) / static_cast<double>(good + bad);
   row.below_2ms_low = row.below_2ms - 0.001;
   row.below_2ms_high = row.below_2ms;
+  row.units = {{good + bad, good + bad, good, good + bad}, {}, {}, {}, {}, {}, {}, {}};
   return row;
 }
 
 RecordingSummary summary_of(std::uint64_t good, std::uint64_t bad) {
-  RecordingSummary s{"table4", 5, false, 100, 4, 2, {}, {{"lan", 1e-5, 2e-4, 1.0, 0.25}}};
+  RecordingSummary s{"table4", 5, false, 100, 4, 2, {}, {{"lan", 1e-5, 2e-4, 1.0, 0.25}}, 1.0 / 30.0, {}};
   s.clocks = {clock_row("corrected", good, bad), clock_row("as printed, on the client's clock", 950, 50)};
+  s.queues = {{"lan", "corrected", "as they come", {1000, 1, 2, 7, 990}, 0.98, 1.0}};
   return s;
 }
 
@@ -38,7 +42,13 @@ StageTimings timings_of(std::uint64_t late) {
   time.n = 1000;
   time.bins = {900, 50, 25, 15, 10 - late, late};
   time.median_s = 28e-6;
-  return {"table4", "a processor", {{"trilateration", "nonlinear", time}}};
+  TimeSpread later = time;
+  later.bins = {0, 0, 950, 0, 0, 50};
+  return {"table4",
+          "a processor",
+          {{"trilateration", "nonlinear", time},
+           {kDepthToJoints, "linear", time},
+           {kDepthToJoints, "nonlinear", later}}};
 }
 
 double cell(const Table& table, std::size_t row, const std::string& key) {
@@ -57,6 +67,33 @@ TEST(Table4, SetsThePapersClockErrorsBesideOurs) {
   EXPECT_NEAR(cell(table, 1, "median_ms"), 1.5, 1e-9);
 }
 
+TEST(Table4, SaysHowManyClockErrorsAreBelow4msAndOfHowManyRunsAllAre) {
+  RecordingSummary s = summary_of(990, 6);
+  ClockErrorRow& row = s.clocks[0];
+  row.error.bins[5] = 4;
+  row.error.n = 1000;
+  row.units = {{500, 500, 495, 500}, {500, 500, 495, 496}, {100, 0, 0, 0}};
+  const Table table = table4_clocks(s);
+  EXPECT_NEAR(cell(table, 0, "below_4ms_percent"), 100.0, 1e-9);  // the paper's
+  EXPECT_NEAR(cell(table, 1, "below_4ms_percent"), 99.6, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "units_below_4ms_percent"), 50.0, 1e-9);  // one gave no answer
+}
+
+TEST(Table4, SaysHowManyFramesAreTakenAndProcessedInTimeBesideThePapers) {
+  const Table table = table4_queue(summary_of(998, 2), timings_of(0));
+  EXPECT_THAT(table.title, testing::AllOf(HasSubstr("simulated"), HasSubstr("33.3 ms")));
+  EXPECT_EQ(cell(table, 0, "too_late"), 3.0);
+  EXPECT_NEAR(cell(table, 0, "taken_percent"), 100.0 * 17997 / 18000, 1e-9);
+  EXPECT_NEAR(cell(table, 0, "processed_percent"), 100.0 * 17990 / 17997, 1e-9);
+  EXPECT_EQ(cell(table, 0, "real_time_percent"), 99.94);
+  EXPECT_EQ(cell(table, 1, "too_early"), 2.0);
+  EXPECT_NEAR(cell(table, 1, "taken_percent"), 99.0, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "taken_low_percent"), 98.0, 1e-9);
+  EXPECT_NEAR(cell(table, 1, "processed_percent"), 95.0, 1e-9);  // by the slowest method
+  EXPECT_NEAR(cell(table, 1, "real_time_percent"), 99.0 * 0.95, 1e-9);
+  EXPECT_TRUE(std::isnan(cell(table4_queue(summary_of(998, 2), std::nullopt), 1, "real_time_percent")));
+}
+
 TEST(Table4, CountsTheThreeShortestRangesAsThePapersShortest) {
   const Table table = table4_processing(timings_of(4));
   EXPECT_EQ(cell(table, 0, "below_11ms_percent"), 0.0);
@@ -67,8 +104,8 @@ TEST(Table4, CountsTheThreeShortestRangesAsThePapersShortest) {
 }
 
 TEST(Table4, PartsThatWereNotRunGiveNoTable) {
-  EXPECT_EQ(table4(summary_of(1, 0), std::nullopt).size(), 2u);
-  EXPECT_EQ(table4(summary_of(1, 0), timings_of(0)).size(), 3u);
+  EXPECT_EQ(table4(summary_of(1, 0), std::nullopt).size(), 3u);
+  EXPECT_EQ(table4(summary_of(1, 0), timings_of(0)).size(), 4u);
   EXPECT_TRUE(table4({}, std::nullopt).empty());
 }
 
@@ -76,9 +113,9 @@ TEST(Table4, IsAChapterOfTheReportWithOrWithoutTimes) {
   const ScratchFolder folder;
   write_recording_summary(folder.path(), summary_of(998, 2));
   EXPECT_THAT(markdown_of(write_report({folder.path()}, folder / "a").tables.at(0)), HasSubstr("99.80"));
-  EXPECT_EQ(write_report({folder.path()}, folder / "a").tables.size(), 2u);
+  EXPECT_EQ(write_report({folder.path()}, folder / "a").tables.size(), 3u);
   write_stage_timings(folder.path(), timings_of(1));
-  EXPECT_EQ(write_report({folder.path()}, folder / "b").tables.size(), 3u);
+  EXPECT_EQ(write_report({folder.path()}, folder / "b").tables.size(), 4u);
 }
 
 TEST(ClockFigures, HaveTheSharesOfThePaperAndOfEveryMethod) {
