@@ -9,6 +9,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "evaluators/metrics/student.h"
 #include "pipeline/participant_errors.h"
 
 namespace trilat {
@@ -185,6 +186,123 @@ MeasuredPart measure_readings(JsonObject& part, const ClaimStudies& e) {
   return {.parts = {found}, .clusters = "readings, all of them listed"};
 }
 
+// Share of a network's clock errors below so many milliseconds, by one way to correct clocks; a cluster is a
+// run of one sensor.
+MeasuredPart measure_clock_share(JsonObject& part, const ClaimStudies& e) {
+  const std::string method = part.text("method");
+  const bool below_2ms = part.choice("below_ms", {"2", "4"}) == 0;
+  for (std::size_t k = 0; e.evidence.recording && k < e.evidence.recording->clocks.size(); ++k) {
+    const ClockErrorRow& row = e.evidence.recording->clocks[k];
+    if (row.method != method || row.units.empty()) continue;  // the first network stands first
+    WeightedRatio share;
+    for (const ClockUnit& unit : row.units) {
+      share.numerator.push_back(static_cast<double>(below_2ms ? unit.below_2ms : unit.below_4ms));
+      share.denominator.push_back(static_cast<double>(unit.asked));
+    }
+    return {.parts = {{fmt::format("{}, {}", row.network, method), "%", percent_of({{share}, {}})}},
+            .clusters = "runs of a sensor"};
+  }
+  return missing("results of the study table4 with " + method);
+}
+
+// Share of frames that the paper's queue takes; its standard error is that of the stored interval.
+MeasuredPart measure_queue(JsonObject& part, const ClaimStudies& e) {
+  const std::string method = part.text("method"), server = part.text("server");
+  for (std::size_t k = 0; e.evidence.recording && k < e.evidence.recording->queues.size(); ++k) {
+    const QueueRow& row = e.evidence.recording->queues[k];
+    if (row.method != method || row.server != server || row.counts.came == 0) continue;
+    const std::size_t clusters = e.evidence.recording->runs * e.evidence.recording->sensors;
+    ContrastEstimate taken{static_cast<double>(row.counts.taken) / static_cast<double>(row.counts.came), kNaN,
+                           clusters};
+    if (clusters >= 2)
+      taken.standard_error = (row.taken_high - row.taken_low) / (2.0 * student_quantile(clusters - 1));
+    return {.parts = {{fmt::format("{}, {}, {}", row.network, method, server), "%", scaled(taken, 100.0)}},
+            .clusters = "runs of a sensor"};
+  }
+  return missing("results of the study table4 with the queue of " + method);
+}
+
+struct Zone {
+  std::array<double, 2> distance_m{}, angle_rad{};
+  bool holds(const WandSample& s) const {
+    return s.distance_m >= distance_m[0] && s.distance_m < distance_m[1] && s.angle_rad >= angle_rad[0] &&
+           s.angle_rad < angle_rad[1];
+  }
+};
+
+Zone read_zone(JsonObject zone) {
+  const std::vector<double> distance_m = zone.numbers("distance_m", 2),
+                            angle_deg = zone.numbers("angle_deg", 2);
+  zone.finish();
+  return {{distance_m[0], distance_m[1]}, {angle_deg[0] / kDegreesPerRad, angle_deg[1] / kDegreesPerRad}};
+}
+
+// By unit, the sums of the wand's errors within a zone.
+WeightedRatio errors_in(const CalibrationSummary& s, std::size_t row, const Zone& zone) {
+  WeightedRatio mean{std::vector<double>(s.units, 0.0), std::vector<double>(s.units, 0.0), 1.0};
+  for (const WandSample& sample : s.wand_samples)
+    if (sample.row == row && sample.unit < s.units && zone.holds(sample) && std::isfinite(sample.error_m)) {
+      mean.numerator[sample.unit] += sample.error_m;
+      mean.denominator[sample.unit] += 1.0;
+    }
+  return mean;
+}
+
+// The wand's error in a zone: less a printed number, in cm, or against another zone, in percent of its error.
+MeasuredPart measure_wand(JsonObject& part, const ClaimStudies& e) {
+  const std::string method = part.text("method"), scene = part.text("scene", "far wall");
+  const Zone zone = read_zone(part.object("zone"));
+  const bool has_other = part.has("against");
+  const Zone other = has_other ? read_zone(part.object("against")) : Zone{};
+  const double less_cm = has_other ? 0.0 : part.number("less_cm");
+  if (!e.evidence.calibration) return missing("results of the study calibration");
+  const CalibrationSummary& s = *e.evidence.calibration;
+  for (std::size_t row = 0; row < s.wand.size(); ++row) {
+    if (s.wand[row].method != method || s.wand[row].scene != scene) continue;
+    Contrast contrast{{errors_in(s, row, zone)}, {}};
+    Measurement found{"the wand, " + method, "cm", {}, {}};
+    if (has_other) {
+      contrast.base = {errors_in(s, row, other)};
+      contrast.value.push_back(contrast.base.front());
+      contrast.value.back().weight = -1.0;
+      found.unit = "%";
+      found.estimate = percent_of(contrast);
+    } else {
+      found.estimate = scaled(solve_contrast(contrast), kCentimetresPerMetre);
+      found.what += fmt::format(", less {:g} cm", less_cm);
+      found.estimate.value -= less_cm;
+    }
+    return {.parts = {std::move(found)}, .clusters = "sensor units"};
+  }
+  return missing(fmt::format("a calibration study with the wand by {} before a {}", method, scene));
+}
+
+// The depth error of an image row without its constant part: outer columns against those between.
+MeasuredPart measure_image_edges(JsonObject& part, const ClaimStudies& e) {
+  const std::vector<double> middle = part.numbers("middle_columns", 2);
+  Contrast contrast{{{}, {}}, {{}}};
+  contrast.value[1].weight = -1.0;
+  if (e.evidence.calibration)
+    for (const DistortionCurve& curve : e.evidence.calibration->distortion) {
+      std::array<double, 2> sums{}, counts{};
+      for (std::size_t c = 0; c < curve.depth_residual_m.size(); ++c) {
+        if (!std::isfinite(curve.depth_residual_m[c])) continue;
+        const auto column = static_cast<double>(c);
+        const std::size_t place = column < middle[0] || column > middle[1] ? 0 : 1;
+        sums[place] += curve.depth_residual_m[c];
+        counts[place] += 1.0;
+      }
+      for (auto* ratio : {&contrast.value[0], &contrast.value[1], &contrast.base[0]}) {
+        const std::size_t place = ratio == &contrast.value[0] ? 0 : 1;
+        ratio->numerator.push_back(sums[place]);
+        ratio->denominator.push_back(counts[place]);
+      }
+    }
+  if (contrast.value[0].numerator.empty()) return missing("results of the study calibration with a wall");
+  return {.parts = {{"outer columns against the middle", "%", percent_of(contrast)}},
+          .clusters = "sensor units"};
+}
+
 // The audit of the paper has the numbers that contradict each other.
 MeasuredPart measure_printed(JsonObject& part, const ClaimStudies&) {
   part.text("erratum");
@@ -197,10 +315,16 @@ struct Statistic {
   const char* name;
   MeasuredPart (*measure)(JsonObject&, const ClaimStudies&);
 };
-constexpr std::array kStatistics{
-    Statistic{"errors", measure_errors},         Statistic{"places", measure_places},
-    Statistic{"clock_cost", measure_clock_cost}, Statistic{"readings", measure_readings},
-    Statistic{"printed", measure_printed},       Statistic{"none", measure_nothing}};
+constexpr std::array kStatistics{Statistic{"errors", measure_errors},
+                                 Statistic{"places", measure_places},
+                                 Statistic{"clock_cost", measure_clock_cost},
+                                 Statistic{"clock_share", measure_clock_share},
+                                 Statistic{"queue", measure_queue},
+                                 Statistic{"wand", measure_wand},
+                                 Statistic{"image_edges", measure_image_edges},
+                                 Statistic{"readings", measure_readings},
+                                 Statistic{"printed", measure_printed},
+                                 Statistic{"none", measure_nothing}};
 
 }  // namespace
 
