@@ -179,8 +179,20 @@ ContrastEstimate mean_error_m(const ParticipantErrors& errors, const std::string
   return solve_contrast(mean);
 }
 
-void add_family_cells(ResultsSummary& summary) {
-  const ParticipantErrors errors(summary);
+void complete_differences(const ParticipantErrors& errors, ResultsSummary& summary) {
+  for (DifferenceCell& cell : summary.differences) {
+    if (cell.alignment != summary.alignments.front()) continue;
+    const auto groups =
+        cell.group == kAverageGroup ? errors.groups_of(cell.condition) : std::vector<std::string>{cell.group};
+    const ContrastEstimate e = solve_contrast(
+        errors.difference(cell.method, summary.reference, cell.condition, groups, ComparedSamples::complete));
+    cell.complete_percent = 100.0 * e.value;
+    cell.complete_percent_low = 100.0 * e.low();
+    cell.complete_percent_high = 100.0 * e.high();
+  }
+}
+
+void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) {
   for (const std::string& condition : summary.conditions)
     for (const MethodFamily& family : summary.families) {
       const ContrastEstimate own = mean_error_m(errors, family.name, condition, false),
@@ -256,9 +268,11 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
                   activities[a], summary);
   }
   for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, layout, t, takes[t].statistics, summary);
-  add_family_cells(summary);
   if (progress) progress(kCellsShare);
   add_statistics(plan, outcome, layout, takes, summary);
+  const ParticipantErrors errors(summary);
+  add_family_cells(errors, summary);
+  complete_differences(errors, summary);
   if (progress) progress(1.0);
   return summary;
 }

@@ -110,6 +110,9 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
                    {"from", "percent_from", false},
                    {"to", "percent_to", false},
                    {"% of method", "percent_of_method", false},
+                   {"% with fallbacks", "complete_percent", false},
+                   {"from", "complete_percent_from", false},
+                   {"to", "complete_percent_to", false},
                    {"differs", "differs", true}};
   for (const DifferenceCell& c : s.differences) {
     if (c.condition != condition || c.alignment != alignment) continue;
@@ -117,7 +120,8 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
                           cm_cell(c.difference_m), cm_cell(c.low_m), cm_cell(c.high_m),
                           TableValue::of(c.percent_of_reference, 1), TableValue::of(c.percent_low, 1),
                           TableValue::of(c.percent_high, 1), TableValue::of(c.percent_of_method, 1),
-                          TableValue::of(verdict_of(s, c))});
+                          TableValue::of(c.complete_percent, 1), TableValue::of(c.complete_percent_low, 1),
+                          TableValue::of(c.complete_percent_high, 1), TableValue::of(verdict_of(s, c))});
   }
   table.notes = {
       fmt::format(
@@ -125,6 +129,9 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
           s.reference),
       fmt::format("% of {0}: 100 (method - {0}) / {0}. % of method: 100 (method - {0}) / method.",
                   s.reference),
+      "% with fallbacks: of the reference, on all samples; where one of the two has no answer stands the "
+      "plain mean of "
+      "its sensors' positions.",
       "Differs: the interval of the difference leaves zero out (by a micrometre). Every row is for itself: "
       "of twenty without any difference, one is expected to be said to differ.",
       interval_note(s)};

@@ -153,20 +153,42 @@ std::string steps_effect(const PaperEvidence& e) {
       most(c.printed_iterations_factor), most(c.corrected_iterations_factor));
 }
 
+// How exactly 5000 trials give a mean, from the spread of ours.
+std::string mean_spread_effect(const PaperEvidence& e) {
+  constexpr double kPapersSets = 5000.0;
+  double least = kNoNumber, most = kNoNumber;
+  for (std::size_t c = 0; e.sweep && c < e.sweep->cells.size(); ++c) {
+    const SweepCell& cell = e.sweep->cells[c];
+    const double share =
+        cell.mae_standard_error_m * std::sqrt(static_cast<double>(cell.answered) / kPapersSets) / cell.mae_m;
+    if (!std::isfinite(share)) continue;
+    least = std::isnan(least) ? share : std::min(least, share);
+    most = std::isnan(most) ? share : std::max(most, share);
+  }
+  if (std::isnan(least)) return {};
+  return fmt::format(
+      "the mean of 5000 of our trials has a standard error of {:.2g} to {:.2g} %, by reading and cell",
+      100.0 * least, 100.0 * most);
+}
+
 std::string both(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + "; " + b;
 }
 
 std::string effect_of(const std::string& erratum, const PaperFindings& findings) {
   const PaperEvidence& e = findings.evidence;
-  if (erratum == "E1" || erratum == "E2" || erratum == "E3") return wand_effect(e, erratum);
-  if (erratum == "E4" || erratum == "E5") return pose_effect(e);
+  if (erratum == "E1" || erratum == "E2" || erratum == "E3" || erratum == "E17")
+    return wand_effect(e, erratum);
+  if (erratum == "E4" || erratum == "E5" || erratum == "E19") return pose_effect(e);
+  if (erratum == "E18") return mean_spread_effect(e);
   if (erratum == "E11") return clock_effect(e);
   const auto found = findings.errata.find(erratum);
   std::string text;
-  if (found != findings.errata.end())
-    text = fmt::format("{}; with the mean where one is silent {}", parts_text(found->second, false),
-                       parts_text(found->second, true));
+  if (found != findings.errata.end()) {
+    text = parts_text(found->second, false);
+    if (found->second.front().complete)
+      text += "; with the mean where one is silent " + parts_text(found->second, true);
+  }
   return erratum == "E7" ? both(steps_effect(e), text) : text;
 }
 

@@ -12,8 +12,11 @@ namespace {
 
 std::string estimate_text(const ClaimEstimate& e, const std::string& unit) {
   if (!std::isfinite(e.value)) return "no answer";
-  const std::string value = fmt::format("{:.3g} {}", e.value, unit);
-  return std::isfinite(e.low) ? fmt::format("{} ({:.3g} to {:.3g})", value, e.low, e.high) : value;
+  const int decimals = std::abs(e.value) < 10.0 ? 2 : std::abs(e.value) < 100.0 ? 1 : 0;
+  const std::string value = fmt::format("{:.{}f} {}", e.value, decimals, unit);
+  return std::isfinite(e.low)
+             ? fmt::format("{} ({:.{}f} to {:.{}f})", value, e.low, decimals, e.high, decimals)
+             : value;
 }
 
 std::string rule_text(const JudgedClaim& claim) {
@@ -28,9 +31,11 @@ std::string rule_text(const JudgedClaim& claim) {
 
 std::string parts_text(const std::vector<ClaimPart>& parts, bool complete) {
   std::string text;
-  for (const ClaimPart& part : parts)
-    if (const ClaimEstimate* e = !complete ? &part.estimate : part.complete ? &*part.complete : nullptr)
-      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", part.what, estimate_text(*e, part.unit));
+  for (const ClaimPart& part : parts) {
+    if (complete && !part.complete) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", part.what,
+                        estimate_text(complete ? *part.complete : part.estimate, part.unit));
+  }
   return text.empty() ? "–" : text;
 }
 
@@ -40,20 +45,20 @@ Table claims_table(const PaperFindings& findings) {
   table.title = fmt::format("The paper's claims and what becomes of them{}",
                             findings.evidence.any_simulated() ? ", with simulated sensors" : "");
   table.columns = {{"claim", "claim", true},
-                   {"where", "where", true},
+                   {"verdict", "verdict", true},
                    {"paper", "paper", true},
                    {"ours, 95 %", "ours", true},
-                   {"with the mean where a method is silent", "complete", true},
-                   {"verdict", "verdict", true},
+                   {"with the mean where silent", "complete", true},
                    {"margin and reason", "rule", true},
                    {"p", "p"},
-                   {"corrected", "corrected", true}};
+                   {"corrected", "corrected", true},
+                   {"where", "where", true}};
   for (const JudgedClaim& claim : findings.claims)
-    table.rows.push_back({TableValue::of(claim.claim), TableValue::of(claim.where),
+    table.rows.push_back({TableValue::of(claim.claim), TableValue::of(claim.verdict),
                           TableValue::of(claim.printed), TableValue::of(parts_text(claim.parts, false)),
-                          TableValue::of(parts_text(claim.parts, true)), TableValue::of(claim.verdict),
-                          TableValue::of(rule_text(claim)), TableValue::of(claim.chance, 4),
-                          TableValue::of(claim.confirmatory ? "Holm" : "no")});
+                          TableValue::of(parts_text(claim.parts, true)), TableValue::of(rule_text(claim)),
+                          TableValue::of(claim.chance, 4), TableValue::of(claim.confirmatory ? "Holm" : "no"),
+                          TableValue::of(claim.where)});
   table.notes = {
       "Paper: " + printed_errata().source +
           "; claims in our words, one row each in datasets/paper/claims.json.",

@@ -139,25 +139,23 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
   Packer packer;
   pack_sensors(take, packer);
   std::vector<std::size_t> shown;
+  std::vector<std::string> names;
   for (std::size_t m = 0; m < header.methods.size(); ++m)
-    if (std::find(summary.methods.begin(), summary.methods.end(), header.methods[m]) != summary.methods.end())
+    if (std::find(summary.methods.begin(), summary.methods.end(), header.methods[m]) !=
+        summary.methods.end()) {
       shown.push_back(m);
+      names.push_back(header.methods[m]);
+    }
   pack_samples(header, block, shown, packer);
   pack_states(take, packer);
   const double span_s =
       take.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
-  const Json json{{"study", summary.study},
-                  {"take", take.id},
-                  {"condition", take.condition},
-                  {"simulated", summary.simulated},
-                  {"instants", take.instants},
-                  {"span_s", span_s},
-                  {"sensors", sensors_json(take)},
-                  {"skeleton", skeleton_json()},
-                  {"joints", header.joints},
-                  {"methods", summary.methods},
-                  {"colours", colours_of(summary.methods)},
-                  {"view_deg", {70.6, 60.0}},  // of a Kinect v2
+  const Json json{{"study", summary.study},        {"take", take.id},
+                  {"condition", take.condition},   {"simulated", summary.simulated},
+                  {"instants", take.instants},     {"span_s", span_s},
+                  {"sensors", sensors_json(take)}, {"skeleton", skeleton_json()},
+                  {"joints", header.joints},       {"methods", names},
+                  {"colours", colours_of(names)},  {"view_deg", {70.6, 60.0}},  // of a Kinect v2
                   {"range_m", {0.5, 4.5}}};
   return {summary.study + ": " + take.condition + ", take " + take.id, json_text(json, -1),
           packer.compressed()};

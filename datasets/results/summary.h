@@ -94,6 +94,9 @@ struct DifferenceCell {
   double percent_low = kNoNumber;           // interval of percent_of_reference
   double percent_high = kNoNumber;
   double percent_of_method = kNoNumber;  // 100 (method - reference) / method
+  // percent_of_reference with fallbacks where one has no answer, and its interval by Student's t; under the
+  // study's first alignment alone.
+  double complete_percent = kNoNumber, complete_percent_low = kNoNumber, complete_percent_high = kNoNumber;
   // The interval leaves 0 out, by more than solvers that end at the same place differ.
   bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
 };

@@ -97,7 +97,10 @@ Json json_of(const DifferenceCell& cell) {
           {"percent_of_reference", cell.percent_of_reference},
           {"percent_low", cell.percent_low},
           {"percent_high", cell.percent_high},
-          {"percent_of_method", cell.percent_of_method}};
+          {"percent_of_method", cell.percent_of_method},
+          {"complete_percent", cell.complete_percent},
+          {"complete_percent_low", cell.complete_percent_low},
+          {"complete_percent_high", cell.complete_percent_high}};
 }
 
 DifferenceCell read_difference(JsonObject& object) {
@@ -117,6 +120,9 @@ DifferenceCell read_difference(JsonObject& object) {
   cell.percent_low = number_or_nan(object, "percent_low");
   cell.percent_high = number_or_nan(object, "percent_high");
   cell.percent_of_method = number_or_nan(object, "percent_of_method");
+  cell.complete_percent = number_or_nan(object, "complete_percent");
+  cell.complete_percent_low = number_or_nan(object, "complete_percent_low");
+  cell.complete_percent_high = number_or_nan(object, "complete_percent_high");
   object.finish();
   return cell;
 }

@@ -183,16 +183,21 @@ def compare_method(takes, m, name, alignment, cells, differences):
     groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
     errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
     pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
+    fallbacks = [takes[0].methods.index(fallback_of(method)) for method in takes[0].methods]
+    all_pairs = [tables.lengths_completed(s, m, reference, fallbacks, alignment) for s in takes]
     for condition, parts in (("walking", [s.asked for s in takes]),
                              ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
         computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
         computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
         against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
+        completed = tables.percent_of_average(all_pairs, {g: groups[g] for g in computed}, parts)
         computed["average"] = tables.average_of(computed.values())
         for group, numbers in computed.items():
             where = f"{condition}, alignment {alignment}, group {group}"
             compare_numbers(f"{name}, {where}", numbers, cells.pop((condition, name, alignment, group)))
             if m != reference:
+                if alignment == ALIGNMENTS[0]:
+                    against[group]["complete_percent"] = completed[group]
                 compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
                                 differences.pop((condition, name, alignment, group)))
 

@@ -89,6 +89,12 @@ def lengths_on_both(samples, m, reference, alignment):
     return [np.linalg.norm(errors_of(samples, k, alignment, both), axis=2) for k in (m, reference)]
 
 
+def percent_of_average(pairs, groups, parts):
+    """100 (method - reference) / reference by group and of the plain means over groups."""
+    numbers = differences_of(pairs, groups, parts)
+    return {group: n["percent_of_reference"] for group, n in numbers.items()}
+
+
 def differences_of(pairs, groups, parts):
     """The numbers of one difference a group, of the samples in `parts`, and of their average."""
     sums = {}

@@ -84,7 +84,7 @@ TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
     std::filesystem::remove(results / file);
   const ReportFiles report = write_report({results}, folder / "report");
   EXPECT_EQ(report.figures.size(), 1u);  // errors by joint
-  EXPECT_EQ(report.tables.size(), 6u);   // the paper's claims and audit among them
+  EXPECT_EQ(report.tables.size(), 3u);   // the paper's claims and audit among them
   EXPECT_THAT(read_file(folder / "report/report.md"), Not(HasSubstr("What the simulation behind")));
 }
 

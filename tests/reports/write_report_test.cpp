@@ -58,8 +58,8 @@ bool compiles(const std::filesystem::path& document) {
 
 TEST(Report, HoldsEveryTableInEveryForm) {
   const ScratchFolder folder;
-  const ReportFiles report =
-      write_report({results_in(folder, "results", hand_made_summary())}, folder / "report");
+  const ReportFiles report = write_report({results_in(folder, "results", hand_made_summary())},
+                                          folder / "report", {.paper = PaperFindings{}});
   ASSERT_EQ(report.tables.size(), 6u);
   const std::string markdown = read_file(folder / "report/report.md");
   for (const Table& table : report.tables) {
@@ -168,7 +168,7 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({first, second, second}, folder / "report");
   std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.tables.size(), 12u);
+  EXPECT_EQ(report.tables.size(), 9u);
 }
 
 // Two nights, say, whose folders are called alike.

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "reports/sensor_counts.h"
+
+#include <gmock/gmock.h>
+
+namespace trilat {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+ResultsSummary with_families() {
+  ResultsSummary s;
+  s.campaign = "rig";
+  s.simulated = true;
+  s.conditions = {"walking"};
+  s.alignments = {"mean"};
+  s.reference = "all";
+  s.methods = {"all", "single k1", "single k2", "nonlinear, 3 sensors k1+k2+k3",
+               "nonlinear, 3 sensors k1+k2+k4"};
+  s.families = {{"single", 1, {"single k1", "single k2"}},
+                {"nonlinear, 3 sensors", 3, {s.methods[3], s.methods[4]}},
+                {"all", 8, {"all"}}};
+  FamilyCell cell{"nonlinear, 3 sensors", "walking",   0.06, 0.05, 0.07, 0.055, 0.045, 0.065,
+                  s.methods[4],           s.methods[3]};
+  cell.best_m = 0.04;
+  cell.worst_m = 0.08;
+  s.family_cells = {cell};
+  for (const std::string& method : s.methods) {
+    s.cells.emplace_back().method = method;
+    s.differences.emplace_back().method = method;
+    s.bodies.emplace_back().method = method;
+  }
+  return s;
+}
+
+TEST(SensorSets, HaveTheirMeanAndWhichSetIsBestAndWorst) {
+  const auto tables = sensor_counts_table(with_families());
+  ASSERT_EQ(tables.size(), 1u);
+  ASSERT_EQ(tables[0].rows.size(), 1u);  // single sensors are rows of the other tables
+  std::vector<std::string> shown;
+  for (const TableValue& value : tables[0].rows[0])
+    shown.push_back(value.number ? std::to_string(*value.number).substr(0, 4) : value.text);
+  EXPECT_THAT(shown, ElementsAre("nonlinear, 3 sensors", "3.00", "2.00", "6.00", "5.00", "7.00", "5.50",
+                                 "4.50", "6.50", "k1+k2+k4", "4.00", "k1+k2+k3", "8.00"));
+  EXPECT_THAT(tables[0].title, HasSubstr("simulated"));
+}
+
+TEST(SensorSets, NamedByTheirNumberMakeAFigure) {
+  const auto figures = sensor_counts_figure(with_families());
+  ASSERT_EQ(figures.size(), 1u);
+  ASSERT_EQ(figures[0].series.size(), 1u);
+  EXPECT_EQ(figures[0].series[0].name, "nonlinear");
+  EXPECT_NEAR(figures[0].series[0].points.at(0).x, 3.0, 1e-12);
+  EXPECT_NEAR(figures[0].series[0].points.at(0).y, 5.5, 1e-12);
+}
+
+TEST(SensorSets, StayOutOfTheTablesOfMethodsButSingleSensorsDoNot) {
+  const ResultsSummary s = without_sets(with_families());
+  EXPECT_THAT(s.methods, ElementsAre("all", "single k1", "single k2"));
+  EXPECT_EQ(s.cells.size(), 3u);
+  EXPECT_EQ(s.differences.size(), 3u);
+  EXPECT_EQ(s.bodies.size(), 3u);
+}
+
+}  // namespace
+}  // namespace trilat
