@@ -40,22 +40,25 @@ struct Variant {
 };
 
 std::vector<Variant> variants(double ball_radius_m) {
-  PrintedWandOptions corrected{Reading::corrected, Reading::corrected, Reading::corrected,
+  PrintedWandOptions corrected{Reading::corrected, Binarisation::corrected, Reading::corrected,
                                Reading::corrected};
   corrected.ball_radius_m = ball_radius_m;
   PrintedWandOptions printed;
   printed.ball_radius_m = ball_radius_m;
-  PrintedWandOptions clamped = corrected, e1 = corrected, e2 = corrected, e3 = corrected;
+  PrintedWandOptions clamped = corrected, e1 = corrected, e2 = corrected, e3 = corrected,
+                     mid_range = corrected;
   clamped.invalid_pixels = Reading::printed;
-  e1.stop = Reading::printed;
+  e1.binarisation = Binarisation::printed;
   e2.projection = Reading::printed;
   e3.centre = Reading::printed;
+  mid_range.binarisation = Binarisation::mid_range;
   return {{"as printed", true, printed},
           {"corrected, but eq. 1 as printed", true, clamped},
           {"corrected, but E1 as printed", true, e1},
           {"corrected, but E2 as printed", true, e2},
           {"corrected, but E3 as printed", true, e3},
           {"corrected", true, corrected},
+          {"corrected by the mid-range", true, mid_range},
           {"ours", false, {}}};
 }
 
