@@ -16,7 +16,9 @@ constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget",
                                       "recording"};
 
-std::int64_t version_of(ResultsKind kind) { return kind == ResultsKind::accuracy ? 4 : 1; }
+std::int64_t version_of(ResultsKind kind) {
+  return kind == ResultsKind::accuracy ? 4 : kind == ResultsKind::calibration ? 2 : 1;
+}
 
 ResultsKind read_head(JsonObject& object) {
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
