@@ -152,7 +152,8 @@ void fill_map(Figure& figure, const std::vector<WandSample>& samples, std::size_
       unanswered.points.push_back({x[bin % x.size()], y[bin / x.size()]});
   }
   figure.map = std::move(map);
-  figure.series = {recommended_outline(printed_calibration()), std::move(unanswered)};
+  // the second colour stands out from those of the map
+  figure.series = {std::move(unanswered), recommended_outline(printed_calibration())};
 }
 
 Figure wand_map_figure(const CalibrationSummary& s, const WandRow& row) {

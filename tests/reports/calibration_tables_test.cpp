@@ -211,10 +211,10 @@ TEST(CalibrationFigures, TheMapHoldsTheMedianErrorOfTheDistanceInEachBinAndMarks
   EXPECT_TRUE(std::isnan(ours->map->values[1]));  // another method's sample
   EXPECT_DOUBLE_EQ(ours->map->values[4 * 4 + 2], 2.0);
   ASSERT_THAT(ours->series, SizeIs(2));
-  EXPECT_THAT(ours->series[0].name, HasSubstr("0.8 to 3 m, below 26°"));
-  ASSERT_THAT(ours->series[1].points, SizeIs(1));
-  EXPECT_NEAR(ours->series[1].points[0].x, 1.1, 1e-12);
-  EXPECT_NEAR(ours->series[1].points[0].y, 3.25, 1e-12);
+  EXPECT_THAT(ours->series[1].name, HasSubstr("0.8 to 3 m, below 26°"));
+  ASSERT_THAT(ours->series[0].points, SizeIs(1));
+  EXPECT_NEAR(ours->series[0].points[0].x, 1.1, 1e-12);
+  EXPECT_NEAR(ours->series[0].points[0].y, 3.25, 1e-12);
 }
 
 }  // namespace
