@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "datasets/results/calibration_summary.h"
 
 namespace trilat {
+
+// The ways to find the wand that figures and bins show.
+inline constexpr std::array kMainWandMethods{"ours", "corrected", "corrected by the mid-range"};
 
 // The first row of that name; null without one.
 const WandRow* wand_row(const CalibrationSummary& summary, const std::string& method,

@@ -66,7 +66,8 @@ std::string wand_sentence(const CalibrationSummary& s) {
   std::string ours, printed;
   for (const std::string& scene : scenes_of(s)) {
     if (const WandRow* row = wand_row(s, "ours", scene))
-      ours += fmt::format("{} {}, {}, {} of {} answered", ours.empty() ? "" : ";", scene_text(scene),
+      ours += fmt::format("{} {}, {} of the distance and {} in three dimensions, {} of {} answered",
+                          ours.empty() ? "" : ";", scene_text(scene), mean_text(row->recommended_distance),
                           mean_text(row->recommended), row->recommended.answered, row->recommended.asked);
     if (const WandRow* row = wand_row(s, "as printed", scene))
       printed += fmt::format("{} {}, {}", printed.empty() ? "" : ";", scene_text(scene),
@@ -161,7 +162,7 @@ std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
   const std::string worst = std::isfinite(worst_m) ? fmt::format(", up to {:.2f} cm sideways at the wall",
                                                                  worst_m * kCentimetresPerMetre)
                                                    : std::string();
-  const std::array<std::array<std::string, 2>, 4> errata{
+  const std::array<std::array<std::string, 2>, 5> errata{
       {{"corrected, but eq. 1 as printed",
         "E17: eq. 1 as printed lifts pixels without a depth to the nearest depth of all, where the wand is "
         "looked "
@@ -169,6 +170,9 @@ std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
        {"corrected, but E1 as printed",
         "E1: eq. 3 as printed stops when the smallest depth, made smaller still, reaches the largest, which "
         "never happens"},
+       {"corrected by the mid-range",
+        "E1, read otherwise: half of the sum of smallest and largest depth, times 1.005, is the threshold of "
+        "eq. 2, and it ends where all that is left lies below the next"},
        {"corrected, but E2 as printed",
         "E2: eq. 4 as printed is linear in the angle where a lens is linear in the tangent" + worst},
        {"corrected, but E3 as printed",

@@ -24,6 +24,10 @@ std::vector<TableValue> paper_row(const PrintedCalibration& paper) {
           TableValue::of(paper.recommended_spread_cm, 2),
           no_cell(),
           no_cell(),
+          no_cell(),
+          no_cell(),
+          no_cell(),
+          no_cell(),
           n(paper.samples),
           no_cell(),
           no_cell(),
@@ -43,11 +47,15 @@ std::uint64_t wrong_things(const CalibrationSummary& s, std::size_t row) {
 }
 
 std::vector<TableValue> wand_cells(const WandRow& row, std::uint64_t wrong) {
-  const ErrorSpread &inside = row.recommended, &all = row.all;
+  const ErrorSpread &inside = row.recommended, &distance = row.recommended_distance, &all = row.all;
   return {TableValue::of(row.method),
           TableValue::of(row.scene),
           count_cell(inside.asked),
           count_cell(inside.answered),
+          cm_cell(distance.mean_m),
+          cm_cell(distance.sd_m),
+          cm_cell(distance.mean_low_m),
+          cm_cell(distance.mean_high_m),
           cm_cell(inside.mean_m),
           cm_cell(inside.sd_m),
           cm_cell(inside.mean_low_m),
@@ -70,10 +78,14 @@ std::vector<std::string> wand_notes(const CalibrationSummary& s, const PrintedCa
           "units; far wall: the ball alone, the wall at 7 m; room: with floor, walls and the person who "
           "holds it.",
           paper.recommended_m[0], paper.recommended_m[1], paper.recommended_below_deg),
-      fmt::format("The first row is what the paper states ({}); what its +- is, it does not say.",
+      fmt::format("The first row is what the paper states ({}); what its +- is, it does not say. It compared "
+                  "with a laser meter, which measures the distance from the sensor to the ball: \"distance\" "
+                  "is the error of that alone, \"3-D\" the whole of the ball's place.",
                   paper.source),
       "Eq. 2 keeps what is nearer than about half of the mean depth: before a far wall that is the ball, in "
-      "a room the nearest things, the wand or not. This holds for every row of the paper's method."};
+      "a room the nearest things, the wand or not. This holds for every row of the paper's method but the "
+      "mid-range, which keeps what is nearer than half-way between the nearest and the farthest depth, and "
+      "ends at the nearest thing: the ball, or in a room the floor where that is nearer."};
   for (std::string& sentence : wand_errata_sentences(s)) notes.push_back(std::move(sentence));
   notes.push_back("Another thing: answers of the span that are off by more than the ball is wide.");
   notes.push_back(
@@ -94,15 +106,17 @@ struct Bin {
   double from, to;
   bool is_last;  // the upper edge belongs to it
   std::uint64_t n = 0, answered = 0;
-  double sum_m = 0.0;
+  double sum_m = 0.0, distance_sum_m = 0.0;
 
-  void add(double where, double error_m) {
+  void add(double where, const WandSample& sample) {
     if (!(where >= from && (where < to || (is_last && where == to)))) return;
     ++n;
-    if (!std::isfinite(error_m)) return;
+    if (!std::isfinite(sample.error_m)) return;
     ++answered;
-    sum_m += error_m;
+    sum_m += sample.error_m;
+    distance_sum_m += sample.distance_error_m;
   }
+  double mean_m(double sum) const { return answered == 0 ? kNoNumber : sum / static_cast<double>(answered); }
 };
 
 template <std::size_t N>
@@ -120,11 +134,10 @@ void widen(std::vector<Bin>& bins, double where) {
 
 void add_bins(Table& table, const WandRow& row, const std::string& of, const std::vector<Bin>& bins) {
   for (const Bin& bin : bins)
-    table.rows.push_back(
-        {TableValue::of(row.method), TableValue::of(row.scene), TableValue::of(of),
-         TableValue::of(bin.from, -1), TableValue::of(bin.to, -1), count_cell(bin.n),
-         count_cell(bin.answered),
-         cm_cell(bin.answered == 0 ? kNoNumber : bin.sum_m / static_cast<double>(bin.answered))});
+    table.rows.push_back({TableValue::of(row.method), TableValue::of(row.scene), TableValue::of(of),
+                          TableValue::of(bin.from, -1), TableValue::of(bin.to, -1), count_cell(bin.n),
+                          count_cell(bin.answered), cm_cell(bin.mean_m(bin.distance_sum_m)),
+                          cm_cell(bin.mean_m(bin.sum_m))});
 }
 
 }  // namespace
@@ -142,13 +155,17 @@ Table calibration_wand_table(const CalibrationSummary& s) {
                    {"scene", "scene", true},
                    {"inside: asked", "inside_asked"},
                    {"answered", "inside_answered"},
-                   {"mean (cm)", "inside_mean_cm"},
+                   {"distance: mean (cm)", "inside_distance_mean_cm"},
+                   {"sd (cm)", "inside_distance_sd_cm"},
+                   {"95 % from (cm)", "inside_distance_mean_low_cm"},
+                   {"to (cm)", "inside_distance_mean_high_cm"},
+                   {"3-D: mean (cm)", "inside_mean_cm"},
                    {"sd (cm)", "inside_sd_cm"},
                    {"95 % from (cm)", "inside_mean_low_cm"},
                    {"to (cm)", "inside_mean_high_cm"},
                    {"span: asked", "span_asked"},
                    {"answered", "span_answered"},
-                   {"mean (cm)", "span_mean_cm"},
+                   {"3-D: mean (cm)", "span_mean_cm"},
                    {"median (cm)", "span_median_cm"},
                    {"p95 (cm)", "span_p95_cm"},
                    {"another thing", "another_thing"},
@@ -168,10 +185,12 @@ Table calibration_bins_table(const CalibrationSummary& s) {
       "Error of one wand position by distance and by angle, simulated: {} units with {} samples each, seed "
       "{}",
       s.units, s.samples, s.seed);
-  table.columns = {{"method", "method", true},    {"scene", "scene", true},  {"by", "by", true},
-                   {"from", "from", false, true}, {"to", "to", false, true}, {"n", "n"},
-                   {"answered", "answered"},      {"mean (cm)", "mean_cm"}};
-  for (const char* method : {"ours", "corrected"})
+  table.columns = {{"method", "method", true},   {"scene", "scene", true},
+                   {"by", "by", true},           {"from", "from", false, true},
+                   {"to", "to", false, true},    {"n", "n"},
+                   {"answered", "answered"},     {"distance: mean (cm)", "distance_mean_cm"},
+                   {"3-D: mean (cm)", "mean_cm"}};
+  for (const char* method : kMainWandMethods)
     for (std::size_t r = 0; r < s.wand.size(); ++r) {
       if (s.wand[r].method != method) continue;
       std::vector<Bin> distances = bins_of(kDistances_m), angles = bins_of(kAngles_deg);
@@ -181,8 +200,8 @@ Table calibration_bins_table(const CalibrationSummary& s) {
       }
       for (const WandSample& sample : s.wand_samples) {
         if (sample.row != r) continue;
-        for (Bin& bin : distances) bin.add(sample.distance_m, sample.error_m);
-        for (Bin& bin : angles) bin.add(sample.angle_rad * kDegreesPerRad, sample.error_m);
+        for (Bin& bin : distances) bin.add(sample.distance_m, sample);
+        for (Bin& bin : angles) bin.add(sample.angle_rad * kDegreesPerRad, sample);
       }
       add_bins(table, s.wand[r], "distance (m)", distances);
       add_bins(table, s.wand[r], "angle (degrees)", angles);

@@ -59,9 +59,13 @@ ErrorSpread read_spread(JsonObject object) {
 }
 
 Json json_of(const WandRow& row) {
-  return {{"method", row.method},      {"scene", row.scene},
-          {"all", json_of(row.all)},   {"recommended", json_of(row.recommended)},
-          {"near", json_of(row.near)}, {"statuses", counts_json(row.statuses)}};
+  return {{"method", row.method},
+          {"scene", row.scene},
+          {"all", json_of(row.all)},
+          {"recommended", json_of(row.recommended)},
+          {"near", json_of(row.near)},
+          {"statuses", counts_json(row.statuses)},
+          {"recommended_distance", json_of(row.recommended_distance)}};
 }
 
 WandRow read_wand_row(JsonObject& object) {
@@ -72,27 +76,36 @@ WandRow read_wand_row(JsonObject& object) {
   row.recommended = read_spread(object.object("recommended"));
   row.near = read_spread(object.object("near"));
   row.statuses = read_counts(object.object("statuses"));
+  row.recommended_distance = read_spread(object.object("recommended_distance"));
   object.finish();
   return row;
 }
 
-// Rows of numbers: [row, unit, distance_m, angle_rad, error_m]
-Json json_of(const WandSample& s) { return {s.row, s.unit, s.distance_m, s.angle_rad, number(s.error_m)}; }
+constexpr const char* kSample = "[row, unit, distance_m, angle_rad, error_m, distance_error_m]";
+
+Json json_of(const WandSample& s) {
+  return {s.row, s.unit, s.distance_m, s.angle_rad, number(s.error_m), number(s.distance_error_m)};
+}
+
+WandSample read_sample(const Json& v, std::size_t rows, JsonObject& object, const std::string& key) {
+  const auto is_error = [](const Json& e) { return e.is_number() || e.is_null(); };
+  const bool right = v.is_array() && v.size() == 6 && v[0].is_number_unsigned() &&
+                     v[1].is_number_unsigned() && v[2].is_number() && v[3].is_number() && is_error(v[4]) &&
+                     is_error(v[5]);
+  if (!right || v[0].get<std::uint64_t>() >= rows)
+    object.refuse(key, std::string("must hold ") + kSample + " of rows that are there");
+  const auto error_m = [](const Json& e) { return e.is_number() ? e.get<double>() : ErrorSpread::kNone; };
+  return {v[0].get<std::size_t>(), v[1].get<std::uint64_t>(),
+          v[2].get<double>(),      v[3].get<double>(),
+          error_m(v[4]),           error_m(v[5])};
+}
 
 std::vector<WandSample> read_samples(JsonObject& object, std::size_t rows) {
   const std::string key = "wand_samples";
   const Json& values = object.value(key);
   if (!values.is_array()) object.refuse(key, "must be an array");
   std::vector<WandSample> samples;
-  for (const Json& v : values) {
-    const bool right = v.is_array() && v.size() == 5 && v[0].is_number_unsigned() &&
-                       v[1].is_number_unsigned() && v[2].is_number() && v[3].is_number() &&
-                       (v[4].is_number() || v[4].is_null());
-    if (!right || v[0].get<std::uint64_t>() >= rows)
-      object.refuse(key, "must hold [row, unit, distance_m, angle_rad, error_m] of rows that are there");
-    samples.push_back({v[0].get<std::size_t>(), v[1].get<std::uint64_t>(), v[2].get<double>(),
-                       v[3].get<double>(), v[4].is_number() ? v[4].get<double>() : ErrorSpread::kNone});
-  }
+  for (const Json& v : values) samples.push_back(read_sample(v, rows, object, key));
   return samples;
 }
 

@@ -32,6 +32,8 @@ struct WandRow {
   ErrorSpread recommended;  // 0.8 to 3 m and below 26 degrees
   ErrorSpread near;         // nearer than 0.5 m
   std::map<std::string, std::uint64_t> statuses;  // of `all`
+  // Of the distance sensor - ball centre alone, in the recommended range: what a laser meter can tell.
+  ErrorSpread recommended_distance = {};
 };
 
 // One sample of the figure: error against distance and angle.
@@ -40,7 +42,8 @@ struct WandSample {
   std::uint64_t unit = 0;
   double distance_m = 0.0;
   double angle_rad = 0.0;
-  double error_m = ErrorSpread::kNone;  // NaN: no answer
+  double error_m = ErrorSpread::kNone;           // in three dimensions; NaN: no answer
+  double distance_error_m = ErrorSpread::kNone;  // |measured - true| distance sensor - ball centre
 };
 
 // A flat wall, per column of the image's middle row; mean absolute values over all frames.

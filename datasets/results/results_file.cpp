@@ -17,7 +17,8 @@ const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibratio
                                       "recording"};
 
 std::int64_t version_of(ResultsKind kind) {
-  return kind == ResultsKind::accuracy ? 5 : kind == ResultsKind::recording ? 2 : 1;
+  if (kind == ResultsKind::accuracy) return 5;
+  return kind == ResultsKind::recording || kind == ResultsKind::calibration ? 2 : 1;
 }
 
 ResultsKind read_head(JsonObject& object) {

@@ -9,17 +9,20 @@ namespace {
 
 constexpr double kLeastMovement_m = 1e-3;
 
-// Rows: the client's axes in the sensor's frame.
+// Rows: the client's axes in the sensor's frame; the second is the one that eq. 6 compares, the third the
+// turn's.
 Eigen::Matrix3d client_from_sensor(const TwoPositionOptions& options) {
   Eigen::Matrix3d axes;
-  if (!options.horizontal_axes) {
+  if (options.trajectory_axis == TrajectoryAxis::y) {
     axes << -1, 0, 0, 0, -1, 0, 0, 0, 1;  // half a turn: no frame that is turned only may be left-handed
     return axes;
   }
   const Eigen::Vector3d up = options.up_in_sensor.normalized();
   const Eigen::Vector3d forward = (Eigen::Vector3d::UnitZ() - up.z() * up).normalized();
-  axes.row(0) = forward.cross(up).transpose();
-  axes.row(1) = forward.transpose();
+  const Eigen::Vector3d right = forward.cross(up);
+  const bool along_x = options.trajectory_axis == TrajectoryAxis::x;
+  axes.row(0) = (along_x ? -forward : right).transpose();
+  axes.row(1) = (along_x ? right : forward).transpose();
   axes.row(2) = up.transpose();
   return axes;
 }

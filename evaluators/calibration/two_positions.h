@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -18,13 +19,17 @@ enum class TwoPositionStatus : std::uint8_t {
 };
 std::string name_of(TwoPositionStatus status);
 
+// Which axis of the sensor, named as in eq. 4 (x right, y down, z depth), is the paper's y': the one whose
+// angle to the wand's trajectory eq. 6 measures. As printed it is y, and the turn is about the depth. By the
+// text ("z-axises ... are parallel", sensors perpendicular to the ground) both are horizontal and the turn is
+// about the vertical: then it is x or z.
+enum class TrajectoryAxis : std::uint8_t { x, y, z };
+inline const std::vector<std::string> kTrajectoryAxes{"x", "y", "z"};
+
 // The paper's calibration from two wand positions (eq. 6 and 7), with a switch for each thing that cannot be
-// so. All off: exactly as printed, with the axes of eq. 4.
+// so. As it stands here: exactly as printed, with the axes of eq. 4.
 struct TwoPositionOptions {
-  // Which of the client's axes are turned: those of eq. 4 (x right, y down, z depth) or, as the text has it
-  // ("z-axises ... are parallel", sensors perpendicular to the ground), the horizontal ones (x right, y
-  // depth, z up).
-  bool horizontal_axes = false;
+  TrajectoryAxis trajectory_axis = TrajectoryAxis::y;
   bool signed_angle = false;  // E4: atan2 of the displacement instead of the arc cosine
   bool translation = false;   // E5: the origin is where the ball first was
   // The direction of gravity in the sensor's frame when known; the paper takes the sensor to stand upright.

@@ -57,9 +57,22 @@ Labelled label(const std::vector<double>& depth_cm, int width_px, double thresho
   return t;
 }
 
+// R of eq. 2.
+double next_threshold_cm(const Labelled& t, const PrintedWandOptions& options) {
+  return options.c_offset *
+         (options.binarisation == Binarisation::mid_range ? t.min_cm + t.max_cm : t.sum_cm / t.pixels);
+}
+
 bool stops(const Labelled& t, const PrintedWandOptions& options) {  // eq. 3 and erratum E1
-  return options.stop == Reading::printed ? t.min_cm * options.c_offset >= t.max_cm
-                                          : t.min_cm >= options.c_offset * t.max_cm;
+  switch (options.binarisation) {
+    case Binarisation::printed:
+      return t.min_cm * options.c_offset >= t.max_cm;
+    case Binarisation::corrected:
+      return t.min_cm >= options.c_offset * t.max_cm;
+    case Binarisation::mid_range:
+      return next_threshold_cm(t, options) >= t.max_cm;
+  }
+  TRILAT_CHECK(false, "every way to binarise has its stop rule");
 }
 
 // D at P_m. Our reading where the paper is silent: the pixel up and left of a middle between pixels, and the
@@ -116,8 +129,7 @@ WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& 
   Labelled labelled = everything;
   sighting.status = WandStatus::not_ended;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const double threshold_cm = labelled.sum_cm / labelled.pixels * options.c_offset;  // eq. 2
-    const Labelled next = label(depth_cm, image.width_px, threshold_cm);
+    const Labelled next = label(depth_cm, image.width_px, next_threshold_cm(labelled, options));
     if (next.pixels == 0) {
       if (iteration == 0) sighting.status = WandStatus::no_wand;
       break;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datasets/calibration/calibration.h"
+#include "evaluators/calibration/two_positions.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/calibration/wand_views.h"
 
@@ -16,6 +17,8 @@ struct CalibrateWandOptions : ViewWandOptions {
   std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
   double movement_sigma_m = 0.001;
   bool depth_correction = true;
+  // Of the paper's two positions; without: y as printed, z (a horizontal axis) corrected.
+  std::optional<TrajectoryAxis> trajectory_axis = std::nullopt;
   // What the covariance of a ball's centre leaves out where depth offsets are not estimated.
   double uncorrected_depth_sigma_m = 0.014;
 };

@@ -9,7 +9,9 @@ namespace {
 
 WandCalibration calibrate_by_two(const WandWork& work, WandViews views) {
   const bool corrected = work.method == WandMethod::two_positions;
-  const TwoPositionOptions options{corrected, corrected, corrected, Eigen::Vector3d::UnitY()};
+  const TwoPositionOptions options{
+      work.options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
+      corrected, Eigen::Vector3d::UnitY()};
   std::vector<std::optional<FloorPlane>> floors;
   for (const RecordedSensor& sensor : work.recordings.front().sensors) floors.push_back(sensor.floor);
   WandCalibration result;

@@ -46,6 +46,8 @@ Json json_of(const CalibrateWandOptions& options) {
             {"depth_correction", options.depth_correction},
             {"movement_sigma_m", options.movement_sigma_m}};
   if (options.movement_m) json["movement_m"] = *options.movement_m;
+  if (options.trajectory_axis)
+    json["trajectory_axis"] = kTrajectoryAxes.at(static_cast<std::size_t>(*options.trajectory_axis));
   if (options.world)
     json["mocap"] = {{"file", options.world->mocap.filename().string()},
                      {"asset", options.world->asset},
@@ -59,6 +61,8 @@ CalibrateWandOptions read_options(JsonObject object) {
   options.depth_correction = object.boolean("depth_correction", true);
   options.movement_sigma_m = object.positive("movement_sigma_m");
   if (object.has("movement_m")) options.movement_m = object.positive("movement_m");
+  if (object.has("trajectory_axis"))
+    options.trajectory_axis = static_cast<TrajectoryAxis>(object.choice("trajectory_axis", kTrajectoryAxes));
   if (object.has("mocap")) {
     JsonObject mocap = object.object("mocap");
     options.world = WandInWorld{mocap.text("file"), mocap.text("asset"), mocap.integer("start_host_ns")};

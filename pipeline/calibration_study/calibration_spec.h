@@ -25,7 +25,7 @@ struct CalibrationSpec {
   std::vector<double> distances_m{0.4, 4.5};  // from, to
   double largest_angle_deg = 35.0;            // from the central line
   // A flat wall, of the first units.
-  std::uint64_t distortion_units = 4;
+  std::uint64_t distortion_units = 8;
   std::uint64_t distortion_frames = 1000;
   double wall_m = 2.0;
   // Whole rigs: so many runs with so many wand positions, each the mean of so many frames.

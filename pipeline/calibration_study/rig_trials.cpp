@@ -36,24 +36,27 @@ struct Method {
 
 std::vector<Method> methods() {
   using Kind = Method::Kind;
-  const TwoPositionOptions printed;
-  TwoPositionOptions corrected{true, true, true, Eigen::Vector3d::UnitY()};
+  const TwoPositionOptions printed, along_x{TrajectoryAxis::x}, along_z{TrajectoryAxis::z};
+  const TwoPositionOptions corrected{TrajectoryAxis::z, true, true, Eigen::Vector3d::UnitY()};
   TwoPositionOptions axes = corrected, e4 = corrected, e5 = corrected;
-  axes.horizontal_axes = false;
+  axes.trajectory_axis = TrajectoryAxis::y;
   e4.signed_angle = false;
   e5.translation = false;
-  return {{"two positions, eq. 6 and 7 as printed", Kind::two_positions, printed, true, true, false},
-          {"corrected, but axes of eq. 4", Kind::two_positions, axes, false, true, false},
-          {"corrected, but E4 as printed", Kind::two_positions, e4, false, true, false},
-          {"corrected, but E5 as printed", Kind::two_positions, e5, false, true, false},
-          {"corrected, sensors taken to stand upright", Kind::two_positions, corrected, true, true, false},
-          {"two positions, corrected", Kind::two_positions, corrected, false},
-          {"wand, depth taken as it is", Kind::wand, {}, true, false},
-          {"wand", Kind::wand, {}, true, true},
-          {"wand, first movement measured to 1 mm", Kind::wand, {}, true, true, true, true},
-          {"wand, its places seen by OptiTrack", Kind::wand, {}, true, true, false, false, true},
-          {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
-          {"bodies", Kind::bodies, {}, true, true}};
+  return {
+      {"two positions, eq. 6 and 7 as printed", Kind::two_positions, printed, true, true, false},
+      {"eq. 6 and 7 as printed, y' is the sensor's x", Kind::two_positions, along_x, true, true, false},
+      {"eq. 6 and 7 as printed, y' is the sensor's depth", Kind::two_positions, along_z, true, true, false},
+      {"corrected, but axes of eq. 4", Kind::two_positions, axes, false, true, false},
+      {"corrected, but E4 as printed", Kind::two_positions, e4, false, true, false},
+      {"corrected, but E5 as printed", Kind::two_positions, e5, false, true, false},
+      {"corrected, sensors taken to stand upright", Kind::two_positions, corrected, true, true, false},
+      {"two positions, corrected", Kind::two_positions, corrected, false},
+      {"wand, depth taken as it is", Kind::wand, {}, true, false},
+      {"wand", Kind::wand, {}, true, true},
+      {"wand, first movement measured to 1 mm", Kind::wand, {}, true, true, true, true},
+      {"wand, its places seen by OptiTrack", Kind::wand, {}, true, true, false, false, true},
+      {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
+      {"bodies", Kind::bodies, {}, true, true}};
 }
 
 // One sensor's error in one run.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/wand_samples.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -24,6 +25,7 @@ namespace trilat {
 namespace {
 
 constexpr double kNearest_m = 0.3;
+constexpr double kNearDensity = 3.0;
 constexpr double kSensorHeight_m = 1.2;
 constexpr double kPersonBehind_m = 1.2;
 constexpr double kFarWall_m = 7.0;
@@ -40,22 +42,25 @@ struct Variant {
 };
 
 std::vector<Variant> variants(double ball_radius_m) {
-  PrintedWandOptions corrected{Reading::corrected, Reading::corrected, Reading::corrected,
+  PrintedWandOptions corrected{Reading::corrected, Binarisation::corrected, Reading::corrected,
                                Reading::corrected};
   corrected.ball_radius_m = ball_radius_m;
   PrintedWandOptions printed;
   printed.ball_radius_m = ball_radius_m;
-  PrintedWandOptions clamped = corrected, e1 = corrected, e2 = corrected, e3 = corrected;
+  PrintedWandOptions clamped = corrected, e1 = corrected, e2 = corrected, e3 = corrected,
+                     mid_range = corrected;
   clamped.invalid_pixels = Reading::printed;
-  e1.stop = Reading::printed;
+  e1.binarisation = Binarisation::printed;
   e2.projection = Reading::printed;
   e3.centre = Reading::printed;
+  mid_range.binarisation = Binarisation::mid_range;
   return {{"as printed", true, printed},
           {"corrected, but eq. 1 as printed", true, clamped},
           {"corrected, but E1 as printed", true, e1},
           {"corrected, but E2 as printed", true, e2},
           {"corrected, but E3 as printed", true, e3},
           {"corrected", true, corrected},
+          {"corrected by the mid-range", true, mid_range},
           {"ours", false, {}}};
 }
 
@@ -69,13 +74,25 @@ struct Sample {
   bool near;
 };
 
-// Directions lie within 15 degrees of the horizontal plane through the lens, to both sides.
+// Of a share of the samples, 0 to 1. The span holds few places nearer than the recommended range, where much
+// is to be seen, so they are drawn as densely as kNearDensity times as many.
+double span_distance_m(const CalibrationSpec& spec, double share) {
+  const double from_m = spec.distances_m[0], to_m = spec.distances_m[1];
+  const double knee_m = std::clamp(paper().recommended_m[0], from_m, to_m);
+  const double near = kNearDensity * (knee_m - from_m), near_share = near / (near + to_m - knee_m);
+  return share < near_share ? from_m + share / near_share * (knee_m - from_m)
+                            : knee_m + (share - near_share) / (1.0 - near_share) * (to_m - knee_m);
+}
+
+// Each sample of a unit has its own part of the span, so that no unit leaves one out. Directions lie within
+// 15 degrees of the horizontal plane through the lens, to both sides.
 Sample draw_sample(const CalibrationSpec& spec, std::uint64_t unit, std::uint64_t index, bool near) {
   const RandomStream random{spec.seed, Purpose::wand_sample, random_item(near ? 1 : 0, unit, 0, index)};
   Sample sample;
   sample.near = near;
   sample.distance_m = near ? random.uniform(0, kNearest_m, paper().near_m)
-                           : random.uniform(0, spec.distances_m[0], spec.distances_m[1]);
+                           : span_distance_m(spec, (static_cast<double>(index) + random.uniform(0)) /
+                                                       static_cast<double>(spec.samples));
   sample.angle_rad = random.uniform(
       1, 0.0, near ? paper().recommended_below_deg * kRadPerDegree : spec.largest_angle_deg * kRadPerDegree);
   const double tilt_rad =
@@ -111,8 +128,10 @@ DepthScene scene_of(Scene kind, const Eigen::Vector3d& ball_in_world_m, double b
 }
 
 struct SampleOutcome {
-  std::vector<double> error_m;     // by variant; NaN: no answer
-  std::vector<WandStatus> status;  // by variant
+  // by variant; errors are NaN without an answer
+  std::vector<double> error_m;
+  std::vector<double> distance_error_m;
+  std::vector<WandStatus> status;
 };
 
 // The mean of the frames in which the ball was found, when it was in at least half of them.
@@ -128,11 +147,11 @@ void conclude(const std::vector<std::vector<WandSighting>>& sightings, const Sam
         failure = sighting.status;
     const bool answered = 2 * found.size() >= frames.size();
     outcome.status.push_back(answered ? WandStatus::found : failure);
-    outcome.error_m.push_back(
-        answered ? (mean_of_rest(found, 0, WandPositionOptions{}.deviation).centre_in_sensor_m -
-                    sample.ball_in_sensor_m)
-                       .norm()
-                 : ErrorSpread::kNone);
+    const Eigen::Vector3d centre_m =
+        answered ? mean_of_rest(found, 0, WandPositionOptions{}.deviation).centre_in_sensor_m
+                 : Eigen::Vector3d::Constant(ErrorSpread::kNone);
+    outcome.error_m.push_back((centre_m - sample.ball_in_sensor_m).norm());
+    outcome.distance_error_m.push_back(std::abs(centre_m.norm() - sample.ball_in_sensor_m.norm()));
   }
 }
 
@@ -206,7 +225,9 @@ Json json_of(const std::vector<SampleOutcome>& outcomes) {
   for (const SampleOutcome& outcome : outcomes) {
     Json statuses = Json::array();
     for (const WandStatus status : outcome.status) statuses.push_back(static_cast<unsigned>(status));
-    images.push_back({{"error_m", numbers_json(outcome.error_m)}, {"status", statuses}});
+    images.push_back({{"error_m", numbers_json(outcome.error_m)},
+                      {"distance_error_m", numbers_json(outcome.distance_error_m)},
+                      {"status", statuses}});
   }
   return {{"images", images}};
 }
@@ -217,19 +238,51 @@ std::vector<SampleOutcome> read_outcomes(const Json& json, const std::string& pl
   JsonObject object(json, place, "");
   std::vector<SampleOutcome> outcomes;
   for (JsonObject& image : object.objects("images")) {
-    outcomes.push_back({image.numbers_or_none("error_m", methods), {}});
+    const auto errors_m = [&](const char* key) {
+      std::vector<double> values = image.numbers_or_none(key, methods);
+      if (std::any_of(values.begin(), values.end(), [](double e) { return e < 0.0; }))
+        image.refuse(key, "must be 0 or more");
+      return values;
+    };
+    SampleOutcome outcome{errors_m("error_m"), errors_m("distance_error_m"), {}};
     for (const std::uint64_t status : image.counts("status", methods)) {
       if (status > static_cast<std::uint64_t>(WandStatus::not_ended))
         image.refuse("status", "must hold numbers of statuses");
-      const double error_m = outcomes.back().error_m[outcomes.back().status.size()];
-      if (error_m < 0.0) image.refuse("error_m", "must be 0 or more");
-      outcomes.back().status.push_back(static_cast<WandStatus>(status));
+      outcome.status.push_back(static_cast<WandStatus>(status));
     }
+    outcomes.push_back(std::move(outcome));
     image.finish();
   }
   if (outcomes.size() != images) object.refuse("images", "must be " + std::to_string(images));
   object.finish();
   return outcomes;
+}
+
+struct RowErrors {
+  std::vector<ClusteredError> all, recommended, recommended_distance, near;
+};
+
+void add_unit(std::uint64_t unit, const std::vector<Sample>& samples,
+              const std::vector<SampleOutcome>& outcomes, WandSampleResults& results,
+              std::vector<RowErrors>& errors) {
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    const Sample& sample = samples[k / 2];
+    const std::size_t methods = outcomes[k].error_m.size();
+    for (std::size_t m = 0; m < methods; ++m) {
+      const std::size_t row = (k % 2) * methods + m;
+      const ClusteredError error{unit, outcomes[k].error_m[m]},
+          distance{unit, outcomes[k].distance_error_m[m]};
+      (sample.near ? errors[row].near : errors[row].all).push_back(error);
+      if (is_recommended(sample)) {
+        errors[row].recommended.push_back(error);
+        errors[row].recommended_distance.push_back(distance);
+      }
+      if (sample.near) continue;
+      ++results.rows[row].statuses[name_of(outcomes[k].status[m])];
+      results.samples.push_back(
+          {row, unit, sample.distance_m, sample.angle_rad, error.error_m, distance.error_m});
+    }
+  }
 }
 
 }  // namespace
@@ -256,29 +309,17 @@ WandSampleResults measure_wand(const CalibrationSpec& spec, StudyItems& items, c
       units.push_back(read_outcomes(*outcome, items.place_of(wand_item(u)), images, methods.size()));
   }
   if (!items.whole()) return results;
-  std::vector<std::vector<ClusteredError>> all(2 * methods.size()), recommended(all), near(all);
   for (Scene kind : {Scene::far_wall, Scene::room})
     for (const Variant& variant : methods)
       results.rows.push_back({variant.name, kind == Scene::far_wall ? "far wall" : "room", {}, {}, {}, {}});
-  for (std::uint64_t u = 0; u < spec.units; ++u) {
-    const std::vector<Sample> samples = draw_samples(spec, u);
-    for (std::size_t k = 0; k < units[u].size(); ++k) {
-      const Sample& sample = samples[k / 2];
-      for (std::size_t m = 0; m < methods.size(); ++m) {
-        const std::size_t row = (k % 2) * methods.size() + m;
-        const ClusteredError error{u, units[u][k].error_m[m]};
-        (sample.near ? near : all)[row].push_back(error);
-        if (is_recommended(sample)) recommended[row].push_back(error);
-        if (sample.near) continue;
-        ++results.rows[row].statuses[name_of(units[u][k].status[m])];
-        results.samples.push_back({row, u, sample.distance_m, sample.angle_rad, units[u][k].error_m[m]});
-      }
-    }
-  }
+  std::vector<RowErrors> errors(results.rows.size());
+  for (std::uint64_t u = 0; u < spec.units; ++u)
+    add_unit(u, draw_samples(spec, u), units[u], results, errors);
   for (std::size_t row = 0; row < results.rows.size(); ++row) {
-    results.rows[row].all = spread_of(all[row], spec.seed);
-    results.rows[row].recommended = spread_of(recommended[row], spec.seed);
-    results.rows[row].near = spread_of(near[row], spec.seed);
+    results.rows[row].all = spread_of(errors[row].all, spec.seed);
+    results.rows[row].recommended = spread_of(errors[row].recommended, spec.seed);
+    results.rows[row].recommended_distance = spread_of(errors[row].recommended_distance, spec.seed);
+    results.rows[row].near = spread_of(errors[row].near, spec.seed);
   }
   return results;
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat calibrate`.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
@@ -36,6 +38,9 @@ CalibrateWandOptions wand_options(const CalibrateArguments& arguments, Progress&
   options.depth_correction = !arguments.no_depth_correction;
   options.movement_m = arguments.movement_m;
   options.movement_sigma_m = arguments.movement_sigma_m;
+  const auto axis = std::find(kTrajectoryAxes.begin(), kTrajectoryAxes.end(), arguments.trajectory_axis);
+  if (axis != kTrajectoryAxes.end())
+    options.trajectory_axis = static_cast<TrajectoryAxis>(axis - kTrajectoryAxes.begin());
   if (arguments.mocap.empty() != arguments.asset.empty() ||
       arguments.mocap.empty() == arguments.mocap_start_host_ns.has_value())
     throw InputError("--mocap", "needs --asset and --mocap-start-host-ns beside it, and they need it");
@@ -54,6 +59,7 @@ void refuse_ignored(const CalibrateArguments& a) {
   if (bodies && !a.intrinsics.empty()) refuse("--intrinsics");
   if (bodies && a.movement_m) refuse("--movement-m");
   if ((bodies || two) && a.no_depth_correction) refuse("--no-depth-correction");
+  if (!two && !a.trajectory_axis.empty()) refuse("--trajectory-axis");
   if ((bodies || two) && a.sessions.size() > 1)
     throw InputError(a.sessions[1].string(), "is one session too many for --method " + a.method);
   if (bodies && !a.shard.empty())

@@ -85,6 +85,11 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("--movement-sigma-m", c.movement_sigma_m, "how sure that is, one standard deviation")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  verb->add_option(
+          "--trajectory-axis", c.trajectory_axis,
+          "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the paper's "
+          "y of eq. 6; without it y as printed, z (a horizontal axis) corrected")
+      ->check(CLI::IsMember({"x", "y", "z"}));
   verb->add_flag("--no-depth-correction", c.no_depth_correction,
                  "do not estimate each sensor's depth offset and wiggle beside its pose");
   verb->add_option("--shard", c.shard,

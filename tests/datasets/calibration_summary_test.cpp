@@ -32,8 +32,8 @@ CalibrationSummary full_summary() {
   s.positions = 50;
   const ErrorSpread spread{4, 3, 0.1 + 0.2, 1.0 / 3.0, 0.3, 0.4, 0.5, 0.25, 0.35};
   s.wand = {{"as printed", "free", spread, {}, {}, {{"found", 3}, {"no_wand", 1}}},
-            {"ours", "room", {}, spread, spread, {}}};
-  s.wand_samples = {{0, 1, 1.5, 0.25, 0.012}, {1, 0, 2.5, 0.5, kNone}};
+            {"ours", "room", {}, spread, spread, {}, {4, 2, 0.007}}};
+  s.wand_samples = {{0, 1, 1.5, 0.25, 0.012, 0.004}, {1, 0, 2.5, 0.5, kNone, kNone}};
   s.distortion = {
       {2.0, 1000, 1, -0.013, {1000, 0}, {0.01, kNone}, {0.001, kNone}, {0.2, kNone}, {0.003, 0.0}}};
   s.rigs = {{"wand", 6, 1, spread, 0.001, 0.002, 0.875, 0.95, 0.9, kNone, 1.1, 0.9, 6.5, 1.02}};
@@ -59,7 +59,11 @@ TEST(CalibrationSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   EXPECT_EQ(read.wand[1].near.answered, 3u);
   ASSERT_EQ(read.wand_samples.size(), 2u);
   EXPECT_EQ(read.wand_samples[0].error_m, 0.012);
+  EXPECT_EQ(read.wand_samples[0].distance_error_m, 0.004);
+  EXPECT_EQ(read.wand[1].recommended_distance.answered, 2u);
+  EXPECT_EQ(read.wand[1].recommended_distance.mean_m, 0.007);
   EXPECT_TRUE(std::isnan(read.wand_samples[1].error_m));
+  EXPECT_TRUE(std::isnan(read.wand_samples[1].distance_error_m));
   EXPECT_EQ(read.wand_samples[1].row, 1u);
   ASSERT_EQ(read.distortion.size(), 1u);
   EXPECT_THAT(read.distortion[0].valid, ElementsAre(1000u, 0u));
@@ -105,11 +109,12 @@ class SpoiltSummary : public testing::Test {
 
 TEST_F(SpoiltSummary, SamplesOfRowsThatAreNotThereAreRefused) {
   EXPECT_EQ(refusal([](Json&) {}), "no error");
-  for (const char* sample : {"[2, 0, 1.0, 0.1, null]", "[-1, 0, 1.0, 0.1, null]", "[0, 0, 1.0, 0.1]",
-                             "[0, 0, null, 0.1, 0.2]", "[0, 0.5, 1.0, 0.1, 0.2]", "{}"})
-    EXPECT_THAT(
-        refusal([&](Json& json) { json["wand_samples"][1] = parse_json(sample, "sample"); }),
-        HasSubstr("summary.json /wand_samples: must hold [row, unit, distance_m, angle_rad, error_m]"))
+  for (const char* sample :
+       {"[2, 0, 1.0, 0.1, null, null]", "[-1, 0, 1.0, 0.1, null, null]", "[0, 0, 1.0, 0.1, 0.2]",
+        "[0, 0, null, 0.1, 0.2, 0.2]", "[0, 0.5, 1.0, 0.1, 0.2, 0.2]", "{}"})
+    EXPECT_THAT(refusal([&](Json& json) { json["wand_samples"][1] = parse_json(sample, "sample"); }),
+                HasSubstr("summary.json /wand_samples: must hold [row, unit, distance_m, angle_rad, error_m, "
+                          "distance_error_m]"))
         << sample;
 }
 

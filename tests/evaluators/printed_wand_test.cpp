@@ -38,7 +38,7 @@ DepthPicture block_before_a_wall() {
 
 PrintedWandOptions all_corrected() {
   return {.invalid_pixels = Reading::corrected,
-          .stop = Reading::corrected,
+          .binarisation = Binarisation::corrected,
           .projection = Reading::corrected,
           .centre = Reading::corrected};
 }
@@ -57,7 +57,7 @@ TEST(PrintedWand, AsPrintedItNeverEndsButLeavesTheBlock) {
 TEST(PrintedWand, TheCorrectedStopRuleEndsWithTheSamePixels) {
   const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), rays(), {});
   const WandSighting sighting =
-      find_wand_as_printed(block_before_a_wall().view(), rays(), {.stop = Reading::corrected});
+      find_wand_as_printed(block_before_a_wall().view(), rays(), {.binarisation = Binarisation::corrected});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 21 * 11);
   EXPECT_EQ(sighting.centre_in_sensor_m, printed.centre_in_sensor_m);
@@ -67,8 +67,8 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
   DepthPicture picture = filled_with(4500);
   put_block(picture, 0, 0, 200, 423, 2200);  // someone beside it
   put_block(picture, 300, 100, 320, 110, 900);
-  for (const Reading stop : {Reading::printed, Reading::corrected})
-    EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.stop = stop}).pixels, 21 * 11);
+  for (const Binarisation binarisation : {Binarisation::printed, Binarisation::corrected})
+    EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.binarisation = binarisation}).pixels, 21 * 11);
 }
 
 // Depths 0.9 to 2 m: below half the average is nothing, and 0.9 m is less than half of 2 m.
@@ -76,11 +76,12 @@ TEST(PrintedWand, TheCorrectedStopRuleNeedNotEndEither) {
   DepthPicture picture = filled_with(5000);
   put_block(picture, 100, 100, 199, 199, 2000);
   put_block(picture, 100, 100, 109, 199, 900);
-  const WandSighting sighting = find_wand_as_printed(picture.view(), rays(), {.stop = Reading::corrected});
+  const WandSighting sighting =
+      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
   EXPECT_EQ(sighting.status, WandStatus::found);  // 1.89 m average, threshold 0.95 m: the 0.9 m strip
   EXPECT_EQ(sighting.pixels, 1000);
   put_block(picture, 100, 100, 109, 199, 1000);
-  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.stop = Reading::corrected}).status,
+  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected}).status,
             WandStatus::not_ended);
 }
 
@@ -88,13 +89,15 @@ TEST(PrintedWand, TheCorrectedStopRuleNeedNotEndEither) {
 TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   DepthPicture picture = block_before_a_wall();
   picture.at(20, 30) = 0;
-  const WandSighting printed = find_wand_as_printed(picture.view(), rays(), {.stop = Reading::corrected});
+  const WandSighting printed =
+      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
   // The first label map holds block and pixel: 0.5 m is less than C times 1 m, and the average is 0.998 m.
   EXPECT_EQ(printed.pixels, 1);
   EXPECT_NEAR(printed.centre_in_sensor_m.z(), 0.5, 1e-12);
   EXPECT_LT(printed.centre_in_sensor_m.x(), 0.0);
-  const WandSighting corrected = find_wand_as_printed(
-      picture.view(), rays(), {.invalid_pixels = Reading::corrected, .stop = Reading::corrected});
+  const WandSighting corrected =
+      find_wand_as_printed(picture.view(), rays(),
+                           {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
   EXPECT_EQ(corrected.pixels, 21 * 11);
 }
 
@@ -104,7 +107,7 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
   const DepthRays pinhole_rays = depth_rays(pinhole);
   DepthPicture picture = filled_with(6000);
   put_block(picture, 380, 207, 388, 217, 2000);  // the middle is the pixel (384, 212)
-  PrintedWandOptions options = {.stop = Reading::corrected};
+  PrintedWandOptions options = {.binarisation = Binarisation::corrected};
   const WandSighting printed = find_wand_as_printed(picture.view(), pinhole_rays, options);
   options.projection = Reading::corrected;
   const WandSighting corrected = find_wand_as_printed(picture.view(), pinhole_rays, options);
@@ -116,7 +119,7 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
 }
 
 TEST(PrintedWand, ThePrintedCentreAddsTheWidthInPixelsAndTheCorrectedOneTheRadiusAlongTheRay) {
-  PrintedWandOptions options = {.stop = Reading::corrected, .projection = Reading::corrected};
+  PrintedWandOptions options = {.binarisation = Binarisation::corrected, .projection = Reading::corrected};
   const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), rays(), options);
   options.centre = Reading::corrected;
   const WandSighting corrected = find_wand_as_printed(block_before_a_wall().view(), rays(), options);
@@ -129,8 +132,9 @@ TEST(PrintedWand, AnInvalidMiddleTakesTheDepthOfTheNearestLabelledPixel) {
   DepthPicture picture = block_before_a_wall();
   put_block(picture, 309, 104, 311, 106, 0);
   picture.at(310, 107) = 1010;
-  const WandSighting sighting = find_wand_as_printed(
-      picture.view(), rays(), {.invalid_pixels = Reading::corrected, .stop = Reading::corrected});
+  const WandSighting sighting =
+      find_wand_as_printed(picture.view(), rays(),
+                           {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
   // Two pixels away lie (310, 103), (308, 105), (312, 105) and (310, 107); the first in reading order is
   // taken.
   EXPECT_EQ(sighting.pixels, 21 * 11 - 9);
@@ -140,7 +144,8 @@ TEST(PrintedWand, AnInvalidMiddleTakesTheDepthOfTheNearestLabelledPixel) {
 TEST(PrintedWand, AMiddleBetweenPixelsIsProjectedAsSuch) {
   DepthPicture picture = filled_with(4000);
   put_block(picture, 256, 212, 257, 213, 1000);
-  const WandSighting sighting = find_wand_as_printed(picture.view(), rays(), {.stop = Reading::corrected});
+  const WandSighting sighting =
+      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
   EXPECT_NEAR(sighting.centre_in_sensor_m.x(), std::tan(70.0 * kRadPerDegree * 0.5 / 512.0), 1e-12);
   EXPECT_NEAR(sighting.centre_in_sensor_m.z(), 1.01, 1e-12);
 }
@@ -151,6 +156,50 @@ TEST(PrintedWand, NearerThanHalfTheAverageOrItIsNotSeen) {
   EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), all_corrected()).status, WandStatus::no_wand);
   put_block(picture, 300, 100, 320, 110, 1490);
   EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), all_corrected()).status, WandStatus::found);
+}
+
+// The ball 1 m away, somebody 1.8 m, a wall 5 m: the nearest of both is not half as near as the other, so the
+// corrected rule is content with both of them.
+TEST(PrintedWand, ByTheMidRangeOnlyTheBallIsLeftWhereTheMeanKeepsAPersonToo) {
+  const Vector3d ball(-0.1, 0.05, 1.0);
+  const DepthPicture picture = picture_of({.balls = {{ball, 0.075}},
+                                           .discs = {{{0.5, 0.0, 1.8}, Vector3d::UnitZ(), 0.3}},
+                                           .sticks = {},
+                                           .planes = {{Vector3d::UnitZ(), 5.0}}},
+                                          rays());
+  PrintedWandOptions options = all_corrected();
+  const WandSighting by_mean = find_wand_as_printed(picture.view(), rays(), options);
+  ASSERT_EQ(by_mean.status, WandStatus::found);
+  EXPECT_GT((by_mean.centre_in_sensor_m - ball).norm(), 0.2);
+  options.binarisation = Binarisation::mid_range;
+  const WandSighting by_mid_range = find_wand_as_printed(picture.view(), rays(), options);
+  ASSERT_EQ(by_mid_range.status, WandStatus::found);
+  EXPECT_LT((by_mid_range.centre_in_sensor_m - ball).norm(), 0.015);
+}
+
+// A ball at 2.6 m before a wall at 4 m: half of the mean is nearer than either.
+TEST(PrintedWand, ByTheMidRangeABallInFrontOfANearWallIsFound) {
+  const Vector3d ball(0.1, 0.0, 2.6);
+  const DepthPicture picture = picture_of({{{ball, 0.075}}, {}, {}, {{Vector3d::UnitZ(), 4.0}}}, rays());
+  PrintedWandOptions options = all_corrected();
+  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), options).status, WandStatus::no_wand);
+  options.binarisation = Binarisation::mid_range;
+  const WandSighting sighting = find_wand_as_printed(picture.view(), rays(), options);
+  ASSERT_EQ(sighting.status, WandStatus::found);
+  EXPECT_LT((sighting.centre_in_sensor_m - ball).norm(), 0.015);
+}
+
+// 1.000, 1.010 and 1.011 m: with C = 0.5025 the first two end, for 1.0101 times 1 m is no less than 1.01 m;
+// of all three the last is taken off first (2.011 m times C is 1.0105 m).
+TEST(PrintedWand, ByTheMidRangeItEndsWhenTheNextThresholdLeavesNothingOut) {
+  DepthPicture picture = filled_with(4000);
+  put_block(picture, 300, 100, 319, 109, 1000);
+  put_block(picture, 300, 110, 319, 119, 1010);
+  put_block(picture, 300, 120, 319, 129, 1011);
+  const WandSighting sighting =
+      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::mid_range});
+  EXPECT_EQ(sighting.status, WandStatus::found);
+  EXPECT_EQ(sighting.pixels, 400);
 }
 
 TEST(PrintedWand, SeesNothingWhereNothingIsLabelled) {

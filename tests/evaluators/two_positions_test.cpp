@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 constexpr double kMovement_m = 0.7;
 
 TwoPositionOptions all_corrected() {
-  return {.horizontal_axes = true, .signed_angle = true, .translation = true};
+  return {.trajectory_axis = TrajectoryAxis::z, .signed_angle = true, .translation = true};
 }
 
 // A sensor turned about the vertical, then nodding and leaning by as much as asked.
@@ -86,6 +86,33 @@ TEST(TwoPositions, TheArcCosineTakesAMovementToTheLeftForOneToTheRight) {
   EXPECT_NEAR(angle_between_rad(rotation(left, printed_angle), rotation(left, all_corrected())),
               2.0 * angle_rad, 1e-9);
   EXPECT_LT(angle_between_rad(rotation(left, printed_angle), rotation(right, printed_angle)), 1e-7);
+}
+
+// With the sign both horizontal axes give the same pose; without it x takes a movement towards the sensor for
+// one away from it, as z takes left for right.
+TEST(TwoPositions, TheTrajectoryCanBeComparedWithEitherHorizontalAxis) {
+  TwoPositionOptions along_x = all_corrected();
+  along_x.trajectory_axis = TrajectoryAxis::x;
+  for (int turn_deg = -180; turn_deg < 180; turn_deg += 15) {
+    const RigidTransform truth = wand_from_sensor(turn_deg, 25.0, -10.0);
+    along_x.up_in_sensor = truth.rotation.conjugate() * Vector3d::UnitY();
+    expect_pose(solve_for(truth, along_x), truth);
+  }
+  along_x = all_corrected();
+  along_x.trajectory_axis = TrajectoryAxis::x;
+  TwoPositionOptions printed_angle = along_x;
+  printed_angle.signed_angle = false;
+  const double angle_rad = 30.0 * kRadPerDegree;  // from the sensor's right, -x in its own frame
+  const Vector3d first(0.0, 0.0, 2.0);
+  for (const double side : {1.0, -1.0}) {
+    const Vector3d second =
+        first + kMovement_m * Vector3d(-std::cos(angle_rad), 0.0, side * std::sin(angle_rad));
+    const auto rotation = [&](const TwoPositionOptions& options) {
+      return solve_two_positions(first, second, kMovement_m, options).wand_from_sensor.rotation;
+    };
+    EXPECT_NEAR(angle_between_rad(rotation(printed_angle), rotation(along_x)),
+                side > 0.0 ? 2.0 * angle_rad : 0.0, 1e-7);
+  }
 }
 
 TEST(TwoPositions, ACosineBeyondOneHasItsStatusAndTheSignedAngleHasNone) {

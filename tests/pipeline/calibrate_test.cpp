@@ -230,6 +230,9 @@ TEST(CalibrateVerb, WrongUsageIsOneLine) {
   expect_refused(calibrated({"--method", "two_positions", "--mocap", "a.csv", "--asset", "w",
                              "--mocap-start-host-ns", "1"}),
                  "--mocap: is of no use with --method two_positions");
+  expect_refused(calibrated({"--trajectory-axis", "z"}),
+                 "--trajectory-axis: is of no use with --method wand");
+  expect_refused(calibrated({"--method", "printed", "--trajectory-axis", "up"}), "--trajectory-axis");
   expect_refused(
       calibrated({"--movement-m", "1", "--mocap", "a.csv", "--asset", "w", "--mocap-start-host-ns", "1"}),
       "--movement-m: is of no use beside --mocap");
@@ -430,7 +433,8 @@ std::vector<std::optional<FloorPlane>> read_floors(const std::filesystem::path& 
 
 const std::vector<std::optional<FloorPlane>> kNoFloors(4);
 const std::vector<Vector3d> kTwoPlaces{{0.0, 1.0, 0.0}, {0.6, 1.0, 0.2}};
-const TwoPositionOptions kCorrected{.horizontal_axes = true, .signed_angle = true, .translation = true};
+const TwoPositionOptions kCorrected{
+    .trajectory_axis = TrajectoryAxis::z, .signed_angle = true, .translation = true};
 
 TEST(CalibrateTwoPositions, CorrectedTheyUseEachSensorsFloor) {
   const ScratchFolder folder;

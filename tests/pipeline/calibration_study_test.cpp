@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -8,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/error_spread.h"
@@ -175,7 +178,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   const CalibrationSummary summary = read_calibration_summary(folder / "1");
   EXPECT_EQ(summary.study, "test");
   EXPECT_FALSE(summary.interrupted);
-  ASSERT_THAT(summary.wand, SizeIs(14));  // seven methods in two scenes
+  ASSERT_THAT(summary.wand, SizeIs(16));  // eight methods in two scenes
   for (const WandRow& row : summary.wand) {
     EXPECT_EQ(row.all.asked, 2u) << row.method;
     EXPECT_EQ(row.near.asked, 1u) << row.method;
@@ -183,17 +186,70 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
     for (const auto& [name, count] : row.statuses) statuses += count;
     EXPECT_EQ(statuses, 2u) << row.method;
   }
-  EXPECT_THAT(summary.wand_samples, SizeIs(14 * 2));
+  EXPECT_THAT(summary.wand_samples, SizeIs(16 * 2));
+  for (const WandSample& sample : summary.wand_samples)
+    EXPECT_FALSE(sample.distance_error_m > sample.error_m);
   ASSERT_THAT(summary.distortion, SizeIs(1));
   EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
   EXPECT_EQ(summary.distortion[0].frames, 4u);
-  ASSERT_THAT(summary.rigs, SizeIs(12));
+  ASSERT_THAT(summary.rigs, SizeIs(14));
   EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
   EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
   EXPECT_THAT(summary.effect, testing::Not(IsEmpty()));
   EXPECT_THAT(summary.effect, Each(Field(&EffectRow::joints, 200u)));
   for (const auto& entry : std::filesystem::directory_iterator(folder / "1"))
     EXPECT_NE(entry.path().extension(), ".h5") << entry.path();  // recordings of walking are removed
+}
+
+CalibrationSpec wand_only_spec(const std::string& members) {
+  return spec_of(members + R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0,
+      "effect_joints": 0)");
+}
+
+// A flat offset of the depths is along the ray of a ball on the central line, so there both errors are one.
+TEST(CalibrationStudy, TheErrorOfTheDistanceIsThatAlongTheRayOnly) {
+  const ScratchFolder folder;
+  execute_calibration(
+      wand_only_spec(R"(, "units": 4, "samples": 3, "distances_m": [1.2, 1.8], "largest_angle_deg": 0)"),
+      folder / "axis", {});
+  const CalibrationSummary axis = read_calibration_summary(folder / "axis");
+  std::size_t compared = 0;
+  for (const WandSample& sample : axis.wand_samples) {
+    if (axis.wand[sample.row].method != "ours" || axis.wand[sample.row].scene != "far wall") continue;
+    EXPECT_LE(sample.distance_error_m, sample.error_m);
+    EXPECT_NEAR(sample.distance_error_m, sample.error_m, 0.002);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 12u);
+  for (const WandRow& row : axis.wand) {
+    EXPECT_EQ(row.recommended_distance.answered, row.recommended.answered) << row.method;
+    EXPECT_FALSE(row.recommended_distance.mean_m > row.recommended.mean_m) << row.method;
+  }
+}
+
+// Nearer than 0.8 m, where the paper sees more error, lies a tenth of the span of distances.
+TEST(CalibrationStudy, EveryUnitHasSamplesInEachZoneThatThePaperJudges) {
+  const ScratchFolder folder;
+  execute_calibration(wand_only_spec(R"(, "units": 4, "samples": 40)"), folder / "zones", {});
+  std::map<std::uint64_t, std::array<int, 4>> zones;  // of a unit: too near, within, too far, too wide
+  for (const WandSample& sample : read_calibration_summary(folder / "zones").wand_samples) {
+    if (sample.row != 0) continue;
+    auto& [near, within, far, wide] = zones[sample.unit];
+    const double deg = sample.angle_rad * kDegreesPerRad;
+    near += sample.distance_m >= 0.5 && sample.distance_m < 0.8;
+    within += sample.distance_m >= 0.8 && sample.distance_m <= 3.0 && deg < 26.0;
+    far += sample.distance_m > 3.0;
+    wide += deg >= 26.0;
+  }
+  EXPECT_THAT(zones, SizeIs(4));
+  for (const auto& [unit, count] : zones) {
+    // 0.9 and 1.5 parts of 4.9, each sample in a part of its own: 7.3 and 12.2 of 40, and no unit has fewer
+    // than
+    EXPECT_GE(count[0], 6) << unit;
+    EXPECT_GE(count[2], 12) << unit;
+    EXPECT_GE(count[1], 9) << unit;
+    EXPECT_GE(count[3], 4) << unit;
+  }
 }
 
 // Level, seen by all and without depth errors of the units the corrected equations have nothing to be wrong
@@ -243,7 +299,7 @@ TEST(CalibrationStudy, AnInterruptedOneKeepsWhatIsDoneBesideItsName) {
   EXPECT_FALSE(std::filesystem::exists(folder / "later"));
   const CalibrationSummary later = read_calibration_summary(folder / "later.partial");
   EXPECT_TRUE(later.interrupted);
-  EXPECT_THAT(later.wand, SizeIs(14));
+  EXPECT_THAT(later.wand, SizeIs(16));
   EXPECT_THAT(later.rigs, IsEmpty());
 }
 

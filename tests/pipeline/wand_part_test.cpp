@@ -82,10 +82,18 @@ TEST(WandPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
   }
 }
 
-TEST(WandPart, TheMethodAsPrintedMergesToo) {
+TEST(WandPart, TheMethodAsPrintedMergesTooWithTheAxisThatWasAskedFor) {
   DividedWand work;
   work.method = WandMethod::printed;
-  EXPECT_EQ(merged(work.parts(2)), text_of(calibrate_wand(work.sessions, work.options, work.method)));
+  const std::string as_printed = text_of(calibrate_wand(work.sessions, work.options, work.method));
+  EXPECT_EQ(merged(work.parts(2)), as_printed);
+  std::uint64_t shards = 2;  // each number has folders of its own
+  for (const TrajectoryAxis axis : {TrajectoryAxis::x, TrajectoryAxis::y, TrajectoryAxis::z}) {
+    work.options.trajectory_axis = axis;
+    const std::string whole = text_of(calibrate_wand(work.sessions, work.options, work.method));
+    EXPECT_EQ(whole == as_printed, axis == TrajectoryAxis::y);
+    EXPECT_EQ(merged(work.parts(++shards)), whole);
+  }
 }
 
 TEST(WandPart, TheLengthOfItemsChangesNothing) {

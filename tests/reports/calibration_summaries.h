@@ -28,7 +28,8 @@ inline WandRow wand_row_of(const std::string& method, double mean_m) {
           spread_around(2 * mean_m, 6, 8),
           spread_around(mean_m, 3, 4),
           spread_around(mean_m, 1, 5),
-          {{"found", 6}, {"no_wand", 2}}};
+          {{"found", 6}, {"no_wand", 2}},
+          spread_around(0.4 * mean_m, 3, 4)};
 }
 
 // 512 columns: 20 mm of depth error outside of columns 150 to 350, 10 mm inside, half of the frames valid.
@@ -63,11 +64,11 @@ inline CalibrationSummary hand_made_calibration() {
   s.positions = 50;
   s.wand = {wand_row_of("corrected, but E2 as printed", 0.06), wand_row_of("corrected", 0.04),
             wand_row_of("ours", 0.02)};
-  s.wand_samples = {{2, 0, 0.5, 10 * kRadPerDegree, 0.10},
-                    {2, 0, 0.8, 20 * kRadPerDegree, 0.02},
-                    {2, 1, 1.2, 20 * kRadPerDegree, 0.04},
+  s.wand_samples = {{2, 0, 0.5, 10 * kRadPerDegree, 0.10, 0.05},
+                    {2, 0, 0.8, 20 * kRadPerDegree, 0.02, 0.01},
+                    {2, 1, 1.2, 20 * kRadPerDegree, 0.04, 0.03},
                     {2, 1, 4.5, 30 * kRadPerDegree, ErrorSpread::kNone},
-                    {1, 0, 0.5, 10 * kRadPerDegree, 0.30}};
+                    {1, 0, 0.5, 10 * kRadPerDegree, 0.30, 0.20}};
   s.distortion = {hand_made_curve()};
   RigRow wand{"wand",
               3,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reports/calibration_tables.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -15,10 +16,12 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
+using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::Pointwise;
 using testing::SizeIs;
 
 std::vector<std::string> texts_of(const std::vector<TableValue>& row) {
@@ -47,15 +50,16 @@ TEST(CalibrationTables, ThePapersStatementIsTheFirstRowOfTheWand) {
   const Table table = calibration_wand_table(hand_made_calibration());
   ASSERT_THAT(table.rows, SizeIs(4));
   EXPECT_THAT(texts_of(table.rows[0]),
-              ElementsAre("the paper, measured", "laser meter", "50", "–", "0.73", "0.85", "–", "–", "100",
-                          "–", "–", "–", "–", "–", "20.0", "not stated"));
+              ElementsAre("the paper, measured", "laser meter", "50", "–", "0.73", "0.85", "–", "–", "–", "–",
+                          "–", "–", "100", "–", "–", "–", "–", "–", "20.0", "not stated"));
 }
 
 TEST(CalibrationTables, AWandRowIsInCentimetresWithItsCoverage) {
   const Table table = calibration_wand_table(hand_made_calibration());
-  EXPECT_THAT(texts_of(table.rows[3]),
-              ElementsAre("ours", "far wall", "4", "3", "2.00", "1.00", "1.00", "3.00", "8", "6", "4.00",
-                          "4.00", "8.00", "0", "20.0", "found 75.0 %, no_wand 25.0 %"));
+  EXPECT_THAT(
+      texts_of(table.rows[3]),
+      ElementsAre("ours", "far wall", "4", "3", "0.80", "0.40", "0.40", "1.20", "2.00", "1.00", "1.00",
+                  "3.00", "8", "6", "4.00", "4.00", "8.00", "0", "20.0", "found 75.0 %, no_wand 25.0 %"));
 }
 
 TEST(CalibrationTables, AnErratumsNoteHasTheStudysOwnNumbers) {
@@ -71,13 +75,13 @@ TEST(CalibrationTables, ASampleOnAnEdgeCountsInTheBinAboveIt) {
   const Table table = calibration_bins_table(hand_made_calibration());
   ASSERT_THAT(table.rows, SizeIs(20));
   EXPECT_THAT(texts_of(table.rows[0]),
-              ElementsAre("ours", "far wall", "distance (m)", "0.4", "0.8", "1", "1", "10.00"));
+              ElementsAre("ours", "far wall", "distance (m)", "0.4", "0.8", "1", "1", "5.00", "10.00"));
   EXPECT_THAT(texts_of(table.rows[1]),
-              ElementsAre("ours", "far wall", "distance (m)", "0.8", "1.5", "2", "2", "3.00"));
+              ElementsAre("ours", "far wall", "distance (m)", "0.8", "1.5", "2", "2", "2.00", "3.00"));
   EXPECT_THAT(texts_of(table.rows[5]),
-              ElementsAre("ours", "far wall", "distance (m)", "3.75", "4.5", "1", "0", "–"));
+              ElementsAre("ours", "far wall", "distance (m)", "3.75", "4.5", "1", "0", "–", "–"));
   EXPECT_THAT(texts_of(table.rows[8]),
-              ElementsAre("ours", "far wall", "angle (degrees)", "18", "26", "2", "2", "3.00"));
+              ElementsAre("ours", "far wall", "angle (degrees)", "18", "26", "2", "2", "2.00", "3.00"));
 }
 
 TEST(CalibrationTables, AWallsEdgesAreComparedWithItsMiddle) {
@@ -146,7 +150,7 @@ TEST(CalibrationTables, EveryTitleSaysSimulated) {
   EXPECT_THAT(tables, SizeIs(5));
   for (const Table& table : tables) EXPECT_THAT(table.title, HasSubstr("simulated"));
   const auto figures = calibration_figures(hand_made_calibration());
-  EXPECT_THAT(figures, SizeIs(4));
+  EXPECT_THAT(figures, SizeIs(6));
   for (const Figure& figure : figures) EXPECT_THAT(figure.title, HasSubstr("simulated"));
 }
 
@@ -177,12 +181,40 @@ TEST(CalibrationFigures, AMethodWithoutAnAnswerAloneIsShownInTheRoom) {
   s.wand[1].all = spread_around(0.0, 0, 8);
   s.wand.push_back(wand_row_of("corrected", 0.5));
   s.wand.back().scene = "room";
-  s.wand_samples.push_back({3, 0, 2.0, 0.1, 1.5});
+  s.wand_samples.push_back({3, 0, 2.0, 0.1, 1.5, 0.5});
   const Figure figure = calibration_figures(s).front();
-  EXPECT_EQ(figure.series.front().name, "corrected, in the room (6 of 8 answered)");
-  ASSERT_THAT(figure.series.front().points, SizeIs(1));
-  EXPECT_DOUBLE_EQ(figure.series.front().points.front().y, 150.0);
+  ASSERT_THAT(figure.series, SizeIs(2));
+  EXPECT_EQ(figure.series[1].name, "corrected, in the room (6 of 8 answered)");
+  ASSERT_THAT(figure.series[1].points, SizeIs(1));
+  EXPECT_DOUBLE_EQ(figure.series[1].points.front().y, 50.0);  // of the distance, as the paper measured it
   EXPECT_THAT(figure.caption, HasSubstr("\"corrected\" found none of 8 balls before a far wall"));
+}
+
+// Bins of 0.2 m and 6.5 degrees: 0.8 m, 3 m and 26 degrees are edges of theirs.
+TEST(CalibrationFigures, TheMapHoldsTheMedianErrorOfTheDistanceInEachBinAndMarksThoseWithoutAnAnswer) {
+  CalibrationSummary s = hand_made_calibration();
+  s.wand_samples = {{2, 0, 0.45, 0.0, 0.5, 0.01},
+                    {2, 1, 0.55, 5 * kRadPerDegree, 0.5, 0.03},
+                    {2, 2, 0.85, 27 * kRadPerDegree, 0.5, 0.02},
+                    {2, 2, 1.15, 1 * kRadPerDegree, ErrorSpread::kNone, ErrorSpread::kNone},
+                    {1, 2, 0.75, 1 * kRadPerDegree, 0.5, 0.5}};
+  const auto figures = calibration_figures(s);
+  const auto ours = std::find_if(figures.begin(), figures.end(), [](const Figure& figure) {
+    return figure.id == "figure_calibration_map_ours";
+  });
+  ASSERT_NE(ours, figures.end());
+  ASSERT_TRUE(ours->map);
+  EXPECT_THAT(ours->map->x, Pointwise(DoubleNear(1e-12), {0.5, 0.7, 0.9, 1.1}));
+  EXPECT_THAT(ours->map->y, Pointwise(DoubleNear(1e-12), {3.25, 9.75, 16.25, 22.75, 29.25}));
+  ASSERT_THAT(ours->map->values, SizeIs(20));
+  EXPECT_DOUBLE_EQ(ours->map->values[0], 2.0);    // the median of 1 and 3 cm
+  EXPECT_TRUE(std::isnan(ours->map->values[1]));  // another method's sample
+  EXPECT_DOUBLE_EQ(ours->map->values[4 * 4 + 2], 2.0);
+  ASSERT_THAT(ours->series, SizeIs(2));
+  EXPECT_THAT(ours->series[1].name, HasSubstr("0.8 to 3 m, below 26°"));
+  ASSERT_THAT(ours->series[0].points, SizeIs(1));
+  EXPECT_NEAR(ours->series[0].points[0].x, 1.1, 1e-12);
+  EXPECT_NEAR(ours->series[0].points[0].y, 3.25, 1e-12);
 }
 
 }  // namespace

@@ -134,11 +134,13 @@ TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
   const auto results = results_in(folder, "results", hand_made_calibration());
   const ReportFiles report = write_report({results}, folder / "report");
   EXPECT_EQ(report.tables.size(), 5u);
-  ASSERT_EQ(report.figures.size(), 4u);
+  ASSERT_EQ(report.figures.size(), 6u);
   const std::string markdown = read_file(folder / "report/report.md");
   EXPECT_THAT(markdown, HasSubstr("Calibration, **simulated**"));
   EXPECT_THAT(markdown, HasSubstr("50 samples inside give 0.73 +- 0.85 cm"));
-  EXPECT_THAT(markdown, HasSubstr("2.00 cm (95 % interval 1.00 to 3.00 cm), 3 of 4 answered"));
+  EXPECT_THAT(markdown,
+              HasSubstr("0.80 cm (95 % interval 0.40 to 1.20 cm) of the distance and 2.00 cm (95 % interval "
+                        "1.00 to 3.00 cm) in three dimensions, 3 of 4 answered"));
   for (const Figure& figure : report.figures) {
     EXPECT_THAT(markdown, HasSubstr("![" + figure.title + "](" + figure.id + ".svg)"));
     const std::string svg = read_file(folder / ("report/" + figure.id + ".svg")),
