@@ -237,18 +237,20 @@ Zone read_zone(JsonObject zone) {
   return {{distance_m[0], distance_m[1]}, {angle_deg[0] / kDegreesPerRad, angle_deg[1] / kDegreesPerRad}};
 }
 
-// By unit, the sums of the wand's errors within a zone.
+// By unit, the sums of the errors of the wand's distance within a zone: what a laser meter can tell.
 WeightedRatio errors_in(const CalibrationSummary& s, std::size_t row, const Zone& zone) {
   WeightedRatio mean{std::vector<double>(s.units, 0.0), std::vector<double>(s.units, 0.0), 1.0};
   for (const WandSample& sample : s.wand_samples)
-    if (sample.row == row && sample.unit < s.units && zone.holds(sample) && std::isfinite(sample.error_m)) {
-      mean.numerator[sample.unit] += sample.error_m;
+    if (sample.row == row && sample.unit < s.units && zone.holds(sample) &&
+        std::isfinite(sample.distance_error_m)) {
+      mean.numerator[sample.unit] += sample.distance_error_m;
       mean.denominator[sample.unit] += 1.0;
     }
   return mean;
 }
 
-// The wand's error in a zone: less a printed number, in cm, or against another zone, in percent of its error.
+// The error of the wand's distance in a zone: less a printed number, in cm, or against another zone, in
+// percent of its error.
 MeasuredPart measure_wand(JsonObject& part, const ClaimStudies& e) {
   const std::string method = part.text("method"), scene = part.text("scene", "far wall");
   const Zone zone = read_zone(part.object("zone"));
@@ -260,7 +262,7 @@ MeasuredPart measure_wand(JsonObject& part, const ClaimStudies& e) {
   for (std::size_t row = 0; row < s.wand.size(); ++row) {
     if (s.wand[row].method != method || s.wand[row].scene != scene) continue;
     Contrast contrast{{errors_in(s, row, zone)}, {}};
-    Measurement found{"the wand, " + method, "cm", {}, {}};
+    Measurement found{"distance of the wand, " + method, "cm", {}, {}};
     if (has_other) {
       contrast.base = {errors_in(s, row, other)};
       contrast.value.push_back(contrast.base.front());
