@@ -92,7 +92,6 @@ struct Bins {
   std::size_t of(double value) const {
     return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, (value - from) / width)));
   }
-  double to() const { return from + width * static_cast<double>(count); }
   std::vector<double> middles() const {
     std::vector<double> result;
     for (std::size_t k = 0; k < count; ++k) result.push_back(from + width * (static_cast<double>(k) + 0.5));

@@ -74,8 +74,8 @@ struct Sample {
   bool near;
 };
 
-// Of a share of the samples, 0 to 1. The span holds few places nearer than the recommended range, where much
-// is to be seen, so they are drawn as densely as kNearDensity times as many.
+// Below which distance a share (0 to 1) of the samples lies. The part of the span that is nearer than the
+// recommended range is short, so its places are drawn kNearDensity times as densely.
 double span_distance_m(const CalibrationSpec& spec, double share) {
   const double from_m = spec.distances_m[0], to_m = spec.distances_m[1];
   const double knee_m = std::clamp(paper().recommended_m[0], from_m, to_m);
