@@ -67,8 +67,8 @@ std::string refusal(const std::function<void(Json&)>& change) {
 TEST(BudgetSummary, WhatIsNotOneIsRefusedWithItsPlace) {
   EXPECT_EQ(refusal([](Json&) {}), "no error");
   EXPECT_THAT(refusal([](Json& j) { j["kind"] = "accuracy"; }), HasSubstr("/version"));
-  EXPECT_THAT(refusal([](Json& j) { j["kind"] = "calibration"; }),
-              HasSubstr("/kind: is \"calibration\"; results of kind \"error_budget\" are needed here"));
+  EXPECT_THAT(refusal([](Json& j) { j["kind"] = "threshold_sweep"; }),
+              HasSubstr("/kind: is \"threshold_sweep\"; results of kind \"error_budget\" are needed here"));
   EXPECT_THAT(refusal([](Json& j) { j["version"] = 2; }), HasSubstr("/version: is another version"));
   EXPECT_THAT(refusal([](Json& j) { j["surprise"] = 1; }), HasSubstr("/surprise: is an unknown key"));
   EXPECT_THAT(refusal([](Json& j) { j["rows"][1]["surprise"] = 1; }), HasSubstr("/rows/1/surprise"));

@@ -63,6 +63,8 @@ TEST_F(StudyOutcomes, OfTheWandAreReadStrictly) {
   EXPECT_THAT(with("/images", Json::array()), HasSubstr("item wand/unit-0 /images: must be 4"));
   EXPECT_THAT(with("/images/0/error_m", Json::array({0.1})), HasSubstr("/images/0/error_m"));
   EXPECT_THAT(with("/images/0/error_m/0", -5.0), HasSubstr("must be 0 or more"));
+  EXPECT_THAT(with("/images/0/distance_error_m/0", -5.0),
+              HasSubstr("/images/0/distance_error_m: must be 0 or more"));
   EXPECT_THAT(with("/images/1/status/0", 7), HasSubstr("must hold numbers of statuses"));
   EXPECT_THAT(with("/images/1/status/0", 1.5), HasSubstr("/images/1/status"));
 }
@@ -75,13 +77,13 @@ TEST_F(StudyOutcomes, OfTheRigsAreReadStrictly) {
               HasSubstr("one number for each sensor that is placed"));
   EXPECT_THAT(with("/methods/0/covered", Json::array({-1})), HasSubstr("/methods/0/covered"));
   EXPECT_THAT(with("/methods/0/poses_wxyz_m", Json::array({1.0})), HasSubstr("/methods/0/poses_wxyz_m"));
-  EXPECT_THAT(with("/methods/5/position_m/0", -1.0), HasSubstr("what no pose's error is"));
-  EXPECT_THAT(with("/methods/5/covered/0", 99), HasSubstr("what no pose's error is"));
-  EXPECT_THAT(with("/methods/5/poses_wxyz_m/0", 2.0), HasSubstr("rotations of unit length"));
-  EXPECT_THAT(with("/methods/5/poses_wxyz_m/4", nullptr), HasSubstr("rotations of unit length"));
+  EXPECT_THAT(with("/methods/7/position_m/0", -1.0), HasSubstr("what no pose's error is"));
+  EXPECT_THAT(with("/methods/7/covered/0", 99), HasSubstr("what no pose's error is"));
+  EXPECT_THAT(with("/methods/7/poses_wxyz_m/0", 2.0), HasSubstr("rotations of unit length"));
+  EXPECT_THAT(with("/methods/7/poses_wxyz_m/4", nullptr), HasSubstr("rotations of unit length"));
   EXPECT_THAT(said("rigs/run-0", [](Json& outcome) { outcome["methods"][0].erase("failed"); }),
               HasSubstr("/methods/0/failed: is missing"));
-  EXPECT_THAT(with("/methods", Json::array()), HasSubstr("item rigs/run-0 /methods: must be 12"));
+  EXPECT_THAT(with("/methods", Json::array()), HasSubstr("item rigs/run-0 /methods: must be 14"));
 }
 
 TEST_F(StudyOutcomes, AsTheyWereWrittenMakeAStudy) {

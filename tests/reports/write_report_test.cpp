@@ -158,7 +158,7 @@ TEST(Report, FiguresOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({results, results}, folder / "report");
   const std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.figures.size(), 8u);
+  EXPECT_EQ(report.figures.size(), 12u);
 }
 
 TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
