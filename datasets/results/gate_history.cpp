@@ -11,6 +11,7 @@
 namespace trilat {
 namespace {
 
+constexpr int kVersion = 2;
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 Json json_of(const std::map<std::string, double>& values) {
@@ -27,7 +28,7 @@ std::map<std::string, double> read_values(JsonObject object) {
 
 Json json_of(const HistoryEntry& e) {
   return {{"format", "trilat.history"},
-          {"version", 1},
+          {"version", kVersion},
           {"time", e.time},
           {"program", e.program},
           {"accepted", e.accepted},
@@ -36,14 +37,13 @@ Json json_of(const HistoryEntry& e) {
           {"alarms", e.alarms},
           {"not_judged", e.not_judged},
           {"error_m", json_of(e.error_m)},
-          {"coverage", json_of(e.coverage)},
-          {"speed", json_of(e.speed)}};
+          {"coverage", json_of(e.coverage)}};
 }
 
 HistoryEntry read_entry(const std::string& line, const std::string& place) {
   const Json json = parse_json(line, place);
   JsonObject object(json, place, "");
-  check_format(object, "trilat.history", 1);
+  check_format(object, "trilat.history", kVersion);
   HistoryEntry e;
   e.time = object.text("time");
   e.program = object.text("program");
@@ -51,10 +51,9 @@ HistoryEntry read_entry(const std::string& line, const std::string& place) {
   e.reason = object.text("reason");
   e.quiet = object.boolean("quiet", true);
   e.alarms = object.texts("alarms");
-  if (object.has("not_judged")) e.not_judged = object.texts("not_judged");
+  e.not_judged = object.texts("not_judged");
   e.error_m = read_values(object.object("error_m"));
   e.coverage = read_values(object.object("coverage"));
-  e.speed = read_values(object.object("speed"));
   object.finish();
   return e;
 }

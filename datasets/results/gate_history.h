@@ -20,7 +20,6 @@ struct HistoryEntry {
   std::vector<std::string> not_judged;    // studies of which nobody can say whether they are worse
   std::map<std::string, double> error_m;  // mean absolute error by cell
   std::map<std::string, double> coverage;
-  std::map<std::string, double> speed;  // lower quartile of the ratios to the reference, by solver
 };
 
 struct History {
@@ -28,7 +27,7 @@ struct History {
   std::string torn;                   // which line was torn and left out; empty when none was
 };
 
-// history.jsonl (trilat.history, version 1): one JSON document a line. A last line that is torn is left out
+// history.jsonl (trilat.history, version 2): one JSON document a line. A last line that is torn is left out
 // and told; any other line that cannot be read is an InputError with its number. Empty when there is no file.
 History read_history(const std::filesystem::path& path);
 

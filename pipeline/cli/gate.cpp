@@ -9,17 +9,11 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "datasets/results/speed_file.h"
-#include "evaluators/metrics/ratio_change.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
-#include "pipeline/gate/judge_history.h"
-#include "pipeline/gate/judge_speed.h"
-#include "pipeline/gate/measure_speed.h"
-#include "pipeline/gate/shell_word.h"
+#include "pipeline/gate/night_history.h"
 #include "pipeline/results_folder.h"
 
 namespace trilat {
@@ -30,58 +24,9 @@ std::string time_now() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
-SpeedFile measured_speed(const char* label) {
-  Progress progress(label);
-  MeasureOptions options;
-  options.stop_requested = stop_requested;
-  options.progress = [&](double share) { progress.set(share); };
-  return measure_speed(options);
-}
-
-// Tonight's, measured when asked for.
-std::optional<SpeedFile> speed_of(const GateArguments& arguments) {
-  if (!arguments.speed) return read_speed(arguments.results);
-  find_results(arguments.results);  // refuses before the time is spent
-  std::vector<SpeedFile> runs;
-  for (int run = 0; run < (arguments.accepts ? kBaselineSpeedRuns : 1); ++run)
-    runs.push_back(measured_speed("timing the solvers"));
-  const SpeedFile speed = joined_speed(runs);
-  write_speed(arguments.results, speed);
-  return speed;
-}
-
-std::string command_of(const GateReport& report) {
-  return "trilat gate " + shell_word(report.results) + " --baseline " + shell_word(report.baseline);
-}
-
-void add_speed(const GateArguments& arguments, const GateLimits& limits, const SpeedFile& now,
-               GateReport& report) {
-  const auto before = read_speed(arguments.baseline);
-  if (!before) {
-    report.speed.note =
-        "not judged: the baseline has no speed.json; it gets one by --accept together with --speed";
-    return;
-  }
-  const std::function<SpeedFile()> again = [] { return measured_speed("timing the solvers once more"); };
-  SpeedJudgement judged =
-      judge_speed(now, *before, limits, arguments.speed ? again : std::function<SpeedFile()>{});
-  report.speed = judged.verdict;
-  for (GateFinding& f : judged.findings) {
-    f.command = command_of(report) + " --speed";
-    report.findings.push_back(std::move(f));
-  }
-}
-
-// What was measured beside other work would look like a drift.
-void add_speed_series(const SpeedFile& speed, HistoryEntry& entry) {
-  if (is_disturbed(speed)) return;
-  for (const SolverSpeed& s : speed.solvers) entry.speed[s.solver] = quantile_of(s.ratios, 0.25);
-}
-
 int accept(const GateArguments& arguments, const std::string& time) {
   // read first: a history that cannot be read must not be found out behind a new baseline
   if (!arguments.history.empty()) read_history(arguments.history);
-  const auto speed = speed_of(arguments);
   const std::vector<std::string> left_behind = studies_left_behind(arguments.results, arguments.baseline);
   const AcceptedBaseline accepted =
       accept_results(arguments.results, arguments.baseline, arguments.reason, time);
@@ -92,7 +37,6 @@ int accept(const GateArguments& arguments, const std::string& time) {
     entry.accepted = true;
     entry.reason = arguments.reason;
     add_series(find_results(arguments.results), entry);
-    if (speed) add_speed_series(*speed, entry);
     append_history(arguments.history, entry);
   }
   if (arguments.json) {
@@ -118,23 +62,13 @@ int accept(const GateArguments& arguments, const std::string& time) {
   return kDone;
 }
 
-void add_drifts(const GateArguments& arguments, const GateLimits& limits, HistoryEntry& tonight,
-                GateReport& report) {
-  const History history = read_history(arguments.history);
+void add_history(const History& history, HistoryEntry& tonight, GateReport& report) {
   if (!history.torn.empty())
     report.notes.push_back(history.torn + ": is torn, was left out and will be replaced");
   for (const GateFinding& f : report.findings)
     if (f.alarm) tonight.alarms.push_back(key_of(f));
-  HistoryJudgement judgement = judge_history(history, tonight, limits, report.findings, report.baseline_time);
-  for (GateFinding& drift : judgement.drifts) {
-    const bool of_speed = drift.condition.empty();
-    drift.command = command_of(report) + (of_speed ? " --speed" : " --method " + shell_word(drift.method));
-    if (drift.alarm) tonight.alarms.push_back(key_of(drift));
-    report.findings.push_back(std::move(drift));
-  }
-  sort_findings(report.findings);
   report.notes.push_back(
-      fmt::format("history: {} night(s) since the last accepted change", judgement.nights));
+      fmt::format("history: {} night(s) since the last accepted change", set_since(history, report)));
 }
 
 int exit_code_of(Verdict verdict) {
@@ -161,14 +95,9 @@ int compare(const GateArguments& arguments, const std::string& time) {
   HistoryEntry tonight;
   tonight.time = time;
   tonight.program = kProgramVersion;
-  if (const auto speed = speed_of(arguments)) {
-    add_speed(arguments, limits, *speed, report);
-    add_speed_series(*speed, tonight);
-  }
-  sort_findings(report.findings);
   add_series(find_results(arguments.results), tonight);
   report.history = arguments.history.string();
-  if (!arguments.history.empty()) add_drifts(arguments, limits, tonight, report);
+  if (!arguments.history.empty()) add_history(read_history(arguments.history), tonight, report);
   const Verdict verdict = report.verdict();
   tonight.quiet = verdict == Verdict::quiet;
   for (const StudyVerdict& s : report.studies)

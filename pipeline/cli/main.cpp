@@ -207,17 +207,13 @@ void add_gate(CLI::App& app, AllArguments& a, int& code) {
   GateArguments& g = a.gate;
   verb->add_option("results", g.results, "a results folder, or a folder that holds several")->required();
   verb->add_option("--baseline", g.baseline, "what to compare with: a folder of the same shape")->required();
-  verb->add_option("--history", g.history,
-                   "history.jsonl: says since when, finds slow drifts, and gets one line more");
+  verb->add_option("--history", g.history, "history.jsonl: says since when, and gets one line more");
   verb->add_option("--smallest-effect", g.smallest_percent, "percent; smaller changes are not told")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--resamples", g.resamples, "of the bootstrap intervals")
       ->check(CLI::Range(100, 100'000))
       ->capture_default_str();
-  verb->add_flag(
-      "--speed", g.speed,
-      "time the solvers now, into RESULTS/speed.json, and twice more before a slower one is an alarm");
   verb->add_option("--junit", g.junit, "also write the verdict as JUnit XML to this file");
   verb->add_option("--method", g.method, "list every cell of this method that is not identical");
   auto* accept = verb->add_option(

@@ -165,7 +165,6 @@ struct GateArguments {
   std::string method;  // whose cells are listed instead of the verdict
   bool accepts = false;
   std::string reason;
-  bool speed = false;
   int threads = 0;
   bool force = false;  // may replace what others wrote
   bool json = false;

@@ -111,9 +111,6 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
   } else {
     make_folder(partial);
     for (const FoundResults& found : set.results) copy_folder(found.folder, partial / found.name);
-    for (const char* beside : {"speed.json"})
-      if (const fs::path folder = set.results[0].folder.parent_path(); fs::exists(folder / beside))
-        fs::copy_file(folder / beside, partial / beside);
   }
   accepted.sha256 = content_of(partial);
   write_accepted(partial, accepted);

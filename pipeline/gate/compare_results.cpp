@@ -14,7 +14,6 @@
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
-#include "pipeline/gate/judge_history.h"
 #include "pipeline/gate/judge_numbers.h"
 #include "pipeline/gate/paired_cells.h"
 #include "pipeline/gate/paired_samples.h"
@@ -23,6 +22,16 @@
 
 namespace trilat {
 namespace {
+
+// Alarms before the rest, the worst of a study first; otherwise as they were.
+void sort_findings(std::vector<GateFinding>& findings) {
+  const auto size = [](const GateFinding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
+  std::stable_sort(findings.begin(), findings.end(), [&](const GateFinding& a, const GateFinding& b) {
+    if (a.alarm != b.alarm) return a.alarm;
+    if (a.study != b.study || a.kind != b.kind) return false;
+    return size(a) > size(b);
+  });
+}
 
 bool same_file(const ResultsPair& pair, const char* name, const std::function<bool()>& stop_requested) {
   const auto here = pair.now.folder / name, there = pair.before.folder / name;
@@ -213,19 +222,6 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
     report.baseline_reason = accepted->reason;
   }
   return report;
-}
-
-void add_series(const ResultsSet& results, HistoryEntry& entry) {
-  for (const FoundResults& found : results.results) {
-    if (found.kind != ResultsKind::accuracy) continue;
-    const ResultsSummary summary = read_summary(found.folder);
-    for (const SummaryCell& cell : summary.cells) {
-      if (cell.alignment != summary.alignments.front()) continue;
-      const std::string key = series_of(found.name, cell.method, cell.condition, cell.group);
-      if (std::isfinite(cell.mae_m)) entry.error_m[key] = cell.mae_m;
-      if (std::isfinite(cell.coverage())) entry.coverage[key] = cell.coverage();
-    }
-  }
 }
 
 }  // namespace trilat

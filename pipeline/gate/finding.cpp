@@ -6,8 +6,7 @@
 namespace trilat {
 
 const char* name_of(FindingKind kind) {
-  constexpr std::array<const char*, 7> kNames{"accuracy", "coverage", "status", "failure",
-                                              "number",   "speed",    "drift"};
+  constexpr std::array<const char*, 5> kNames{"accuracy", "coverage", "status", "failure", "number"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

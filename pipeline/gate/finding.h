@@ -15,8 +15,6 @@ enum class FindingKind : std::uint8_t {
   status,    // how a cell's answers ended
   failure,   // takes that could not be evaluated, cross-checks that fail
   number,    // a number of a deterministic study
-  speed,     // a solver's time against the reference of the same run
-  drift,     // a level that moved away over many nights
 };
 const char* name_of(FindingKind kind);
 
@@ -39,7 +37,7 @@ struct GateFinding {
   double chance = kNone;  // that so much is chance, corrected for all that was looked at
   std::uint64_t n = 0, clusters = 0;
   std::string note;   // a sentence more: exact counts, which take
-  std::string since;  // the night from which on the history shows it; empty when not known
+  std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
   std::string command;
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -87,15 +86,6 @@ std::string not_judged_text(const GateReport& report) {
   return text;
 }
 
-void sort_findings(std::vector<GateFinding>& findings) {
-  const auto size = [](const GateFinding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
-  std::stable_sort(findings.begin(), findings.end(), [&](const GateFinding& a, const GateFinding& b) {
-    if (a.alarm != b.alarm) return a.alarm;
-    if (a.study != b.study || a.kind != b.kind) return false;
-    return size(a) > size(b);
-  });
-}
-
 Json gate_json(const GateReport& report) {
   Json json{{"format", "trilat.gate"},
             {"version", 1},
@@ -111,8 +101,6 @@ Json gate_json(const GateReport& report) {
             {"studies", Json::array()},
             {"findings", Json::array()},
             {"cells", Json::array()},
-            {"speed",
-             {{"judged", report.speed.judged}, {"rerun", report.speed.rerun}, {"note", report.speed.note}}},
             {"notes", report.notes}};
   for (const StudyVerdict& s : report.studies)
     json["studies"].push_back(

@@ -32,13 +32,6 @@ struct StudyVerdict {
 enum class Verdict : std::uint8_t { quiet, regression, not_judged };
 const char* name_of(Verdict verdict);
 
-// How the speed was judged.
-struct SpeedVerdict {
-  bool judged = false;
-  bool rerun = false;  // measured again because something looked slower
-  std::string note;    // why it was not judged; else on what
-};
-
 struct GateReport {
   std::string time;  // UTC, ISO 8601
   std::string results, baseline;
@@ -49,14 +42,10 @@ struct GateReport {
   std::vector<ComparedCell> cells;    // that are not identical
   std::vector<GateFinding> findings;  // alarms first
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
-  SpeedVerdict speed;
   std::vector<std::string> notes;
   Verdict verdict() const;
   std::uint64_t alarms() const;
 };
-
-// Alarms before the rest, the worst of a study first; otherwise as they were.
-void sort_findings(std::vector<GateFinding>& findings);
 
 // What somebody reads in the morning: a verdict, then each alarm in a few lines, then what is better or to be
 // known. Ends with a newline.

@@ -54,7 +54,6 @@ std::string line_of(const GateFinding& f) {
 std::string heading_of(const GateFinding& f) {
   std::string text = f.study.empty() ? "" : f.study + ", ";
   if (!f.method.empty()) text += f.method + ": ";
-  const std::string how = name_of(f.direction);
   switch (f.kind) {
     case FindingKind::accuracy:
       return text + (f.direction == Direction::worse ? "larger errors" : "smaller errors");
@@ -67,11 +66,7 @@ std::string heading_of(const GateFinding& f) {
     case FindingKind::failure:
       return text + "fails";
     case FindingKind::number:
-      return text + "numbers " + how;
-    case FindingKind::speed:
-      return text + (f.direction == Direction::worse ? "slower" : "faster");
-    case FindingKind::drift:
-      return text + "drifted, " + how;
+      return text + "numbers " + name_of(f.direction);
   }
   return text;
 }
@@ -182,13 +177,11 @@ std::string morning_text(const GateReport& report) {
   text += "\n" + studies_text(report);
   for (const StudyVerdict& s : report.studies)
     if (!s.note.empty()) text += fmt::format("{}: {}\n", s.study, s.note);
-  if (!report.speed.note.empty()) text += fmt::format("speed: {}\n", report.speed.note);
   for (const std::string& note : report.notes) text += note + "\n";
   if (report.verdict() != Verdict::quiet)
-    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{}{} --accept \"why\"\n",
+    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{} --accept \"why\"\n",
                         shell_word(report.results), shell_word(report.baseline),
-                        report.history.empty() ? "" : " --history " + shell_word(report.history),
-                        report.speed.judged ? " --speed" : "");
+                        report.history.empty() ? "" : " --history " + shell_word(report.history));
   return text;
 }
 

@@ -5,7 +5,6 @@
 
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/speed_file.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/gate/found_results.h"
 #include "reports/chapter.h"
@@ -40,8 +39,6 @@ void print(const Table& table) {
 void report_on(const SoundFile& file) {
   if (file.name == "accepted.json") {
     read_accepted(file.folder);
-  } else if (file.name == "speed.json") {
-    read_speed(file.folder);
   } else if (file.name == "history.jsonl") {
     read_history(file.folder / file.name);
   } else if (file.name == "simulator.json") {

@@ -5,7 +5,6 @@
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/speed_file.h"
 #include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/execute.h"
 #include "pipeline/recording_study/execute_recording.h"
@@ -76,14 +75,12 @@ void write_budget(const fs::path& folder) {
 void write_gate_files(const fs::path& folder) {
   make_folder(folder);
   write_accepted(folder, {"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
-  write_speed(folder, {"a processor", "kernel 1", 64, 120.0, 0.1, {{"nonlinear", {1.0, 1.1, 0.9}, 130.0}}});
   HistoryEntry night;
   night.time = "2026-01-01T03:00:00Z";
   night.program = "trilat";
   night.alarms = {"nonlinear"};
   night.error_m = {{"nonlinear/head", 0.05}};
   night.coverage = {{"nonlinear/head", 1.0}};
-  night.speed = {{"nonlinear", 1.0}};
   append_history(folder / "history.jsonl", night);
 }
 

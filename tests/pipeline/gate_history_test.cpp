@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/philox.h"
-#include "datasets/results/accepted_baseline.h"
-#include "pipeline/gate/judge_history.h"
+#include "pipeline/gate/night_history.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 
@@ -14,8 +12,6 @@ namespace trilat {
 namespace {
 
 using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
 
 GateFinding worse_cell() {
   GateFinding f;
@@ -28,94 +24,101 @@ GateFinding worse_cell() {
   return f;
 }
 
-HistoryEntry night_of(int number, double error_m) {
-  HistoryEntry entry;
-  entry.time = "night " + std::to_string(number);
-  entry.error_m[series_of("walks", "nonlinear", "walking", "head")] = error_m;
-  return entry;
+GateReport report_with(const GateFinding& finding) {
+  GateReport report;
+  report.time = "night 20";
+  report.findings = {finding};
+  return report;
 }
 
-TEST(GateHistory, SaysSinceWhenALevelIsWhatItIs) {
+// Nights 10 to 19, of which those from `first` on raised the alarm about worse_cell().
+History alarmed_from(int first) {
   History history;
-  for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
-  std::vector<GateFinding> findings{worse_cell()};
-  judge_history(history, night_of(11, 0.052), {}, findings);
-  EXPECT_EQ(findings[0].since, "night 7");
+  for (int n = 10; n < 20; ++n) {
+    HistoryEntry entry;
+    entry.time = "night " + std::to_string(n);
+    if (n >= first) entry.alarms = {"another", key_of(worse_cell())};
+    history.entries.push_back(entry);
+  }
+  return history;
+}
+
+TEST(GateHistory, SaysSinceWhenAnAlarmIsRaisedNightByNight) {
+  GateReport report = report_with(worse_cell());
+  History history = alarmed_from(15);
+  EXPECT_EQ(set_since(history, report), 10u);
+  EXPECT_EQ(report.findings[0].since, "night 15");
+  history.entries[7].alarms.clear();  // a night without it: it began anew
+  set_since(history, report);
+  EXPECT_EQ(report.findings[0].since, "night 18");
+  set_since(alarmed_from(20), report);
+  EXPECT_EQ(report.findings[0].since, "night 20");
+}
+
+TEST(GateHistory, SaysNothingOfWhatIsNoAlarmOrOfAFirstNight) {
+  GateReport report = report_with(worse_cell());
+  EXPECT_EQ(set_since({}, report), 0u);
+  EXPECT_EQ(report.findings[0].since, "");
+  report.findings[0].alarm = false;
+  set_since(alarmed_from(15), report);
+  EXPECT_EQ(report.findings[0].since, "");
 }
 
 TEST(GateHistory, BeginsAnewWithAnAcceptedChange) {
-  History history;
-  for (int n = 1; n <= 10; ++n) history.entries.push_back(night_of(n, n < 7 ? 0.05 : 0.052));
+  GateReport report = report_with(worse_cell());
+  History history = alarmed_from(10);
   history.entries[6].accepted = true;
-  std::vector<GateFinding> none;
-  const HistoryJudgement judgement = judge_history(history, night_of(11, 0.052), {}, none);
-  EXPECT_EQ(judgement.nights, 4u);
-  EXPECT_THAT(judgement.drifts, IsEmpty());
-}
-
-TEST(GateHistory, FindsASlowDriftThatNoNightShows) {
-  History history;
-  for (int n = 1; n <= 15; ++n)
-    history.entries.push_back(night_of(n, 0.05 * (n < 6 ? 1.0 : n < 11 ? 1.008 : 1.016)));
-  std::vector<GateFinding> none;
-  const HistoryJudgement judgement = judge_history(history, night_of(16, 0.05 * 1.016), {}, none);
-  ASSERT_THAT(judgement.drifts, SizeIs(1));
-  EXPECT_EQ(judgement.drifts[0].since, "night 11");
-  EXPECT_NEAR(judgement.drifts[0].percent, 1.6, 1e-6);
-  EXPECT_TRUE(judgement.drifts[0].alarm);
-}
-
-TEST(GateHistory, FindsAMethodThatAnswersLessAndLess) {
-  History history;
-  const std::string key = series_of("walks", "nonlinear", "walking", "head");
-  for (int n = 1; n <= 15; ++n) {
-    history.entries.push_back(night_of(n, 0.05));
-    history.entries.back().coverage[key] = n < 6 ? 0.99 : n < 11 ? 0.986 : 0.982;
-  }
-  HistoryEntry tonight = night_of(16, 0.05);
-  tonight.coverage[key] = 0.982;
-  std::vector<GateFinding> none;
-  const HistoryJudgement judgement = judge_history(history, tonight, {}, none);
-  ASSERT_THAT(judgement.drifts, SizeIs(1));
-  EXPECT_TRUE(judgement.drifts[0].alarm);
-  EXPECT_EQ(judgement.drifts[0].method, "nonlinear");
-  EXPECT_EQ(judgement.drifts[0].group, "head");
-  EXPECT_EQ(judgement.drifts[0].unit, "");
+  history.entries[6].alarms.clear();
+  EXPECT_EQ(set_since(history, report), 4u);
+  EXPECT_EQ(report.findings[0].since, "night 17");
 }
 
 TEST(GateHistory, LeavesOutWhatWasBeforeTheBaselineWasAccepted) {
-  History history;
-  for (int n = 10; n <= 20; ++n) history.entries.push_back(night_of(n, n < 15 ? 0.05 : 0.052));
-  std::vector<GateFinding> none;
-  EXPECT_THAT(judge_history(history, night_of(21, 0.052), {}, none).drifts, SizeIs(1));
-  const HistoryJudgement judgement = judge_history(history, night_of(21, 0.052), {}, none, "night 15");
-  EXPECT_EQ(judgement.nights, 6u);
-  EXPECT_THAT(judgement.drifts, IsEmpty());
+  GateReport report = report_with(worse_cell());
+  report.baseline_time = "night 15";
+  EXPECT_EQ(set_since(alarmed_from(12), report), 5u);
+  EXPECT_EQ(report.findings[0].since, "night 15");
 }
 
-TEST(GateHistory, ADriftIsToldInItsUnitWithIntervalAndCommand) {
+TEST(GateHistory, ErrorsThatGrowSlowlyAreAnAlarmOnceTheyAddUpAndSaySinceWhen) {
   ScratchFolder folder;
-  write_made_results(folder / "a night", {}, [](MadeSample& s) { s.error_m = 0.05; });
   const std::string now = (folder / "a night").string(), before = (folder / "before").string();
   const std::string history = (folder / "history.jsonl").string();
-  ASSERT_EQ(
-      run_trilat(folder, {"gate", now, "--baseline", before, "--accept", "first", "--history", history}).code,
-      0);
-  Ended ended;
-  for (int n = 0; n < 12; ++n) {
-    Json summary = read_json(folder / "a night/summary.json");
-    summary["cells"][0]["mae_m"] = n < 6 ? 0.05 : 0.0505 + 1e-5 * (n % 2);
-    write_file(folder / "a night/summary.json", summary.dump());
-    ended = run_trilat(folder,
-                       {"gate", now, "--baseline", before, "--history", history, "--smallest-effect", "0.5"});
-  }
-  EXPECT_EQ(ended.code, 1);
-  EXPECT_THAT(ended.out, HasSubstr("walks, nonlinear: drifted, worse\n  walking, head: +"));
-  EXPECT_THAT(ended.out, HasSubstr(" to "));
-  EXPECT_THAT(ended.out, HasSubstr("cm"));
-  EXPECT_THAT(ended.out, HasSubstr("see: trilat gate '"));
-  EXPECT_THAT(ended.out, HasSubstr("a night' --baseline "));
+  const auto night = [&](double factor, std::vector<std::string> more) {
+    write_made_results(now, {}, larger_errors(factor));
+    std::vector<std::string> arguments{"gate",      now,     "--baseline",  before,
+                                       "--history", history, "--resamples", "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  };
+  ASSERT_EQ(night(1.0, {"--accept", "first"}).code, 0);
+  EXPECT_EQ(night(1.004, {}).code, 0);
+  EXPECT_EQ(night(1.008, {}).code, 0);
+  EXPECT_EQ(night(1.012, {}).code, 1);
+  const Ended ended = night(1.016, {});
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("  since " + read_history(history).entries.at(3).time + "\n"));
+  EXPECT_THAT(ended.out, HasSubstr("history: 4 night(s) since the last accepted change\n"));
+  EXPECT_THAT(ended.out, HasSubstr("see: trilat gate '" + now + "' --baseline "));
   EXPECT_THAT(ended.out, HasSubstr("--history " + history + " --accept \"why\""));
+}
+
+TEST(GateHistory, AFileOfAnotherVersionIsRefusedBeforeAnythingIsWritten) {
+  ScratchFolder folder;
+  write_made_results(folder / "now");
+  const std::string now = (folder / "now").string(), before = (folder / "before").string();
+  const std::string history = (folder / "history.jsonl").string();
+  const std::vector<std::string> accepting{"gate",      now,     "--baseline", before,
+                                           "--history", history, "--accept",   "first"};
+  ASSERT_EQ(run_trilat(folder, accepting).code, 0);
+  std::filesystem::remove_all(before);
+  Json line = read_json(history);
+  line["version"] = 1;
+  write_file(history, line.dump() + "\n");
+  expect_refused(run_trilat(folder, accepting),
+                 "history.jsonl:1 /version: is another version; this program reads version 2");
+  EXPECT_FALSE(std::filesystem::exists(before));
+  EXPECT_EQ(read_file(history), line.dump() + "\n");
 }
 
 TEST(GateHistory, ALineIsAddedOnlyWhenAllElseIsWritten) {

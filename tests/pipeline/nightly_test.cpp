@@ -25,7 +25,7 @@ verb=$1
 code=$(cat "$here/$verb.code" 2>/dev/null || echo 0)
 if [[ $verb == reproduce ]]; then mkdir -p "${@: -1}/walk"; fi
 if [[ $verb == gate && $code -lt 2 && " $* " == *" --accept "* ]]; then mkdir -p "$(dirname "$2")/../../baseline"; fi
-echo "said by $verb"
+echo "said by $verb: $*"
 exit "$code")");
   }
   void write_script(const std::string& name, const std::string& lines) const {
@@ -35,10 +35,12 @@ exit "$code")");
   void ends_with(const std::string& verb, int code) const {
     write_file(folder / (verb + ".code"), std::to_string(code));
   }
-  Ended night(const std::string& program = "trilat", const std::string& keep = "14") const {
+  Ended night(const std::string& program = "trilat", const std::string& keep = "14",
+              const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{"TRILAT_NIGHTLY_DIR=" + out.string(), "TRILAT_NIGHTLY_KEEP=" + keep,
                                    "--chdir=" + folder.path().string()};
     std::swap(words[0], words[2]);  // options of env come first
+    words.insert(words.end(), more.begin(), more.end());
     if (!program.empty()) words.push_back("TRILAT_NIGHTLY_PROGRAM=" + program);
     words.push_back((folder / "scripts/nightly").string());
     return Process(folder, words, "", "/usr/bin/env").wait();
@@ -115,6 +117,16 @@ TEST(Nightly, AFullDiskIsNoRegression) {
                           .wait();
   EXPECT_EQ(ended.code, 2);
   EXPECT_THAT(ended.err, HasSubstr("disk full"));
+}
+
+TEST(Nightly, TheGateGetsTheOptionsThatAreSetAndNoOthers) {
+  const Checkout checkout;
+  EXPECT_THAT(checkout.night().out, HasSubstr("history.jsonl --accept the first night\n"));
+  checkout.age("2000-01-01T00-00-00Z");
+  EXPECT_THAT(checkout.night().out, HasSubstr("gate.xml\n"));
+  checkout.age("2000-01-02T00-00-00Z");
+  EXPECT_THAT(checkout.night("trilat", "14", {"TRILAT_NIGHTLY_GATE=--smallest-effect 2"}).out,
+              HasSubstr("gate.xml --smallest-effect 2\n"));
 }
 
 TEST(Nightly, ARegressionEndsWithOne) {

@@ -35,8 +35,8 @@ class SimulatedNights {
 
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
-  // `number`: which recordings and baseline; `tonight`: which run of the code on them.
-  PairedStudy night(std::uint64_t number, const NightModel& model, std::uint64_t tonight = 0) const {
+  // `number`: which recordings, baseline and run of the code on them.
+  PairedStudy night(std::uint64_t number, const NightModel& model) const {
     PairedStudy study;
     study.study = "simulated";
     study.axes = {1, 1, kGroups, kMethods, {0, 1, 2, 3}};
@@ -44,7 +44,7 @@ class SimulatedNights {
     study.groups = {"head", "shoulder", "elbow", "wrist"};
     study.methods = {"nonlinear", "linear", "mean", "rts", "window"};
     for (std::size_t p = 0; p < model.participants; ++p)
-      study.takes.push_back(take(number, tonight, p, model, study.axes));
+      study.takes.push_back(take(number, p, model, study.axes));
     return study;
   }
 
@@ -93,7 +93,7 @@ class SimulatedNights {
     return result;
   }
 
-  PairedTake take(std::uint64_t number, std::uint64_t tonight, std::size_t p, const NightModel& model,
+  PairedTake take(std::uint64_t number, std::size_t p, const NightModel& model,
                   const PairedAxes& axes) const {
     PairedTake result{"p" + std::to_string(p), "p" + std::to_string(p), "walking", {}, {}};
     const auto instants = static_cast<std::uint64_t>(model.duration_s * kRate_hz);
@@ -101,8 +101,7 @@ class SimulatedNights {
     const double keep = std::exp(-1.0 / (kRate_hz * kWander_s));
     for (std::size_t g = 0; g < kGroups; ++g) {
       const RandomStream random{seed_, Purpose::test, (number * 64 + p) * kGroups + g};
-      const RandomStream again{seed_ + 1000, Purpose::test,
-                               ((number * 1000 + tonight) * 64 + p) * kGroups + g};
+      const RandomStream again{seed_ + 1000, Purpose::test, (number * 64'000 + p) * kGroups + g};
       std::uint32_t draw = 0, draw_again = 0;
       Vector bias{};
       for (double& b : bias) b = 0.03 * random.normal(draw++);

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/gate/night_history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "datasets/results/summary.h"
+
+namespace trilat {
+namespace {
+
+std::string series_of(const std::string& study, const std::string& method, const std::string& condition,
+                      const std::string& group) {
+  return study + " | " + method + " | " + condition + " | " + group;
+}
+
+bool raised(const HistoryEntry& night, const std::string& key) {
+  return std::find(night.alarms.begin(), night.alarms.end(), key) != night.alarms.end();
+}
+
+}  // namespace
+
+void add_series(const ResultsSet& results, HistoryEntry& entry) {
+  for (const FoundResults& found : results.results) {
+    if (found.kind != ResultsKind::accuracy) continue;
+    const ResultsSummary summary = read_summary(found.folder);
+    for (const SummaryCell& cell : summary.cells) {
+      if (cell.alignment != summary.alignments.front()) continue;
+      const std::string key = series_of(found.name, cell.method, cell.condition, cell.group);
+      if (std::isfinite(cell.mae_m)) entry.error_m[key] = cell.mae_m;
+      if (std::isfinite(cell.coverage())) entry.coverage[key] = cell.coverage();
+    }
+  }
+}
+
+std::string key_of(const GateFinding& f) {
+  std::string key = std::string(name_of(f.kind)) + " | " +
+                    series_of(f.study, f.method, f.condition, f.group) + " | " + f.alignment;
+  if (f.kind == FindingKind::number || f.kind == FindingKind::failure || f.kind == FindingKind::status)
+    key += " | " + f.what;
+  return key;
+}
+
+std::size_t set_since(const History& history, GateReport& report) {
+  std::vector<const HistoryEntry*> nights;
+  for (const HistoryEntry& entry : history.entries) {
+    if (entry.time < report.baseline_time) continue;  // judged against another baseline
+    if (entry.accepted) nights.clear();
+    nights.push_back(&entry);
+  }
+  if (nights.empty()) return 0;
+  for (GateFinding& f : report.findings) {
+    if (!f.alarm) continue;
+    f.since = report.time;
+    const std::string key = key_of(f);
+    for (auto night = nights.rbegin(); night != nights.rend() && raised(**night, key); ++night)
+      f.since = (*night)->time;
+  }
+  return nights.size();
+}
+
+}  // namespace trilat

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "evaluators/metrics/holm.h"
+#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/student_tail.h"
+
+namespace trilat {
+namespace {
+
+using testing::DoubleEq;
+using testing::ElementsAre;
+using testing::NanSensitiveDoubleEq;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+TEST(StudentTail, HasTheClosedFormsOfOneAndTwoDegrees) {
+  EXPECT_NEAR(student_two_sided(1.0, 1), 0.5, 1e-14);
+  for (const double t : {0.1, 1.0, 4.0, 300.0}) {
+    EXPECT_NEAR(student_two_sided(t, 2), 1.0 - t / std::sqrt(2.0 + t * t), 1e-13) << t;
+    EXPECT_DOUBLE_EQ(student_two_sided(-t, 2), student_two_sided(t, 2));
+  }
+  EXPECT_EQ(student_two_sided(0.0, 5), 1.0);
+  EXPECT_EQ(student_two_sided(HUGE_VAL, 5), 0.0);
+  EXPECT_TRUE(std::isnan(student_two_sided(kNone, 5)));
+  EXPECT_TRUE(std::isnan(student_two_sided(1.0, 0)));
+}
+
+TEST(StudentTail, IsFivePercentBeyondTheQuantile) {
+  for (const std::size_t degrees : {1u, 3u, 15u, 30u, 200u})
+    EXPECT_NEAR(student_two_sided(student_quantile(degrees), degrees), 0.05, 1e-7) << degrees;
+}
+
+TEST(Holm, CorrectsStepByStep) {
+  EXPECT_THAT(holm_adjusted(std::vector{0.01, 0.04, 0.03, 0.005}),
+              ElementsAre(DoubleEq(0.03), DoubleEq(0.06), DoubleEq(0.06), DoubleEq(0.02)));
+}
+
+TEST(Holm, CountsOnlyWhatIsATest) {
+  EXPECT_THAT(holm_adjusted(std::vector{kNone, 0.02, 0.9}),
+              ElementsAre(NanSensitiveDoubleEq(kNone), DoubleEq(0.04), DoubleEq(0.9)));
+  EXPECT_TRUE(holm_adjusted({}).empty());
+}
+
+}  // namespace
+}  // namespace trilat
