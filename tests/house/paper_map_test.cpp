@@ -2,7 +2,6 @@
 // docs/paper.md says where each element of the paper is: nothing it names may be missing, nothing that is
 // judged left out.
 #include <filesystem>
-#include <regex>
 #include <set>
 #include <string>
 
@@ -18,13 +17,14 @@ namespace {
 
 std::string map_text() { return read_file(std::filesystem::path(kSourceDir) / "docs/paper.md"); }
 
-// What stands between backticks, and matches.
-std::set<std::string> named(const std::string& pattern) {
-  const std::string text = map_text();
-  const std::regex expression("`(" + pattern + ")`");
+// What stands between backticks.
+std::set<std::string> named(const std::string& text) {
   std::set<std::string> found;
-  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it)
-    found.insert((*it)[1]);
+  for (std::size_t at = text.find('`'); at != std::string::npos;) {
+    const std::size_t end = text.find('`', at + 1);
+    found.insert(text.substr(at + 1, end - at - 1));
+    at = text.find('`', end + 1);
+  }
   return found;
 }
 
@@ -36,20 +36,18 @@ std::set<std::string> ids_in(const char* file, const char* list) {
 }
 
 TEST(PaperMap, EveryPlaceItNamesIsThere) {
-  const std::set<std::string> places = named("[a-z]+/[a-z0-9_/]*(?:\\.[a-z0-9]+)?");
-  EXPECT_GE(places.size(), 25u);
-  for (const std::string& place : places)
-    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(kSourceDir) / place)) << place;
+  int places = 0;
+  for (const std::string& name : named(map_text())) {
+    if (name.find('/') == std::string::npos) continue;
+    ++places;
+    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(kSourceDir) / name)) << name;
+  }
+  EXPECT_GE(places, 25);
 }
 
 TEST(PaperMap, EveryClaimAndErratumIsInItAndNoOther) {
-  const std::set<std::string> claims = ids_in("claims.json", "claims");
   const std::string text = map_text();
-  for (const std::string& id : claims) EXPECT_NE(text.find('`' + id + '`'), std::string::npos) << id;
-  const std::string below = text.substr(text.find("## Claims"));
-  const std::regex name("`([a-z0-9_]+)`");
-  for (std::sregex_iterator it(below.begin(), below.end(), name), end; it != end; ++it)
-    EXPECT_TRUE(claims.contains((*it)[1])) << (*it)[1];
+  EXPECT_EQ(named(text.substr(text.find("## Claims"))), ids_in("claims.json", "claims"));
   EXPECT_NE(text.find("E1 to E" + std::to_string(ids_in("errata.json", "errata").size())), std::string::npos);
 }
 
