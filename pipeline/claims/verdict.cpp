@@ -72,7 +72,7 @@ std::optional<std::size_t> clusters_needed(const ContrastEstimate& e, const Clai
 
 std::string size_beside(const ContrastEstimate& e, double paper) {
   const double ratio = e.value / paper;
-  const auto [low, high] = std::minmax(e.low() / paper, e.high() / paper);
+  const auto [low, high] = std::minmax({e.low() / paper, e.high() / paper});
   if (low > 1.25) return fmt::format("{:.1f} times the size", ratio);
   if (!(ratio > 0.0 && high < 0.8)) return {};
   constexpr std::array<std::pair<double, const char*>, 7> kWords{{{0.1, "a tenth"},
