@@ -13,10 +13,10 @@
 #include "pipeline/manifest.h"
 #include "pipeline/parallel.h"
 #include "pipeline/replay_take.h"
-#include "pipeline/running_time.h"
 #include "pipeline/summarise.h"
 #include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 namespace {

@@ -12,9 +12,9 @@
 #include "pipeline/results_folder.h"
 #include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
-#include "pipeline/running_time.h"
 #include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 namespace {

@@ -18,9 +18,9 @@
 #include "pipeline/results_folder.h"
 #include "pipeline/rig_gdop.h"
 #include "pipeline/runner.h"
-#include "pipeline/running_time.h"
 #include "pipeline/take_folder.h"
 #include "pipeline/take_key.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 namespace {
@@ -69,7 +69,7 @@ void put_part(const Plan& plan, const Shard& shard, std::vector<PartItem> items,
   if (const auto map = rig_gdop(plan)) write_gdop_map(folder, *map);
   if (const auto parameters = read_declared_parameters(plan.campaign.folder); !parameters.empty())
     write_declared_parameters(folder, parameters);
-  write_part(folder, {name_of(ResultsKind::accuracy), build_id(), shard.number, shard.of, std::move(work),
+  write_part(folder, {name_of(StudyKind::accuracy), build_id(), shard.number, shard.of, std::move(work),
                       std::move(items)});
 }
 

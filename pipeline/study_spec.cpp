@@ -42,12 +42,6 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 
 }  // namespace
 
-StudyKind study_kind(const Json& json, const std::string& place) {
-  return static_cast<StudyKind>(
-      JsonObject(json, place, "")
-          .choice("kind", {"accuracy", "threshold_sweep", "calibration", "error_budget", "recording"}));
-}
-
 StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder) {
   StudySpec spec;
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');

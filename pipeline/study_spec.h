@@ -14,10 +14,6 @@
 
 namespace trilat {
 
-// What a study.json asks for; each kind has its own reader.
-enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget, recording };
-StudyKind study_kind(const Json& json, const std::string& place);
-
 enum class ClockSource : std::uint8_t { stated, check, motion };
 
 // study.json, format 1, kind "accuracy": takes x methods -> errors.

@@ -131,15 +131,15 @@ Chapter recording_chapter(const std::filesystem::path& path) {
 
 Chapter read_chapter(const std::filesystem::path& path) {
   switch (results_kind(path)) {
-    case ResultsKind::threshold_sweep:
+    case StudyKind::threshold_sweep:
       return sweep_chapter(path);
-    case ResultsKind::calibration:
+    case StudyKind::calibration:
       return calibration_chapter(path);
-    case ResultsKind::error_budget:
+    case StudyKind::error_budget:
       return budget_chapter(path);
-    case ResultsKind::recording:
+    case StudyKind::recording:
       return recording_chapter(path);
-    case ResultsKind::accuracy:
+    case StudyKind::accuracy:
       break;
   }
   return accuracy_chapter(path);

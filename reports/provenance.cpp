@@ -18,9 +18,9 @@ std::string scalar_text(const Json& json, const std::string& key) {
 
 // The study as it can be run again. That of an error budget stands in the manifest as the accuracy study that
 // all its campaigns are sent through, with what they share beside it.
-Json runnable_study(const Json& manifest, ResultsKind kind) {
+Json runnable_study(const Json& manifest, StudyKind kind) {
   Json study = manifest.at("study");
-  if (kind != ResultsKind::error_budget) return study;
+  if (kind != StudyKind::error_budget) return study;
   study["kind"] = name_of(kind);
   for (const char* key : {"seed", "participants", "calibration_sigma_m", "calibration_sigma_deg"})
     if (manifest.contains(key)) study[key] = manifest.at(key);
@@ -48,7 +48,7 @@ void read_manifest(const std::filesystem::path& path, const std::string& campaig
                                      "parts of two runs; run the study again",
                                      found, wanted));
   };
-  same(study, "kind", name_of(p.kind == ResultsKind::error_budget ? ResultsKind::accuracy : p.kind));
+  same(study, "kind", name_of(p.kind == StudyKind::error_budget ? StudyKind::accuracy : p.kind));
   same(study, "name", p.study);
   if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
   p.campaign = campaign;
@@ -100,7 +100,7 @@ std::string study_file(const Provenance& provenance) {
 }
 
 std::string commands_of(const Provenance& p) {
-  const bool wants_campaign = p.kind == ResultsKind::accuracy;
+  const bool wants_campaign = p.kind == StudyKind::accuracy;
   const std::string folder = usable_id(p.folder);
   return fmt::format("trilat run {}{} -o {}\ntrilat report {} -o report", study_file(p),
                      wants_campaign ? " --campaign CAMPAIGN" : "", folder, folder);

@@ -18,7 +18,7 @@ struct InputFile {
 // it. Texts are empty where those files do not say.
 struct Provenance {
   std::string folder;  // the name of the results folder
-  ResultsKind kind = ResultsKind::accuracy;
+  StudyKind kind = StudyKind::accuracy;
   std::string study;  // its name
   std::string program, campaign, seed, study_sha256;
   std::string config;  // the resolved study as JSON

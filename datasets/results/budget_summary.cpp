@@ -32,7 +32,7 @@ Json json_of(const BudgetRow& row) {
 }
 
 void write_budget_summary(const std::filesystem::path& folder, const BudgetSummary& s) {
-  Json json = results_head(ResultsKind::error_budget);
+  Json json = results_head(StudyKind::error_budget);
   json.update({{"study", s.study},
                {"campaign", s.campaign},
                {"simulated", true},
@@ -50,7 +50,7 @@ void write_budget_summary(const std::filesystem::path& folder, const BudgetSumma
 BudgetSummary read_budget_summary(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, ResultsKind::error_budget);
+  check_results_head(object, StudyKind::error_budget);
   BudgetSummary s;
   s.study = object.text("study");
   s.campaign = object.text("campaign");

@@ -225,7 +225,7 @@ std::vector<T> read_list(JsonObject& object, const std::string& key, T (*read)(J
 }  // namespace
 
 void write_calibration_summary(const std::filesystem::path& folder, const CalibrationSummary& s) {
-  Json json = results_head(ResultsKind::calibration);
+  Json json = results_head(StudyKind::calibration);
   json["study"] = s.study;
   json["simulated"] = true;
   json["seed"] = s.seed;
@@ -246,7 +246,7 @@ void write_calibration_summary(const std::filesystem::path& folder, const Calibr
 CalibrationSummary read_calibration_summary(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, ResultsKind::calibration);
+  check_results_head(object, StudyKind::calibration);
   CalibrationSummary s;
   s.study = object.text("study");
   object.boolean("simulated", true);

@@ -35,13 +35,13 @@ bool PaperEvidence::any_simulated() const {
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {
   PaperEvidence evidence;
   for (const std::filesystem::path& folder : results) {
-    const ResultsKind kind = results_kind(folder);
-    if (kind == ResultsKind::accuracy) evidence.add(read_summary(folder));
-    if (kind == ResultsKind::calibration && !evidence.calibration)
+    const StudyKind kind = results_kind(folder);
+    if (kind == StudyKind::accuracy) evidence.add(read_summary(folder));
+    if (kind == StudyKind::calibration && !evidence.calibration)
       evidence.calibration = read_calibration_summary(folder);
-    if (kind == ResultsKind::recording && !evidence.recording)
+    if (kind == StudyKind::recording && !evidence.recording)
       evidence.recording = read_recording_summary(folder);
-    if (kind != ResultsKind::threshold_sweep || evidence.sweep) continue;
+    if (kind != StudyKind::threshold_sweep || evidence.sweep) continue;
     if (SweepSummary sweep = read_sweep_summary(folder); sweep.search) evidence.sweep = std::move(sweep);
   }
   return evidence;

@@ -135,7 +135,7 @@ QueueRow read_queue(JsonObject object) {
 }
 
 void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& s) {
-  Json json = results_head(ResultsKind::recording);
+  Json json = results_head(StudyKind::recording);
   json["study"] = s.study;
   json["simulated"] = true;
   json["seed"] = s.seed;
@@ -156,7 +156,7 @@ void write_recording_summary(const std::filesystem::path& folder, const Recordin
 RecordingSummary read_recording_summary(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, ResultsKind::recording);
+  check_results_head(object, StudyKind::recording);
   RecordingSummary s;
   s.study = object.text("study");
   object.boolean("simulated", true);

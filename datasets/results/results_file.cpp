@@ -16,14 +16,14 @@ constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "error_budget",
                                       "recording"};
 
-std::int64_t version_of(ResultsKind kind) {
-  if (kind == ResultsKind::accuracy) return 5;
-  return kind == ResultsKind::recording || kind == ResultsKind::calibration ? 2 : 1;
+std::int64_t version_of(StudyKind kind) {
+  if (kind == StudyKind::accuracy) return 5;
+  return kind == StudyKind::recording || kind == StudyKind::calibration ? 2 : 1;
 }
 
-ResultsKind read_head(JsonObject& object) {
+StudyKind read_head(JsonObject& object) {
   if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  const auto kind = static_cast<ResultsKind>(object.choice("kind", kKinds, 0));
+  const auto kind = static_cast<StudyKind>(object.choice("kind", kKinds, 0));
   if (object.integer("version") != version_of(kind))
     object.refuse("version",
                   fmt::format("is another version; this program reads version {} of results of kind \"{}\"",
@@ -33,7 +33,11 @@ ResultsKind read_head(JsonObject& object) {
 
 }  // namespace
 
-std::string name_of(ResultsKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
+StudyKind study_kind(const Json& study, const std::string& place) {
+  return static_cast<StudyKind>(JsonObject(study, place, "").choice("kind", kKinds));
+}
+
+std::string name_of(StudyKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
 
 Json read_results_json(const std::filesystem::path& folder) {
   const auto path = folder / "summary.json";
@@ -43,18 +47,18 @@ Json read_results_json(const std::filesystem::path& folder) {
   return read_json(path);
 }
 
-ResultsKind results_kind(const std::filesystem::path& folder) {
+StudyKind results_kind(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
   return read_head(object);
 }
 
-Json results_head(ResultsKind kind) {
+Json results_head(StudyKind kind) {
   return {{"format", kFormat}, {"version", version_of(kind)}, {"kind", name_of(kind)}};
 }
 
-void check_results_head(JsonObject& object, ResultsKind wanted) {
-  const ResultsKind kind = read_head(object);
+void check_results_head(JsonObject& object, StudyKind wanted) {
+  const StudyKind kind = read_head(object);
   if (kind != wanted)
     object.refuse(
         "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");

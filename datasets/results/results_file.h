@@ -10,18 +10,20 @@
 
 namespace trilat {
 
-// What a results folder holds: the study's kind.
-enum class ResultsKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget, recording };
-std::string name_of(ResultsKind kind);  // "accuracy", …
+// Of a study and of its results.
+enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, error_budget, recording };
+std::string name_of(StudyKind kind);  // "accuracy", …
+// What the study says; InputError when that is none.
+StudyKind study_kind(const Json& study, const std::string& place);
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.
-ResultsKind results_kind(const std::filesystem::path& folder);
+StudyKind results_kind(const std::filesystem::path& folder);
 
 // The parts that the summaries of every kind share.
 Json read_results_json(const std::filesystem::path& folder);  // summary.json
-Json results_head(ResultsKind kind);                          // its first keys
+Json results_head(StudyKind kind);                            // its first keys
 // Refuses other formats, versions and kinds. A summary without a kind is one of accuracy.
-void check_results_head(JsonObject& object, ResultsKind wanted);
+void check_results_head(JsonObject& object, StudyKind wanted);
 
 // Refuses other formats and versions of a file that stands beside the summary.
 void check_format(JsonObject& object, const std::string& format, int version);

@@ -135,7 +135,7 @@ CrossCheck read_cross_check(JsonObject object) {
 }  // namespace
 
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& s) {
-  Json json = results_head(ResultsKind::accuracy);
+  Json json = results_head(StudyKind::accuracy);
   json.update({{"study", s.study},         {"campaign", s.campaign},         {"simulated", s.simulated},
                {"takes", s.takes},         {"takes_failed", s.takes_failed}, {"participants", s.participants},
                {"methods", s.methods},     {"families", Json::array()},      {"family_cells", Json::array()},
@@ -159,7 +159,7 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
 ResultsSummary read_summary(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, ResultsKind::accuracy);
+  check_results_head(object, StudyKind::accuracy);
   ResultsSummary s;
   s.study = object.text("study");
   s.campaign = object.text("campaign");

@@ -74,7 +74,7 @@ void check_cells(const SweepSummary& s, const JsonObject& object) {
 }  // namespace
 
 void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& s) {
-  Json json = results_head(ResultsKind::threshold_sweep);
+  Json json = results_head(StudyKind::threshold_sweep);
   json["study"] = s.study;
   json["simulated"] = s.simulated;
   json["seed"] = s.seed;
@@ -95,7 +95,7 @@ void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary
 SweepSummary read_sweep_summary(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, ResultsKind::threshold_sweep);
+  check_results_head(object, StudyKind::threshold_sweep);
   SweepSummary s;
   s.study = object.text("study");
   s.simulated = object.boolean("simulated", true);

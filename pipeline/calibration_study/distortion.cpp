@@ -63,24 +63,23 @@ void add_row(const DepthImageView& image, const DepthRays& rays, double wall_m, 
 
 std::string distortion_item(std::uint64_t unit) { return fmt::format("distortion/unit-{}", unit); }
 
-DistortionCurve measure_unit(const CalibrationSpec& spec, std::uint64_t number, const StudyHooks& hooks,
-                             std::atomic<std::uint64_t>& done) {
+DistortionCurve measure_unit(const CalibrationSpec& spec, std::uint64_t number, const Watch& watch) {
   const std::uint64_t blocks = (spec.distortion_frames + kBlockFrames - 1) / kBlockFrames;
   const StudyUnit unit = draw_study_unit(spec.seed, number);
   DepthScene wall;
   wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -spec.wall_m});
   std::vector<RowSums> sums(blocks);
+  std::atomic<std::uint64_t> done{0};
   parallel_for_index(blocks, 1, [&](std::size_t b) {
     std::vector<std::uint16_t> depth_mm(kDepthPixels);
     const std::uint64_t end = std::min(spec.distortion_frames, (b + 1) * kBlockFrames);
     for (std::uint64_t frame = b * kBlockFrames; frame < end; ++frame) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      watch.check();
       const RandomStream key{spec.seed, Purpose::depth_pixel, random_item(1, number, 0, frame)};
       unit.renderer.render(wall, {}, key, depth_mm);
       add_row({kDepthWidth, kDepthHeight, depth_mm}, unit.rays, spec.wall_m, sums[b]);
     }
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(++done) / static_cast<double>(blocks * spec.distortion_units));
+    watch.tell(static_cast<double>(++done) / static_cast<double>(blocks));
   });
   RowSums total;
   for (const RowSums& block : sums) total.merge(block);
@@ -125,22 +124,22 @@ DistortionCurve read_curve(const CalibrationSpec& spec, std::uint64_t unit, cons
 
 }  // namespace
 
-std::vector<PartItem> distortion_items(const CalibrationSpec& spec) {
-  std::vector<PartItem> items;
+std::vector<Item> distortion_items(const CalibrationSpec& spec) {
+  std::vector<Item> items;
   for (std::uint64_t u = 0; u < spec.distortion_units; ++u)
-    items.push_back({distortion_item(u), static_cast<double>(spec.distortion_frames)});
+    items.push_back({distortion_item(u), static_cast<double>(spec.distortion_frames),
+                     [spec, u](const std::filesystem::path&, const Watch& watch) {
+                       return json_of(measure_unit(spec, u, watch));
+                     }});
   return items;
 }
 
-std::vector<DistortionCurve> measure_distortion(const CalibrationSpec& spec, StudyItems& items,
-                                                const StudyHooks& hooks) {
+std::vector<DistortionCurve> read_distortion(const CalibrationSpec& spec, const Outcomes& outcomes) {
   std::vector<DistortionCurve> curves;
-  std::atomic<std::uint64_t> done{0};
-  for (std::uint64_t u = 0; u < spec.distortion_units; ++u)
-    if (const auto outcome =
-            items.outcome(distortion_item(u), [&] { return json_of(measure_unit(spec, u, hooks, done)); }))
-      curves.push_back(read_curve(spec, u, *outcome, items.place_of(distortion_item(u))));
-  if (!items.whole()) curves.clear();
+  for (std::uint64_t u = 0; u < spec.distortion_units; ++u) {
+    const Outcome& outcome = outcomes.at(distortion_item(u));
+    curves.push_back(read_curve(spec, u, outcome.json, outcome.place));
+  }
   return curves;
 }
 

@@ -163,8 +163,7 @@ EffectRow row_of(const CalibrationSpec& spec, const Case& c, const std::vector<S
 }  // namespace
 
 std::vector<EffectRow> measure_effect(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth,
-                                      std::span<const RigCalibrations> calibrations,
-                                      const StudyHooks& hooks) {
+                                      std::span<const RigCalibrations> calibrations, const Watch& watch) {
   std::vector<EffectRow> rows;
   if (spec.effect_joints < kBlocks) return rows;
   std::vector<Case> cases;
@@ -174,11 +173,11 @@ std::vector<EffectRow> measure_effect(const CalibrationSpec& spec, const std::ve
   for (std::size_t c = 0; c < cases.size(); ++c) {
     std::vector<Sums> blocks;
     for (std::size_t b = 0; b < cases[c].rigs.size(); ++b) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      watch.check();
       blocks.push_back(run_block(spec, truth, cases[c], b));
     }
     for (std::size_t m = 0; m < kMethods.size(); ++m) rows.push_back(row_of(spec, cases[c], blocks, m));
-    if (hooks.progress) hooks.progress(static_cast<double>(c + 1) / static_cast<double>(cases.size()));
+    watch.tell(static_cast<double>(c + 1) / static_cast<double>(cases.size()));
   }
   return rows;
 }

@@ -8,7 +8,7 @@
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/calibration_study/study_units.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 
@@ -26,6 +26,6 @@ struct RigCalibrations {
 // study's sensor errors (independent, normal, an axis) and with what calibrations really gave. Every case
 // sees the same joints and the same range errors.
 std::vector<EffectRow> measure_effect(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth,
-                                      std::span<const RigCalibrations> calibrations, const StudyHooks& hooks);
+                                      std::span<const RigCalibrations> calibrations, const Watch& watch);
 
 }  // namespace trilat

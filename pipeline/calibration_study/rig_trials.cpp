@@ -247,11 +247,11 @@ std::string rig_item(std::size_t run) { return fmt::format("rigs/run-{}", run); 
 // One run by every method.
 std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& truth,
                                     std::size_t number, const std::filesystem::path& scratch,
-                                    const StudyHooks& hooks) {
-  const SimulatedRun run = simulate_run(spec, truth, number, hooks);
+                                    const Watch& watch) {
+  const SimulatedRun run = simulate_run(spec, truth, number, watch);
   std::vector<RunOutcome> outcomes;
   for (const Method& method : methods()) {
-    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    watch.check();
     outcomes.push_back(method.kind == Method::Kind::two_positions ? run_two_positions(run, method, truth)
                        : method.kind == Method::Kind::wand        ? run_wand(spec, run, method, truth)
                        : spec.bodies_s > 0.0 ? run_bodies(spec, number, method, truth, scratch)
@@ -360,33 +360,28 @@ std::vector<RigidTransform> true_rig(const CalibrationSpec& spec) {
   return rig;
 }
 
-std::vector<PartItem> rig_items(const CalibrationSpec& spec) {
+std::vector<Item> rig_items(const CalibrationSpec& spec) {
   constexpr double kBodies = 20.0;  // images that a second of walking costs
   const double cost = static_cast<double>(spec.positions * spec.position_frames * spec.rig.heights_m.size()) +
                       kBodies * spec.bodies_s;
-  std::vector<PartItem> items;
-  for (std::uint64_t r = 0; r < spec.runs; ++r) items.push_back({rig_item(r), cost});
+  std::vector<Item> items;
+  for (std::uint64_t r = 0; r < spec.runs; ++r)
+    items.push_back({rig_item(r), cost, [spec, r](const std::filesystem::path& scratch, const Watch& watch) {
+                       return json_of(measure_run(spec, true_rig(spec), r, scratch, watch));
+                     }});
   return items;
 }
 
-RigTrialResults measure_rigs(const CalibrationSpec& spec, const std::filesystem::path& scratch,
-                             StudyItems& items, const StudyHooks& hooks) {
+RigTrialResults read_rigs(const CalibrationSpec& spec, const Outcomes& outcomes_by_id) {
   RigTrialResults results;
   if (spec.runs == 0) return results;
-  const std::vector<RigidTransform> truth = true_rig(spec);
   const std::vector<Method> all = methods();
-  std::vector<std::vector<RunOutcome>> outcomes(all.size(), std::vector<RunOutcome>(spec.runs));
-  std::atomic<std::uint64_t> done{0};
-  parallel_for_index(spec.runs, 1, [&](std::size_t r) {
-    const auto outcome =
-        items.outcome(rig_item(r), [&] { return json_of(measure_run(spec, truth, r, scratch, hooks)); });
-    if (outcome) {
-      std::vector<RunOutcome> run = read_run(*outcome, items.place_of(rig_item(r)), truth.size());
-      for (std::size_t m = 0; m < all.size(); ++m) outcomes[m][r] = std::move(run[m]);
-    }
-    if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(spec.runs));
-  });
-  if (!items.whole()) return results;
+  std::vector<std::vector<RunOutcome>> outcomes(all.size());
+  for (std::uint64_t r = 0; r < spec.runs; ++r) {
+    const Outcome& outcome = outcomes_by_id.at(rig_item(r));
+    std::vector<RunOutcome> run = read_run(outcome.json, outcome.place, spec.rig.heights_m.size());
+    for (std::size_t m = 0; m < all.size(); ++m) outcomes[m].push_back(std::move(run[m]));
+  }
   for (std::size_t m = 0; m < all.size(); ++m) {
     if (all[m].kind == Method::Kind::bodies && spec.bodies_s == 0.0) continue;
     results.rows.push_back(row_of(all[m], outcomes[m], spec.seed));

@@ -54,7 +54,7 @@ void add_samples(std::uint64_t run_seed, const WandPosition& position, const Eig
 }  // namespace
 
 SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
-                          std::uint64_t run, const StudyHooks& hooks) {
+                          std::uint64_t run, const Watch& watch) {
   const std::uint64_t run_seed = spec.seed + 1'000'003 * (run + 1);
   const WandMotion motion({.positions = spec.positions}, run_seed, {0.0, 1.0, 0.0}, Person{});
   std::vector<StudyUnit> units;
@@ -71,7 +71,7 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
     const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), p, spec.ball_radius_m);
     WandPosition position{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}};
     for (std::size_t s = 0; s < units.size(); ++s) {
-      if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+      watch.check();
       std::vector<TimedSighting> found;
       for (std::uint64_t frame = 0; frame < spec.position_frames; ++frame) {
         const RandomStream key{run_seed, Purpose::depth_pixel,

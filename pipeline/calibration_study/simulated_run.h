@@ -8,6 +8,7 @@
 #include "pipeline/calibration/calibrate_views.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/study_units.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 
@@ -21,7 +22,7 @@ struct SimulatedRun {
   WandTrack track;                                   // of the ball, as OptiTrack would see it at rest
 };
 SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
-                          std::uint64_t run, const StudyHooks& hooks);
+                          std::uint64_t run, const Watch& watch);
 
 // A recording of bodies only: one person walking, with the declared tracker or one without bias.
 void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,

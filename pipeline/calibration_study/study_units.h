@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "datasets/depth/depth_rays.h"
 #include "datasets/synthetic/depth_renderer.h"
@@ -18,11 +17,5 @@ struct StudyUnit {
 
 // Optics and depth errors are functions of the seed and the unit's number; the declared noise model.
 StudyUnit draw_study_unit(std::uint64_t seed, std::uint64_t unit);
-
-// What is passed to every part of the study.
-struct StudyHooks {
-  std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};
-};
 
 }  // namespace trilat

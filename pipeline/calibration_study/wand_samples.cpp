@@ -194,28 +194,20 @@ std::vector<Sample> draw_samples(const CalibrationSpec& spec, std::uint64_t unit
   return samples;
 }
 
-struct Progress {
-  const StudyHooks& hooks;
-  std::uint64_t total = 0;
-  std::atomic<std::uint64_t> done{0};
-  void advance() {
-    if (hooks.progress) hooks.progress(static_cast<double>(++done) / static_cast<double>(total));
-  }
-};
-
 // Every sample of a unit in both scenes: sample by sample, in each the far wall first.
 std::vector<SampleOutcome> measure_unit(const CalibrationSpec& spec, std::uint64_t number,
-                                        const StudyHooks& hooks, Progress& progress) {
+                                        const Watch& watch) {
   const std::vector<Variant> methods = variants(spec.ball_radius_m);
   const StudyUnit unit = draw_study_unit(spec.seed, number);
   const std::vector<Sample> samples = draw_samples(spec, number);
   std::vector<SampleOutcome> outcomes(2 * samples.size());
+  std::atomic<std::size_t> done{0};
   parallel_for_index(outcomes.size(), 1, [&](std::size_t k) {
-    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    watch.check();
     const std::uint64_t i = k / 2;
     outcomes[k] =
         measure(spec, unit, number, samples[i], i, k % 2 == 0 ? Scene::far_wall : Scene::room, methods);
-    progress.advance();
+    watch.tell(static_cast<double>(++done) / static_cast<double>(outcomes.size()));
   });
   return outcomes;
 }
@@ -287,34 +279,31 @@ void add_unit(std::uint64_t unit, const std::vector<Sample>& samples,
 
 }  // namespace
 
-std::vector<PartItem> wand_items(const CalibrationSpec& spec) {
+std::vector<Item> wand_items(const CalibrationSpec& spec) {
   const std::uint64_t images = 2 * (spec.samples + spec.near_samples) * spec.frames;
-  std::vector<PartItem> items;
+  std::vector<Item> items;
   for (std::uint64_t u = 0; u < spec.units && images > 0; ++u)
-    items.push_back({wand_item(u), static_cast<double>(images)});
+    items.push_back({wand_item(u), static_cast<double>(images),
+                     [spec, u](const std::filesystem::path&, const Watch& watch) {
+                       return json_of(measure_unit(spec, u, watch));
+                     }});
   return items;
 }
 
-WandSampleResults measure_wand(const CalibrationSpec& spec, StudyItems& items, const StudyHooks& hooks) {
+WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcomes) {
   WandSampleResults results;
   if (spec.samples + spec.near_samples == 0) return results;
   const std::uint64_t images = 2 * (spec.samples + spec.near_samples);
   const std::vector<Variant> methods = variants(spec.ball_radius_m);
-  std::vector<std::vector<SampleOutcome>> units;
-  Progress progress{hooks, images * spec.units};
-  for (std::uint64_t u = 0; u < spec.units; ++u) {
-    const auto outcome =
-        items.outcome(wand_item(u), [&] { return json_of(measure_unit(spec, u, hooks, progress)); });
-    if (outcome)
-      units.push_back(read_outcomes(*outcome, items.place_of(wand_item(u)), images, methods.size()));
-  }
-  if (!items.whole()) return results;
   for (Scene kind : {Scene::far_wall, Scene::room})
     for (const Variant& variant : methods)
       results.rows.push_back({variant.name, kind == Scene::far_wall ? "far wall" : "room", {}, {}, {}, {}});
   std::vector<RowErrors> errors(results.rows.size());
-  for (std::uint64_t u = 0; u < spec.units; ++u)
-    add_unit(u, draw_samples(spec, u), units[u], results, errors);
+  for (std::uint64_t u = 0; u < spec.units; ++u) {
+    const Outcome& outcome = outcomes.at(wand_item(u));
+    add_unit(u, draw_samples(spec, u), read_outcomes(outcome.json, outcome.place, images, methods.size()),
+             results, errors);
+  }
   for (std::size_t row = 0; row < results.rows.size(); ++row) {
     results.rows[row].all = spread_of(errors[row].all, spec.seed);
     results.rows[row].recommended = spread_of(errors[row].recommended, spec.seed);

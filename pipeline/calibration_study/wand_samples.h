@@ -6,7 +6,7 @@
 #include "datasets/results/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/study_units.h"
-#include "pipeline/items/study_items.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 
@@ -17,9 +17,8 @@ struct WandSampleResults {
 
 // The paper's calibration figure: the error of one wand position, the mean of a few frames, against distance
 // and angle; as the paper prints it, with each erratum alone as printed, and ours; the ball alone
-// before a far wall, and in a room with the person who holds it. An item a unit; without results when some
-// are another shard's.
-WandSampleResults measure_wand(const CalibrationSpec& spec, StudyItems& items, const StudyHooks& hooks);
-std::vector<PartItem> wand_items(const CalibrationSpec& spec);
+// before a far wall, and in a room with the person who holds it. An item a unit.
+std::vector<Item> wand_items(const CalibrationSpec& spec);
+WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcomes);
 
 }  // namespace trilat

@@ -8,18 +8,18 @@
 
 #include "datasets/base/error.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/claims/judge_claims.h"
+#include "pipeline/cli/budget_study.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/embedded_studies.h"
-#include "pipeline/cli/execute_budget.h"
 #include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/simulate_take.h"
 #include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/execute.h"
-#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/recording_study.h"
 #include "pipeline/sweep/execute_sweep.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
@@ -76,6 +76,15 @@ ResultsSummary evaluate_into(const std::filesystem::path& folder, const StudySpe
       {arguments.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }, earlier(folder)});
 }
 
+void run_into(const std::filesystem::path& folder, const Study& study, const ReproduceArguments& arguments) {
+  PartProgress progress;
+  run_study(study, folder,
+            {arguments.threads,
+             stop_requested,
+             [&](const std::string& stage, double share) { progress.set(stage, share); },
+             {{}, earlier(folder)}});
+}
+
 // Two rigs of eight sensors, of which the study takes two to eight. How many takes failed.
 std::uint64_t sensors_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
   const std::pair<const char*, const char*> rigs[] = {
@@ -101,12 +110,7 @@ void budget_into(const std::filesystem::path& folder, const ReproduceArguments& 
   spec.simulation.seed = arguments.seed;
   if (arguments.scale == "quick")
     spec.simulation.participants = std::min(spec.simulation.participants, kQuickBudgetParticipants);
-  PartProgress progress;
-  execute_budget(spec, folder,
-                 {arguments.threads,
-                  stop_requested,
-                  [&](const std::string& part, double share) { progress.set(part, share); },
-                  {{}, earlier(folder)}});
+  run_into(folder, budget_study(spec), arguments);
 }
 
 SweepPlan sweep_plan(const char* text, const std::string& place, const ReproduceArguments& arguments,
@@ -138,14 +142,7 @@ void calibration_into(const std::filesystem::path& folder, const ReproduceArgume
     spec.near_samples = std::min(spec.near_samples, kQuickNearSamples);
     spec.runs = std::min(spec.runs, kQuickRuns);
   }
-  PartProgress progress;
-  const CalibrationSummary summary =
-      execute_calibration(spec, folder,
-                          {arguments.threads,
-                           stop_requested,
-                           [&](const std::string& part, double share) { progress.set(part, share); },
-                           {{}, earlier(folder)}});
-  if (summary.interrupted) throw Interrupted();
+  run_into(folder, calibration_study(spec), arguments);
 }
 
 void recording_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
@@ -157,17 +154,7 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
     spec.runs = std::min(spec.runs, kQuickRecordingRuns);
     spec.capture_s = std::min(spec.capture_s, kQuickCapture_s);
   }
-  PartProgress progress;
-  const RecordingOutcome outcome =
-      execute_recording(spec, folder,
-                        {arguments.threads,
-                         stop_requested,
-                         [&](const std::string& part, double share) { progress.set(part, share); },
-                         [&](const std::filesystem::path& capture, const RecordingHooks& hooks) {
-                           return time_capture(spec, capture, hooks);
-                         },
-                         {{}, earlier(folder)}});
-  if (outcome.summary.interrupted) throw Interrupted();
+  run_into(folder, recording_study(spec, time_capture), arguments);
 }
 
 // Every results folder, in the order of the report.

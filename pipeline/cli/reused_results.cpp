@@ -22,7 +22,7 @@ std::string some_of(const std::vector<std::string>& ids) {
 
 }  // namespace
 
-void check_run_output(const RunArguments& arguments, ResultsKind kind,
+void check_run_output(const RunArguments& arguments, StudyKind kind,
                       std::vector<std::filesystem::path> inputs) {
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   inputs.insert(inputs.end(), {arguments.study, arguments.calibration});

@@ -14,7 +14,7 @@ namespace trilat {
 
 // Refuses an output that is missing or may not be written; `inputs`: what the study reads beside what the
 // arguments name.
-void check_run_output(const RunArguments& arguments, ResultsKind kind,
+void check_run_output(const RunArguments& arguments, StudyKind kind,
                       std::vector<std::filesystem::path> inputs = {});
 
 // The earlier results that a run may take from: those named, and what its output holds unless it is to be

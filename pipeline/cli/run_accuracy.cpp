@@ -164,7 +164,7 @@ int run_accuracy_study(const RunArguments& arguments, const Json& json) {
   const Campaign campaign = campaign_of(study, arguments);
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   if (arguments.dry_run) return print_plan(make_plan(study, campaign), shard, arguments.json);
-  check_run_output(arguments, ResultsKind::accuracy, inputs_of(campaign));
+  check_run_output(arguments, StudyKind::accuracy, inputs_of(campaign));
   if (!arguments.shard.empty()) return run_shard(arguments, study, campaign, shard);
   ExecuteOptions options = options_of(arguments);
   StudyRun run;

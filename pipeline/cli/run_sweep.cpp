@@ -26,7 +26,7 @@ int run_sweep_study(const RunArguments& arguments, const Json& study) {
   options.work.reuse = arguments.reuse;
   options.fresh = arguments.fresh;
   if (arguments.dry_run) return print_sweep_plan(plan, options.work.shard, arguments.json);
-  check_run_output(arguments, ResultsKind::threshold_sweep);
+  check_run_output(arguments, StudyKind::threshold_sweep);
   SweepOutcome outcome;
   {
     PartProgress progress;

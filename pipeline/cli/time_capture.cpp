@@ -63,7 +63,7 @@ struct CaptureTimes {
 };
 
 CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::path& folder,
-                             const RecordingHooks& hooks) {
+                             const Watch& watch) {
   std::vector<std::string> names;
   for (std::uint64_t s = 0; s < spec.sensors; ++s) names.push_back(fmt::format("k{}", s + 1));
   make_tls_keys(folder, names);
@@ -77,16 +77,16 @@ CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::p
   for (std::uint64_t s = 0; s < spec.sensors; ++s)
     machines.push_back(std::make_unique<Machine>(std::make_shared<const SensorFrames>(rendered[s]),
                                                  folder / (names[s] + ".pem"), source->port(), spec));
-  source->wait_for_agents(spec.sensors, std::chrono::seconds(60), hooks.stop_requested);
+  source->wait_for_agents(spec.sensors, std::chrono::seconds(60), watch.stop_requested);
   CaptureTimes times;
   CaptureOptions options;
-  options.stop_requested = hooks.stop_requested;
+  options.stop_requested = watch.stop_requested;
   options.on_depth_stored = [&](const FrameStamp& stamp) {
     times.stored_s.push_back(1e-9 * static_cast<double>(steady_now_ns() - stamp.arrival_ns));
   };
-  if (hooks.progress)
+  if (watch.progress)
     options.on_status = [&](const CaptureStatus& s) {
-      hooks.progress(std::min(1.0, s.elapsed_s / spec.capture_s));
+      watch.progress(std::min(1.0, s.elapsed_s / spec.capture_s));
     };
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::move(source));
@@ -103,12 +103,12 @@ CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::p
 }  // namespace
 
 std::vector<StageTiming> time_capture(const RecordingSpec& spec, const std::filesystem::path& folder,
-                                      const RecordingHooks& hooks) {
+                                      const Watch& watch) {
   if (spec.capture_s <= 0.0) return {};
   make_folder(folder);
   CaptureTimes times;
   try {
-    times = record_over_tls(spec, folder, hooks);
+    times = record_over_tls(spec, folder, watch);
   } catch (...) {
     std::filesystem::remove_all(folder);
     throw;

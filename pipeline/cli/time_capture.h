@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/recording_study.h"
 
 namespace trilat {
 
@@ -14,6 +14,6 @@ namespace trilat {
 // recorder receives and stores, all on this machine. `folder` is for keys and session, which are removed.
 // Throws Interrupted.
 std::vector<StageTiming> time_capture(const RecordingSpec& spec, const std::filesystem::path& folder,
-                                      const RecordingHooks& hooks);
+                                      const Watch& watch);
 
 }  // namespace trilat

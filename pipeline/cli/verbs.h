@@ -120,12 +120,6 @@ int run(const RunArguments& arguments);
 int run_accuracy_study(const RunArguments& arguments, const Json& study);
 // And for one of kind threshold_sweep.
 int run_sweep_study(const RunArguments& arguments, const Json& study);
-// And for one of kind calibration.
-int run_calibration_study(const RunArguments& arguments, const Json& study);
-// And for one of kind error_budget.
-int run_budget_study(const RunArguments& arguments, const Json& study);
-// And for one of kind recording.
-int run_recording_study(const RunArguments& arguments, const Json& study);
 
 struct MergeArguments {
   std::vector<std::filesystem::path> parts;

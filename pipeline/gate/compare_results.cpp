@@ -62,7 +62,7 @@ class Comparison {
       same_inputs_.push_back(pair.now.name);
     else
       verdict.note = "the simulated recordings themselves are others than the baseline's";
-    if (pair.now.kind == ResultsKind::accuracy)
+    if (pair.now.kind == StudyKind::accuracy)
       compare_accuracy(pair, verdict);
     else
       compare_numbers(pair, verdict);

@@ -31,8 +31,8 @@ void refuse_mixed(const FoundResults& found, const Json& study) {
                                    "parts of two runs; run the study again",
                                    of_manifest.get<std::string>(), wanted));
   };
-  const bool budget = found.kind == ResultsKind::error_budget;
-  same("/study/kind", study.value("kind", Json()), name_of(budget ? ResultsKind::accuracy : found.kind));
+  const bool budget = found.kind == StudyKind::error_budget;
+  same("/study/kind", study.value("kind", Json()), name_of(budget ? StudyKind::accuracy : found.kind));
   const std::string name = text_of(found.summary, "study"), campaign = text_of(found.summary, "campaign");
   if (!name.empty()) same("/study/name", study.value("name", Json()), name);
   if (!campaign.empty()) same("/campaign", found.manifest.value("campaign", Json()), campaign);
@@ -58,7 +58,7 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   if (found.summary.value("interrupted", Json(false)) == true)
     throw InputError((folder / "summary.json").string() + " /interrupted",
                      "is true: the run was not finished. Run it again");
-  if (found.kind == ResultsKind::accuracy) {
+  if (found.kind == StudyKind::accuracy) {
     if (!fs::exists(folder / "samples.h5"))
       throw InputError((folder / "samples.h5").string(), "is missing: results are compared sample by sample");
     if (found.summary.value("cells", Json::array()).empty())

@@ -16,7 +16,7 @@ namespace trilat {
 struct FoundResults {
   std::string name;  // its folder's, inside a folder that holds several; else the study's
   std::filesystem::path folder;
-  ResultsKind kind = ResultsKind::accuracy;
+  StudyKind kind = StudyKind::accuracy;
   std::string study;
   Json manifest, summary;
 };

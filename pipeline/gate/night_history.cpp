@@ -23,7 +23,7 @@ bool raised(const HistoryEntry& night, const std::string& key) {
 
 void add_series(const ResultsSet& results, HistoryEntry& entry) {
   for (const FoundResults& found : results.results) {
-    if (found.kind != ResultsKind::accuracy) continue;
+    if (found.kind != StudyKind::accuracy) continue;
     const ResultsSummary summary = read_summary(found.folder);
     for (const SummaryCell& cell : summary.cells) {
       if (cell.alignment != summary.alignments.front()) continue;

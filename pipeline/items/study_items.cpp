@@ -29,7 +29,10 @@ StudyItems::StudyItems(std::string kind, Json study, std::vector<PartItem> items
 }
 
 StudyItems::StudyItems(const std::vector<FoundPart>& parts)
-    : kind_(parts.front().part.kind), study_(parts.front().part.work), items_(parts.front().part.items) {
+    : kind_(parts.front().part.kind),
+      study_(parts.front().part.work),
+      items_(parts.front().part.items),
+      merged_from_(parts.front().folder) {
   for (const FoundPart& found : parts)
     for (DoneItem& item : read_items(found.folder).items) {
       std::string id = item.id;
@@ -43,7 +46,12 @@ StudyItems::StudyItems(const std::vector<FoundPart>& parts)
 
 std::optional<Json> StudyItems::outcome(const std::string& id, const std::function<Json()>& compute,
                                         const OutcomeOptions& options) {
-  if (!store_) return done_.at(id).outcome;
+  if (!store_) {
+    const auto known = done_.find(id);
+    if (known == done_.end())
+      throw InputError(merged_from_.string(), "and the parts beside it do not hold the item " + id);
+    return known->second.outcome;
+  }
   const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
   TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
   if (item->shard != shard_.number) return std::nullopt;

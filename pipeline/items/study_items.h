@@ -58,7 +58,8 @@ class StudyItems {
   Json study_;
   std::vector<PartItem> items_;
   Shard shard_;
-  std::unique_ptr<ItemStore> store_;  // none when merging
+  std::unique_ptr<ItemStore> store_;   // none when merging
+  std::filesystem::path merged_from_;  // the first of them
   mutable std::mutex mutex_;
   std::map<std::string, DoneItem> done_;
   std::map<std::string, std::filesystem::path> folder_of_;  // by item, where it was not computed here

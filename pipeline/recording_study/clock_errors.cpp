@@ -148,14 +148,13 @@ ClockFitRow fit_row_of(const NetworkSpec& network, const std::vector<TrialErrors
 std::string clock_item(std::size_t network) { return fmt::format("clocks/network-{}", network); }
 
 // The rows of one network, a method each, and that of the fit.
-Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, const RecordingHooks& hooks,
-                     std::atomic<std::size_t>& done) {
+Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, const Watch& watch) {
   std::vector<TrialErrors> trials(spec.runs * spec.sensors);
+  std::atomic<std::size_t> done{0};
   parallel_for_index(trials.size(), 1, [&](std::size_t item) {
-    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    watch.check();
     trials[item] = measure_trial(spec, network, item);
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(++done) / static_cast<double>(trials.size() * spec.networks.size()));
+    watch.tell(static_cast<double>(++done) / static_cast<double>(trials.size()));
   });
   Json json{
       {"rows", Json::array()}, {"fit", json_of(fit_row_of(network, trials))}, {"queues", Json::array()}};
@@ -169,21 +168,20 @@ Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, cons
 
 }  // namespace
 
-std::vector<PartItem> clock_items(const RecordingSpec& spec) {
-  std::vector<PartItem> items;
-  for (std::size_t n = 0; n < spec.networks.size(); ++n) items.push_back({clock_item(n)});
+std::vector<Item> clock_items(const RecordingSpec& spec) {
+  std::vector<Item> items;
+  for (std::size_t n = 0; n < spec.networks.size(); ++n)
+    items.push_back({clock_item(n), 1.0, [spec, n](const std::filesystem::path&, const Watch& watch) {
+                       return measure_network(spec, spec.networks[n], watch);
+                     }});
   return items;
 }
 
-ClockErrorResults measure_clocks(const RecordingSpec& spec, StudyItems& items, const RecordingHooks& hooks) {
+ClockErrorResults read_clocks(const RecordingSpec& spec, const Outcomes& outcomes) {
   ClockErrorResults results;
-  std::atomic<std::size_t> done{0};
   for (std::size_t n = 0; n < spec.networks.size(); ++n) {
-    const std::string id = clock_item(n);
-    const auto outcome =
-        items.outcome(id, [&] { return measure_network(spec, spec.networks[n], hooks, done); });
-    if (!outcome) continue;
-    JsonObject object(*outcome, id, "");
+    const Outcome& outcome = outcomes.at(clock_item(n));
+    JsonObject object(outcome.json, outcome.place, "");
     for (const JsonObject& row : object.objects("rows")) results.rows.push_back(read_clock_error(row));
     results.fits.push_back(read_clock_fit(object.object("fit")));
     for (const JsonObject& row : object.objects("queues")) results.queues.push_back(read_queue(row));

@@ -85,7 +85,7 @@ double body_tracking_s(const RecordingSpec& spec, std::uint64_t frame) {
 
 }  // namespace
 
-std::vector<StageTiming> time_processing(const RecordingSpec& spec, const RecordingHooks& hooks) {
+std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch) {
   using Clock = std::chrono::steady_clock;
   if (spec.methods.empty()) return {};
   const Rig rig = make_rig(spec);
@@ -96,7 +96,7 @@ std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Record
   std::vector<std::vector<double>> times_s(methods.size());
   std::vector<PointEstimate> estimates(kJointCount);
   for (std::uint64_t f = 0; f < kWarmUpFrames + spec.frames; ++f) {
-    if (hooks.stop_requested && hooks.stop_requested()) throw Interrupted();
+    watch.check();
     const RigFrame frame = see(rig, spec, motion, f);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const Clock::time_point start = Clock::now();
@@ -104,8 +104,7 @@ std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Record
       if (f >= kWarmUpFrames)
         times_s[m].push_back(std::chrono::duration<double>(Clock::now() - start).count());
     }
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(f + 1) / static_cast<double>(kWarmUpFrames + spec.frames));
+    watch.tell(static_cast<double>(f + 1) / static_cast<double>(kWarmUpFrames + spec.frames));
   }
   std::vector<StageTiming> stages;
   for (std::size_t m = 0; m < methods.size(); ++m)

@@ -4,13 +4,14 @@
 #include <vector>
 
 #include "datasets/results/stage_timings.h"
-#include "pipeline/recording_study/clock_errors.h"
+#include "pipeline/recording_study/recording_spec.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 
 // What a frame costs from the bodies of all sensors to 25 trilaterated joints, by each of the study's
 // methods, one frame at a time on one thread; then the same with the declared body tracking. Frames are those
 // of a simulated person walking. Throws Interrupted.
-std::vector<StageTiming> time_processing(const RecordingSpec& spec, const RecordingHooks& hooks);
+std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch);
 
 }  // namespace trilat

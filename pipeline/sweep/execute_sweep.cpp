@@ -5,11 +5,11 @@
 
 #include "pipeline/manifest.h"
 #include "pipeline/results_folder.h"
-#include "pipeline/running_time.h"
 #include "pipeline/sweep/earlier_cells.h"
 #include "pipeline/sweep/sweep_cell_key.h"
 #include "pipeline/sweep/sweep_part.h"
 #include "pipeline/sweep/sweep_timing.h"
+#include "pipeline/watch.h"
 
 namespace trilat {
 namespace {

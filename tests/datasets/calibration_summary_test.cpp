@@ -44,7 +44,7 @@ CalibrationSummary full_summary() {
 TEST(CalibrationSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   const ScratchFolder folder;
   write_calibration_summary(folder.path(), full_summary());
-  EXPECT_EQ(results_kind(folder.path()), ResultsKind::calibration);
+  EXPECT_EQ(results_kind(folder.path()), StudyKind::calibration);
   const CalibrationSummary read = read_calibration_summary(folder.path());
   EXPECT_EQ(read.study, "calibration");
   EXPECT_EQ(read.seed, 7u);

@@ -84,11 +84,11 @@ TEST(SweepSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
 TEST(SweepSummary, TheTwoKindsOfResultsAreToldApart) {
   const ScratchFolder folder;
   write_sweep_summary(folder.path(), two_cells());
-  EXPECT_EQ(results_kind(folder.path()), ResultsKind::threshold_sweep);
+  EXPECT_EQ(results_kind(folder.path()), StudyKind::threshold_sweep);
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
               HasSubstr("/kind: is \"threshold_sweep\"; results of kind \"accuracy\" are needed here"));
   write_summary(folder.path(), ResultsSummary{});
-  EXPECT_EQ(results_kind(folder.path()), ResultsKind::accuracy);
+  EXPECT_EQ(results_kind(folder.path()), StudyKind::accuracy);
   EXPECT_THAT(message_of([&] { read_sweep_summary(folder.path()); }), HasSubstr("/kind: is \"accuracy\""));
 }
 

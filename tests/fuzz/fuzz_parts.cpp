@@ -6,8 +6,8 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/item_journal.h"
-#include "pipeline/calibration_study/execute_calibration.h"
-#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/recording_study/recording_study.h"
 #include "pipeline/study_part.h"
 #include "pipeline/sweep/merge_sweep.h"
 #include "tests/fuzz/fuzz_folder.h"
@@ -35,8 +35,13 @@ void merge(const fs::path& part, const fs::path& output) {
   const std::string& kind = parts[0].part.kind;
   if (kind == "accuracy") merge_study(parts, output / kind, {.threads = 1});
   if (kind == "threshold_sweep") merge_sweep(parts, output / kind, {});
-  if (kind == "recording") merge_recording(parts, output / kind, {.threads = 1});
-  if (kind == "calibration") merge_calibration(parts, output / kind, {.threads = 1});
+  const Json& work = parts[0].part.work;
+  const std::string place = (part / "part.json").string();
+  const auto put_together = [&](const Study& study) {
+    merge_parts(study, parts, output / kind, {.threads = 1});
+  };
+  if (kind == "recording") put_together(recording_study(parse_recording_spec(work, place)));
+  if (kind == "calibration") put_together(calibration_study(parse_calibration_spec(work, place)));
 }
 
 // What is sound is merged, so what is refused later is refused for what was changed.

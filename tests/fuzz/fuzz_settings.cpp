@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/results/results_file.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/budget_spec.h"

@@ -5,9 +5,9 @@
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
-#include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/execute.h"
-#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/recording_study.h"
 #include "pipeline/study_part.h"
 #include "pipeline/sweep/execute_sweep.h"
 #include "tests/pipeline/campaigns.h"
@@ -43,9 +43,10 @@ void write_recording(const fs::path& scratch) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 100,
           "sensors": 3, "runs": 1, "capture_s": 0, "methods": [{"name": "linear", "method": "linear"}]})";
-  const RecordingSpec spec = parse_recording_spec(parse_json(text, "recording.json"), "recording.json");
-  execute_recording(spec, scratch / "recording", {.threads = 1});
-  execute_recording(spec, scratch / "parts/recording", {.threads = 1, .work = {kOnePart, {}}});
+  const Study study =
+      recording_study(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"));
+  run_study(study, scratch / "recording", {.threads = 1});
+  run_study(study, scratch / "parts/recording", {.threads = 1, .work = {kOnePart, {}}});
 }
 
 void write_calibration_part(const fs::path& folder) {
@@ -54,8 +55,9 @@ void write_calibration_part(const fs::path& folder) {
           "samples": 1, "near_samples": 1, "frames": 1, "distortion_units": 1, "distortion_frames": 1,
           "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
           "bodies_instants": 6, "effect_joints": 50})";
-  execute_calibration(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json"),
-                      folder, {.threads = 1, .work = {kOnePart, {}}});
+  run_study(
+      calibration_study(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json")),
+      folder, {.threads = 1, .work = {kOnePart, {}}});
 }
 
 void write_budget(const fs::path& folder) {

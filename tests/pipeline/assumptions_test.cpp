@@ -6,9 +6,10 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "datasets/results/budget_summary.h"
 #include "datasets/results/declared_parameters.h"
 #include "pipeline/budget_spec.h"
-#include "pipeline/cli/execute_budget.h"
+#include "pipeline/cli/budget_study.h"
 #include "pipeline/execute.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
@@ -96,8 +97,9 @@ TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) 
 
 TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
   Recorded recorded;
-  const BudgetSummary s =
-      execute_budget({recorded.spec, 0.005, 0.2, mean_study()}, recorded.folder / "results", {.threads = 2});
+  run_study(budget_study({recorded.spec, 0.005, 0.2, mean_study()}), recorded.folder / "results",
+            {.threads = 2});
+  const BudgetSummary s = read_budget_summary(recorded.folder / "results");
   EXPECT_EQ(s.participants, 1u);
   const auto of_source = [&](const std::string& source) {
     double worst_m = 0.0;
@@ -126,8 +128,9 @@ TEST(Assumptions, ARecordedTakeThatIsReplacedDuringTheBudgetIsRefused) {
       std::filesystem::rename(recorded.folder / "other/p01-walking/mocap.csv", recorded.spec.recorded->mocap);
     });
   };
-  EXPECT_THAT(message_of([&] { execute_budget(spec, recorded.folder / "results", {.progress = replace}); }),
-              HasSubstr("mocap.csv: changed while it was being evaluated; run again"));
+  EXPECT_THAT(
+      message_of([&] { run_study(budget_study(spec), recorded.folder / "results", {.progress = replace}); }),
+      HasSubstr("mocap.csv: changed while it was being evaluated; run again"));
   EXPECT_FALSE(std::filesystem::exists(recorded.folder / "results"));
 }
 

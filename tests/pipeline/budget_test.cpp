@@ -8,10 +8,11 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
+#include "datasets/results/budget_summary.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/budget_spec.h"
-#include "pipeline/cli/execute_budget.h"
+#include "pipeline/cli/budget_study.h"
 #include "reports/budget_tables.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
@@ -50,10 +51,14 @@ std::string study_in(const ScratchFolder& folder, const std::string& members, do
   return file_with(folder, "budget.json", budget_text(R"("simulation": "simulation.json", )" + members));
 }
 
+BudgetSummary evaluate(const BudgetSpec& spec, const std::filesystem::path& output, int threads = 2) {
+  run_study(budget_study(spec), output, {.threads = threads});
+  return read_budget_summary(output);
+}
+
 TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
   const ScratchFolder folder;
-  const BudgetSummary s =
-      execute_budget(budget_of(kMethods, tracked_walk(2, 2.0)), folder / "results", {.threads = 2});
+  const BudgetSummary s = evaluate(budget_of(kMethods, tracked_walk(2, 2.0)), folder / "results");
   EXPECT_EQ(s.sources.size(), error_sources().size());
   EXPECT_EQ(s.rows.size(), error_sources().size() * 2u * 4u);  // methods and groups
   std::map<std::string, double> sum_m2, observed_m;
@@ -75,7 +80,7 @@ TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
 
 TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
   const ScratchFolder folder;
-  execute_budget(budget_of(kMethods, tracked_walk(1, 1.0)), folder / "results", {.threads = 2});
+  evaluate(budget_of(kMethods, tracked_walk(1, 1.0)), folder / "results");
   EXPECT_FALSE(read_declared_parameters(folder / "results").empty());
   EXPECT_FALSE(std::filesystem::exists(folder / "results/work"));
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
@@ -84,8 +89,7 @@ TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
 TEST(Budget, IsTheSameToTheByteForAnyNumberOfThreads) {
   const ScratchFolder folder;
   const BudgetSpec spec = budget_of(kMethods, tracked_walk(2, 1.0));
-  for (const int threads : {1, 3})
-    execute_budget(spec, folder / std::to_string(threads), {.threads = threads});
+  for (const int threads : {1, 3}) evaluate(spec, folder / std::to_string(threads), threads);
   for (const char* file : {"summary.json", "manifest.json", "simulator.json"})
     EXPECT_EQ(read_file(folder / "1" / file), read_file(folder / "3" / file)) << file;
 }
@@ -95,7 +99,7 @@ TEST(Budget, APersonWhoStandsStillHasOneToo) {
   const ScratchFolder folder;
   SimulationSpec spec = tracked_walk(1, 1.0);
   spec.activities[0].activity = Activity::standing;
-  const BudgetSummary s = execute_budget(budget_of(kMethods, spec), folder / "results", {.threads = 2});
+  const BudgetSummary s = evaluate(budget_of(kMethods, spec), folder / "results");
   for (const BudgetRow& row : s.rows)
     if (row.source == "none") {
       EXPECT_LT(row.mae_m, 2e-5) << row.group;
@@ -107,8 +111,7 @@ TEST(Budget, ATakeThatFailsSaysWhyAndNotWhatElseWasNoted) {
   SimulationSpec spec = tracked_walk(1, 3.0);
   spec.bystanders = 1;  // a note in every take
   spec.mocap.gap_share = 1.0;
-  const std::string message =
-      message_of([&] { execute_budget(budget_of(kMethods, spec), folder / "results", {}); });
+  const std::string message = message_of([&] { evaluate(budget_of(kMethods, spec), folder / "results"); });
   EXPECT_THAT(message,
               AllOf(HasSubstr("with the error \"mocap\" alone"), HasSubstr("holds no ground truth")));
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));

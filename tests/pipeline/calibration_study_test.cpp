@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/calibration_study.h"
+
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -11,10 +13,10 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
+#include "datasets/results/calibration_summary.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/error_spread.h"
-#include "pipeline/calibration_study/execute_calibration.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
@@ -162,19 +164,18 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   std::set<std::string> parts;
   std::mutex mutex;
   for (const int threads : {1, 2}) {
-    ExecuteCalibrationOptions options;
-    options.threads = threads;
+    StudyOptions options{.threads = threads};
     if (threads == 1)
       options.progress = [&](const std::string& part, double) {
         const std::lock_guard lock(mutex);  // any thread may tell
         parts.insert(part);
       };
-    execute_calibration(tiny_spec(), folder / std::to_string(threads), options);
+    run_study(calibration_study(tiny_spec()), folder / std::to_string(threads), options);
   }
-  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "effect"}));
+  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "summary"}));
   EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
   EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
-  EXPECT_EQ(results_kind(folder / "1"), ResultsKind::calibration);
+  EXPECT_EQ(results_kind(folder / "1"), StudyKind::calibration);
   const CalibrationSummary summary = read_calibration_summary(folder / "1");
   EXPECT_EQ(summary.study, "test");
   EXPECT_FALSE(summary.interrupted);
@@ -209,9 +210,9 @@ CalibrationSpec wand_only_spec(const std::string& members) {
 // A flat offset of the depths is along the ray of a ball on the central line, so there both errors are one.
 TEST(CalibrationStudy, TheErrorOfTheDistanceIsThatAlongTheRayOnly) {
   const ScratchFolder folder;
-  execute_calibration(
-      wand_only_spec(R"(, "units": 4, "samples": 3, "distances_m": [1.2, 1.8], "largest_angle_deg": 0)"),
-      folder / "axis", {});
+  run_study(calibration_study(wand_only_spec(
+                R"(, "units": 4, "samples": 3, "distances_m": [1.2, 1.8], "largest_angle_deg": 0)")),
+            folder / "axis", {});
   const CalibrationSummary axis = read_calibration_summary(folder / "axis");
   std::size_t compared = 0;
   for (const WandSample& sample : axis.wand_samples) {
@@ -230,7 +231,7 @@ TEST(CalibrationStudy, TheErrorOfTheDistanceIsThatAlongTheRayOnly) {
 // Nearer than 0.8 m, where the paper sees more error, lies a tenth of the span of distances.
 TEST(CalibrationStudy, EveryUnitHasSamplesInEachZoneThatThePaperJudges) {
   const ScratchFolder folder;
-  execute_calibration(wand_only_spec(R"(, "units": 4, "samples": 40)"), folder / "zones", {});
+  run_study(calibration_study(wand_only_spec(R"(, "units": 4, "samples": 40)")), folder / "zones", {});
   std::map<std::uint64_t, std::array<int, 4>> zones;  // of a unit: too near, within, too far, too wide
   for (const WandSample& sample : read_calibration_summary(folder / "zones").wand_samples) {
     if (sample.row != 0) continue;
@@ -271,7 +272,7 @@ TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   const ScratchFolder folder;
   CalibrationSpec spec = tiny_spec();
   spec.samples = spec.near_samples = spec.distortion_units = spec.runs = spec.effect_joints = 0;
-  execute_calibration(spec, folder / "nothing", {});
+  run_study(calibration_study(spec), folder / "nothing", {});
   const CalibrationSummary nothing = read_calibration_summary(folder / "nothing");
   EXPECT_THAT(nothing.wand, IsEmpty());
   EXPECT_THAT(nothing.wand_samples, IsEmpty());
@@ -279,28 +280,23 @@ TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   EXPECT_THAT(nothing.rigs, IsEmpty());
   EXPECT_THAT(nothing.effect, IsEmpty());
   spec.effect_joints = 100;
-  execute_calibration(spec, folder / "effect", {});
+  run_study(calibration_study(spec), folder / "effect", {});
   EXPECT_THAT(read_calibration_summary(folder / "effect").effect, SizeIs(3 * spec.sensor_sigmas_m.size()));
 }
 
-TEST(CalibrationStudy, AnInterruptedOneKeepsWhatIsDoneBesideItsName) {
+TEST(CalibrationStudy, AnInterruptedOneGoesOnFromWhatIsDoneBesideItsName) {
   const ScratchFolder folder;
-  ExecuteCalibrationOptions options;
-  options.threads = 1;
-  options.stop_requested = [] { return true; };
-  EXPECT_TRUE(execute_calibration(tiny_spec(), folder / "at once", options).interrupted);
-  EXPECT_FALSE(std::filesystem::exists(folder / "at once"));
-  EXPECT_TRUE(read_calibration_summary(folder / "at once.partial").interrupted);
-
-  std::atomic<bool> stop{false};
-  options.stop_requested = [&] { return stop.load(); };
-  options.progress = [&](const std::string& part, double) { stop = stop || part == "distortion"; };
-  execute_calibration(tiny_spec(), folder / "later", options);
-  EXPECT_FALSE(std::filesystem::exists(folder / "later"));
-  const CalibrationSummary later = read_calibration_summary(folder / "later.partial");
-  EXPECT_TRUE(later.interrupted);
-  EXPECT_THAT(later.wand, SizeIs(16));
-  EXPECT_THAT(later.rigs, IsEmpty());
+  std::atomic<bool> stop{true};
+  StudyOptions options{.threads = 1, .stop_requested = [&] { return stop.load(); }};
+  const Study study = calibration_study(tiny_spec());
+  EXPECT_THROW(run_study(study, folder / "out", options), Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  stop = false;
+  options.progress = [&](const std::string& stage, double) { stop = stop || stage == "distortion"; };
+  EXPECT_THROW(run_study(study, folder / "out", options), Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  EXPECT_THAT(run_study(study, folder / "out", {}).continued, testing::Contains("wand/unit-0"));
+  EXPECT_THAT(read_calibration_summary(folder / "out").rigs, SizeIs(14));
 }
 
 const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string& calibration,

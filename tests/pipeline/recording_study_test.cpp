@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/recording_study/recording_study.h"
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/results/recording_summary.h"
 #include "pipeline/recording_study/clock_methods.h"
-#include "pipeline/recording_study/execute_recording.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
 
@@ -62,12 +64,9 @@ TEST(RecordingSpec, WrittenOutInFullItReadsBackAsItself) {
 // up to a second, and its frames are dropped for it.
 TEST(RecordingStudy, AWrongClockMakesTheQueueDropFramesThatCameInTime) {
   const ScratchFolder folder;
-  ExecuteRecordingOptions options;
-  options.threads = 1;
-  const RecordingSummary summary =
-      execute_recording(spec_of(R"(, "frames": 900, "runs": 2, "clock_offset_s": 1)"), folder / "out",
-                        options)
-          .summary;
+  run_study(recording_study(spec_of(R"(, "frames": 900, "runs": 2, "clock_offset_s": 1)")), folder / "out",
+            {.threads = 1});
+  const RecordingSummary summary = read_recording_summary(folder / "out");
   ASSERT_EQ(summary.queues.size(), 6u * 2);  // the sensor's ticks do not tell when a frame was sent
   const auto counts = [&](ClockMethod method, std::size_t way) {
     return summary.queues.at(2 * static_cast<std::size_t>(method) + way).counts;
@@ -91,11 +90,8 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   const RecordingSpec spec = spec_of(
       R"(, "frames": 900, "runs": 2, "methods": [{"name": "linear", "method": "linear"},
          {"name": "single", "method": "single"}])");
-  for (int threads : {1, 2}) {
-    ExecuteRecordingOptions options;
-    options.threads = threads;
-    execute_recording(spec, folder / std::to_string(threads), options);
-  }
+  for (int threads : {1, 2})
+    run_study(recording_study(spec), folder / std::to_string(threads), {.threads = threads});
   EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
   EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
   const RecordingSummary summary = read_recording_summary(folder / "1");
@@ -139,11 +135,11 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
 
 TEST(RecordingStudy, AskedToStopLeavesWhatItHasAside) {
   const ScratchFolder folder;
-  ExecuteRecordingOptions options;
-  options.stop_requested = [] { return true; };
-  EXPECT_TRUE(execute_recording(spec_of(""), folder / "out", options).summary.interrupted);
+  EXPECT_THROW(
+      run_study(recording_study(spec_of("")), folder / "out", {.stop_requested = [] { return true; }}),
+      Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-  EXPECT_TRUE(read_recording_summary(folder / "out.partial").interrupted);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out.partial/items.jsonl"));
 }
 
 TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {

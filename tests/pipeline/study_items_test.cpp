@@ -11,10 +11,11 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/calibration_study/execute_calibration.h"
-#include "pipeline/cli/execute_budget.h"
+#include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/cli/budget_study.h"
+#include "pipeline/cli/generated_studies.h"
 #include "pipeline/cli/simulate_part.h"
-#include "pipeline/recording_study/execute_recording.h"
+#include "pipeline/recording_study/recording_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"
@@ -40,11 +41,11 @@ constexpr const char* kSimulation =
     "participants": 1, "activities": [{"name": "walking", "duration_s": 0.3}], "body_tracker": {}})";
 
 // Runs of the program, each in a folder of its own name.
-struct Study {
+struct StudyFiles {
   ScratchFolder folder;
   std::string file;
 
-  explicit Study(const char* text) : file((folder / "study.json").string()) {
+  explicit StudyFiles(const char* text) : file((folder / "study.json").string()) {
     write_file(file, text);
     write_file(folder / "simulation.json", kSimulation);
   }
@@ -61,58 +62,46 @@ struct Study {
   }
 };
 
-struct Kind {
+struct KindOfStudy {
   const char* name;
   const char* text;
-  void (*execute)(const Study& study, const std::filesystem::path& output, const Shard& shard);
-  void (*merge)(const std::vector<FoundPart>& parts, const std::filesystem::path& output);
 };
-void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
+void PrintTo(const KindOfStudy& kind, std::ostream* out) { *out << kind.name; }
 
-const Kind kKinds[] = {
-    {"Calibration", kCalibration,
-     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
-       execute_calibration(parse_calibration_spec(study.json(), study.file), output, {.work = {shard, {}}});
-     },
-     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
-       merge_calibration(parts, output, {});
-     }},
-    {"Recording", kRecording,
-     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
-       execute_recording(parse_recording_spec(study.json(), study.file), output, {.work = {shard, {}}});
-     },
-     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
-       merge_recording(parts, output, {});
-     }},
-    {"Budget", kBudget,
-     [](const Study& study, const std::filesystem::path& output, const Shard& shard) {
-       execute_budget(parse_budget(study.json(), study.file, study.folder.path(), {}), output,
-                      {.work = {shard, {}}});
-     },
-     [](const std::vector<FoundPart>& parts, const std::filesystem::path& output) {
-       merge_budget(parts, output, {});
-     }}};
+const KindOfStudy kKinds[] = {
+    {"calibration", kCalibration}, {"error_budget", kBudget}, {"recording", kRecording}};
 
-class EveryKind : public testing::TestWithParam<Kind> {};
+class EveryKind : public testing::TestWithParam<KindOfStudy> {};
+
+TEST(GeneratedKinds, AllHaveARowInThisTable) {
+  std::vector<std::string> tested, known;
+  for (const KindOfStudy& kind : kKinds) tested.push_back(kind.name);
+  for (const GeneratedKind& kind : generated_kinds()) known.push_back(name_of(kind.kind));
+  EXPECT_THAT(tested, testing::UnorderedElementsAreArray(known));
+}
 
 TEST_P(EveryKind, MergesToTheBytesOfOneRun) {
-  const Kind& kind = GetParam();
-  const Study study(kind.text);
-  kind.execute(study, study.folder / "whole", {});
+  const StudyFiles files(GetParam().text);
+  const GeneratedKind& kind = *generated_kind(GetParam().name);
+  RunArguments arguments;
+  arguments.study = files.file;
+  const Study study = kind.open(arguments, files.json()).study;
+  run_study(study, files.folder / "whole", {});
   for (const std::uint64_t shards : {1u, 2u, 7u, 64u}) {
     std::vector<std::filesystem::path> parts;
     for (std::uint64_t k = shards; k >= 1; --k) {
-      parts.push_back(study.folder / fmt::format("part{}of{}", k, shards));
-      kind.execute(study, parts.back(), {k, shards});
+      parts.push_back(files.folder / fmt::format("part{}of{}", k, shards));
+      run_study(study, parts.back(), {.work = {{k, shards}, {}}});
     }
-    const auto merged = study.folder / fmt::format("merged{}", shards);
-    kind.merge(read_parts(parts), merged);
-    expect_same_results(study.folder / "whole", merged);
+    const auto merged = files.folder / fmt::format("merged{}", shards);
+    const std::vector<FoundPart> found = read_parts(parts);
+    merge_parts(kind.of_parts(found[0].part.work, "part.json"), found, merged, {});
+    expect_same_results(files.folder / "whole", merged);
   }
 }
 
 TEST_P(EveryKind, TheProgramMergesItsPartsToTheBytesOfItsOneRun) {
-  Study study(GetParam().text);
+  StudyFiles study(GetParam().text);
   ASSERT_EQ(study.run("whole").code, 0);
   for (const char* k : {"1", "2"}) {
     const Ended part = study.run(fmt::format("part{}", k), {"--shard", fmt::format("{}/2", k)});
@@ -124,7 +113,7 @@ TEST_P(EveryKind, TheProgramMergesItsPartsToTheBytesOfItsOneRun) {
 }
 
 TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
-  Study study(GetParam().text);
+  StudyFiles study(GetParam().text);
   ASSERT_EQ(study.run("whole").code, 0);
   const Json again = parse_json(study.run("whole").out, "stdout");
   EXPECT_EQ(again.at("items_computed"), 0);
@@ -141,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(StudyItems, EveryKind, testing::ValuesIn(kKinds),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 TEST(StudyItems, AFileThatWasThrownAwayIsMadeAgain) {
-  Study study(kRecording);
+  StudyFiles study(kRecording);
   ASSERT_EQ(study.run("whole").code, 0);
   for (const char* file : {"timings.json", "simulator.json"}) {
     ASSERT_TRUE(std::filesystem::remove(study.folder / "whole" / file));
@@ -151,7 +140,8 @@ TEST(StudyItems, AFileThatWasThrownAwayIsMadeAgain) {
 }
 
 TEST(StudyItems, ARecordingStudyThatTimesNothingIsLeftAloneWhenNothingChanged) {
-  Study study(R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "tiny", "frames": 60,
+  StudyFiles study(
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "tiny", "frames": 60,
       "sensors": 2, "runs": 2, "capture_s": 0, "networks": [{"name": "quiet"}]})");
   ASSERT_EQ(study.run("whole").code, 0);
   EXPECT_FALSE(std::filesystem::exists(study.folder / "whole/timings.json"));
@@ -186,7 +176,7 @@ TEST(StudyItems, WhatWasDoneBeforeAStopIsNotDoneAgain) {
 }
 
 TEST(Merge, RefusesPartsOfDifferentKindsAndWhatIsNoPart) {
-  Study study(kRecording);
+  StudyFiles study(kRecording);
   study.run("part1", {"--shard", "1/2"});
   write_file(study.file, kBudget);
   study.run("part2", {"--shard", "2/2"});
@@ -330,15 +320,10 @@ TEST(SimulateParts, AreNotMergedWithoutAllFilesOfTheirRecordings) {
 }
 
 TEST(Merge, RefusesABudgetsPartThatWasWrittenByHand) {
-  const ScratchFolder folder;
   const Json good{
       {"study", {{"name", "tiny"}}}, {"campaign", "short"},          {"seed", 1},   {"participants", 1},
       {"calibration_sigma_m", 0.0},  {"calibration_sigma_deg", 0.0}, {"sha256", ""}};
-  const auto said = [&](const Json& work) {
-    return message_of([&] {
-      merge_budget({{folder.path(), {"error_budget", "build", 1, 1, work, {}}}}, folder / "merged", {});
-    });
-  };
+  const auto said = [&](const Json& work) { return message_of([&] { budget_of_parts(work, "part.json"); }); };
   Json json = good;
   json["seed"] = "one";
   EXPECT_THAT(said(json), HasSubstr("part.json /work/seed: must be"));
@@ -348,7 +333,7 @@ TEST(Merge, RefusesABudgetsPartThatWasWrittenByHand) {
 }
 
 TEST(StudyItems, OptionsThatWouldHaveNoEffectAreRefused) {
-  Study study(kRecording);
+  StudyFiles study(kRecording);
   EXPECT_THAT(study.run("out", {"--dry-run", "--shard", "9/3"}).err, HasSubstr("--shard: is \"9/3\""));
   EXPECT_THAT(study.run("out", {"--memory-mb", "500"}).err, HasSubstr("--memory-mb: is for studies of kind"));
 }

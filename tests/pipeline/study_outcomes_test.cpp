@@ -6,7 +6,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/work_part.h"
-#include "pipeline/calibration_study/execute_calibration.h"
+#include "pipeline/calibration_study/calibration_study.h"
 #include "tests/pipeline/program.h"
 
 namespace trilat {
@@ -39,7 +39,9 @@ struct StudyOutcomes : testing::Test {
       if (item["id"] == id) change(item["outcome"]);
     write_file(folder / "part/items.json", json_text(items, 1));
     return message_of([&] {
-      merge_calibration(read_parts(std::array{folder / "part"}), folder / "merged", {.threads = 1});
+      const auto parts = read_parts(std::array{folder / "part"});
+      merge_parts(calibration_study(parse_calibration_spec(parts[0].part.work, "part.json")), parts,
+                  folder / "merged", {.threads = 1});
     });
   }
 };

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/paper/printed_tables.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/study_spec.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/paths.h"

@@ -5,7 +5,22 @@
 #include <functional>
 #include <utility>
 
+#include "datasets/base/error.h"
+
 namespace trilat {
+
+// How whoever asked for long work follows and ends it.
+struct Watch {
+  std::function<bool()> stop_requested = {};
+  std::function<void(double)> progress = {};  // the share that is done; from any thread
+
+  void check() const {
+    if (stop_requested && stop_requested()) throw Interrupted();
+  }
+  void tell(double share) const {
+    if (progress) progress(share);
+  }
+};
 
 // Wall clock since it was made.
 class RunningTime {
