@@ -3,17 +3,60 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
 #include <optional>
+#include <thread>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "recorders/capture_intake.h"
 #include "recorders/capture_queue.h"
 #include "recorders/capture_store.h"
-#include "recorders/capture_sync.h"
 
 namespace trilat {
 namespace {
+
+// Asks the system now and then, on a thread of its own, to put what has been written of a file on the disk,
+// so that a power cut costs little more than a kill.
+class CaptureSync {
+ public:
+  CaptureSync(const std::filesystem::path& file, std::chrono::milliseconds period);
+  ~CaptureSync();
+  CaptureSync(const CaptureSync&) = delete;
+  CaptureSync& operator=(const CaptureSync&) = delete;
+
+ private:
+  int file_;
+  std::mutex mutex_;
+  std::condition_variable ended_changed_;
+  bool ended_ = false;
+  std::thread thread_;  // the last: it uses all of the above
+};
+
+CaptureSync::CaptureSync(const std::filesystem::path& file, std::chrono::milliseconds period)
+    : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)), thread_([this, period] {
+        std::unique_lock lock(mutex_);
+        while (!ended_changed_.wait_for(lock, period, [&] { return ended_; })) {
+          lock.unlock();
+          if (file_ >= 0) (void)::fdatasync(file_);  // a disk that fails tells the writer, too
+          lock.lock();
+        }
+      }) {}
+
+CaptureSync::~CaptureSync() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  ended_changed_.notify_all();
+  thread_.join();
+  if (file_ >= 0) ::close(file_);
+}
 
 using Clock = std::chrono::steady_clock;
 

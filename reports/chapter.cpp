@@ -4,27 +4,74 @@
 #include <fmt/format.h>
 
 #include "datasets/results/results_file.h"
+#include "datasets/results/summary.h"
 #include "reports/accuracy_comparisons.h"
 #include "reports/accuracy_figures.h"
 #include "reports/accuracy_tables.h"
+#include "reports/accuracy_words.h"
 #include "reports/budget_figures.h"
 #include "reports/budget_tables.h"
 #include "reports/calibration_figures.h"
 #include "reports/calibration_findings.h"
 #include "reports/calibration_tables.h"
 #include "reports/clock_figures.h"
-#include "reports/coverage_table.h"
 #include "reports/efficiency.h"
 #include "reports/gdop_figure.h"
 #include "reports/sensor_counts.h"
+#include "reports/statuses_text.h"
 #include "reports/sweep_figures.h"
 #include "reports/sweep_tables.h"
+#include "reports/table.h"
 #include "reports/table4.h"
+#include "reports/table_cells.h"
 #include "reports/tracking_tables.h"
 #include "reports/trajectories.h"
 
 namespace trilat {
 namespace {
+
+struct Answers {
+  std::uint64_t asked = 0, answered = 0;
+  std::map<std::string, std::uint64_t> statuses;
+};
+
+Answers answers_of(const ResultsSummary& s, const std::string& condition, const std::string& method) {
+  Answers sum;
+  for (const SummaryCell& c : s.cells) {
+    if (c.condition != condition || c.method != method || c.alignment != s.alignments.front() ||
+        c.group == kAverageGroup)
+      continue;
+    sum.asked += c.asked;
+    sum.answered += c.answered;
+    for (const auto& [status, n] : c.statuses) sum.statuses[status] += n;
+  }
+  return sum;
+}
+
+// How many samples each method answered in each condition, all joint groups together, and how all ended.
+// Statuses do not depend on the alignment. Without rows when the results hold none.
+Table coverage_table(const ResultsSummary& s) {
+  Table table;
+  table.id = usable_id("coverage-" + s.study);
+  table.title = "Coverage and statuses by method, all joint groups together (" + about(s, "", "") + ")";
+  table.columns = {{"condition", "condition", true},
+                   {"method", "method", true},
+                   {"asked", "asked", false},
+                   {"n answered", "answered", false},
+                   {"coverage (%)", "coverage_percent", false},
+                   {"statuses", "statuses", true}};
+  if (s.alignments.empty()) return table;
+  for (const std::string& condition : s.conditions)
+    for (const std::string& method : s.methods) {
+      const Answers sum = answers_of(s, condition, method);
+      if (sum.asked == 0) continue;
+      table.rows.push_back({TableValue::of(condition), TableValue::of(method), count_cell(sum.asked),
+                            count_cell(sum.answered), percent_cell(share_of(sum.answered, sum.asked)),
+                            TableValue::of(statuses_text(sum.statuses, sum.asked))});
+    }
+  table.notes = {"Asked: instants and joints with ground truth. Answered: those with a usable estimate."};
+  return table;
+}
 
 void append(Chapter& chapter, std::vector<Table> more) {
   for (Table& table : more) chapter.tables.push_back(std::move(table));

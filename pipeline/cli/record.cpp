@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 // `trilat record`.
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,10 +16,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/calibration/calibration.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/live_display.h"
-#include "pipeline/cli/output_claim.h"
-#include "pipeline/cli/record_truth.h"
+#include "pipeline/cli/simulated_mocap.h"
 #include "pipeline/cli/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
@@ -23,6 +29,107 @@
 
 namespace trilat {
 namespace {
+
+// What only the simulator knows of a recording of `synthetic` sensors, so that it can be evaluated: a folder
+// with the OptiTrack export, the mapping, the sensors' true poses, and a campaign whose one take is the
+// recording. The export is written before the recording starts and covers `duration_s` of it, or a minute.
+class RecordTruth {
+ public:
+  // InputError unless there is one source, a synthetic one at real speed.
+  RecordTruth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
+              double duration_s);
+  // Starts the source and writes the campaign.
+  void finish(FrameSource& source, const std::filesystem::path& session) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+constexpr double kDefaultDuration_s = 60.0;
+
+const std::vector<Joint> kMarkerJoints{Joint::head,       Joint::shoulder_left, Joint::shoulder_right,
+                                       Joint::elbow_left, Joint::elbow_right,   Joint::wrist_left,
+                                       Joint::wrist_right};
+
+RecordTruth::RecordTruth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
+                         double duration_s)
+    : folder_(folder) {
+  const auto request = sources.size() == 1 ? synthetic_request(sources[0]) : std::nullopt;
+  if (!request || request->live.speed != 1.0)
+    throw InputError("--truth", "is known of one synthetic source at real speed only: --source synthetic:4");
+  const SyntheticSetup setup = setup_of(*request);
+  SimulatedTakePlan plan;
+  plan.id = "take";
+  plan.item = setup.item;
+  plan.motion = setup.motion;
+  plan.duration_s = duration_s > 0.0 ? duration_s : kDefaultDuration_s;
+  plan.marker_joints = kMarkerJoints;
+  make_folder(folder);
+  Calibration poses{kSimulatedTruth, {}};
+  poses.simulated = true;
+  for (const SimulatedSensor& sensor : setup.sensors) poses.sensors.push_back(sensor.pose);
+  write_calibration(folder / "calibration.json", poses);
+  write_simulated_mocap(setup.simulation.mocap, plan, folder, stop_requested);
+  write_mapping(folder / "mapping.json", marker_mapping(kMarkerJoints));
+}
+
+void RecordTruth::finish(FrameSource& source, const std::filesystem::path& session) const {
+  auto* live = dynamic_cast<LiveSource*>(&source);
+  if (!live) return;
+  Campaign campaign{"recorded", true, {}, folder_};
+  campaign.takes.push_back({"take",
+                            "p01",
+                            "walking",
+                            std::filesystem::absolute(session),
+                            folder_ / "calibration.json",
+                            folder_ / "mocap.csv",
+                            folder_ / "mapping.json",
+                            live->start(),
+                            {}});
+  write_campaign(folder_, campaign);
+}
+
+// Holds the name of an output that takes long to come, so that no other process takes it meanwhile: the file
+// under its unfinished name, empty until somebody writes it. An empty one is removed in the end. InputError
+// where that name exists.
+class OutputClaim {
+ public:
+  explicit OutputClaim(const std::filesystem::path& output);
+  ~OutputClaim();
+  OutputClaim(const OutputClaim&) = delete;
+  OutputClaim& operator=(const OutputClaim&) = delete;
+
+ private:
+  std::filesystem::path partial_;
+};
+
+bool has_no_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::file_size(path, error) == 0 && !error;
+}
+
+OutputClaim::OutputClaim(const std::filesystem::path& output) : partial_(partial_name(output)) {
+  check_output_file(output);
+  const int file = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file >= 0) {
+    ::close(file);
+    return;
+  }
+  if (errno != EEXIST)
+    throw OutputError(partial_.string(), std::string("cannot be created: ") + std::strerror(errno));
+  throw InputError(
+      partial_.string(),
+      has_no_bytes(partial_)
+          ? "exists and is empty: another recorder waits with this name, or was killed while it "
+            "waited; then remove it"
+          : "exists; another recorder writes it, or was killed: then `trilat recover` it, or take "
+            "another name");
+}
+
+OutputClaim::~OutputClaim() {
+  std::error_code ignored;
+  if (has_no_bytes(partial_)) std::filesystem::remove(partial_, ignored);
+}
 
 ChunkCompression compression_named(const std::string& name) {
   return name == "deflate" ? ChunkCompression::deflate
