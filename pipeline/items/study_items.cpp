@@ -52,9 +52,7 @@ std::optional<Json> StudyItems::outcome(const std::string& id, const std::functi
       throw InputError(merged_from_.string(), "and the parts beside it do not hold the item " + id);
     return known->second.outcome;
   }
-  const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
-  TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
-  if (item->shard != shard_.number) return std::nullopt;
+  if (!has(id)) return std::nullopt;
   const std::string key = options.settings ? key_of_item({{"settings", *options.settings}, {"item", id}})
                                            : key_in_study(study_, id);
   std::optional<ItemStore::Found> found = store_->find(id, key, options.usable);
@@ -64,6 +62,13 @@ std::optional<Json> StudyItems::outcome(const std::string& id, const std::functi
   if (found) folder_of_[id] = found->folder;
   done_[id] = {id, key, outcome};
   return outcome;
+}
+
+bool StudyItems::has(const std::string& id) const {
+  if (!store_) return true;
+  const auto item = std::find_if(items_.begin(), items_.end(), [&](const PartItem& i) { return i.id == id; });
+  TRILAT_CHECK(item != items_.end(), "every item of a study is listed");
+  return item->shard == shard_.number;
 }
 
 std::string StudyItems::place_of(const std::string& id) const {

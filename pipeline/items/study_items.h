@@ -41,6 +41,8 @@ class StudyItems {
   // shard's. From any thread.
   std::optional<Json> outcome(const std::string& id, const std::function<Json()>& compute,
                               const OutcomeOptions& options = {});
+  // Whether the item is this run's; all are when merging.
+  bool has(const std::string& id) const;
   // Where the outcome of an item stands, for errors. From any thread.
   std::string place_of(const std::string& id) const;
   // Whether this run has all items, so that they can be put together.

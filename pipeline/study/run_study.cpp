@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <mutex>
-#include <numeric>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/files.h"
@@ -25,7 +24,8 @@ Watch watch_of(const StudyOptions& options, const std::string& stage) {
 // Items of one stage, of which several are computed at a time.
 class Stage {
  public:
-  Stage(std::span<const Item> items, Watch watch) : items_(items), watch_(std::move(watch)) {
+  Stage(std::span<const Item> items, const StudyItems& known, Watch watch) : watch_(std::move(watch)) {
+    for (const Item& item : items) costs_.push_back(known.has(item.id) ? item.cost : 0.0);
     done_.resize(items.size());
   }
   // The watch of the item of that index.
@@ -38,17 +38,16 @@ class Stage {
     const std::lock_guard lock(mutex_);
     done_[index] = share;
     double done = 0.0, all = 0.0;
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      done += items_[i].cost * done_[i];
-      all += items_[i].cost;
+    for (std::size_t i = 0; i < costs_.size(); ++i) {
+      done += costs_[i] * done_[i];
+      all += costs_[i];
     }
     watch_.tell(done / all);
   }
 
-  std::span<const Item> items_;
   Watch watch_;
   std::mutex mutex_;
-  std::vector<double> done_;
+  std::vector<double> costs_, done_;  // by item; another shard's costs nothing
 };
 
 // Those of another shard are left out. When merging, nothing is left out and nothing computed.
@@ -60,7 +59,7 @@ Outcomes outcomes_of(const Study& study, StudyItems& items, const std::filesyste
     const std::string name = stage_of(first->id);
     const auto end =
         std::find_if(first, study.items.end(), [&](const Item& item) { return stage_of(item.id) != name; });
-    Stage stage({first, end}, watch_of(options, name));
+    Stage stage({first, end}, items, watch_of(options, name));
     const auto before = static_cast<std::size_t>(first - study.items.begin());
     parallel_for_index(static_cast<std::size_t>(end - first), 1, [&](std::size_t i) {
       const Item& item = study.items[before + i];
@@ -69,7 +68,7 @@ Outcomes outcomes_of(const Study& study, StudyItems& items, const std::filesyste
         watch.check();
         return item.compute(scratch, watch);
       });
-      watch.tell(1.0);
+      if (found[before + i]) watch.tell(1.0);
     });
     times[name + "_s"] = time.seconds();
     first = end;

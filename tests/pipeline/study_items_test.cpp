@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/items/study_items.h"
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 
@@ -148,6 +149,24 @@ TEST(StudyItems, ARecordingStudyThatTimesNothingIsLeftAloneWhenNothingChanged) {
   const auto written = std::filesystem::last_write_time(study.folder / "whole/summary.json");
   ASSERT_EQ(study.run("whole").code, 0);
   EXPECT_EQ(std::filesystem::last_write_time(study.folder / "whole/summary.json"), written);
+}
+
+TEST(StudyItems, OfAnotherShardDoNotCountAsProgress) {
+  const StudyFiles files(kRecording);
+  const Study study = recording_study(parse_recording_spec(files.json(), files.file));
+  std::vector<double> shares;
+  std::mutex mutex;
+  run_study(study, files.folder / "part",
+            {.threads = 1,
+             .progress =
+                 [&](const std::string& stage, double share) {
+                   const std::lock_guard lock(mutex);
+                   if (stage == "clocks") shares.push_back(share);
+                 },
+             .work = {{2, 2}, {}}});
+  ASSERT_THAT(shares, testing::Not(testing::IsEmpty()));
+  EXPECT_LT(*std::min_element(shares.begin(), shares.end()), 0.5);
+  EXPECT_EQ(shares.back(), 1.0);
 }
 
 TEST(StudyItems, AnItemOfAnotherShardHasNoOutcomeHere) {
