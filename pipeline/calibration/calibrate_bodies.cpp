@@ -15,10 +15,10 @@
 #include "datasets/session/session_clock.h"
 #include "evaluators/calibration/rig_start.h"
 #include "evaluators/ceres/rig_refinement.h"
+#include "pipeline/accuracy/sensor_track.h"
 #include "pipeline/calibration/floor_plane.h"
-#include "pipeline/items/file_identity.h"
-#include "pipeline/parallel.h"
-#include "pipeline/sensor_track.h"
+#include "pipeline/study/file_identity.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {

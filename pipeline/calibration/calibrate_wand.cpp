@@ -48,7 +48,7 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
   for (std::size_t r = 0; r < sessions.size(); ++r)
     searches.push_back(search_wand(sessions[r], intrinsics_of(work.recordings[r]), options.search));
   for (WandRecording& recording : work.recordings)
-    recording.sha256 = hash_of_file(recording.place, options.search.stop_requested);
+    recording.sha256 = hash_of_file(recording.place, options.search.watch.stop_requested);
   watched.check();
   return calibrate_searched(work, searches);
 }

@@ -8,7 +8,7 @@
 #include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/session/session_clock.h"
-#include "pipeline/parallel.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 
@@ -52,7 +52,7 @@ WandSearcher::Sensor& WandSearcher::sensor(std::size_t index) {
   return sensor;
 }
 
-SensorSearch WandSearcher::search_block(const FrameRun& block) {
+SensorSearch WandSearcher::search_block(const FrameRun& block, const Watch& watch) {
   const Sensor& sensor = this->sensor(block.sensor);
   SensorSearch result;
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
@@ -60,7 +60,7 @@ SensorSearch WandSearcher::search_block(const FrameRun& block) {
       session_.stamps(block.sensor, FrameStream::depth, block.first, block.count);
   std::optional<Eigen::Vector3d> before_m;
   for (std::uint64_t i = 0; i < block.count; ++i) {
-    if (options_.stop_requested && options_.stop_requested()) throw Interrupted();
+    watch.check();
     decode_depth_frame(session_.stored_depth_frame(block.sensor, block.first + i), depth_mm);
     if (i % options_.whole_image_every == 0) before_m.reset();
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
@@ -78,13 +78,14 @@ SensorSearch WandSearcher::search_block(const FrameRun& block) {
   return result;
 }
 
-SensorSearch WandSearcher::search(const FrameRun& run, const std::function<void(std::uint64_t)>& searched) {
+SensorSearch WandSearcher::search(const FrameRun& run, const Watch& watch) {
   std::vector<SensorSearch> blocks((run.count + kWandBlock - 1) / kWandBlock);
+  std::atomic<std::uint64_t> done{0};
   parallel_for_index(blocks.size(), 1, [&](std::size_t b) {
     const std::uint64_t from = b * kWandBlock;
     const FrameRun block{run.sensor, run.first + from, std::min(kWandBlock, run.count - from)};
-    blocks[b] = search_block(block);
-    if (searched) searched(block.count);
+    blocks[b] = search_block(block, watch);
+    watch.tell(static_cast<double>(done += block.count) / static_cast<double>(run.count));
   });
   SensorSearch search;
   for (const SensorSearch& block : blocks) append(search, block);
@@ -103,9 +104,9 @@ std::vector<SensorSearch> search_wand(const SessionReader& session,
   std::vector<SensorSearch> results(runs.size());
   std::atomic<std::uint64_t> done{0};
   parallel_for_index(runs.size(), 1, [&](std::size_t r) {
-    results[r] = searcher.search(runs[r]);
+    results[r] = searcher.search(runs[r], {options.watch.stop_requested, {}});
     done += runs[r].count;
-    if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(all));
+    options.watch.tell(static_cast<double>(done) / static_cast<double>(all));
   });
   std::vector<SensorSearch> searches(frames.size());
   for (std::size_t r = 0; r < runs.size(); ++r) append(searches[runs[r].sensor], results[r]);

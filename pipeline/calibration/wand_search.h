@@ -13,6 +13,7 @@
 #include "datasets/session/session_reader.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"
+#include "pipeline/study/watch.h"
 
 namespace trilat {
 
@@ -21,8 +22,7 @@ struct WandSearchOptions {
   // Between two searches of the whole image the ball is looked for where it was in the frame before; a second
   // ball is noticed at the next whole search.
   std::uint64_t whole_image_every = 15;
-  std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};
+  Watch watch = {};
 };
 
 // What one sensor's depth frames show of the wand, all of them or some neighbours.
@@ -59,14 +59,14 @@ class WandSearcher {
   WandSearcher(const WandSearcher&) = delete;
   WandSearcher& operator=(const WandSearcher&) = delete;
 
-  // On the threads of the current arena, from any of them, with a few frames in memory; calls `searched` with
-  // the number of frames that are done, from any thread. Interrupted when asked to stop.
-  SensorSearch search(const FrameRun& run, const std::function<void(std::uint64_t)>& searched = {});
+  // On the threads of the current arena, from any of them, with a few frames in memory. Interrupted when
+  // asked to stop.
+  SensorSearch search(const FrameRun& run, const Watch& watch);
 
  private:
   struct Sensor;
   Sensor& sensor(std::size_t index);
-  SensorSearch search_block(const FrameRun& block);
+  SensorSearch search_block(const FrameRun& block, const Watch& watch);
 
   const SessionReader& session_;
   std::vector<DepthIntrinsics> intrinsics_;

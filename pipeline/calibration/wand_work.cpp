@@ -103,7 +103,7 @@ WandWork make_wand_work(std::span<const SessionReader> sessions, WandMethod meth
       .recordings = read_wand_recordings(sessions, options.intrinsics, method == WandMethod::two_positions)};
   for (const std::filesystem::path& file : other_files(options))
     work.other_sources.push_back(
-        {file.filename().string(), hash_of_file(file, options.search.stop_requested)});
+        {file.filename().string(), hash_of_file(file, options.search.watch.stop_requested)});
   return work;
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/calibration_study/calibration_study.h"
 
 #include "datasets/results/calibration_summary.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/calibration_study/distortion.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
@@ -36,14 +37,14 @@ Study calibration_study(const CalibrationSpec& spec) {
   std::vector<Item> items = wand_items(spec);
   for (const auto& more : {distortion_items(spec), rig_items(spec)})
     items.insert(items.end(), more.begin(), more.end());
-  return {StudyKind::calibration,
-          resolved,
-          std::move(items),
-          manifest_of(resolved, {{"simulated", true}, {"inputs", Json::array()}}),
-          {},
-          [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch& watch) {
-            write_calibration_summary(results, summarise(spec, outcomes, watch));
-          }};
+  return {.kind = name_of(StudyKind::calibration),
+          .work = resolved,
+          .items = std::move(items),
+          .reduce =
+              [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch& watch) {
+                write_calibration_summary(results, summarise(spec, outcomes, watch));
+              },
+          .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
 }
 
 }  // namespace trilat

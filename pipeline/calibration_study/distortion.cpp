@@ -11,7 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/session/session_types.h"
 #include "evaluators/wand/printed_wand.h"
-#include "pipeline/parallel.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -138,7 +138,7 @@ std::vector<DistortionCurve> read_distortion(const CalibrationSpec& spec, const 
   std::vector<DistortionCurve> curves;
   for (std::uint64_t u = 0; u < spec.distortion_units; ++u) {
     const Outcome& outcome = outcomes.at(distortion_item(u));
-    curves.push_back(read_curve(spec, u, outcome.json, outcome.place));
+    curves.push_back(read_curve(spec, u, outcome.json(), outcome.place()));
   }
   return curves;
 }

@@ -8,7 +8,7 @@
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/watch.h"
+#include "pipeline/study/watch.h"
 
 namespace trilat {
 

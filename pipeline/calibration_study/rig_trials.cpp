@@ -15,7 +15,7 @@
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/calibration_study/simulated_run.h"
-#include "pipeline/parallel.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -379,7 +379,7 @@ RigTrialResults read_rigs(const CalibrationSpec& spec, const Outcomes& outcomes_
   std::vector<std::vector<RunOutcome>> outcomes(all.size());
   for (std::uint64_t r = 0; r < spec.runs; ++r) {
     const Outcome& outcome = outcomes_by_id.at(rig_item(r));
-    std::vector<RunOutcome> run = read_run(outcome.json, outcome.place, spec.rig.heights_m.size());
+    std::vector<RunOutcome> run = read_run(outcome.json(), outcome.place(), spec.rig.heights_m.size());
     for (std::size_t m = 0; m < all.size(); ++m) outcomes[m].push_back(std::move(run[m]));
   }
   for (std::size_t m = 0; m < all.size(); ++m) {

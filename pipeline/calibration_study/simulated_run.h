@@ -8,7 +8,7 @@
 #include "pipeline/calibration/calibrate_views.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/study_units.h"
-#include "pipeline/watch.h"
+#include "pipeline/study/watch.h"
 
 namespace trilat {
 

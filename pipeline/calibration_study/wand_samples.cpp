@@ -19,7 +19,7 @@
 #include "evaluators/wand/find_wand.h"
 #include "evaluators/wand/printed_wand.h"
 #include "pipeline/calibration_study/error_spread.h"
-#include "pipeline/parallel.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -301,7 +301,7 @@ WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcome
   std::vector<RowErrors> errors(results.rows.size());
   for (std::uint64_t u = 0; u < spec.units; ++u) {
     const Outcome& outcome = outcomes.at(wand_item(u));
-    add_unit(u, draw_samples(spec, u), read_outcomes(outcome.json, outcome.place, images, methods.size()),
+    add_unit(u, draw_samples(spec, u), read_outcomes(outcome.json(), outcome.place(), images, methods.size()),
              results, errors);
   }
   for (std::size_t row = 0; row < results.rows.size(); ++row) {

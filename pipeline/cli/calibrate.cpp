@@ -6,14 +6,13 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/calibration/calibrate_bodies.h"
-#include "pipeline/calibration/wand_part.h"
+#include "pipeline/calibration/wand_study.h"
 #include "pipeline/cli/calibration_text.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/results_folder.h"
+#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
@@ -29,11 +28,10 @@ NamedIntrinsics named_files(const std::vector<std::string>& entries) {
   return result;
 }
 
-CalibrateWandOptions wand_options(const CalibrateArguments& arguments, Progress& progress) {
+CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Watch& watch) {
   CalibrateWandOptions options;
   options.search.find.ball_radius_m = arguments.ball_radius_m;
-  options.search.stop_requested = stop_requested;
-  options.search.progress = [&](double share) { progress.set(share); };
+  options.search.watch = watch;
   options.intrinsics = named_files(arguments.intrinsics);
   options.depth_correction = !arguments.no_depth_correction;
   options.movement_m = arguments.movement_m;
@@ -81,12 +79,12 @@ std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments
   return inputs;
 }
 
-struct Outcome {
+struct Calibrated {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
 };
 
-Outcome calibrate_by(const CalibrateArguments& arguments) {
+Calibrated calibrate_by(const CalibrateArguments& arguments) {
   Progress progress(arguments.method == "bodies" ? "calibrating" : "looking for the wand");
   if (arguments.method == "bodies") {
     CalibrateBodiesOptions options;
@@ -94,18 +92,23 @@ Outcome calibrate_by(const CalibrateArguments& arguments) {
     options.progress = [&](double share) { progress.set(share); };
     return {calibrate_bodies(arguments.sessions[0], options).calibration, {}};
   }
+  const Watch watch{stop_requested, [&](double share) { progress.set(share); }};
   WandCalibration result =
-      calibrate_wand(arguments.sessions, wand_options(arguments, progress), wand_method(arguments));
+      calibrate_wand(arguments.sessions, wand_options(arguments, watch), wand_method(arguments));
   return {std::move(result.calibration), std::move(result.views.evidence)};
 }
 
 int calibrate_shard(const CalibrateArguments& arguments, const Shard& shard) {
+  StudyOptions options{.threads = arguments.threads, .stop_requested = stop_requested, .shard = shard};
+  if (std::filesystem::is_directory(arguments.output)) options.reuse = {arguments.output};
   ItemTally tally;
-  on_threads(arguments.threads, [&](int) {
+  {
     Progress progress("looking for the wand");
-    tally = search_wand_part(arguments.sessions, wand_method(arguments), wand_options(arguments, progress),
-                             shard, arguments.output);
-  });
+    options.progress = [&](const std::string&, double share) { progress.set(share); };
+    tally = run_study(
+        wand_study(arguments.sessions, wand_method(arguments), wand_options(arguments, {stop_requested, {}})),
+        arguments.output, options);
+  }
   tell_reuse("items", tally);
   print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
@@ -117,20 +120,12 @@ int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
   const bool whole = arguments.shard.empty();
   check_output({arguments.output, whole ? OutputKind::calibration : OutputKind::part, inputs_of(arguments),
-                arguments.force, kWandPart});
+                arguments.force, kWandSearch});
   if (!whole) return calibrate_shard(arguments, parse_shard(arguments.shard, "--shard"));
-  Outcome outcome;
+  Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);
-  return kDone;
-}
-
-int merge_wand_calibration(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
-  WandCalibration result;
-  on_threads(arguments.threads, [&](int) { result = merge_wand_parts(parts); });
-  write_calibration(arguments.output, result.calibration);
-  print_calibration(result.calibration, result.views.evidence, arguments.output, arguments.json);
   return kDone;
 }
 

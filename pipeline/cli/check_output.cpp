@@ -13,7 +13,9 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/export/samples_csv.h"
 #include "datasets/export/session_csv.h"
+#include "datasets/results/items.h"
 #include "datasets/skeleton/skeleton.h"
+#include "pipeline/simulate/campaign_study.h"
 
 namespace trilat {
 namespace {
@@ -44,24 +46,34 @@ Json document(const fs::path& file, const std::string& format) {
 }
 
 // A workflow engine removes the one file that it knows of before it makes an output anew; the others still
-// tell that it is ours. Recordings have neither of the two.
+// tell that it is ours.
 bool is_results(const PlannedOutput& output) {
   const fs::path& folder = output.path;
   if (fs::exists(folder / "part.json")) return false;
-  const bool results = fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
-                       fs::exists(folder / "run.json");
-  return results || !document(folder / "run.json", "trilat.run").empty() ||
-         !document(folder / "manifest.json", "trilat.manifest").empty();
+  if (fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
+      fs::exists(folder / "run.json"))
+    return true;
+  return !fs::exists(folder / kItemsFolder) &&
+         (!document(folder / "run.json", "trilat.run").empty() ||
+          !document(folder / "manifest.json", "trilat.manifest").empty());
+}
+
+// Recordings are told from other items by the first part of their names.
+bool holds_recordings(const fs::path& part) { return fs::exists(item_folder(part, kRecordings)); }
+
+bool is_part_without_its_file(const fs::path& folder) {
+  return fs::exists(folder / kItemsFolder) && !document(folder / "run.json", "trilat.run").empty();
 }
 
 bool is_part(const PlannedOutput& output) {
   const Json part = document(output.path / "part.json", "trilat.part");
-  return part.empty() ? is_results(output) : part.value("kind", Json()) == output.of;
+  if (!part.empty()) return part.value("kind", Json()) == output.of;
+  return is_results(output) || (is_part_without_its_file(output.path) && !holds_recordings(output.path));
 }
 
 bool is_campaign_part(const PlannedOutput& output) {
   const Json part = document(output.path / "part.json", "trilat.part");
-  return part.empty() ? !document(output.path / "items.json", "trilat.items").empty()
+  return part.empty() ? is_part_without_its_file(output.path) && holds_recordings(output.path)
                       : part.value("kind", Json()) == output.of;
 }
 

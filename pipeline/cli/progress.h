@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace trilat {
@@ -23,6 +24,23 @@ class Progress {
   std::mutex mutex_;
   std::chrono::steady_clock::time_point start_, last_;
   bool drawn_ = false;
+};
+
+// Progress of stages one after the other: each gets a bar and a clock of its own. set() may be called by any
+// thread.
+class StageProgressBars {
+ public:
+  void set(const std::string& stage, double share) {
+    const std::lock_guard lock(mutex_);
+    if (!progress_ || stage != stage_) progress_.emplace(stage);
+    stage_ = stage;
+    progress_->set(share);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string stage_;
+  std::optional<Progress> progress_;
 };
 
 }  // namespace trilat

@@ -8,19 +8,17 @@
 
 #include "datasets/base/error.h"
 #include "datasets/synthetic/simulation_spec.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/claims/judge_claims.h"
-#include "pipeline/cli/budget_study.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/embedded_studies.h"
-#include "pipeline/cli/part_progress.h"
 #include "pipeline/cli/progress.h"
-#include "pipeline/cli/simulate_take.h"
-#include "pipeline/cli/time_capture.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/execute.h"
-#include "pipeline/recording_study/recording_study.h"
-#include "pipeline/sweep/execute_sweep.h"
+#include "pipeline/recording/recording_study.h"
+#include "pipeline/simulate/campaign_study.h"
+#include "pipeline/sweep/sweep_study.h"
 #include "reports/render.h"
 #include "reports/sweep_tables.h"
 #include "reports/write_report.h"
@@ -58,7 +56,7 @@ void begin_stage(int number, const std::string& text) {
 
 Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec& spec) {
   Progress progress("simulating");
-  return simulate_campaign(spec, folder, stop_requested, [&](double s) { progress.set(s); });
+  return simulate_campaign(spec, folder, {stop_requested, [&](double s) { progress.set(s); }});
 }
 
 // What an earlier reproduction left there and did not change since.
@@ -77,12 +75,12 @@ ResultsSummary evaluate_into(const std::filesystem::path& folder, const StudySpe
 }
 
 void run_into(const std::filesystem::path& folder, const Study& study, const ReproduceArguments& arguments) {
-  PartProgress progress;
+  StageProgressBars progress;
   run_study(study, folder,
-            {arguments.threads,
-             stop_requested,
-             [&](const std::string& stage, double share) { progress.set(stage, share); },
-             {{}, earlier(folder)}});
+            {.threads = arguments.threads,
+             .stop_requested = stop_requested,
+             .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
+             .reuse = earlier(folder)});
 }
 
 // Two rigs of eight sensors, of which the study takes two to eight. How many takes failed.
@@ -121,17 +119,6 @@ SweepPlan sweep_plan(const char* text, const std::string& place, const Reproduce
   return make_sweep_plan(spec, place);
 }
 
-SweepSummary sweep_into(const std::filesystem::path& folder, const SweepPlan& plan,
-                        const ReproduceArguments& arguments) {
-  Progress progress("sweeping"), timing("timing");
-  const SweepOutcome outcome =
-      execute_sweep(plan, folder,
-                    {arguments.threads, stop_requested, [&](double s) { progress.set(s); },
-                     [&](double s) { timing.set(s); }});
-  if (outcome.summary.interrupted) throw Interrupted();
-  return outcome.summary;
-}
-
 void calibration_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
   const std::string place = "pipeline/studies/calibration.json";
   CalibrationSpec spec = parse_calibration_spec(parse_json(embedded::calibration_json, place), place);
@@ -154,7 +141,7 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
     spec.runs = std::min(spec.runs, kQuickRecordingRuns);
     spec.capture_s = std::min(spec.capture_s, kQuickCapture_s);
   }
-  run_into(folder, recording_study(spec, time_capture), arguments);
+  run_into(folder, recording_study(spec), arguments);
 }
 
 // Every results folder, in the order of the report.
@@ -251,12 +238,13 @@ int reproduce(const ReproduceArguments& arguments) {
   begin_stage(6, "Table I: threshold against error and time, printed and corrected");
   const SweepPlan table1_plan =
       sweep_plan(embedded::table1_json, "pipeline/studies/table1.json", arguments, kAllTrials);
-  sweep_into(folder / "table1", table1_plan, arguments);
+  run_into(folder / "table1", sweep_study(table1_plan), arguments);
   const SweepPlan search_plan = sweep_plan(
       embedded::table1_search_json, "pipeline/studies/table1_search.json", arguments, kQuickSearchTrials);
   begin_stage(7, fmt::format("which of {} readings of the paper gives the printed Table I",
                              search_plan.readings.size()));
-  const SweepSummary search = sweep_into(folder / "table1_search", search_plan, arguments);
+  run_into(folder / "table1_search", sweep_study(search_plan), arguments);
+  const SweepSummary search = read_sweep_summary(folder / "table1_search");
   begin_stage(8, "calibration: one wand position, a flat wall, whole rigs, what it does to joints");
   calibration_into(folder / "calibration", arguments);
   begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");

@@ -40,11 +40,6 @@ std::vector<std::filesystem::path> reused_results(const RunArguments& arguments)
   return folders;
 }
 
-WorkOptions work_options(const RunArguments& arguments) {
-  return {arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard"),
-          reused_results(arguments)};
-}
-
 void print_part(const std::filesystem::path& output, const Shard& shard, const ItemTally& tally, bool json) {
   Json document{{"part", output.string()}, {"shard", name_of(shard)}};
   document.update(tally_json(tally));
@@ -56,13 +51,18 @@ void print_part(const std::filesystem::path& output, const Shard& shard, const I
 }
 
 Json tally_json(const ItemTally& tally) {
-  return {{"items", tally.computed.size() + tally.continued.size() + tally.reused.size()},
+  return {{"items", tally.all()},
           {"items_computed", tally.computed.size()},
           {"items_continued", tally.continued.size()},
-          {"items_reused", tally.reused.size()}};
+          {"items_reused", tally.reused.size()},
+          {"unchanged", tally.unchanged}};
 }
 
 void tell_reuse(const std::string& items, const ItemTally& tally) {
+  if (tally.unchanged) {
+    fmt::print(stderr, "nothing changed: the results are there already\n");
+    return;
+  }
   if (!tally.reused.empty())
     fmt::print(stderr, "{} {} did not change and are taken from earlier results: {}\n", tally.reused.size(),
                items, some_of(tally.reused));

@@ -8,7 +8,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/items/item_store.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 
@@ -20,9 +20,6 @@ void check_run_output(const RunArguments& arguments, StudyKind kind,
 // The earlier results that a run may take from: those named, and what its output holds unless it is to be
 // computed afresh.
 std::vector<std::filesystem::path> reused_results(const RunArguments& arguments);
-
-// What the arguments ask for: all of the work or one shard, and what it may take from.
-WorkOptions work_options(const RunArguments& arguments);
 
 // Says what became of a shard, on stdout.
 void print_part(const std::filesystem::path& output, const Shard& shard, const ItemTally& tally, bool json);

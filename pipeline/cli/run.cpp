@@ -1,88 +1,129 @@
 // SPDX-License-Identifier: MIT
-// `trilat run`, and `trilat merge` of studies that make their own data.
+// `trilat run` and `trilat merge`.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/build_id.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "pipeline/cli/generated_studies.h"
-#include "pipeline/cli/part_progress.h"
+#include "pipeline/calibration/wand_study.h"
+#include "pipeline/cli/calibration_text.h"
+#include "pipeline/cli/check_output.h"
+#include "pipeline/cli/kinds.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
-#include "pipeline/cli/verbs.h"
-#include "pipeline/results_folder.h"
-#include "reports/render.h"
+#include "pipeline/simulate/campaign_study.h"
+#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
 
-void refuse_what_is_of_no_use(const GeneratedKind& kind, const RunArguments& arguments) {
-  if (!arguments.campaign.empty() || !arguments.calibration.empty())
+void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
+  if (!kind.no_campaign.empty() && (!arguments.campaign.empty() || !arguments.calibration.empty()))
     throw InputError(arguments.campaign.empty() ? "--calibration" : "--campaign",
                      "is of no use: " + kind.no_campaign);
-  if (arguments.cross_check) throw InputError("--cross-check", "is for studies of kind accuracy");
+  if (arguments.cross_check && kind.kind != StudyKind::accuracy)
+    throw InputError("--cross-check", "is for studies of kind accuracy");
+  if (arguments.memory_mb && !kind.has_memory_limit)
+    throw InputError("--memory-mb", "is for studies of kind accuracy and error_budget; others need little");
 }
 
-int print_results(const GeneratedKind& kind, const std::filesystem::path& output, Json document, bool json) {
-  if (json) {
-    document.update(Json{{"results", output.string()}, {"simulated", true}, {"interrupted", false}});
-    fmt::print("{}\n", json_text(document, 2));
-    return kDone;
-  }
-  for (const Table& table : kind.tables(output)) fmt::print("{}\n", markdown_of(table));
-  fmt::print("results: {}\n", output.string());
+// Plans and computes what is not known.
+ItemTally run_opened(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard) {
+  const std::filesystem::path& output = arguments.output;
+  StudyOptions options{.threads = arguments.threads,
+                       .stop_requested = stop_requested,
+                       .shard = shard,
+                       .reuse = reused_results(arguments),
+                       .fresh = arguments.fresh};
+  StageProgressBars progress;
+  options.progress = [&](const std::string& stage, double share) { progress.set(stage, share); };
+  ItemTally tally;
+  on_threads(arguments.threads, [&](int) {
+    const bool is_asked = shard.whole() && !arguments.fresh && std::filesystem::exists(output / "items.json");
+    tally.unchanged = is_asked && opened.key && holds_results(output, opened.key({stop_requested, {}}));
+    if (tally.unchanged)
+      for (const DoneItem& item : read_items(output)) tally.reused.push_back(item.id);
+    else
+      tally = run_study(opened.plan(), output, options);
+  });
+  return tally;
+}
+
+MergeArguments checked(const MergeArguments& arguments, const FoundPart& first) {
+  if (first.part.build != build_id())
+    throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
+  if (arguments.memory_mb && first.part.kind != name_of(StudyKind::accuracy))
+    throw InputError("--memory-mb", "is for parts of kind accuracy; others need little");
+  const OutputKind output = first.part.kind == kWandSearch ? OutputKind::calibration
+                            : first.part.kind == kCampaign ? OutputKind::merged_campaign
+                                                           : OutputKind::results;
+  check_output({arguments.output, output, arguments.parts, arguments.force});
+  return arguments;
+}
+
+int merge_wand(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  WandCalibration result;
+  on_threads(arguments.threads, [&](int) { result = calibrate_parts(parts); });
+  write_calibration(arguments.output, result.calibration);
+  print_calibration(result.calibration, result.views.evidence, arguments.output, arguments.json);
   return kDone;
 }
 
-int run_generated(const GeneratedKind& kind, const RunArguments& arguments, const Json& json) {
+void put_together(const Study& study, const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
+  StageProgressBars progress;
+  merge_parts(study, parts, arguments.output,
+              {.threads = arguments.threads,
+               .stop_requested = stop_requested,
+               .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
+}
+
+}  // namespace
+
+int run(const RunArguments& arguments) {
+  const Json json = read_json(arguments.study);
+  const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
+  const Kind& kind = *find_kind(name_of(study_kind(json, arguments.study.string())));
   refuse_what_is_of_no_use(kind, arguments);
   const OpenedStudy opened = kind.open(arguments, json);
-  if (arguments.dry_run) {
-    fmt::print("{}\n", arguments.json ? json_text(opened.plan, 2) : opened.plan_text);
-    return kDone;
-  }
+  if (arguments.dry_run) return opened.print_plan(shard, arguments.json);
   check_run_output(arguments, kind.kind, opened.inputs);
-  const WorkOptions work = work_options(arguments);
   ItemTally tally;
   try {
-    PartProgress progress;
-    tally = run_study(
-        opened.study, arguments.output,
-        {arguments.threads, stop_requested,
-         [&](const std::string& stage, double share) { progress.set(stage, share); }, work, arguments.fresh});
+    tally = run_opened(opened, arguments, shard);
   } catch (const Interrupted&) {
     tell_interrupted(partial_name(output_name(arguments.output)));
     return kItemsFailed;
   }
   tell_reuse(kind.items, tally);
-  if (work.shard.whole()) return print_results(kind, arguments.output, tally_json(tally), arguments.json);
-  print_part(arguments.output, work.shard, tally, arguments.json);
+  if (shard.whole()) return kind.print(arguments.output, tally_json(tally), arguments.json);
+  if (opened.print_part) return opened.print_part(arguments.output, shard, tally, arguments.json);
+  print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
 }
 
-}  // namespace
-
-int merge_generated(const GeneratedKind& kind, const MergeArguments& arguments,
-                    const std::vector<FoundPart>& parts) {
+int merge(const MergeArguments& given) {
+  const std::vector<FoundPart> parts = read_parts(given.parts);
   const FoundPart& first = parts.front();
-  const Study study = kind.of_parts(first.part.work, (first.folder / "part.json").string());
-  {
-    PartProgress progress;
-    merge_parts(study, parts, arguments.output,
-                {arguments.threads, stop_requested,
-                 [&](const std::string& stage, double share) { progress.set(stage, share); }});
+  const MergeArguments arguments = checked(given, first);
+  const std::string place = (first.folder / "part.json").string();
+  if (first.part.kind == kWandSearch) return merge_wand(arguments, parts);
+  if (first.part.kind == kCampaign) {
+    put_together(campaign_of_parts(first.part.work, place), arguments, parts);
+    const std::size_t takes = read_campaign(arguments.output).takes.size();
+    const Json document{{"campaign", arguments.output.string()}, {"takes", takes}};
+    if (arguments.json)
+      fmt::print("{}\n", json_text(document, 2));
+    else
+      fmt::print("{} simulated takes: {}\n", takes, (arguments.output / "campaign.json").string());
+    return kDone;
   }
-  return print_results(kind, arguments.output, {{"parts", parts.size()}}, arguments.json);
-}
-
-int run(const RunArguments& arguments) {
-  const Json json = read_json(arguments.study);
-  if (!arguments.shard.empty()) parse_shard(arguments.shard, "--shard");
-  const StudyKind kind = study_kind(json, arguments.study.string());
-  if (arguments.memory_mb && kind != StudyKind::accuracy && kind != StudyKind::error_budget)
-    throw InputError("--memory-mb", "is for studies of kind accuracy and error_budget; others need little");
-  if (const GeneratedKind* generated = generated_kind(name_of(kind)))
-    return run_generated(*generated, arguments, json);
-  return kind == StudyKind::accuracy ? run_accuracy_study(arguments, json) : run_sweep_study(arguments, json);
+  const Kind* kind = find_kind(first.part.kind);
+  if (!kind)
+    throw InputError(first.folder.string(),
+                     "is a part of kind " + first.part.kind + ", which cannot be merged");
+  put_together(kind->of_parts(first.part.work, place, arguments), arguments, parts);
+  return kind->print(arguments.output, {{"parts", parts.size()}}, arguments.json);
 }
 
 }  // namespace trilat

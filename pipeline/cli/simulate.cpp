@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/build_id.h"
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/merge_kinds.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
-#include "pipeline/cli/simulate_part.h"
-#include "pipeline/cli/simulate_take.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/simulate/campaign_study.h"
+#include "pipeline/simulate/simulate_wand.h"
 
 namespace trilat {
 namespace {
@@ -21,69 +21,72 @@ std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, 
   return {arguments.spec, spec.recorded->mocap, spec.recorded->mapping};
 }
 
-int simulate_shard(const SimulateArguments& arguments, const Shard& shard) {
+void print_campaign(const std::filesystem::path& folder, const SimulationSpec& spec, bool as_json) {
+  const Campaign campaign = read_campaign(folder);
+  const std::filesystem::path wand = folder / "wand";
+  if (as_json) {
+    Json takes = Json::array();
+    for (const Take& take : campaign.takes) takes.push_back(take.id);
+    Json json{{"campaign", folder.string()}, {"takes", takes}};
+    if (spec.wand)
+      json["wand"] = {{"session", (wand / "session.h5").string()},
+                      {"mocap", (wand / "mocap.csv").string()},
+                      {"mocap_start_host_ns", wand_mocap_start(spec).ns}};
+    fmt::print("{}\n", json_text(json, 2));
+    return;
+  }
+  fmt::print("{} simulated takes: {}\n", campaign.takes.size(), (folder / "campaign.json").string());
+  if (spec.wand)
+    fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n", (wand / "session.h5").string(),
+               wand_mocap_start(spec).ns);
+}
+
+// To be made of the documents that the arguments name, as long as they stay as they are.
+Study planned(const SimulateArguments& arguments) {
   WatchedFiles inputs({arguments.spec});
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
-  check_output({arguments.output, OutputKind::campaign_part, files_of(arguments, spec), arguments.force,
-                kCampaignPart});
   std::string sha256 = hash_of_file(arguments.spec);
   if (spec.recorded)
     for (const std::filesystem::path& file : {spec.recorded->mocap, spec.recorded->mapping}) {
       inputs.add(file);
       sha256 += hash_of_file(file);
     }
-  ItemTally tally;
-  {
-    Progress progress("simulating");
-    tally =
-        simulate_part(spec, hash_of_text(sha256), shard, arguments.output,
-                      {stop_requested, [&](double share) { progress.set(share); }, inputs, arguments.force});
-  }
-  tell_reuse("recordings", tally);
-  print_part(arguments.output, shard, tally, arguments.json);
-  return kDone;
+  return campaign_study(spec, hash_of_text(sha256), inputs);
+}
+
+// Recordings are never replaced by others: what is there must be this part, perhaps not whole any more.
+void check_part(const Study& study, const Shard& shard, const std::filesystem::path& output) {
+  if (!std::filesystem::exists(output / "part.json")) return;
+  const WorkPart there = read_part(output);
+  if (there.number != shard.number || there.of != shard.of || there.work != study.work ||
+      there.build != build_id())
+    throw InputError(output.string(),
+                     "exists and is not this part; recordings are never replaced. Choose another name, or "
+                     "replace it with --force");
 }
 
 }  // namespace
 
 int simulate(const SimulateArguments& arguments) {
-  if (!arguments.shard.empty()) return simulate_shard(arguments, parse_shard(arguments.shard, "--shard"));
+  const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
-  check_output({arguments.output, OutputKind::campaign, files_of(arguments, spec), arguments.force});
-  Campaign campaign;
+  check_output({arguments.output, shard.whole() ? OutputKind::campaign : OutputKind::campaign_part,
+                files_of(arguments, spec), arguments.force, kCampaign});
+  const Study study = planned(arguments);
+  if (!shard.whole() && !arguments.force) check_part(study, shard, arguments.output);
+  StudyOptions options{.stop_requested = stop_requested, .shard = shard};
+  if (!shard.whole() && std::filesystem::is_directory(arguments.output)) options.reuse = {arguments.output};
+  ItemTally tally;
   {
     Progress progress("simulating");
-    campaign =
-        simulate_campaign(spec, arguments.output, stop_requested, [&](double share) { progress.set(share); });
+    options.progress = [&](const std::string&, double share) { progress.set(share); };
+    tally = run_study(study, arguments.output, options);
   }
-  if (arguments.json) {
-    Json takes = Json::array();
-    for (const Take& take : campaign.takes) takes.push_back(take.id);
-    Json json{{"campaign", arguments.output.string()}, {"takes", takes}};
-    if (spec.wand)
-      json["wand"] = {{"session", (arguments.output / "wand" / "session.h5").string()},
-                      {"mocap", (arguments.output / "wand" / "mocap.csv").string()},
-                      {"mocap_start_host_ns", wand_mocap_start(spec).ns}};
-    fmt::print("{}\n", json_text(json, 2));
-  } else {
-    fmt::print("{} simulated takes: {}\n", campaign.takes.size(),
-               (arguments.output / "campaign.json").string());
-    if (spec.wand)
-      fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n",
-                 (arguments.output / "wand" / "session.h5").string(), wand_mocap_start(spec).ns);
-  }
-  return kDone;
-}
-
-int merge_simulated_campaign(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
-  merge_campaign(parts, arguments.output);
-  const Campaign campaign = read_campaign(arguments.output);
-  if (arguments.json)
-    fmt::print("{}\n",
-               json_text({{"campaign", arguments.output.string()}, {"takes", campaign.takes.size()}}, 2));
+  tell_reuse("recordings", tally);
+  if (shard.whole())
+    print_campaign(arguments.output, spec, arguments.json);
   else
-    fmt::print("{} simulated takes: {}\n", campaign.takes.size(),
-               (arguments.output / "campaign.json").string());
+    print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
 }
 

@@ -10,7 +10,7 @@
 #include "datasets/results/summary.h"
 #include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/student_tail.h"
-#include "pipeline/parallel.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {

@@ -12,8 +12,8 @@
 #include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
 #include "evaluators/solvers/solve_status.h"
-#include "pipeline/parallel.h"
-#include "pipeline/plan.h"
+#include "pipeline/accuracy/plan.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 
+#include <tbb/task_arena.h>
+
+#include "datasets/base/build_id.h"
 #include "datasets/base/content_hash.h"
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "pipeline/manifest.h"
-#include "pipeline/parallel.h"
-#include "pipeline/results_folder.h"
+#include "pipeline/study/known_items.h"
+#include "pipeline/study/parallel.h"
+#include "pipeline/study/results_folder.h"
+#include "pipeline/study/run_record.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kAside = "aside";  // where items are made before they are put in place
 
 std::string stage_of(const std::string& id) { return id.substr(0, id.find('/')); }
 
@@ -21,13 +31,11 @@ Watch watch_of(const StudyOptions& options, const std::string& stage) {
   return watch;
 }
 
-// Items of one stage, of which several are computed at a time.
-class Stage {
+// How far items are that are computed beside each other.
+class StageProgress {
  public:
-  Stage(std::span<const Item> items, const StudyItems& known, Watch watch) : watch_(std::move(watch)) {
-    for (const Item& item : items) costs_.push_back(known.has(item.id) ? item.cost : 0.0);
-    done_.resize(items.size());
-  }
+  StageProgress(std::vector<double> costs, Watch watch)
+      : watch_(std::move(watch)), costs_(std::move(costs)), done_(costs_.size()) {}
   // The watch of the item of that index.
   Watch item(std::size_t index) {
     return {watch_.stop_requested, [this, index](double share) { tell(index, share); }};
@@ -47,64 +55,145 @@ class Stage {
 
   Watch watch_;
   std::mutex mutex_;
-  std::vector<double> costs_, done_;  // by item; another shard's costs nothing
+  std::vector<double> costs_, done_;
 };
 
-// Those of another shard are left out. When merging, nothing is left out and nothing computed.
-Outcomes outcomes_of(const Study& study, StudyItems& items, const std::filesystem::path& scratch,
-                     const StudyOptions& options, Json& times) {
-  std::vector<std::optional<Json>> found(study.items.size());
-  for (auto first = study.items.begin(); first != study.items.end();) {
-    const RunningTime time;
-    const std::string name = stage_of(first->id);
-    const auto end =
-        std::find_if(first, study.items.end(), [&](const Item& item) { return stage_of(item.id) != name; });
-    Stage stage({first, end}, items, watch_of(options, name));
-    const auto before = static_cast<std::size_t>(first - study.items.begin());
-    parallel_for_index(static_cast<std::size_t>(end - first), 1, [&](std::size_t i) {
-      const Item& item = study.items[before + i];
-      const Watch watch = stage.item(i);
-      found[before + i] = items.outcome(item.id, [&] {
-        watch.check();
-        return item.compute(scratch, watch);
-      });
-      if (found[before + i]) watch.tell(1.0);
-    });
-    times[name + "_s"] = time.seconds();
-    first = end;
+// The items of this run, found or computed.
+class Run {
+ public:
+  Run(const Study& study, const fs::path& folder, const StudyOptions& options)
+      : study_(study), folder_(folder), options_(options), known_(study, folder, options.reuse) {
+    std::vector<double> costs;
+    for (const Item& item : study.items) costs.push_back(item.cost);
+    const std::vector<std::uint64_t> owner = shards_of(costs, options.shard.of);
+    for (std::size_t i = 0; i < owner.size(); ++i) {
+      list_.push_back({study.items[i].id, costs[i], owner[i]});
+      if (owner[i] == options.shard.number) mine_.push_back(i);
+    }
   }
-  Outcomes outcomes;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    if (const std::string& id = study.items[i].id; found[i])
-      outcomes[id] = {std::move(*found[i]), items.place_of(id)};
-  return outcomes;
-}
 
-void write_results(const Study& study, const Outcomes& outcomes, const std::filesystem::path& folder,
-                   const StudyOptions& options) {
+  void compute() {
+    std::span<const std::size_t> left = mine_;
+    while (!left.empty()) {
+      const std::string stage = stage_of(study_.items[left[0]].id);
+      std::size_t count = 1;
+      while (count < left.size() && stage_of(study_.items[left[count]].id) == stage) ++count;
+      const RunningTime time;
+      compute_stage(left.first(count), watch_of(options_, stage));
+      times_[stage + "_s"] = time.seconds();
+      left = left.subspan(count);
+    }
+    known_.check_earlier();
+    fs::remove_all(folder_ / kAside);
+  }
+
+  const Outcomes& outcomes() const { return outcomes_; }
+  const std::vector<PartItem>& list() const { return list_; }
+  const ItemTally& tally() const { return tally_; }
+  const Json& times() const { return times_; }
+
+ private:
+  void compute_stage(std::span<const std::size_t> items, const Watch& watch) {
+    std::vector<double> costs;
+    for (const std::size_t i : items) costs.push_back(study_.items[i].cost);
+    StageProgress progress(std::move(costs), watch);
+    std::atomic<std::size_t> next{0};
+    // threads that may not begin another item help with those that are being computed
+    const std::size_t at_once = study_.at_once > 0 ? std::min(study_.at_once, items.size()) : items.size();
+    parallel_for_index(at_once, 1, [&](std::size_t) {
+      for (std::size_t k; (k = next++) < items.size();) {
+        const Watch of_item = progress.item(k);
+        of_item.check();
+        take(study_.items[items[k]], of_item);
+        of_item.tell(1.0);
+      }
+    });
+  }
+
+  void take(const Item& item, const Watch& watch) {
+    const std::string key =
+        item.key ? item.key(watch) : trilat::key_of({{"study", study_.work}, {"item", item.id}});
+    const fs::path aside = folder_ / kAside / item.id;
+    const auto found = known_.find(item.id, key);
+    Outcome outcome;
+    if (found) {
+      outcome = options_.shard.whole() ? found->outcome : known_.bring_here(item.id, found->outcome, aside);
+    } else {
+      make_folder(aside);
+      const Computed computed = item.compute(aside, watch);
+      outcome.key = computed.failed ? "" : key;
+      put_item(aside, folder_, {item.id, outcome.key, computed.outcome});
+      outcome.folder = item_folder(folder_, item.id);
+    }
+    const std::lock_guard lock(mutex_);
+    if (!outcome.key.empty()) {
+      std::vector<std::string>& list = !found             ? tally_.computed
+                                       : found->continued ? tally_.continued
+                                                          : tally_.reused;
+      list.push_back(item.id);
+    }
+    outcomes_[item.id] = std::move(outcome);
+  }
+
+  const Study& study_;
+  const fs::path& folder_;
+  const StudyOptions& options_;
+  KnownItems known_;
+  std::vector<PartItem> list_;
+  std::vector<std::size_t> mine_;
+  std::mutex mutex_;
+  Outcomes outcomes_;
+  ItemTally tally_;
+  Json times_ = Json::object();
+};
+
+void write_manifest(const Study& study, const Outcomes& outcomes, const fs::path& folder) {
   Json manifest{{"format", "trilat.manifest"}, {"version", 1}, {"program", kProgramVersion}};
-  manifest.update(study.manifest);
+  manifest.update(study.manifest(outcomes));
   write_file(folder / "manifest.json", json_text(manifest, 1) + "\n");
+}
+
+std::string results_key(const Study& study, const Outcomes& outcomes) {
+  const bool failed =
+      std::any_of(outcomes.begin(), outcomes.end(), [](const auto& o) { return o.second.key.empty(); });
+  if (failed) return "";  // what failed may work the next time
+  return study.key ? study.key() : key_of(study.work);
+}
+
+// All that comes of the items of a study.
+void write_results(const Study& study, std::span<const PartItem> list, const Outcomes& outcomes,
+                   const fs::path& folder, const StudyOptions& options) {
   study.reduce(outcomes, folder, watch_of(options, "summary"));
+  if (!study.manifest) return;
+  write_manifest(study, outcomes, folder);
+  write_items(folder, results_key(study, outcomes), list.size(), [&](std::size_t i) {
+    const Outcome& outcome = outcomes.at(list[i].id);
+    return DoneItem{list[i].id, outcome.key, outcome.json()};
+  });
 }
 
-std::vector<PartItem> list_of(const Study& study) {
-  std::vector<PartItem> list;
-  for (const Item& item : study.items) list.push_back({item.id, item.cost});
-  return list;
-}
-
-std::string key_of(const Study& study) { return key_of_item(study.work); }
-
-bool is_known(const Study& study, const std::filesystem::path& output, const StudyOptions& options,
-              ItemTally& tally) {
-  std::vector<const char*> files;
-  if (!study.parameters.empty()) files.push_back("simulator.json");
-  if (study.time) files.push_back("timings.json");
-  return is_done_already(output, options.work, key_of(study), list_of(study), files, &tally);
+void write_record(const Study& study, const fs::path& folder, Json times, const RunningTime& start) {
+  if (study.hashes) study.hashes->save(folder);
+  if (study.times) times.update(study.times());
+  write_run_record(folder, times, start.seconds(), tbb::this_task_arena::max_concurrency());
 }
 
 }  // namespace
+
+std::string key_of(const Json& settings) {
+  return hash_of_text(json_text(Json{{"build", build_id()}, {"settings", settings}}, -1));
+}
+
+Json Outcome::json() const {
+  if (gathered) return *gathered;
+  std::optional<StoredItem> stored = stored_item(folder);
+  if (!stored) throw InputError(folder.string(), "was removed while it was read");
+  return std::move(stored->outcome);
+}
+
+std::string Outcome::place() const {
+  return gathered ? (folder / "items.json").string() : (folder / kItemFile).string() + " outcome";
+}
 
 Json manifest_of(const Json& resolved, const Json& more) {
   Json manifest{{"study", resolved}, {"study_sha256", hash_of_text(resolved.dump())}};
@@ -112,43 +201,61 @@ Json manifest_of(const Json& resolved, const Json& more) {
   return manifest;
 }
 
-ItemTally run_study(const Study& study, const std::filesystem::path& output, const StudyOptions& options) {
+Json manifest_of_generated(const Json& resolved) {
+  return manifest_of(resolved, {{"simulated", true}, {"inputs", Json::array()}});
+}
+
+ItemTally run_study(const Study& study, const fs::path& output, const StudyOptions& options) {
+  const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
+  if (asked && options.shard.whole() && !study.key && holds_results(output, key_of(study.work))) {
+    ItemTally tally;
+    for (const Item& item : study.items) tally.reused.push_back(item.id);
+    tally.unchanged = true;
+    return tally;
+  }
+  const ResultsFolder results(output, options.fresh ? Kept{} : Kept{kItemsFolder});
+  const fs::path& folder = results.partial();
   ItemTally tally;
-  if (is_known(study, output, options, tally)) return tally;
-  const ResultsFolder results(output, options.fresh ? Kept{} : Kept{ItemJournal::kFile});
-  const std::filesystem::path& folder = results.partial();
-  on_threads(options.threads, [&](int threads) {
+  on_threads(options.threads, [&](int) {
     const RunningTime start;
-    Json times = Json::object();
-    StudyItems items(name_of(study.kind), study.work, list_of(study), folder, options.work);
-    const Outcomes outcomes = outcomes_of(study, items, folder, options, times);
-    if (items.whole()) write_results(study, outcomes, folder, options);
-    if (!study.parameters.empty()) write_declared_parameters(folder, study.parameters);
-    if (study.time && items.first())
-      write_stage_timings(folder, study.time(folder, watch_of(options, "timing")));
-    items.finish(folder, key_of(study));
-    tally = items.tally();
-    times.update(json_of(tally));
-    write_run_record(folder, times, start.seconds(), threads);
+    Run run(study, folder, options);
+    run.compute();
+    tally = run.tally();
+    if (study.write_beside) study.write_beside(folder);
+    if (study.time && options.shard.number == 1)
+      study.time(folder, folder / kAside, watch_of(options, "timing"));
+    Json times = run.times();
+    times.update(
+        Json{{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}});
+    if (options.shard.whole()) {
+      write_results(study, run.list(), run.outcomes(), folder, options);
+      if (!study.manifest) return;
+    } else {
+      write_part(folder,
+                 {study.kind, build_id(), options.shard.number, options.shard.of, study.work, run.list()});
+    }
+    write_record(study, folder, std::move(times), start);
   });
-  results.put_in_place();
+  results.put_in_place(options.shard.whole() ? Kept{kItemsFolder} : Kept{});
   return tally;
 }
 
-void merge_parts(const Study& study, std::span<const FoundPart> parts, const std::filesystem::path& output,
+void merge_parts(const Study& study, std::span<const FoundPart> parts, const fs::path& output,
                  const StudyOptions& options) {
   const ResultsFolder results(output);
-  const std::filesystem::path &folder = results.partial(), &first = parts.front().folder;
-  on_threads(options.threads, [&](int threads) {
+  const fs::path& folder = results.partial();
+  on_threads(options.threads, [&](int) {
     const RunningTime start;
-    Json times = Json::object();
-    StudyItems items(std::vector<FoundPart>(parts.begin(), parts.end()));
-    write_results(study, outcomes_of(study, items, folder, options, times), folder, options);
-    if (const auto parameters = read_declared_parameters(first); !parameters.empty())
-      write_declared_parameters(folder, parameters);
-    if (const auto timings = read_stage_timings(first)) write_stage_timings(folder, *timings);
-    items.finish(folder, key_of(study));
-    write_run_record(folder, times, start.seconds(), threads);
+    const Outcomes outcomes = outcomes_of(parts);
+    for (const fs::directory_entry& entry : fs::directory_iterator(parts.front().folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name != kItemsFolder && name != "part.json" && name != "run.json" && name != "hashes.json")
+        fs::copy(entry.path(), folder / name);
+    }
+    if (study.hashes)
+      for (const FoundPart& part : parts) study.hashes->load(part.folder);
+    write_results(study, parts.front().part.items, outcomes, folder, options);
+    if (study.manifest) write_record(study, folder, {{"parts", parts.size()}}, start);
   });
   results.put_in_place();
 }

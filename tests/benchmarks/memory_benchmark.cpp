@@ -12,9 +12,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pipeline/execute.h"
-#include "pipeline/memory_budget.h"
-#include "pipeline/plan.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/memory_budget.h"
+#include "pipeline/accuracy/plan.h"
 #include "tests/pipeline/campaigns.h"
 
 namespace trilat {

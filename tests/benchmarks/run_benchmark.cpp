@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "datasets/base/strict_json.h"
-#include "pipeline/cli/simulate_take.h"
-#include "pipeline/execute.h"
-#include "pipeline/manifest.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/simulate/campaign_study.h"
+#include "pipeline/study/run_record.h"
 
 namespace trilat {
 namespace {
@@ -44,7 +44,7 @@ int run(std::uint64_t participants, double duration_s, int repeats) {
                                             group.joints.end());
   fmt::print("simulating {} takes x {} s x {} sensors x {} joints\n", participants, duration_s,
              spec.rig.heights_m.size(), spec.activities[0].marker_joints.size());
-  const Campaign campaign = simulate_campaign(spec, folder, {}, {});
+  const Campaign campaign = simulate_campaign(spec, folder, {});
   const StudySpec study = parse_study(parse_json(kStudy, "benchmark"), "benchmark", {});
   fmt::print("{:>8} {:>8} {:>8} {:>8} {:>10} {:>8}   read, solve, write: seconds summed over threads\n",
              "total s", "read s", "solve s", "write s", "summary s", "other s");

@@ -7,7 +7,7 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/replay.h"
 #include "datasets/synthetic/tracker_truth.h"
-#include "pipeline/budget_spec.h"
+#include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "recorders/network/tls_keys.h"

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
-// A file of a part of a study among sound ones, or of a journal: the first byte chooses which, its text
+// A file of a part of a study among sound ones: the first byte chooses which, its text
 // follows. The part is merged.
 #include <cstdlib>
 #include <fstream>
 
 #include "datasets/base/files.h"
-#include "datasets/results/item_journal.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
-#include "pipeline/recording_study/recording_study.h"
-#include "pipeline/study_part.h"
-#include "pipeline/sweep/merge_sweep.h"
+#include "pipeline/recording/recording_study.h"
+#include "pipeline/sweep/sweep_study.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/sound_parts.h"
 #include "tests/fuzz/tolerate_bad_input.h"
@@ -33,13 +32,13 @@ void put(const fs::path& path, const std::string& text) {
 void merge(const fs::path& part, const fs::path& output) {
   const std::vector<FoundPart> parts = read_parts(std::vector{part});
   const std::string& kind = parts[0].part.kind;
-  if (kind == "accuracy") merge_study(parts, output / kind, {.threads = 1});
-  if (kind == "threshold_sweep") merge_sweep(parts, output / kind, {});
   const Json& work = parts[0].part.work;
   const std::string place = (part / "part.json").string();
   const auto put_together = [&](const Study& study) {
     merge_parts(study, parts, output / kind, {.threads = 1});
   };
+  if (kind == "accuracy") put_together(accuracy_of_parts(work, place));
+  if (kind == "threshold_sweep") put_together(sweep_study(plan_of_work(work, place)));
   if (kind == "recording") put_together(recording_study(parse_recording_spec(work, place)));
   if (kind == "calibration") put_together(calibration_study(parse_calibration_spec(work, place)));
 }
@@ -62,13 +61,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const SoundPartFile& file = kSoundPartFiles[data[0] % kSoundPartFiles.size()];
   const std::filesystem::path path = parts / file.folder / file.name;
-  const bool journal = file.name == "items.jsonl";
-  const std::string sound = journal ? "" : read_file(path);
-  put(path, replaced_in(file, sound, {reinterpret_cast<const char*>(data) + 1, size - 1}));
-  if (journal)
-    tolerate_bad_input([&] { ItemJournal(parts / file.folder).find("p01-walking", ""); });
-  else
-    tolerate_bad_input([&] { merge(parts / *fs::path(file.folder).begin(), scratch.path() / "merged"); });
+  const std::string sound = read_file(path);
+  put(path, replaced_in(file, {reinterpret_cast<const char*>(data) + 1, size - 1}));
+  tolerate_bad_input([&] { merge(parts / file.folder, scratch.path() / "merged"); });
   put(path, sound);
   return 0;
 }

@@ -10,10 +10,10 @@
 #include "datasets/results/results_file.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/budget_spec.h"
+#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/recording_study/recording_spec.h"
-#include "pipeline/study_spec.h"
+#include "pipeline/recording/recording_spec.h"
 #include "pipeline/sweep/sweep_plan.h"
 #include "tests/fuzz/memory_file.h"
 

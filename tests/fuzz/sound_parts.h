@@ -9,9 +9,8 @@
 
 namespace trilat {
 
-// What of a file is fuzzed: all of it, the document in its first line, behind the hash that lines of journals
-// begin with, or all before the hash that it ends with.
-enum class Fuzzed { whole, first_line, before_hash };
+// What of a file is fuzzed: all of it, or all before the hash that it ends with.
+enum class Fuzzed { whole, before_hash };
 
 // A file of a part folder, as our own writer made it.
 struct SoundPartFile {
@@ -21,29 +20,24 @@ struct SoundPartFile {
 
 inline const std::vector<SoundPartFile> kSoundPartFiles{
     {"accuracy", "part.json"},
-    {"accuracy", "items.json"},
+    {"accuracy", "items/takes/p01-walking/item.json"},
     {"accuracy", "hashes.json"},
     {"sweep", "part.json"},
-    {"sweep", "sums.jsonl", Fuzzed::first_line},
+    {"sweep", "items/trials/r1-c1-1/item.json"},
     {"recording", "part.json"},
-    {"recording", "items.json"},
+    {"recording", "items/clocks/network-0/item.json"},
     {"calibration", "part.json"},
-    {"calibration", "items.json"},
-    {"accuracy", "items.jsonl", Fuzzed::first_line},
-    {"accuracy/takes/p01-walking", "summary.bin", Fuzzed::before_hash}};
+    {"calibration", "items/wand/unit-0/item.json"},
+    {"calibration", "items/rigs/run-0/item.json"},
+    {"accuracy", "items/takes/p01-walking/summary.bin", Fuzzed::before_hash}};
 
 inline std::string fuzzed_text_in(const SoundPartFile& file, const std::string& text) {
-  if (file.fuzzed == Fuzzed::first_line)
-    return text.substr(text.find(' ') + 1, text.find('\n') - text.find(' ') - 1);
   return file.fuzzed == Fuzzed::whole ? text : text.substr(0, text.size() - hash_of_text("").size());
 }
 
-// The file with that text in place of its own; hashes are of the new text.
-inline std::string replaced_in(const SoundPartFile& file, const std::string& sound, const std::string& text) {
-  if (file.fuzzed == Fuzzed::before_hash) return text + hash_of_text(text);
-  if (file.fuzzed == Fuzzed::whole) return text;
-  const std::size_t end = sound.find('\n');
-  return hash_of_text(text) + ' ' + text + (end == std::string::npos ? "\n" : sound.substr(end));
+// What stands in the file when that text is fuzzed; hashes are of the new text.
+inline std::string replaced_in(const SoundPartFile& file, const std::string& text) {
+  return file.fuzzed == Fuzzed::before_hash ? text + hash_of_text(text) : text;
 }
 
 }  // namespace trilat

@@ -5,11 +5,10 @@
 #include "datasets/results/accepted_baseline.h"
 #include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
-#include "pipeline/execute.h"
-#include "pipeline/recording_study/recording_study.h"
-#include "pipeline/study_part.h"
-#include "pipeline/sweep/execute_sweep.h"
+#include "pipeline/recording/recording_study.h"
+#include "pipeline/sweep/sweep_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/reports/calibration_summaries.h"
@@ -28,15 +27,15 @@ void write_accuracy(const fs::path& scratch) {
                      {"name": "mean", "method": "mean"}],
          "alignments": ["mean", "none"], "resamples": 200, "rate_hz": 10)");
   execute_study(study, campaign, scratch / "accuracy", {.threads = 1});
-  run_study_part(study, campaign, kOnePart, scratch / "parts/accuracy", {.threads = 1});
+  run_accuracy(study, campaign, scratch / "parts/accuracy", {.threads = 1, .shard = kOnePart});
 }
 
 void write_sweep(const fs::path& scratch) {
   const SweepPlan plan =
       sweep_plan_of(kOneRig + R"(, "trials": 20, "digits_trials": 10, "max_iterations": 50, "search": true,
                                  "time_problems": 16, "time_repeats": 1)");
-  execute_sweep(plan, scratch / "sweep", {.threads = 1});
-  execute_sweep(plan, scratch / "parts/sweep", {.threads = 1, .work = {kOnePart, {}}});
+  run_study(sweep_study(plan), scratch / "sweep", {.threads = 1});
+  run_study(sweep_study(plan), scratch / "parts/sweep", {.threads = 1, .shard = kOnePart});
 }
 
 void write_recording(const fs::path& scratch) {
@@ -46,7 +45,7 @@ void write_recording(const fs::path& scratch) {
   const Study study =
       recording_study(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"));
   run_study(study, scratch / "recording", {.threads = 1});
-  run_study(study, scratch / "parts/recording", {.threads = 1, .work = {kOnePart, {}}});
+  run_study(study, scratch / "parts/recording", {.threads = 1, .shard = kOnePart});
 }
 
 void write_calibration_part(const fs::path& folder) {
@@ -57,7 +56,7 @@ void write_calibration_part(const fs::path& folder) {
           "bodies_instants": 6, "effect_joints": 50})";
   run_study(
       calibration_study(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json")),
-      folder, {.threads = 1, .work = {kOnePart, {}}});
+      folder, {.threads = 1, .shard = kOnePart});
 }
 
 void write_budget(const fs::path& folder) {

@@ -33,6 +33,9 @@ const std::vector<Arrow> kArrows{
     {"reports/",
      {"datasets/base/", "datasets/results/", "datasets/paper/", "datasets/skeleton/", "reports/"}},
     {"pipeline/cli/", {"datasets/", "recorders/", "evaluators/", "reports/", "pipeline/"}},
+    {"pipeline/study/", {"datasets/", "pipeline/study/"}},
+    {"pipeline/simulate/", {"datasets/", "recorders/", "pipeline/"}},
+    {"pipeline/recording/", {"datasets/", "recorders/", "evaluators/", "pipeline/"}},
     {"pipeline/", {"datasets/", "evaluators/", "pipeline/"}},
 };
 

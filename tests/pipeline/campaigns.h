@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/cli/simulate_take.h"
-#include "pipeline/study_spec.h"
+#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/simulate/campaign_study.h"
 
 namespace trilat {
 
@@ -46,7 +46,7 @@ inline SimulationSpec synchronised(SimulationSpec spec) {
 }
 
 inline Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec& spec) {
-  return simulate_campaign(spec, folder, {}, {});
+  return simulate_campaign(spec, folder, {});
 }
 
 inline StudySpec study_of(const std::string& members) {

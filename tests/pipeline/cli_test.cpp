@@ -308,15 +308,16 @@ TEST(ReproduceVerb, RefusesAFolderOfSomebodyElse) {
                  "exists and is not an earlier reproduction");
 }
 
-// The campaign file says that all takes are there: an interrupted second try must not leave the first one's.
-TEST(RunSimulate, AnInterruptedSecondTryLeavesNoCampaignFile) {
+TEST(RunSimulate, AnInterruptedSecondTryLeavesTheFirstCampaignAsItIs) {
   const ScratchFolder folder;
   SimulationSpec spec = walking_spec(2);
   simulate_into(folder / "campaign", spec);
   EXPECT_TRUE(std::filesystem::exists(folder / "campaign/campaign.json"));
   spec.seed += 1;
-  EXPECT_THROW(simulate_campaign(spec, folder / "campaign", [] { return true; }, {}), Interrupted);
-  EXPECT_FALSE(std::filesystem::exists(folder / "campaign/campaign.json"));
+  const std::string truth = read_file(folder / "campaign/p01-walking/truth.json");
+  EXPECT_THROW(simulate_campaign(spec, folder / "campaign", {[] { return true; }, {}}), Interrupted);
+  EXPECT_TRUE(std::filesystem::exists(folder / "campaign/campaign.json"));
+  EXPECT_EQ(read_file(folder / "campaign/p01-walking/truth.json"), truth);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/depth_occlusion.h"
+#include "pipeline/accuracy/depth_occlusion.h"
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "datasets/results/tracking_summary.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

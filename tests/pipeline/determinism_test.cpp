@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

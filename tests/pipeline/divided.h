@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/execute.h"
-#include "pipeline/study_part.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
@@ -17,6 +16,21 @@ namespace trilat {
 inline constexpr const char* kDividedMethods = R"("occluded_apart": true, "resamples": 200, "block_s": 0.2,
     "alignments": ["mean", "none", "rigid", "first", "held_out", "joint_offset"], "methods": [
     {"method": "mean"}, {"method": "nonlinear"}, {"method": "geometric"}, {"method": "rts"}])";
+
+// What a run of all takes, or of a shard of them, came to.
+struct AccuracyRun {
+  ResultsSummary summary;  // of all takes
+  ItemTally tally;
+};
+
+inline AccuracyRun run(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& output,
+                       const ExecuteOptions& options = {}) {
+  AccuracyRun run{{}, run_accuracy(study, campaign, output, options)};
+  if (options.shard.whole()) run.summary = read_summary(output);
+  return run;
+}
+
+inline std::string item_of(const Take& take) { return "takes/" + take.id; }
 
 // Takes of two activities; one cannot be evaluated.
 struct Divided {
@@ -36,17 +50,24 @@ struct Divided {
     execute_study(study, campaign, folder / "whole", options);
     return folder / "whole";
   }
+  ItemTally part(const Shard& shard, const std::filesystem::path& output, ExecuteOptions options = {}) const {
+    options.shard = shard;
+    return run_accuracy(study, campaign, output, options);
+  }
   std::vector<std::filesystem::path> parts(std::uint64_t of, ExecuteOptions options = {}) {
     std::vector<std::filesystem::path> names;
     for (std::uint64_t k = 1; k <= of; ++k) {
       names.push_back(folder / fmt::format("part{}of{}", k, of));
-      run_study_part(study, campaign, {k, of}, names.back(), options);
+      part({k, of}, names.back(), options);
     }
     return names;
   }
-  std::filesystem::path merged(const std::vector<std::filesystem::path>& parts) {
+  std::filesystem::path merged(const std::vector<std::filesystem::path>& parts,
+                               std::uint64_t memory_bytes = half_of_memory_bytes()) {
     const std::filesystem::path output = folder / fmt::format("merged{}", parts.size());
-    merge_study(read_parts(parts), output, {});
+    const std::vector<FoundPart> found = read_parts(parts);
+    merge_parts(accuracy_of_parts(found[0].part.work, (parts[0] / "part.json").string(), memory_bytes), found,
+                output, {});
     return output;
   }
 };

@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/sweep/execute_sweep.h"
-#include "tests/pipeline/sweeps.h"
+#include "pipeline/sweep/interpretation_search.h"
+#include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -30,7 +30,7 @@ TEST(InterpretationSearch, RanksTheReadingFirstThatTheTableIsMadeFrom) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "joints": ["centre", "volume"],
       "error_models": ["range_signed", "displacement"], "stops": ["objective"], "trials": 50)");
-  const SweepSummary summary = execute_sweep(plan, folder / "results", {}).summary;
+  const SweepSummary summary = sweep_into(folder / "results", plan).summary;
   EXPECT_FALSE(summary.search);
   for (std::size_t reading = 0; reading < summary.interpretations.size(); ++reading) {
     const SweepSearch search = search_interpretations(summary, table_of(summary, reading, true));
@@ -54,7 +54,7 @@ TEST(InterpretationSearch, RanksTheReadingFirstThatTheTableIsMadeFrom) {
 TEST(InterpretationSearch, DoesNotRankAReadingThatFailsTooOften) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "gradients": ["corrected"], "trials": 100)");
-  SweepSummary summary = execute_sweep(plan, folder / "results", {}).summary;
+  SweepSummary summary = sweep_into(folder / "results", plan).summary;
   const PrintedTable1 table = table_of(summary, 0, false);
   EXPECT_EQ(search_interpretations(summary, table).times.ranked, 2u);
   summary.cells[7].answered = 89;
@@ -67,7 +67,7 @@ TEST(InterpretationSearch, DoesNotRankAReadingThatFailsTooOften) {
 TEST(InterpretationSearch, IsPartOfTheSummaryWhenAsked) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 20, "search": true)");
-  execute_sweep(plan, folder / "results", {});
+  sweep_into(folder / "results", plan);
   const auto search = read_sweep_summary(folder / "results").search;
   ASSERT_TRUE(search);
   EXPECT_EQ(search->tried, 4u);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/memory_budget.h"
+#include "pipeline/accuracy/memory_budget.h"
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"

@@ -7,7 +7,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/tracking_summary.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/over_time.h"
+#include "pipeline/accuracy/over_time.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/person_choice.h"
+#include "pipeline/accuracy/person_choice.h"
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

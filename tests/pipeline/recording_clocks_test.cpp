@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/recording_study/clock_methods.h"
-#include "pipeline/recording_study/frame_queue.h"
-#include "pipeline/recording_study/spread_times.h"
+#include "pipeline/recording/clock_methods.h"
+#include "pipeline/recording/frame_queue.h"
+#include "pipeline/recording/spread_times.h"
 
 namespace trilat {
 namespace {

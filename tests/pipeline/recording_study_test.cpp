@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/recording_study/recording_study.h"
+#include "pipeline/recording/recording_study.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/results/declared_parameters.h"
 #include "datasets/results/recording_summary.h"
-#include "pipeline/recording_study/clock_methods.h"
+#include "datasets/results/stage_timings.h"
+#include "pipeline/recording/clock_methods.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/results_folder.h"
+#include "pipeline/study/results_folder.h"
 
 #include <gmock/gmock.h>
 
@@ -49,13 +49,12 @@ TEST(ResultsFolder, RefusesAMountPointBeforeAnythingIsComputed) {
 TEST(ResultsFolder, WhatOnlyAnUnfinishedOutputNeedsIsThereUntilItIsInPlace) {
   const ScratchFolder folder;
   const ResultsFolder results(folder / "results");
-  folder_with(results.partial() / "takes", "samples", "");
-  write_file(results.partial() / ItemJournal::kFile, "");
+  folder_with(results.partial() / "items", "samples", "");
   fs::rename(results.partial(), folder / "aside");
-  EXPECT_THROW(results.put_in_place({ItemJournal::kFile, "takes"}), OutputError);
+  EXPECT_THROW(results.put_in_place({"items"}), OutputError);
   fs::rename(folder / "aside", results.partial());
-  EXPECT_TRUE(fs::exists(results.partial() / ItemJournal::kFile));
-  results.put_in_place({ItemJournal::kFile, "takes"});
+  EXPECT_TRUE(fs::exists(results.partial() / "items"));
+  results.put_in_place({"items"});
   EXPECT_TRUE(fs::is_empty(folder / "results"));
 }
 

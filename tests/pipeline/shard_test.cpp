@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/items/shard.h"
+#include "pipeline/study/shard.h"
 
 #include <fstream>
 
@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "pipeline/items/hash_cache.h"
+#include "pipeline/study/hash_cache.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/cli/simulate_wand.h"
+#include "pipeline/simulate/simulate_wand.h"
 
 #include <atomic>
 #include <cmath>
@@ -145,7 +145,7 @@ TEST(SimulateWand, ProgressRisesToOneAndAStopEndsItWithinAFewFrames) {
   const ScratchFolder folder;
   SimulationSpec spec = wand_spec(6);
   std::vector<double> shares;
-  simulate_campaign(spec, folder / "c", {}, [&](double share) { shares.push_back(share); });
+  simulate_campaign(spec, folder / "c", {{}, [&](double share) { shares.push_back(share); }});
   EXPECT_GT(shares.size(), 8u);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_GT(shares.back(), 0.95);
@@ -153,16 +153,15 @@ TEST(SimulateWand, ProgressRisesToOneAndAStopEndsItWithinAFewFrames) {
   spec.wand->motion.positions = 5000;
   std::atomic<int> asked_after_stop{0};
   std::atomic<bool> stop{false};
-  EXPECT_THROW(simulate_campaign(
-                   spec, folder / "c",
-                   [&] {
-                     asked_after_stop += stop.load();
-                     return stop.load();
-                   },
-                   [&](double share) { stop = share > 0.001; }),
+  EXPECT_THROW(simulate_campaign(spec, folder / "d",
+                                 {[&] {
+                                    asked_after_stop += stop.load();
+                                    return stop.load();
+                                  },
+                                  [&](double share) { stop = share > 0.001; }}),
                Interrupted);
   EXPECT_LE(asked_after_stop, 64);
-  EXPECT_FALSE(std::filesystem::exists(folder / "c/campaign.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "d"));
 }
 
 }  // namespace

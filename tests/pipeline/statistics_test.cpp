@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/statistics.h"
+#include "pipeline/accuracy/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "pipeline/execute.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -21,28 +21,29 @@ constexpr const char* kStudy = R"({"format": "trilat.study", "version": 1, "kind
 
 struct StudyOutcomes : testing::Test {
   ScratchFolder folder;
-  Json good;
 
   void SetUp() override {
     write_file(folder / "study.json", kStudy);
     const Ended ended = run_trilat(folder, {"run", (folder / "study.json").string(), "--shard", "1/1", "-o",
                                             (folder / "part").string()});
     ASSERT_EQ(ended.code, 0) << ended.err;
-    good = read_json(folder / "part/items.json");
   }
 
   // What merging says when `change` was made to the outcome of the item.
   template <class Change>
   std::string said(const std::string& id, const Change& change) const {
-    Json items = good;
-    for (Json& item : items["items"])
-      if (item["id"] == id) change(item["outcome"]);
-    write_file(folder / "part/items.json", json_text(items, 1));
-    return message_of([&] {
+    const auto file = item_folder(folder / "part", id) / kItemFile;
+    const Json good = read_json(file);
+    Json item = good;
+    change(item["outcome"]);
+    write_file(file, json_text(item, 1));
+    const std::string message = message_of([&] {
       const auto parts = read_parts(std::array{folder / "part"});
       merge_parts(calibration_study(parse_calibration_spec(parts[0].part.work, "part.json")), parts,
                   folder / "merged", {.threads = 1});
     });
+    write_file(file, json_text(good, 1));
+    return message;
   }
 };
 
@@ -50,8 +51,8 @@ TEST_F(StudyOutcomes, OfTheDistortionAreReadStrictly) {
   const auto with = [&](const char* key, const Json& value) {
     return said("distortion/unit-0", [&](Json& outcome) { outcome[key] = value; });
   };
-  EXPECT_THAT(with("valid", Json::array({1})),
-              AllOf(HasSubstr("items.json item distortion/unit-0 /valid"), HasSubstr("array of 512 counts")));
+  EXPECT_THAT(with("valid", Json::array({1})), AllOf(HasSubstr("distortion/unit-0/item.json outcome /valid"),
+                                                     HasSubstr("array of 512 counts")));
   EXPECT_THAT(with("valid", Json::array_t(512, -1e300)), HasSubstr("must hold integers >= 0"));
   EXPECT_THAT(with("lens_error_m", Json::array_t(511, 0.0)), HasSubstr("/lens_error_m"));
   EXPECT_THAT(with("valid", Json::array_t(512, 2)), HasSubstr("counts more frames than there are"));
@@ -62,7 +63,7 @@ TEST_F(StudyOutcomes, OfTheWandAreReadStrictly) {
   const auto with = [&](const char* pointer, const Json& value) {
     return said("wand/unit-0", [&](Json& outcome) { outcome[Json::json_pointer(pointer)] = value; });
   };
-  EXPECT_THAT(with("/images", Json::array()), HasSubstr("item wand/unit-0 /images: must be 4"));
+  EXPECT_THAT(with("/images", Json::array()), HasSubstr("wand/unit-0/item.json outcome /images: must be 4"));
   EXPECT_THAT(with("/images/0/error_m", Json::array({0.1})), HasSubstr("/images/0/error_m"));
   EXPECT_THAT(with("/images/0/error_m/0", -5.0), HasSubstr("must be 0 or more"));
   EXPECT_THAT(with("/images/0/distance_error_m/0", -5.0),
@@ -85,11 +86,12 @@ TEST_F(StudyOutcomes, OfTheRigsAreReadStrictly) {
   EXPECT_THAT(with("/methods/7/poses_wxyz_m/4", nullptr), HasSubstr("rotations of unit length"));
   EXPECT_THAT(said("rigs/run-0", [](Json& outcome) { outcome["methods"][0].erase("failed"); }),
               HasSubstr("/methods/0/failed: is missing"));
-  EXPECT_THAT(with("/methods", Json::array()), HasSubstr("item rigs/run-0 /methods: must be 14"));
+  EXPECT_THAT(with("/methods", Json::array()),
+              HasSubstr("rigs/run-0/item.json outcome /methods: must be 14"));
 }
 
 TEST_F(StudyOutcomes, AsTheyWereWrittenMakeAStudy) {
-  EXPECT_EQ(said("none", [](Json&) {}), "no error");
+  EXPECT_EQ(said("rigs/run-0", [](Json&) {}), "no error");
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/study_part.h"
-
 #include <array>
 #include <fstream>
 
@@ -18,7 +16,6 @@ namespace trilat {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 TEST(StudyPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
   Divided work;
@@ -29,60 +26,28 @@ TEST(StudyPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
 
 TEST(StudyPart, MergedInHardlyAnyMemoryTheBytesAreTheSame) {
   Divided work(2);
-  const auto whole = work.whole(), output = work.folder / "merged";
-  const auto parts = work.parts(2);
-  merge_study(read_parts(parts), output, {.memory_bytes = 0});
-  expect_same_results(whole, output);
+  expect_same_results(work.whole(), work.merged(work.parts(2), 0));
 }
 
-TEST(StudyPart, EveryTakeIsInExactlyOneShardAndTheSharesAreBalanced) {
+TEST(StudyPart, TheSharesAreBalanced) {
   Divided work(6, false);
-  const Plan plan = make_plan(work.study, work.campaign);
   std::array<double, 3> load{};
   double all = 0.0;
-  for (const PartItem& item : part_items(plan, 3)) {
+  for (const PartItem& item : read_part(work.parts(3)[0]).items) {
     load.at(item.shard - 1) += item.cost;
     all += item.cost;
   }
   for (const double cost : load) EXPECT_NEAR(cost / all, 1.0 / 3.0, 0.06);
 }
 
-TEST(StudyPart, AShardThatWasStoppedGoesOnAndEndsWithTheSameBytes) {
-  Divided work;
-  const auto whole = work.whole();
-  const auto part = [&](std::uint64_t k) { return work.folder / fmt::format("p{}", k); };
-  run_study_part(work.study, work.campaign, {1, 2}, part(1), {.threads = 1});
-  const auto journal = work.folder / "p2.partial/items.jsonl";
-  const auto one_is_done = [&] {
-    return std::filesystem::exists(journal) && std::filesystem::file_size(journal) > 0;
-  };
-  EXPECT_THROW(run_study_part(work.study, work.campaign, {2, 2}, part(2),
-                              {.threads = 1, .stop_requested = one_is_done}),
-               Interrupted);
-  EXPECT_FALSE(std::filesystem::exists(part(2)));
-  const StudyPart rest = run_study_part(work.study, work.campaign, {2, 2}, part(2), {});
-  EXPECT_GT(rest.tally.continued.size(), 0u);
-  EXPECT_GT(rest.tally.computed.size(), 0u);
-  expect_same_results(whole, work.merged(std::vector{part(1), part(2)}));
-}
-
-TEST(StudyPart, AFinishedPartIsTakenOverByTheSameShard) {
-  Divided work;
-  const auto whole = work.whole();
-  const auto parts = work.parts(2);
-  const StudyPart again = run_study_part(work.study, work.campaign, {1, 2}, parts[0], {.reuse = {parts[0]}});
-  EXPECT_GT(again.tally.reused.size(), 0u);
-  EXPECT_THAT(again.tally.computed, IsEmpty());
-  expect_same_results(whole, work.merged(parts));
-}
-
 TEST(StudyPart, ATakeThatFailedIsNamed) {
   Divided work;
-  const StudyPart part = run_study_part(work.study, work.campaign, {1, 1}, work.folder / "part", {});
-  EXPECT_EQ(part.failed, 1u);
+  const auto part = work.parts(1)[0];
+  const auto [takes, notes] = notes_of_part(part);
+  EXPECT_EQ(takes, work.campaign.takes.size());
   const auto failed =
-      std::find_if(part.notes.begin(), part.notes.end(), [](const TakeNote& note) { return note.failed; });
-  ASSERT_NE(failed, part.notes.end());
+      std::find_if(notes.begin(), notes.end(), [](const TakeNote& note) { return note.failed; });
+  ASSERT_NE(failed, notes.end());
   EXPECT_EQ(failed->take, work.campaign.takes[1].id);
 }
 
@@ -105,13 +70,13 @@ TEST(StudyPart, MergingRefusesWhatDoesNotBelongTogether) {
               }),
               HasSubstr("is shard 1/2, which"));
   work.study.rate_hz = 20.0;
-  run_study_part(work.study, work.campaign, {2, 2}, work.folder / "other", {});
+  work.part({2, 2}, work.folder / "other");
   EXPECT_THAT(
       message_of([&] {
         read_parts(std::array{parts[0], work.folder / "other"});
       }),
       AllOf(HasSubstr("does not belong to"), HasSubstr("/study/rate_hz is 30.0 in the first and 20.0 here")));
-  run_study_part(work.study, work.campaign, {1, 3}, work.folder / "third", {});
+  work.part({1, 3}, work.folder / "third");
   EXPECT_THAT(message_of([&] {
                 read_parts(std::array{parts[0], work.folder / "third"});
               }),
@@ -120,10 +85,10 @@ TEST(StudyPart, MergingRefusesWhatDoesNotBelongTogether) {
 
 TEST(StudyPart, MergingRefusesShardsThatReadOtherFilesAndNamesTheTake) {
   Divided work(2, false);
-  run_study_part(work.study, work.campaign, {1, 2}, work.folder / "part", {});
+  work.part({1, 2}, work.folder / "part");
   const std::string id = work.campaign.takes[0].id;
   const auto said = [&] {
-    run_study_part(work.study, work.campaign, {2, 2}, work.folder / "other", {});
+    work.part({2, 2}, work.folder / "other");
     return message_of([&] { read_parts(std::array{work.folder / "part", work.folder / "other"}); });
   };
   EXPECT_EQ(said(), "no error");
@@ -170,15 +135,20 @@ TEST(StudyPart, APartThatWasWrittenByHandIsRefusedAtItsPlace) {
   EXPECT_THAT(said("cross_check", Json(Json::value_t::discarded)),
               HasSubstr("part.json /work/cross_check: is missing"));
   EXPECT_THAT(said("cross_check", 1), HasSubstr("part.json /work/cross_check"));
-  EXPECT_THAT(said("takes", Json::array()), HasSubstr("/work/takes: must be the items"));
+  EXPECT_THAT(said("parameters", Json::array({1})), HasSubstr("/work/parameters: must be lists of name"));
+  Json takes = good["work"]["takes"];
+  takes[0]["id"] = "p99-walking";
+  EXPECT_THAT(said("takes", takes), HasSubstr("p99-walking: is a take of the study, but none of its items"));
 }
 
 TEST(StudyPart, ASamplesFileThatIsCutIsAnErrorAndNoResult) {
   Divided work;
   const auto parts = work.parts(2);
-  const std::string id = read_items(parts[0]).items.front().id;
-  std::filesystem::resize_file(parts[0] / "takes" / id / "samples.h5", 1000);
-  EXPECT_THAT(message_of([&] { work.merged(parts); }), HasSubstr(id));
+  const std::string id = item_of(work.campaign.takes[0]);
+  const std::size_t part = std::filesystem::exists(item_folder(parts[0], id)) ? 0 : 1;
+  std::filesystem::resize_file(item_folder(parts[part], id) / "samples.h5", 1000);
+  EXPECT_THAT(message_of([&] { work.merged(parts); }),
+              HasSubstr(id + "/samples.h5: is missing or has another size"));
   EXPECT_FALSE(std::filesystem::exists(work.folder / "merged2"));
 }
 

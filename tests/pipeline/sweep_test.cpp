@@ -4,13 +4,13 @@
 
 #include <gmock/gmock.h>
 
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/sweep_summary.h"
-#include "pipeline/sweep/execute_sweep.h"
+#include "datasets/results/sweep_timings.h"
 #include "pipeline/sweep/linear_start.h"
-#include "pipeline/sweep/sweep_runner.h"
 #include "pipeline/sweep/sweep_totals.h"
-#include "tests/pipeline/sweeps.h"
+#include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -64,7 +64,7 @@ TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
       "error_models": ["range_signed", "displacement"], "stops": ["printed", "objective", "step"],
       "dampings": ["none", "lm"], "starts": ["linear", "squared_ranges", "mean", "previous"],
       "thresholds": [1, 1e-4], "error_ranges_cm": [[5, 15]], "trials": 60, "max_iterations": 200)");
-  const SweepRun run = run_sweep(plan, {});
+  const SweepSummary run = swept(plan);
   ASSERT_EQ(run.cells.size(), plan.cells());
   std::uint64_t failed = 0;
   for (std::size_t c = 0; c < run.cells.size(); ++c) {
@@ -92,7 +92,7 @@ TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1e-6],
       "error_models": ["range_signed", "displacement", "gaussian"], "gradients": ["corrected"],
       "stops": ["objective", "step"], "starts": ["linear", "squared_ranges"], "trials": 500)");
-  for (const SweepCell& cell : run_sweep(plan, {}).cells) {
+  for (const SweepCell& cell : swept(plan).cells) {
     EXPECT_EQ(cell.answered, 500u);
     EXPECT_LT(cell.max_m, 1e-12);  // the worst joints of the volume are known to a thousand roundings
     EXPECT_LT(cell.p95_m, 1e-14);
@@ -108,7 +108,7 @@ TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1],
       "gradients": ["corrected"], "stops": ["step"], "dampings": ["lm"],
       "starts": ["linear", "squared_ranges", "mean", "previous"], "trials": 500)");
-  for (const SweepCell& cell : run_sweep(plan, {}).cells) {
+  for (const SweepCell& cell : swept(plan).cells) {
     EXPECT_EQ(cell.answered, 500u);
     EXPECT_LT(cell.max_m, 1e-9);
   }
@@ -117,7 +117,7 @@ TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
 TEST(Sweep, ASmallerThresholdGivesMoreDigitsForMoreIterations) {
   const SweepPlan plan =
       sweep_plan_of(kOneRig + R"(, "stops": ["objective"], "error_ranges_cm": [[0, 5]], "trials": 1000)");
-  const SweepRun run = run_sweep(plan, {});
+  const SweepSummary run = swept(plan);
   for (std::size_t reading = 0; reading < 2; ++reading)
     for (std::size_t t = 1; t < 4; ++t) {
       const SweepCell &before = run.cells[reading * 4 + t - 1], &after = run.cells[reading * 4 + t];
@@ -133,7 +133,7 @@ TEST(Sweep, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "thresholds": [1e-2, 1e-4], "trials": 40000,
       "error_ranges_cm": [[5, 15]], "stops": ["objective"], "time_problems": 10, "time_repeats": 2)");
   for (const int threads : {1, 2, 7})
-    execute_sweep(plan, folder / std::to_string(threads), {.threads = threads});
+    sweep_into(folder / std::to_string(threads), plan, {.threads = threads});
   for (const char* file : {"summary.json", "manifest.json"}) {
     const std::string one = read_file(folder / "1" / file);
     EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
@@ -146,43 +146,24 @@ TEST(Sweep, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
   EXPECT_GE(timings->cells[3].batched_median_ns, timings->cells[3].batched_min_ns);
 }
 
-TEST(Sweep, AnInterruptionKeepsTheTrialsThatAreDone) {
-  const ScratchFolder folder;
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "thresholds": [1e-4], "trials": 2000000,
-      "error_ranges_cm": [[0, 5], [5, 15]], "stops": ["objective"], "gradients": ["corrected"])");
-  std::atomic<int> asked{0};
-  const SweepOutcome outcome = execute_sweep(
-      plan, folder / "results", {.threads = 2, .stop_requested = [&] { return ++asked > 1500; }});
-  EXPECT_EQ(outcome.folder, folder / "results.partial");
-  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
-  const SweepSummary summary = read_sweep_summary(outcome.folder);
-  EXPECT_TRUE(summary.interrupted);
-  EXPECT_EQ(summary.trials, 2'000'000u);
-  EXPECT_GT(summary.cells.at(0).asked, kChunkTrials);
-  EXPECT_LT(summary.cells[0].asked, 2'000'000u);
-  EXPECT_EQ(summary.cells[0].asked % kChunkTrials, 0u);
-  EXPECT_EQ(summary.cells[0].answered, summary.cells[0].asked);
-  EXPECT_NEAR(summary.cells[0].mae_m, 0.0437, 0.002);
-  EXPECT_EQ(summary.cells.at(1).asked, 0u);
-  EXPECT_TRUE(std::isnan(summary.cells[1].mae_m));
-}
-
-TEST(Sweep, AnInterruptedTimingKeepsTheCells) {
+TEST(Sweep, AnInterruptedTimingKeepsTheTrials) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10, "time_problems": 1000000)");
   std::atomic<bool> timing{false};
-  const SweepOutcome outcome = execute_sweep(plan, folder / "results",
-                                             {.stop_requested = [&] { return timing.load(); },
-                                              .progress = [&](double share) { timing = share >= 1.0; }});
-  EXPECT_TRUE(read_sweep_summary(outcome.folder).interrupted);
-  EXPECT_FALSE(read_sweep_timings(outcome.folder));
+  EXPECT_THROW(
+      sweep_into(folder / "results", plan,
+                 {.stop_requested = [&] { return timing.load(); },
+                  .progress = [&](const std::string& stage, double) { timing = stage == "timing"; }}),
+      Interrupted);
+  const SweepPlan untimed = sweep_plan_of(kOneRig + R"(, "trials": 10)");
+  EXPECT_TRUE(sweep_into(folder / "results", untimed).tally.computed.empty());
 }
 
 TEST(Sweep, ResultsOfEitherKindMayTakeThePlaceOfOlderOnes) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10)");
-  execute_sweep(plan, folder / "results", {});
-  execute_sweep(plan, folder / "results/", {});
+  sweep_into(folder / "results", plan);
+  sweep_into(folder / "results/", plan);
   EXPECT_EQ(read_sweep_summary(folder / "results").cells.at(0).asked, 10u);
 }
 

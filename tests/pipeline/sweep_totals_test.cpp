@@ -9,7 +9,6 @@
 
 #include "datasets/base/philox.h"
 #include "datasets/results/sweep_cell_json.h"
-#include "pipeline/sweep/sweep_record.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -84,27 +83,6 @@ TEST(SweepTotals, AFileThatIsNotOursIsRefused) {
   EXPECT_THAT(refusal("digit_bins", "[-1, 2]"), HasSubstr("must hold pairs of counts"));
   EXPECT_THAT(refusal("sums", "[1.0]"), HasSubstr("must be one list a term"));
   EXPECT_THAT(refusal("max_m", R"("large")"), HasSubstr("must be a number"));
-}
-
-TEST(SweepRecord, IsReadBackAndADamagedLineIsNone) {
-  SweepRecord record{5, "key", {2, 3}, 4, {}, {}};
-  record.totals.add(chunk_of(9));
-  const std::string line = line_of(record);
-  const auto again = read_sweep_record(line, "line");
-  ASSERT_TRUE(again);
-  EXPECT_EQ(line_of(*again), line);
-  EXPECT_EQ(again->cell, 5u);
-  EXPECT_EQ(again->shard, (Shard{2, 3}));
-  for (std::size_t cut = 0; cut < line.size(); cut += 11)
-    EXPECT_FALSE(read_sweep_record(line.substr(0, cut), "line")) << cut;
-  for (std::size_t at = 0; at < line.size(); at += 7) {
-    std::string damaged = line;
-    damaged[at] = static_cast<char>(damaged[at] ^ 1);
-    EXPECT_FALSE(read_sweep_record(damaged, "line")) << at;
-  }
-  SweepRecord reused{6, "key", {}, 0, {}, SweepRecord::Reused{"earlier", again->totals.cell()}};
-  const std::string reused_line = line_of(reused);
-  EXPECT_EQ(line_of(read_sweep_record(reused_line, "line").value()), reused_line);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
-#include "pipeline/execute.h"
 #include "tests/pipeline/divided.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/same_results.h"
@@ -28,10 +27,10 @@ TEST(Reuse, OnlyTheNewTakeOfACampaignIsComputed) {
   Campaign fewer = work.campaign;
   fewer.takes.pop_back();
   execute_study(work.study, fewer, work.folder / "yesterday", {});
-  const StudyRun run =
-      run_study(work.study, work.campaign, work.folder / "today", {.reuse = {work.folder / "yesterday"}});
-  EXPECT_THAT(run.takes.computed, ElementsAre(work.campaign.takes.back().id));
-  EXPECT_THAT(run.takes.reused, SizeIs(fewer.takes.size()));
+  const AccuracyRun again =
+      run(work.study, work.campaign, work.folder / "today", {.reuse = {work.folder / "yesterday"}});
+  EXPECT_THAT(again.tally.computed, ElementsAre(item_of(work.campaign.takes.back())));
+  EXPECT_THAT(again.tally.reused, SizeIs(fewer.takes.size()));
   expect_same_results(work.whole(), work.folder / "today");
 }
 
@@ -41,13 +40,13 @@ TEST(Reuse, ATakeWhoseFileOrSettingsChangedIsComputed) {
   const ExecuteOptions reuse{.reuse = {work.folder / "whole"}};
   Campaign moved = work.campaign;
   moved.takes[2].mocap_start_host_ns += 1'000'000;
-  EXPECT_THAT(run_study(work.study, moved, work.folder / "a", reuse).takes.computed,
-              ElementsAre(moved.takes[2].id));
+  EXPECT_THAT(run(work.study, moved, work.folder / "a", reuse).tally.computed,
+              ElementsAre(item_of(moved.takes[2])));
   std::ofstream(work.campaign.takes[0].mocap, std::ios::app) << "\n";
-  EXPECT_THAT(run_study(work.study, work.campaign, work.folder / "b", reuse).takes.computed,
-              ElementsAre(work.campaign.takes[0].id));
+  EXPECT_THAT(run(work.study, work.campaign, work.folder / "b", reuse).tally.computed,
+              ElementsAre(item_of(work.campaign.takes[0])));
   work.study.sensor_gap_s = 0.2;
-  EXPECT_THAT(run_study(work.study, work.campaign, work.folder / "c", reuse).takes.reused, IsEmpty());
+  EXPECT_THAT(run(work.study, work.campaign, work.folder / "c", reuse).tally.reused, IsEmpty());
 }
 
 TEST(Reuse, SettingsOfTheSummaryCostNoTakeAndChangeWhatTheyShould) {
@@ -55,9 +54,9 @@ TEST(Reuse, SettingsOfTheSummaryCostNoTakeAndChangeWhatTheyShould) {
   work.whole();
   const auto changed = [&](const char* members) {
     const StudySpec study = study_of(members);
-    const StudyRun run =
-        run_study(study, work.campaign, work.folder / "again", {.reuse = {work.folder / "whole"}});
-    EXPECT_THAT(run.takes.computed, IsEmpty()) << members;
+    const AccuracyRun again =
+        run(study, work.campaign, work.folder / "again", {.reuse = {work.folder / "whole"}});
+    EXPECT_THAT(again.tally.computed, IsEmpty()) << members;
     execute_study(study, work.campaign, work.folder / "fresh", {});
     expect_same_results(work.folder / "fresh", work.folder / "again");
   };
@@ -73,22 +72,22 @@ TEST(Reuse, NothingIsTouchedWhenNothingChanged) {
   Divided work(2, false);
   const auto whole = work.whole();
   const auto before = std::filesystem::last_write_time(whole / "summary.json");
-  const StudyRun run = run_study(work.study, work.campaign, whole, {.reuse = {whole}});
-  EXPECT_TRUE(run.unchanged);
-  EXPECT_THAT(run.takes.reused, SizeIs(4));
-  EXPECT_EQ(run.summary.takes, 4u);
+  const AccuracyRun again = run(work.study, work.campaign, whole, {.reuse = {whole}});
+  EXPECT_TRUE(again.tally.unchanged);
+  EXPECT_THAT(again.tally.reused, SizeIs(4));
+  EXPECT_EQ(again.summary.takes, 4u);
   EXPECT_EQ(std::filesystem::last_write_time(whole / "summary.json"), before);
   std::ofstream(work.campaign.takes[0].mocap, std::ios::app) << "\n";
-  EXPECT_FALSE(run_study(work.study, work.campaign, whole, {.reuse = {whole}}).unchanged);
+  EXPECT_FALSE(run(work.study, work.campaign, whole, {.reuse = {whole}}).tally.unchanged);
 }
 
 TEST(Reuse, WhatWasThrownAwayIsComputedAgain) {
   Divided work(1, false);
   const auto whole = work.whole();
   std::filesystem::remove(whole / "samples.h5");
-  const StudyRun run = run_study(work.study, work.campaign, whole, {.reuse = {whole}});
-  EXPECT_FALSE(run.unchanged);
-  EXPECT_THAT(run.takes.reused, IsEmpty());
+  const AccuracyRun again = run(work.study, work.campaign, whole, {.reuse = {whole}});
+  EXPECT_FALSE(again.tally.unchanged);
+  EXPECT_THAT(again.tally.reused, IsEmpty());
   EXPECT_TRUE(std::filesystem::exists(whole / "samples.h5"));
 }
 
@@ -99,10 +98,10 @@ TEST(Reuse, AReplayThatWasThrownAwayIsMadeAgain) {
   const auto fresh = work.folder / "fresh";
   execute_study(work.study, work.campaign, fresh, {});
   std::filesystem::remove(whole / "replay.h5");
-  run_study(work.study, work.campaign, work.folder / "results", {.reuse = {whole}});
+  run(work.study, work.campaign, work.folder / "results", {.reuse = {whole}});
   expect_same_results(fresh, work.folder / "results");
   std::filesystem::remove(fresh / "replay.h5");
-  EXPECT_FALSE(run_study(work.study, work.campaign, fresh, {.reuse = {fresh}}).unchanged);
+  EXPECT_FALSE(run(work.study, work.campaign, fresh, {.reuse = {fresh}}).tally.unchanged);
   EXPECT_TRUE(std::filesystem::exists(fresh / "replay.h5"));
 }
 
@@ -111,11 +110,10 @@ TEST(Reuse, WhatCouldNotBeRemovedAtTheEndIsRemovedByTheNextRun) {
   const auto whole = work.whole();
   const auto results = work.folder / "results";
   std::filesystem::copy(whole, results);
-  const StudyPart part = run_study_part(work.study, work.campaign, {1, 1}, work.folder / "part", {});
-  std::filesystem::rename(work.folder / "part/takes", results / "takes");
-  write_file(results / ItemJournal::kFile, "");
-  EXPECT_THAT(run_study(work.study, work.campaign, results, {.reuse = {results}}).takes.reused,
-              SizeIs(part.takes));
+  work.part({1, 1}, work.folder / "part");
+  std::filesystem::rename(work.folder / "part" / kItemsFolder, results / kItemsFolder);
+  EXPECT_THAT(run(work.study, work.campaign, results, {.reuse = {results}}).tally.reused,
+              SizeIs(work.campaign.takes.size()));
   expect_same_results(whole, results);
 }
 
@@ -124,14 +122,13 @@ TEST(Reuse, TheOneFileThatAWorkflowEngineRemovesIsMadeAgainFromTheOthers) {
   const auto whole = work.whole();
   std::filesystem::copy(whole, work.folder / "results");
   std::filesystem::remove(work.folder / "results/manifest.json");
-  const StudyRun run =
-      run_study(work.study, work.campaign, work.folder / "results", {.reuse = {work.folder / "results"}});
-  EXPECT_THAT(run.takes.computed, IsEmpty());
+  const AccuracyRun again =
+      run(work.study, work.campaign, work.folder / "results", {.reuse = {work.folder / "results"}});
+  EXPECT_THAT(again.tally.computed, IsEmpty());
   expect_same_results(whole, work.folder / "results");
   const auto parts = work.parts(2);
   std::filesystem::remove(parts[0] / "part.json");
-  const StudyPart part = run_study_part(work.study, work.campaign, {1, 2}, parts[0], {.reuse = {parts[0]}});
-  EXPECT_THAT(part.tally.computed, IsEmpty());
+  EXPECT_THAT(work.part({1, 2}, parts[0], {.reuse = {parts[0]}}).computed, IsEmpty());
   expect_same_results(whole, work.merged(parts));
 }
 
@@ -147,12 +144,12 @@ TEST(Reuse, AFileThatIsReplacedDuringTheRunFailsItsTakesInsteadOfGivingThemItsHa
     });
     return false;
   };
-  const StudyRun run = run_study(work.study, work.campaign, work.folder / "results",
-                                 {.threads = 1, .stop_requested = replace});
-  EXPECT_EQ(run.summary.takes_failed, run.summary.takes);
-  ASSERT_THAT(run.summary.notes, Not(IsEmpty()));
-  EXPECT_THAT(run.summary.notes[0].text, HasSubstr("changed while it was being evaluated"));
-  EXPECT_THAT(run.takes.computed, IsEmpty());
+  const AccuracyRun again =
+      run(work.study, work.campaign, work.folder / "results", {.threads = 1, .stop_requested = replace});
+  EXPECT_EQ(again.summary.takes_failed, again.summary.takes);
+  ASSERT_THAT(again.summary.notes, Not(IsEmpty()));
+  EXPECT_THAT(again.summary.notes[0].text, HasSubstr("changed while it was being evaluated"));
+  EXPECT_THAT(again.tally.computed, IsEmpty());
 }
 
 TEST(Reuse, EarlierResultsThatAreReplacedMeanwhileAreNotTakenForThoseThatWereFound) {
@@ -170,8 +167,8 @@ TEST(Reuse, EarlierResultsThatAreReplacedMeanwhileAreNotTakenForThoseThatWereFou
     });
   };
   EXPECT_THAT(message_of([&] {
-                run_study(work.study, work.campaign, work.folder / "results",
-                          {.threads = 1, .progress = replace, .reuse = {whole}});
+                run(work.study, work.campaign, work.folder / "results",
+                    {.threads = 1, .progress = replace, .reuse = {whole}});
               }),
               HasSubstr("whole: was replaced while its results were used again"));
   EXPECT_FALSE(std::filesystem::exists(work.folder / "results"));
@@ -180,10 +177,10 @@ TEST(Reuse, EarlierResultsThatAreReplacedMeanwhileAreNotTakenForThoseThatWereFou
 TEST(Reuse, WhatFailedIsTriedAgain) {
   Divided work;
   const auto whole = work.whole();
-  const StudyRun again = run_study(work.study, work.campaign, whole, {.reuse = {whole}});
-  EXPECT_FALSE(again.unchanged);
+  const AccuracyRun again = run(work.study, work.campaign, whole, {.reuse = {whole}});
+  EXPECT_FALSE(again.tally.unchanged);
   EXPECT_EQ(again.summary.takes_failed, 1u);
-  EXPECT_THAT(again.takes.reused, SizeIs(7));
+  EXPECT_THAT(again.tally.reused, SizeIs(7));
 }
 
 TEST(Reuse, ARunThatWasKilledGoesOn) {
@@ -197,8 +194,7 @@ TEST(Reuse, ARunThatWasKilledGoesOn) {
         "--json"};
   };
   const Process killed(work.folder, command("results"));
-  const std::filesystem::path journal = work.folder / "results.partial/items.jsonl";
-  while (!std::filesystem::exists(journal) || std::filesystem::file_size(journal) == 0)
+  while (!std::filesystem::exists(work.folder / "results.partial" / kItemsFolder))
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   killed.kill_at_once();
   killed.wait();
@@ -215,17 +211,15 @@ TEST(Reuse, SettingsThatChangedAndChangedBackBetweenStopsLeaveNoSamplesOfTheOthe
   const auto whole = work.whole();
   const auto output = work.folder / "results";
   const auto stop_in_take = [&](const StudySpec& study, std::size_t take) {
-    const auto folder = work.folder / "results.partial/takes" / work.campaign.takes[take].id;
-    std::filesystem::remove_all(folder);
+    const auto folder = work.folder / "results.partial/aside" / item_of(work.campaign.takes[take]);
     const auto is_begun = [=] { return std::filesystem::exists(folder / "samples.h5"); };
-    EXPECT_THROW(run_study(study, work.campaign, output, {.threads = 1, .stop_requested = is_begun}),
-                 Interrupted);
+    EXPECT_THROW(run(study, work.campaign, output, {.threads = 1, .stop_requested = is_begun}), Interrupted);
   };
   stop_in_take(work.study, 3);
   stop_in_take(study_of(R"("methods": [{"method": "mean"}, {"method": "nonlinear", "max_iterations": 1},
       {"method": "geometric"}, {"method": "rts"}])"),
                2);  // which has no replay that would be missed
-  EXPECT_THAT(run_study(work.study, work.campaign, output, {}).takes.computed, SizeIs(4));
+  EXPECT_THAT(run(work.study, work.campaign, output, {}).tally.computed, SizeIs(4));
   expect_same_results(whole, output);
 }
 
@@ -249,21 +243,21 @@ TEST(Reuse, TwoRunsCannotFillOneFolder) {
 TEST(Reuse, SamplesOfOtherSettingsDoNotStayBesideATakeThatIsTakenOver) {
   Divided work(1, false);
   const auto whole = work.whole();
-  const auto unfinished = work.folder / "results.partial/takes";
+  const auto unfinished = work.folder / "results.partial" / kItemsFolder;
   const StudySpec other = study_of(R"("methods": [{"method": "nonlinear", "max_iterations": 1}])");
-  run_study_part(other, work.campaign, {1, 1}, work.folder / "part", {});
+  run_accuracy(other, work.campaign, work.folder / "part", {.shard = {1, 1}});
   std::filesystem::create_directories(unfinished.parent_path());
-  std::filesystem::rename(work.folder / "part/takes", unfinished);
+  std::filesystem::rename(work.folder / "part" / kItemsFolder, unfinished);
   work.study.name = "another";
   std::atomic<double> done = 0.0;
-  EXPECT_THROW(run_study(work.study, work.campaign, work.folder / "results",
-                         {.threads = 1,
-                          .stop_requested = [&] { return done > 0.79; },
-                          .progress = [&](double share) { done = share; },
-                          .reuse = {whole}}),
+  EXPECT_THROW(run(work.study, work.campaign, work.folder / "results",
+                   {.threads = 1,
+                    .stop_requested = [&] { return done > 0.79; },
+                    .progress = [&](double share) { done = share; },
+                    .reuse = {whole}}),
                Interrupted);
   for (const Take& take : work.campaign.takes)
-    EXPECT_FALSE(std::filesystem::exists(unfinished / take.id)) << take.id;
+    EXPECT_FALSE(std::filesystem::exists(unfinished / item_of(take))) << take.id;
 }
 
 // A calibration that lies elsewhere, however it is named, and whatever the campaign's folder is called.
@@ -272,25 +266,26 @@ TEST(Reuse, ATakeThatIsTakenOverNamesNoOtherRunsFolder) {
   work.study = study_of(R"("alignments": ["rigid"], "methods": [{"method": "mean"}])");
   Calibration calibration = read_calibration(work.campaign.takes[0].calibration);
   calibration.world = "sensor k1";
-  const auto run = [&](const std::filesystem::path& place, const char* output,
-                       const ExecuteOptions& options) {
+  const auto take_over = [&](const std::filesystem::path& place, const char* output,
+                             const ExecuteOptions& options) {
     std::filesystem::create_directories(place);
     write_calibration(place / "calibration.json", calibration);
     for (Take& take : work.campaign.takes) take.calibration = place / "calibration.json";
-    return run_study(work.study, work.campaign, work.folder / output, options);
+    return trilat::run(work.study, work.campaign, work.folder / output, options);
   };
-  const StudyRun first = run(work.folder / "here", "first", {});
+  const AccuracyRun first = take_over(work.folder / "here", "first", {});
   ASSERT_THAT(first.summary.notes, Not(IsEmpty()));
   EXPECT_EQ(first.summary.notes[0].place, "calibration.json");
-  run(work.folder / "there", "fresh", {});
+  take_over(work.folder / "there", "fresh", {});
   int runs = 0;
   for (const auto& place :
        {work.folder / "there", work.folder / "acampaign", work.folder / "campaign/../there",
         std::filesystem::relative(work.folder / "there")}) {
     const std::string output = fmt::format("again{}", ++runs);
-    EXPECT_THAT(run(place, output.c_str(), {.reuse = {work.folder / "first"}}).takes.computed, IsEmpty());
+    EXPECT_THAT(take_over(place, output.c_str(), {.reuse = {work.folder / "first"}}).tally.computed,
+                IsEmpty());
     expect_same_results(work.folder / "fresh", work.folder / output);
-    run(place, (output + "fresh").c_str(), {});
+    take_over(place, (output + "fresh").c_str(), {});
     expect_same_results(work.folder / "fresh", work.folder / (output + "fresh"));
   }
 }
@@ -311,10 +306,10 @@ TEST(Reuse, PlacesInACampaignAreGivenFromItsFolder) {
     take.mapping = named / "abc" / take.id / "mapping.json";
     take.calibration = named / "abc/calibration.json";
   }
-  const StudyRun run = run_study(work.study, work.campaign, "results", {});
+  const AccuracyRun again = run(work.study, work.campaign, "results", {});
   std::filesystem::current_path(started);
-  ASSERT_THAT(run.summary.notes, Not(IsEmpty()));
-  EXPECT_EQ(run.summary.notes[0].place, "abc/" + id + "/mocap.csv");
+  ASSERT_THAT(again.summary.notes, Not(IsEmpty()));
+  EXPECT_EQ(again.summary.notes[0].place, "abc/" + id + "/mocap.csv");
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include "datasets/base/files.h"
 #include "datasets/results/tracking_summary.h"
 #include "datasets/synthetic/body_tracker_spec.h"
-#include "pipeline/execute.h"
-#include "pipeline/runner.h"
-#include "pipeline/take_data.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/evaluate_take.h"
+#include "pipeline/accuracy/take_data.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/calibration/wand_part.h"
-
 #include <array>
 #include <cmath>
 
@@ -9,9 +7,9 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/item_journal.h"
 #include "pipeline/calibration/wand_outcome.h"
-#include "pipeline/results_folder.h"
+#include "pipeline/calibration/wand_study.h"
+#include "pipeline/study/results_folder.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/wand_sessions.h"
 
@@ -21,7 +19,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
-using testing::Ge;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -46,8 +43,12 @@ struct DividedWand {
   WandMethod method = WandMethod::wand;
 
   explicit DividedWand(std::size_t places = 3) { record_places(sessions.front(), places); }
-  ItemTally part(const Shard& shard, const std::string& name) const {
-    return search_wand_part(sessions, method, options, shard, folder / name, kWandBlock);
+  // What the part of this name holds already is taken over.
+  ItemTally part(const Shard& shard, const std::string& name, StudyOptions run = {}) const {
+    const std::filesystem::path output = folder / name;
+    run.shard = shard;
+    if (std::filesystem::exists(output)) run.reuse = {output};
+    return run_study(wand_study(sessions, method, options, kWandBlock), output, run);
   }
   // What parts of these names hold already is taken over.
   Paths parts(std::uint64_t of) const {
@@ -70,7 +71,7 @@ std::string text_of(const WandCalibration& result) {
   return text;
 }
 
-std::string merged(const Paths& parts) { return text_of(merge_wand_parts(read_parts(parts))); }
+std::string merged(const Paths& parts) { return text_of(calibrate_parts(read_parts(parts))); }
 
 TEST(WandPart, AnyNumberOfShardsMergesToTheBytesOfOneRun) {
   DividedWand work;
@@ -98,7 +99,7 @@ TEST(WandPart, TheMethodAsPrintedMergesTooWithTheAxisThatWasAskedFor) {
 
 TEST(WandPart, TheLengthOfItemsChangesNothing) {
   const DividedWand work;
-  search_wand_part(work.sessions, work.method, work.options, {1, 1}, work.folder / "long");
+  run_study(wand_study(work.sessions, work.method, work.options), work.folder / "long", {.shard = {1, 1}});
   EXPECT_EQ(merged({work.folder / "long"}), merged(work.parts(2)));
 }
 
@@ -116,7 +117,9 @@ TEST(WandPart, OneRecordingIsSharedOutAndEverySearchIsOneShards) {
   for (const PartItem& item : parts.front().part.items) load.at(item.shard - 1) += item.cost;
   EXPECT_THAT(load, testing::Each(testing::Gt(0.0)));
   std::size_t held = 0;
-  for (const FoundPart& part : parts) held += read_items(part.folder).items.size();
+  for (const FoundPart& part : parts)
+    for (const PartItem& item : part.part.items)
+      held += std::filesystem::exists(item_folder(part.folder, item.id)) ? 1 : 0;
   EXPECT_EQ(held, parts.front().part.items.size());
 }
 
@@ -135,18 +138,12 @@ TEST(WandPart, AnExportIsNotNeededForMerging) {
 TEST(WandPart, AShardThatWasStoppedGoesOnAndEndsWithTheSameBytes) {
   DividedWand work;
   const std::string whole = text_of(calibrate_wand(work.sessions, work.options));
-  const auto journal = work.folder / "part.partial/items.jsonl";
-  work.options.search.stop_requested = [&] {
-    if (!std::filesystem::exists(journal)) return false;
-    const std::string text = read_file(journal);
-    return std::count(text.begin(), text.end(), '\n') > 1;
-  };
-  EXPECT_THROW(on_threads(1, [&](int) { work.part({1, 1}, "part"); }), Interrupted);
+  const auto is_begun = [&] { return std::filesystem::exists(work.folder / "part.partial" / kItemsFolder); };
+  EXPECT_THROW(work.part({1, 1}, "part", {.threads = 1, .stop_requested = is_begun}), Interrupted);
   EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
   EXPECT_THAT(message_of([&] { merged({work.folder / "part"}); }), HasSubstr("is not finished yet"));
-  work.options.search.stop_requested = {};
   const ItemTally rest = work.part({1, 1}, "part");
-  EXPECT_THAT(rest.continued, SizeIs(Ge(2)));  // with the thread sanitizer there are other threads
+  EXPECT_THAT(rest.continued, Not(IsEmpty()));
   EXPECT_THAT(rest.computed, Not(IsEmpty()));
   EXPECT_EQ(merged({work.folder / "part"}), whole);
 }
@@ -182,7 +179,7 @@ TEST(WandPart, ARecordingThatWasWrittenAgainIsHashedAnew) {
   record(file, rig_of(2), {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1]), ball_in_room(kPlaces[2])},
          header, kFrames, true);
   std::filesystem::last_write_time(file, written);
-  EXPECT_THAT(work.part({1, 1}, "part").computed, ElementsAre("r1-sha256"));
+  EXPECT_THAT(work.part({1, 1}, "part").computed, ElementsAre("wand/r1-sha256"));
   EXPECT_EQ(merged({work.folder / "part"}), text_of(calibrate_wand(work.sessions, work.options)));
 }
 
@@ -190,7 +187,7 @@ TEST(WandPart, AFileThatIsReplacedDuringTheSearchIsRefused) {
   DividedWand work;
   work.options.world = WandInWorld{work.folder / "wand.csv", "Wand", kStart_ns};
   std::filesystem::path replaced;
-  work.options.search.progress = [&](double) {
+  const auto replace = [&] {
     std::error_code done;
     std::filesystem::rename(work.folder / "other", replaced, done);
   };
@@ -205,7 +202,10 @@ TEST(WandPart, AFileThatIsReplacedDuringTheSearchIsRefused) {
       EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
     }
   };
-  expect_refused([&] { on_threads(1, [&](int) { work.part({1, 1}, "part"); }); });
+  expect_refused([&] {
+    work.part({1, 1}, "part", {.threads = 1, .progress = [&](const std::string&, double) { replace(); }});
+  });
+  work.options.search.watch.progress = [&](double) { replace(); };
   expect_refused([&] { on_threads(1, [&](int) { calibrate_wand(work.sessions, work.options); }); });
 }
 
@@ -254,10 +254,12 @@ TEST(WandPart, APartThatWasChangedIsRefusedWithThePlace) {
     write_file(parts[0] / file, text);
     return message;
   };
-  EXPECT_THAT(complaint("items.json", R"({"found":60})", R"({"found":59})"),
-              AllOf(HasSubstr("items.json item r1-s1-f0"), HasSubstr("is of 59 frames, not of 60")));
-  EXPECT_THAT(complaint("items.json", R"("pixels":[)", R"("pixels":[0.5,)"), HasSubstr("pixels"));
-  EXPECT_THAT(complaint("items.json", R"("sha256":)", R"("sha512":)"), HasSubstr("sha256"));
+  const char* frames = "items/wand/r1-s1-f0/item.json";
+  EXPECT_THAT(complaint(frames, R"({"found":60})", R"({"found":59})"),
+              AllOf(HasSubstr("r1-s1-f0/item.json outcome"), HasSubstr("is of 59 frames, not of 60")));
+  EXPECT_THAT(complaint(frames, R"("pixels":[)", R"("pixels":[0.5,)"), HasSubstr("pixels"));
+  EXPECT_THAT(complaint("items/wand/r1-sha256/item.json", R"("sha256":)", R"("sha512":)"),
+              HasSubstr("sha256"));
   EXPECT_THAT(complaint("part.json", R"("depth_frames": 75)", R"("depth_frames": 75000000000000)"),
               HasSubstr("/items: are not those that its work is divided into"));
   EXPECT_THAT(complaint("part.json", R"("frames_of_item": 60)", R"("frames_of_item": 61)"),

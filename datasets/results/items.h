@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/strict_json.h"
+
+namespace trilat {
+
+// One item of work that was done. The key is a hash of all that decides the outcome: settings, inputs and the
+// build of the program. Items of equal id and key have equal outcomes and files. An item that failed has an
+// empty key, which equals no other.
+struct DoneItem {
+  std::string id, key;
+  Json outcome;
+};
+
+// Items of an unfinished output, and of a part, have a folder each: item.json (trilat.item, version 1) and
+// whatever files the item consists of.
+inline constexpr const char* kItemsFolder = "items";
+inline constexpr const char* kItemFile = "item.json";
+std::filesystem::path item_folder(const std::filesystem::path& output, const std::string& id);
+
+// Finishes an item whose other files lie in `made`, on the same file system: the item's folder below `output`
+// is whole or not there, however the process ends.
+void put_item(const std::filesystem::path& made, const std::filesystem::path& output, const DoneItem& item);
+
+// What an item's folder says of it.
+struct StoredItem {
+  std::string key;
+  Json outcome;
+  std::map<std::string, std::uintmax_t> bytes;  // by the name of its files
+};
+// Nothing when there is none; InputError when item.json is not one.
+std::optional<StoredItem> stored_item(const std::filesystem::path& folder);
+// The file of the item that is missing or has another size; empty when none.
+std::filesystem::path damaged_file(const StoredItem& item, const std::filesystem::path& folder);
+
+// items.json (trilat.items, version 2) of finished results, written last: what their items were, in their
+// order, and which files lie beside it. Equal work gives equal bytes. `key`: of the results as a whole, or
+// empty.
+void write_items(const std::filesystem::path& results, const std::string& key, std::size_t count,
+                 const std::function<DoneItem(std::size_t)>& item);
+// Empty when there is no such file; InputError when it is not one of these.
+std::vector<DoneItem> read_items(const std::filesystem::path& results);
+// What it says of the whole, without reading the items.
+struct ItemsHead {
+  std::string key;
+  std::vector<std::string> files;
+};
+ItemsHead read_items_head(const std::filesystem::path& results);
+
+}  // namespace trilat

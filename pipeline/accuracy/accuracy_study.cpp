@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/accuracy_study.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/results/declared_parameters.h"
+#include "datasets/results/results_file.h"
+#include "pipeline/accuracy/evaluate_take.h"
+#include "pipeline/accuracy/gather_takes.h"
+#include "pipeline/accuracy/planned_work.h"
+#include "pipeline/accuracy/rig_gdop.h"
+#include "pipeline/accuracy/solve_block.h"
+#include "pipeline/accuracy/take_key.h"
+#include "pipeline/study/parallel.h"
+#include "pipeline/study/results_folder.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The first part of the ids of takes.
+std::string item_of(const PlannedTake& planned) { return "takes/" + planned.take.id; }
+
+// What the items of one study share.
+struct AccuracyRun {
+  Plan plan;
+  AccuracyOptions options;
+  std::shared_ptr<HashCache> hashes;
+  std::vector<WatchedFiles> files;             // by take, from before the plan was made
+  std::vector<std::vector<TakeInput>> inputs;  // by take, once its key was asked for
+  std::vector<EvaluatedTake> takes;            // once they are put together
+  StageClocks clocks;
+};
+
+void replace_all(std::string& text, const std::string& old, const std::string& with) {
+  if (old.empty() || old == with) return;
+  for (auto at = text.find(old); at != std::string::npos; at = text.find(old, at + with.size()))
+    text.replace(at, old.size(), with);
+}
+
+// From the campaign's folder; the name alone where the file lies elsewhere.
+std::string place_of(const fs::path& file, const fs::path& folder) {
+  const fs::path inside = file.lexically_normal().lexically_relative(folder.lexically_normal());
+  return inside.empty() || *inside.begin() == ".." ? file.filename().string() : inside.string();
+}
+
+// Results do not depend on where they were computed.
+TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campaign) {
+  for (std::string* text : {&note.place, &note.text})
+    for (const TakeFile& file : files_of(take))
+      replace_all(*text, file.path.string(), place_of(file.path, campaign.folder));
+  return note;
+}
+
+std::string key_of_take(AccuracyRun& run, std::size_t t, const Watch& watch) {
+  const PlannedTake& planned = run.plan.takes[t];
+  run.inputs[t] = inputs_of(planned.take, *run.hashes, watch.stop_requested);
+  const bool read = std::none_of(run.inputs[t].begin(), run.inputs[t].end(),
+                                 [](const TakeInput& input) { return input.sha256.empty(); });
+  if (!planned.ok || !read || run.files[t].changed()) return "";
+  return trilat::key_of_take(run.plan, t, run.inputs[t], run.options.cross_check);
+}
+
+TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
+  const PlannedTake& planned = run.plan.takes[t];
+  if (!planned.ok) throw InputError(planned.place, planned.problem);
+  for (const TakeInput& input : run.inputs[t])
+    if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
+  check_memory(run.plan, planned, run.options.memory_bytes);
+  TakeResult result = evaluate_take(run.plan, t, run.options.cross_check, into, run.clocks, watch);
+  run.files[t].check();
+  result.inputs = run.inputs[t];
+  for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, run.plan.campaign);
+  return result;
+}
+
+Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
+  const Take& take = run.plan.takes[t].take;
+  try {
+    return json_of(evaluate(run, t, into, watch));
+  } catch (const OutputError&) {
+    throw;
+  } catch (const InputError& error) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(into)) fs::remove_all(entry.path());
+    TakeResult failed;
+    failed.inputs = run.inputs[t];
+    failed.notes = {
+        within_campaign({take.id, true, error.place(), error.problem()}, take, run.plan.campaign)};
+    return {json_of(failed), true};
+  }
+}
+
+void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& results, const Watch& watch) {
+  run.takes.clear();
+  for (const PlannedTake& planned : run.plan.takes) {
+    const auto found = outcomes.find(item_of(planned));
+    if (found == outcomes.end())
+      throw InputError(planned.take.id, "is a take of the study, but none of its items");
+    run.takes.push_back(
+        {found->second.folder, read_take_result(found->second.json(), found->second.place())});
+  }
+  const Stopwatch time(run.clocks.summarise_ns);
+  gather_takes(run.plan, run.takes, run.options.cross_check, results, run.options.memory_bytes, watch);
+}
+
+Json inputs_json(const AccuracyRun& run) {
+  Json list = Json::array();
+  for (std::size_t t = 0; t < run.takes.size(); ++t)
+    for (const TakeInput& input : run.takes[t].result.inputs)
+      list.push_back({{"take", run.plan.takes[t].take.id},
+                      {"role", input.role},
+                      {"file", input.file},
+                      {"bytes", input.bytes},
+                      {"sha256", input.sha256.empty() ? Json() : Json(input.sha256)}});
+  return list;
+}
+
+// What went into the results. Files that cannot be read are listed without a hash.
+Json manifest_of_run(const AccuracyRun& run) {
+  const Plan& plan = run.plan;
+  Json methods = Json::array(), joints = Json::array(), takes = Json::array();
+  for (const Method& method : plan.methods) methods.push_back(method.spec.name);
+  for (Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
+  std::uint64_t instants = 0;
+  for (const PlannedTake& planned : plan.takes) {
+    instants += planned.instants;
+    takes.push_back({{"id", planned.take.id},
+                     {"participant", planned.take.participant},
+                     {"activity", planned.take.activity},
+                     {"mocap_start_host_ns", planned.take.mocap_start_host_ns},
+                     {"instants", planned.instants}});
+  }
+  return manifest_of(resolved_json(plan.study),
+                     {{"campaign", plan.campaign.name},
+                      {"simulated", plan.simulated},
+                      {"rig", plan.rig},
+                      {"methods", methods},
+                      {"joints", joints},
+                      {"takes", takes},
+                      {"instants", instants},
+                      {"samples", instants * plan.joints.size() * plan.methods.size()},
+                      {"inputs", inputs_json(run)}});
+}
+
+Json times_of(const StageClocks& clocks) {
+  const auto seconds = [](const std::atomic<std::int64_t>& ns) {
+    return static_cast<double>(ns.load()) * 1e-9;
+  };
+  return {{"read_s", seconds(clocks.read_ns)},
+          {"solve_s", seconds(clocks.solve_ns)},
+          {"write_s", seconds(clocks.write_ns)},
+          {"summarise_s", seconds(clocks.summarise_ns)}};
+}
+
+// Of a plan that may lack the files of its takes.
+Study study_of(const std::shared_ptr<AccuracyRun>& run, Json work,
+               const std::vector<DeclaredParameter>& parameters) {
+  return {.kind = name_of(StudyKind::accuracy),
+          .work = std::move(work),
+          .reduce = [run](const Outcomes& outcomes, const fs::path& results,
+                          const Watch& watch) { put_together(*run, outcomes, results, watch); },
+          .manifest = [run](const Outcomes&) { return manifest_of_run(*run); },
+          .key =
+              [run, parameters] {
+                const Campaign& campaign = run->plan.campaign;
+                RunIdentity identity{run->plan.study,
+                                     run->options.cross_check,
+                                     campaign.name,
+                                     campaign.simulated,
+                                     parameters,
+                                     campaign.takes,
+                                     {}};
+                for (const EvaluatedTake& take : run->takes) identity.inputs.push_back(take.result.inputs);
+                return key_of_run(identity);
+              },
+          .hashes = run->hashes,
+          .times = [run] { return times_of(run->clocks); }};
+}
+
+Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
+  const PlannedTake& planned = run->plan.takes[t];
+  return {item_of(planned), cost_of(planned),
+          [run, t](const fs::path& into, const Watch& watch) { return compute(*run, t, into, watch); },
+          [run, t](const Watch& watch) { return key_of_take(*run, t, watch); }};
+}
+
+std::size_t index_of(const Plan& plan, const std::string& item) {
+  const auto found = std::find_if(plan.takes.begin(), plan.takes.end(),
+                                  [&](const PlannedTake& planned) { return item_of(planned) == item; });
+  return static_cast<std::size_t>(found - plan.takes.begin());
+}
+
+void check_cross_check(const Plan& plan) {
+  if (!checked_method(plan))
+    throw InputError(
+        "study \"" + plan.study.name + '"',
+        "has no nonlinear method with damping lm and stop step that could be checked against Ceres");
+}
+
+}  // namespace
+
+std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool cross_check,
+                           HashCache& hashes, const Watch& watch) {
+  const Campaign takes = takes_of(spec, campaign);
+  RunIdentity run{
+      spec,        cross_check, takes.name, takes.simulated, read_declared_parameters(takes.folder),
+      takes.takes, {}};
+  run.inputs.resize(run.takes.size());
+  parallel_for_index(run.takes.size(), 1, [&](std::size_t t) {
+    watch.check();
+    run.inputs[t] = inputs_of(run.takes[t], hashes, watch.stop_requested);
+  });
+  return key_of_run(run);
+}
+
+Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const AccuracyOptions& options,
+                     const std::shared_ptr<HashCache>& hashes, std::vector<TakeNote>* unreadable) {
+  const auto run = std::make_shared<AccuracyRun>();
+  for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
+  run->plan = make_plan(spec, campaign);
+  if (options.cross_check) check_cross_check(run->plan);
+  run->options = options;
+  run->hashes = hashes;
+  run->inputs.resize(run->plan.takes.size());
+  const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
+  Study study = study_of(run, planned_work(run->plan, options.cross_check, *hashes, {}), parameters);
+  for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
+  for (const PlannedTake& planned : run->plan.takes)
+    if (unreadable && !planned.ok)
+      unreadable->push_back({planned.take.id, true, planned.place, planned.problem});
+  study.write_beside = [run, parameters](const fs::path& folder) {
+    if (const auto map = rig_gdop(run->plan)) write_gdop_map(folder, *map);
+    if (!parameters.empty()) write_declared_parameters(folder, parameters);
+  };
+  study.holds = [run](const fs::path& results, const std::string& item) {
+    return holds_take(run->plan, index_of(run->plan, item), results);
+  };
+  study.take_out = [run](const fs::path& results, const std::string& item, const fs::path& into) {
+    take_out(run->plan, index_of(run->plan, item), results, into);
+  };
+  study.at_once = takes_at_once(run->plan, options.memory_bytes);
+  return study;
+}
+
+Study accuracy_of_parts(const Json& work, const std::string& place, std::uint64_t memory_bytes) {
+  const auto run = std::make_shared<AccuracyRun>();
+  PlannedWork planned = read_planned_work(work, place);
+  run->plan = std::move(planned.plan);
+  run->options = {planned.cross_check, memory_bytes};
+  run->hashes = std::make_shared<HashCache>();
+  return study_of(run, work, planned.parameters);
+}
+
+ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
+                       const ExecuteOptions& options) {
+  const auto hashes = std::make_shared<HashCache>();
+  for (const fs::path& earlier : options.reuse) hashes->load(earlier);
+  StudyOptions run{.threads = options.threads,
+                   .stop_requested = options.stop_requested,
+                   .shard = options.shard,
+                   .reuse = options.reuse,
+                   .fresh = options.fresh};
+  constexpr double kTakesShare = 0.8;  // of the progress; the rest is the summary
+  if (options.progress)
+    run.progress = [&](const std::string& stage, double share) {
+      const bool takes = stage == "takes";
+      options.progress(takes ? kTakesShare * share : kTakesShare + (1.0 - kTakesShare) * share);
+    };
+  ItemTally tally;
+  on_threads(options.threads, [&](int) {
+    const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
+    if (asked && options.shard.whole() && fs::exists(output / "items.json") &&
+        holds_results(output, key_of_results(spec, campaign, options.cross_check, *hashes,
+                                             {options.stop_requested, {}}))) {
+      for (const Take& take : takes_of(spec, campaign).takes) tally.reused.push_back("takes/" + take.id);
+      tally.unchanged = true;
+      return;
+    }
+    tally = run_study(accuracy_study(spec, campaign, {options.cross_check, options.memory_bytes}, hashes),
+                      output, run);
+  });
+  return tally;
+}
+
+ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
+                             const ExecuteOptions& options) {
+  run_accuracy(spec, campaign, output, options);
+  return read_summary(output);
+}
+
+double cost_of(const PlannedTake& take) { return static_cast<double>(take.instants) + 1.0; }
+
+PartNotes notes_of_part(const fs::path& part) {
+  const WorkPart work = read_part(part);
+  PartNotes found;
+  for (const PartItem& item : work.items) {
+    if (item.shard != work.number) continue;
+    const Outcome outcome{"", item_folder(part, item.id), {}};
+    const TakeResult result = read_take_result(outcome.json(), outcome.place());
+    found.notes.insert(found.notes.end(), result.notes.begin(), result.notes.end());
+    ++found.takes;
+  }
+  return found;
+}
+
+}  // namespace trilat

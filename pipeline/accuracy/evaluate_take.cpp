@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/evaluate_take.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+#include "datasets/results/replay.h"
+#include "pipeline/accuracy/over_time.h"
+#include "pipeline/accuracy/replay_take.h"
+#include "pipeline/accuracy/solve_block.h"
+#include "pipeline/accuracy/take_data.h"
+#include "pipeline/accuracy/take_summary.h"
+#include "pipeline/accuracy/tracking_check.h"
+#include "pipeline/study/study.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kBlock = 256;  // instants gathered before they are solved together
+// What an instant of a windowed method counts in the progress, where one of all others together counts 1.
+constexpr std::uint64_t kWindowedWork = 30;
+
+class TakeProgress {
+ public:
+  TakeProgress(const Plan& plan, std::size_t take, const Watch& watch)
+      : watch_(watch), total_(plan.takes[take].instants * (1 + kWindowedWork * windowed_methods(plan))) {}
+  void advance(std::uint64_t work) {
+    watch_.tell(static_cast<double>(done_ += work) / static_cast<double>(total_));
+  }
+
+ private:
+  const Watch& watch_;
+  std::uint64_t total_;
+  std::atomic<std::uint64_t> done_{0};
+};
+
+// Solves the take block by block into `samples`. How far its methods agree with Ceres.
+TakeCheck solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                     const std::vector<MethodPaths>& paths, bool cross_check, SamplesFile& samples,
+                     StageClocks& clocks, const Watch& watch, TakeProgress& progress) {
+  TakeCheck check;
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
+    watch.check();
+    const std::uint64_t count = std::min(kBlock, planned.instants - first);
+    block.reset(first, count, plan.joints.size(), plan.methods.size());
+    {
+      const Stopwatch time(clocks.solve_ns);
+      check.merge(solve_block(plan, planned, data, paths, cross_check, block));
+    }
+    {
+      const Stopwatch time(clocks.write_ns);
+      samples.write(0, block);
+    }
+    progress.advance(count);
+  }
+  return check;
+}
+
+TakeData load(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch) {
+  const Stopwatch time(clocks.read_ns);
+  return load_take(plan, planned, watch.stop_requested);
+}
+
+std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                  StageClocks& clocks, const Watch& watch, TakeProgress& progress) {
+  const Stopwatch time(clocks.solve_ns);
+  const auto advanced = [&](std::size_t instants) { progress.advance(kWindowedWork * instants); };
+  return solve_over_time(plan, planned, data,
+                         {advanced, [&] { return watch.stop_requested && watch.stop_requested(); }});
+}
+
+void summarise_into(const Plan& plan, const std::filesystem::path& folder, StageClocks& clocks) {
+  const Stopwatch time(clocks.summarise_ns);
+  write_take_summary(folder, summary_key(plan),
+                     summarise_take(SamplesFile::open(folder / "samples.h5"), 0, statistics_layout(plan)));
+}
+
+}  // namespace
+
+SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes) {
+  SamplesHeader header;
+  for (Joint joint : plan.joints) header.joints.emplace_back(name_of(joint));
+  for (const Method& method : plan.methods) header.methods.push_back(method.spec.name);
+  for (int s = 0; s < kSolveStatusCount; ++s)
+    header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+  header.alignment = name_of(plan.study.alignments.front());
+  for (const std::size_t t : takes) {
+    const PlannedTake& take = plan.takes[t];
+    header.takes.push_back({take.take.id, take.instants, take.take.activity});
+  }
+  return header;
+}
+
+SamplesHeader samples_header(const Plan& plan) {
+  std::vector<std::size_t> all(plan.takes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return samples_header(plan, all);
+}
+
+TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
+                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+  const PlannedTake& planned = plan.takes[take];
+  TakeProgress progress(plan, take, watch);
+  TakeData data = load(plan, planned, clocks, watch);
+  const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));
+  TakeResult result;
+  result.check = solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress);
+  samples.finish();
+  result.tracking = check_tracking(plan, planned, data);
+  if (is_replayed(plan, take)) write_replay(folder, std::array{replay_of(plan, take, data)});
+  result.notes = std::move(data.notes);
+  result.evaluated = true;
+  summarise_into(plan, folder, clocks);
+  return result;
+}
+
+std::string summary_key(const Plan& plan) {
+  Json joints = Json::array();
+  for (const Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
+  return key_of({{"study", resolved_json(plan.study)}, {"rig", plan.rig}, {"joints", joints}});
+}
+
+}  // namespace trilat

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "datasets/results/samples.h"
+#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/take_result.h"
+#include "pipeline/study/watch.h"
+
+namespace trilat {
+
+// Where the time of a run went, in nanoseconds summed over threads.
+struct StageClocks {
+  std::atomic<std::int64_t> read_ns{0}, solve_ns{0}, write_ns{0}, summarise_ns{0};
+};
+
+// Adds the life of this object to a clock.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::atomic<std::int64_t>& total_ns) : total_ns_(total_ns) {}
+  ~Stopwatch() { total_ns_ += static_cast<std::int64_t>(1e9 * time_.seconds()); }
+
+ private:
+  std::atomic<std::int64_t>& total_ns_;
+  RunningTime time_;
+};
+
+// The layout of samples.h5 for these takes of the plan; all of them without a list.
+SamplesHeader samples_header(const Plan& plan);
+SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes);
+
+// Sends one take through every method into `folder`: samples.h5, summary.bin, and replay.h5 when it is
+// replayed. Throws Interrupted when asked to stop.
+TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
+                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+
+// What summary.bin of takes of this plan is made with.
+std::string summary_key(const Plan& plan);
+
+}  // namespace trilat

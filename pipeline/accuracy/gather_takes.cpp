@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/gather_takes.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <mutex>
+
+#include "datasets/base/error.h"
+#include "datasets/results/replay.h"
+#include "datasets/results/samples.h"
+#include "datasets/results/summary.h"
+#include "pipeline/accuracy/evaluate_take.h"
+#include "pipeline/accuracy/replay_take.h"
+#include "pipeline/accuracy/summarise.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kBlockRows = 65536;  // samples that are copied at once
+
+// The samples file of one folder, and which of its takes is which.
+struct OpenSamples {
+  SamplesFile file;
+  std::map<std::string, std::size_t> number;
+
+  explicit OpenSamples(const std::filesystem::path& folder) : file(SamplesFile::open(folder / "samples.h5")) {
+    for (std::size_t t = 0; t < file.header().takes.size(); ++t) number[file.header().takes[t].id] = t;
+  }
+};
+
+// Fills a take's slots with its samples, or with "not solved" when there are none.
+void copy_take(const SamplesFile* from, std::size_t number, SamplesFile& to, std::size_t take) {
+  const SamplesHeader& header = to.header();
+  const std::uint64_t instants = header.takes[take].instants;
+  const std::uint64_t step = std::max<std::uint64_t>(
+      1, kBlockRows / std::max<std::size_t>(1, header.joints.size() * header.methods.size()));
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < instants; first += step) {
+    const std::uint64_t count = std::min(step, instants - first);
+    if (from)
+      from->read(number, first, count, SampleColumns::all, block);
+    else
+      block.reset(first, count, header.joints.size(), header.methods.size());
+    to.write(take, block);
+  }
+}
+
+void check_shape(const OpenSamples& from, const SamplesHeader& wanted, std::size_t take,
+                 const std::string& place) {
+  const auto found = from.number.find(wanted.takes[take].id);
+  if (found == from.number.end())
+    throw InputError(place, "has no samples of the take \"" + wanted.takes[take].id + '"');
+  const SamplesHeader& there = from.file.header();
+  if (there.takes[found->second].instants != wanted.takes[take].instants || there.joints != wanted.joints ||
+      there.methods != wanted.methods || there.status_names != wanted.status_names)
+    throw InputError(place, "has samples of another shape of the take \"" + wanted.takes[take].id + '"');
+}
+
+// Copies takes from where they are, one at a time, while the threads summarise others.
+class Gatherer {
+ public:
+  Gatherer(const Plan& plan, std::span<const EvaluatedTake> takes, SamplesFile& samples, const Watch& watch)
+      : plan_(plan),
+        takes_(takes),
+        samples_(samples),
+        watch_(watch),
+        layout_(statistics_layout(plan)),
+        summary_key_(summary_key(plan)) {}
+
+  std::optional<TakeSummary> bring(std::size_t t) {
+    watch_.check();
+    const EvaluatedTake& take = takes_[t];
+    const std::lock_guard lock(mutex_);
+    if (!take.result.evaluated) {
+      copy_take(nullptr, 0, samples_, t);
+      return TakeSummary{{}, empty_statistics(layout_, 0)};
+    }
+    const auto from = open_.try_emplace(take.folder, take.folder).first;
+    const OpenSamples& there = from->second;
+    check_shape(there, samples_.header(), t, (take.folder / "samples.h5").string());
+    copy_take(&there.file, there.number.at(samples_.header().takes[t].id), samples_, t);
+    if (there.number.size() == 1) open_.erase(from);
+    return read_take_summary(take.folder, summary_key_, layout_, plan_.takes[t].instants);
+  }
+
+ private:
+  const Plan& plan_;
+  std::span<const EvaluatedTake> takes_;
+  SamplesFile& samples_;
+  const Watch& watch_;
+  StatisticsLayout layout_;
+  std::string summary_key_;
+  std::mutex mutex_;
+  std::map<std::filesystem::path, OpenSamples> open_;  // of several takes, or of the one being copied
+};
+
+ReplayTake replay_in(const std::filesystem::path& folder, const std::string& id) {
+  std::vector<ReplayTake> there = read_replay(folder);
+  const auto found =
+      std::find_if(there.begin(), there.end(), [&](const ReplayTake& r) { return r.id == id; });
+  if (found == there.end())
+    throw InputError((folder / "replay.h5").string(), "has no replay of the take \"" + id + '"');
+  return std::move(*found);
+}
+
+std::vector<ReplayTake> gather_replays(const Plan& plan, std::span<const EvaluatedTake> takes) {
+  std::vector<ReplayTake> replays;
+  for (std::size_t t = 0; t < takes.size(); ++t) {
+    if (!takes[t].result.evaluated || !is_replayed(plan, t)) continue;
+    replays.push_back(replay_in(takes[t].folder, plan.takes[t].take.id));
+    replays.back().take = t;
+  }
+  return replays;
+}
+
+}  // namespace
+
+void gather_takes(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check,
+                  const std::filesystem::path& results, std::uint64_t memory_bytes, const Watch& watch) {
+  SamplesFile samples = SamplesFile::create(results / "samples.h5", samples_header(plan));
+  const RunOutcome outcome = outcome_of(plan, takes, cross_check);
+  Gatherer gatherer(plan, takes, samples, watch);
+  const ResultsSummary summary = summarise(
+      plan, outcome, samples, [&](std::size_t t) { return gatherer.bring(t); },
+      std::min(kDistancesInMemoryBytes, memory_bytes / 2), watch.progress);
+  samples.finish();
+  write_summary(results, summary);
+  write_tracking_summary(results, outcome.tracking);
+  if (const auto replays = gather_replays(plan, takes); !replays.empty()) write_replay(results, replays);
+}
+
+bool holds_take(const Plan& plan, std::size_t take, const std::filesystem::path& results) {
+  return std::filesystem::exists(results / "samples.h5") &&
+         (!is_replayed(plan, take) || std::filesystem::exists(results / "replay.h5"));
+}
+
+void take_out(const Plan& plan, std::size_t take, const std::filesystem::path& results,
+              const std::filesystem::path& into) {
+  const OpenSamples earlier(results);
+  SamplesFile samples = SamplesFile::create(into / "samples.h5", samples_header(plan, std::array{take}));
+  check_shape(earlier, samples.header(), 0, (results / "samples.h5").string());
+  const std::string& id = plan.takes[take].take.id;
+  copy_take(&earlier.file, earlier.number.at(id), samples, 0);
+  samples.finish();
+  if (is_replayed(plan, take)) write_replay(into, std::array{replay_in(results, id)});
+}
+
+}  // namespace trilat

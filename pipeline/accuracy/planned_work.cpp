@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/planned_work.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/accuracy/take_key.h"
+#include "pipeline/study/file_identity.h"
+
+namespace trilat {
+namespace {
+
+Json parameters_json(const Campaign& campaign) {
+  Json parameters = Json::array();
+  for (const DeclaredParameter& p : read_declared_parameters(campaign.folder))
+    parameters.push_back({p.name, p.value, p.unit, p.source});
+  return parameters;
+}
+
+std::vector<DeclaredParameter> read_parameters(JsonObject& work) {
+  const Json& list = work.value("parameters");
+  std::vector<DeclaredParameter> parameters;
+  for (const Json& entry : list) {
+    const bool texts =
+        entry.is_array() && entry.size() == 4 &&
+        std::all_of(entry.begin(), entry.end(), [](const Json& part) { return part.is_string(); });
+    if (!texts) work.refuse("parameters", "must be lists of name, value, unit and source");
+    parameters.push_back({entry[0], entry[1], entry[2], entry[3]});
+  }
+  return parameters;
+}
+
+PlannedTake read_planned_take(JsonObject& entry) {
+  PlannedTake planned;
+  planned.take.id = entry.text("id");
+  planned.take.participant = entry.text("participant");
+  planned.take.activity = entry.text("activity");
+  planned.take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  planned.ok = entry.boolean("ok", false);
+  planned.instants = entry.count("instants");
+  entry.boolean("tracker_truth", false);
+  entry.finish();
+  return planned;
+}
+
+// What the files of the takes are: the contents of those that planning reads whole, the sizes of the others,
+// which only the shard reads whose take it is.
+Json inputs_json(const Campaign& campaign, HashCache& hashes, const Watch& watch) {
+  Json takes = Json::object();
+  for (const Take& take : campaign.takes)
+    for (const TakeFile& file : files_of(take)) {
+      Json& entry = takes[take.id][file.role];
+      entry["file"] = file.path.filename().string();
+      // looked at twice: what fails for a moment must not set this part apart from the others
+      if (file.path == take.calibration || file.path == take.mapping) {
+        HashedFile hashed = hashes.hash(file.path, watch.stop_requested);
+        if (hashed.sha256.empty()) hashed = hashes.hash(file.path, watch.stop_requested);
+        entry["sha256"] = hashed.sha256;
+      } else if (auto identity = identity_of(file.path); identity || (identity = identity_of(file.path))) {
+        entry["bytes"] = identity->bytes;
+      }
+    }
+  return takes;
+}
+
+}  // namespace
+
+Json planned_work(const Plan& plan, bool cross_check, HashCache& hashes, const Watch& watch) {
+  Json takes = Json::array(), joints = Json::array();
+  for (const PlannedTake& t : plan.takes)
+    takes.push_back({{"id", t.take.id},
+                     {"participant", t.take.participant},
+                     {"activity", t.take.activity},
+                     {"mocap_start_host_ns", t.take.mocap_start_host_ns},
+                     {"tracker_truth", !t.take.tracker_truth.empty()},
+                     {"ok", t.ok},
+                     {"instants", t.instants}});
+  for (const Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
+  return {{"study", resolved_json(plan.study)},
+          {"cross_check", cross_check},
+          {"campaign", plan.campaign.name},
+          {"campaign_simulated", plan.campaign.simulated},
+          {"simulated", plan.simulated},
+          {"rig", plan.rig},
+          {"joints", joints},
+          {"takes", takes},
+          {"inputs", inputs_json(plan.campaign, hashes, watch)},
+          {"parameters", parameters_json(plan.campaign)}};
+}
+
+PlannedWork read_planned_work(const Json& json, const std::string& place) {
+  JsonObject work(json, place, "/work");
+  PlannedWork read;
+  Plan& plan = read.plan;
+  plan.study = parse_study(work.value("study"), place, {});
+  plan.campaign.name = work.text("campaign");
+  plan.campaign.simulated = work.boolean("campaign_simulated", false);
+  plan.simulated = work.boolean("simulated", false);
+  plan.rig = work.texts("rig");
+  plan.methods = resolve_methods(plan.study, plan.rig);
+  plan.reference = reference_of(plan.study, plan.methods);
+  for (const std::string& name : work.texts("joints")) {
+    const auto joint = joint_from_name(name);
+    if (!joint) work.refuse("joints", "has \"" + name + "\", which is no joint");
+    plan.joints.push_back(*joint);
+  }
+  for (JsonObject& entry : work.objects("takes")) {
+    plan.takes.push_back(read_planned_take(entry));
+    plan.campaign.takes.push_back(plan.takes.back().take);
+  }
+  if (!work.has("cross_check")) work.refuse("cross_check", "is missing");
+  read.cross_check = work.boolean("cross_check", false);
+  work.value("inputs");
+  read.parameters = read_parameters(work);
+  work.finish();
+  return read;
+}
+
+}  // namespace trilat

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// What `trilat run` reads and says of studies of kind accuracy.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/cli/kinds.h"
+#include "pipeline/cli/reused_results.h"
+#include "reports/accuracy_tables.h"
+#include "reports/render.h"
+#include "reports/sensor_counts.h"
+
+namespace trilat {
+namespace {
+
+// Whose each take is when the work is divided.
+std::vector<std::uint64_t> owners_of(const Plan& plan, std::uint64_t shards) {
+  std::vector<double> costs;
+  for (const PlannedTake& take : plan.takes) costs.push_back(cost_of(take));
+  return shards_of(costs, shards);
+}
+
+Json plan_json(const Plan& plan, const std::vector<std::uint64_t>& owner) {
+  Json takes = Json::array(), methods = Json::array(), joints = Json::array();
+  for (std::size_t i = 0; i < plan.takes.size(); ++i) {
+    const PlannedTake& t = plan.takes[i];
+    Json entry{
+        {"id", t.take.id}, {"participant", t.take.participant}, {"activity", t.take.activity}, {"ok", t.ok}};
+    entry["shard"] = owner[i];
+    if (t.ok)
+      entry["instants"] = t.instants;
+    else
+      entry["problem"] = t.place + ": " + t.problem;
+    takes.push_back(entry);
+  }
+  for (const Method& m : plan.methods) methods.push_back(m.spec.name);
+  for (Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
+  return {{"study", plan.study.name}, {"campaign", plan.campaign.name},
+          {"rig", plan.rig},          {"joints", joints},
+          {"methods", methods},       {"takes", takes}};
+}
+
+int print_plan(const Plan& plan, const Shard& shard, bool json) {
+  const bool all_ok =
+      std::all_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
+  const std::vector<std::uint64_t> owner = owners_of(plan, shard.of);
+  if (json) {
+    fmt::print("{}\n", json_text(plan_json(plan, owner), 2));
+    return all_ok ? kDone : kItemsFailed;
+  }
+  fmt::print("study {} on campaign {}: {} takes x {} joints x {} methods\n", plan.study.name,
+             plan.campaign.name, plan.takes.size(), plan.joints.size(), plan.methods.size());
+  fmt::print("methods:");
+  for (const Method& m : plan.methods) fmt::print(" {};", m.spec.name);
+  fmt::print("\n");
+  for (std::size_t i = 0; i < plan.takes.size(); ++i) {
+    const PlannedTake& t = plan.takes[i];
+    if (owner[i] != shard.number) continue;
+    if (t.ok)
+      fmt::print("  {:<20} {} instants\n", t.take.id, t.instants);
+    else
+      fmt::print("  {:<20} cannot be evaluated: {}: {}\n", t.take.id, t.place, t.problem);
+  }
+  return all_ok ? kDone : kItemsFailed;
+}
+
+std::size_t failures_in(const std::vector<TakeNote>& notes) {
+  return static_cast<std::size_t>(
+      std::count_if(notes.begin(), notes.end(), [](const TakeNote& note) { return note.failed; }));
+}
+
+void print_notes(const std::vector<TakeNote>& notes) {
+  for (const TakeNote& note : notes)
+    fmt::print(stderr, "{}: take {}: {}: {}\n", note.failed ? "failed" : "note", note.take, note.place,
+               note.text);
+}
+
+void print_cross_check(const ResultsSummary& summary) {
+  if (!summary.cross_check) return;
+  const CrossCheck& c = *summary.cross_check;
+  fmt::print(
+      stderr,
+      "cross-check of \"{}\" with Ceres: {} samples, worst {:.3g} m at {}, {} answered by one only: {}\n",
+      c.method, c.samples, c.worst_m, c.worst_at, c.disagreements,
+      c.passed() ? "agrees" : fmt::format("DISAGREES (limit {:g} m)", c.limit_m));
+}
+
+Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
+  const std::filesystem::path folder = arguments.campaign.empty() ? study.campaign : arguments.campaign;
+  if (folder.empty())
+    throw InputError(arguments.study.string() + " /campaign",
+                     "is missing; name it there or with --campaign DIR");
+  Campaign campaign = read_campaign(folder, arguments.outside);
+  if (!arguments.calibration.empty()) {
+    read_calibration(arguments.calibration);  // one error now instead of one a take
+    for (Take& take : campaign.takes) take.calibration = arguments.calibration;
+  }
+  return campaign;
+}
+
+std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
+  std::vector<std::filesystem::path> inputs{campaign.folder};
+  for (const Take& t : campaign.takes)
+    inputs.insert(inputs.end(), {t.session, t.calibration, t.mocap, t.mapping, t.tracker_truth});
+  return inputs;
+}
+
+int print_accuracy_part(const std::filesystem::path& part, const Shard& shard, const ItemTally& tally,
+                        const std::vector<TakeNote>& unreadable, std::size_t takes, bool json) {
+  auto [here, notes] = notes_of_part(part);
+  const std::size_t failed = failures_in(notes);
+  for (const TakeNote& note : unreadable)
+    if (!std::filesystem::exists(item_folder(part, "takes/" + note.take))) notes.push_back(note);
+  print_notes(notes);
+  if (json) {
+    Json document{
+        {"part", part.string()}, {"shard", name_of(shard)}, {"takes", here}, {"takes_failed", failed}};
+    document.update(tally_json(tally));
+    fmt::print("{}\n", json_text(document, 2));
+  } else {
+    fmt::print("part {}: {} of {} takes, {} failed: {}\n", name_of(shard), here, takes, failed,
+               part.string());
+  }
+  return failures_in(notes) > 0 ? kItemsFailed : kDone;
+}
+
+}  // namespace
+
+OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
+  const StudySpec spec = parse_study(json, arguments.study.string(), arguments.study.parent_path());
+  const Campaign campaign = campaign_of(spec, arguments);
+  const auto hashes = std::make_shared<HashCache>();
+  for (const std::filesystem::path& earlier : reused_results(arguments)) hashes->load(earlier);
+  AccuracyOptions options{.cross_check = arguments.cross_check};
+  if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
+  const auto unreadable = std::make_shared<std::vector<TakeNote>>();
+  return {
+      .plan = [=] { return accuracy_study(spec, campaign, options, hashes, unreadable.get()); },
+      .print_plan = [=](const Shard& shard,
+                        bool as_json) { return print_plan(make_plan(spec, campaign), shard, as_json); },
+      .inputs = inputs_of(campaign),
+      .key =
+          [=](const Watch& watch) {
+            return key_of_results(spec, campaign, options.cross_check, *hashes, watch);
+          },
+      .print_part =
+          [=](const std::filesystem::path& part, const Shard& shard, const ItemTally& tally, bool as_json) {
+            return print_accuracy_part(part, shard, tally, *unreadable, takes_of(spec, campaign).takes.size(),
+                                       as_json);
+          }};
+}
+
+int print_accuracy(const std::filesystem::path& results, Json document, bool json) {
+  const ResultsSummary summary = read_summary(results);
+  print_notes(summary.notes);
+  print_cross_check(summary);
+  const bool passed = !summary.cross_check || summary.cross_check->passed();
+  if (json) {
+    document["results"] = results.string();
+    document["takes"] = summary.takes;
+    document["takes_failed"] = summary.takes_failed;
+    document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
+    fmt::print("{}\n", json_text(document, 2));
+  } else {
+    for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
+    fmt::print("results: {}\n", results.string());
+  }
+  return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;
+}
+
+}  // namespace trilat

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/kinds.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/synthetic/error_sources.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/budget/budget_study.h"
+#include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/cli/embedded_studies.h"
+#include "pipeline/recording/recording_study.h"
+#include "pipeline/sweep/sweep_study.h"
+#include "reports/budget_tables.h"
+#include "reports/calibration_tables.h"
+#include "reports/render.h"
+#include "reports/table4.h"
+
+namespace trilat {
+namespace {
+
+// Of a study that is planned at once.
+OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
+  return {.plan = [study = std::move(study)] { return study; },
+          .print_plan =
+              [plan, text](const Shard&, bool json) {
+                fmt::print("{}\n", json ? json_text(plan, 2) : text);
+                return int{kDone};
+              }};
+}
+
+OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
+  const CalibrationSpec spec = parse_calibration_spec(study, arguments.study.string());
+  const std::uint64_t images = 2 * spec.units * (spec.samples + spec.near_samples) * spec.frames +
+                               spec.distortion_units * spec.distortion_frames +
+                               spec.runs * spec.positions * spec.position_frames * spec.rig.heights_m.size();
+  return opened(
+      calibration_study(spec), {{"study", resolved_json(spec)}, {"images", images}},
+      fmt::format("study {} (simulated): {} samples of each of {} units in two scenes, a wall in {} frames "
+                  "of {} units, {} rigs with {} wand positions; {} depth images to render",
+                  spec.name, spec.samples + spec.near_samples, spec.units, spec.distortion_frames,
+                  spec.distortion_units, spec.runs, spec.positions, images));
+}
+
+OpenedStudy open_recording(const RunArguments& arguments, const Json& study) {
+  const RecordingSpec spec = parse_recording_spec(study, arguments.study.string());
+  return opened(
+      recording_study(spec),
+      {{"study", resolved_json(spec)}, {"samples_of_each_network", spec.runs * spec.sensors * spec.frames}},
+      fmt::format("study {} (simulated): {} networks, of each {} runs x {} sensors x {} frames; {} methods "
+                  "timed on {} frames",
+                  spec.name, spec.networks.size(), spec.runs, spec.sensors, spec.frames, spec.methods.size(),
+                  spec.frames));
+}
+
+OpenedStudy open_budget(const RunArguments& arguments, const Json& study) {
+  const char* place = "pipeline/studies/paper_campaign.json";
+  const SimulationSpec paper = parse_simulation(parse_json(embedded::paper_campaign_json, place), place, {});
+  const std::filesystem::path folder = arguments.study.parent_path();
+  const BudgetSpec spec = parse_budget(study, arguments.study.string(), folder, paper, arguments.outside);
+  OpenedStudy budget = opened(
+      budget_study(spec, arguments.memory_mb ? *arguments.memory_mb * 1'000'000 : half_of_memory_bytes()),
+      {{"study", resolved_json(spec.study)},
+       {"participants", spec.simulation.participants},
+       {"campaigns", error_sources().size()}},
+      fmt::format("study {} (simulated): {} campaigns of {} participants, one for every source of error",
+                  spec.study.name, error_sources().size(), spec.simulation.participants));
+  if (study.contains("simulation")) budget.inputs = {folder / study["simulation"].get<std::string>()};
+  return budget;
+}
+
+int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
+                 bool json) {
+  if (json) {
+    document.update(Json{{"results", results.string()}, {"simulated", true}});
+    fmt::print("{}\n", json_text(document, 2));
+    return kDone;
+  }
+  for (const Table& table : tables) fmt::print("{}\n", markdown_of(table));
+  fmt::print("results: {}\n", results.string());
+  return kDone;
+}
+
+}  // namespace
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> kinds{
+      {StudyKind::accuracy, "takes", "", true, open_accuracy,
+       [](const Json& work, const std::string& place, const MergeArguments& arguments) {
+         return accuracy_of_parts(
+             work, place, arguments.memory_mb ? *arguments.memory_mb * 1'000'000 : half_of_memory_bytes());
+       },
+       print_accuracy},
+      {StudyKind::threshold_sweep, "items",
+       "a threshold sweep makes its own trials and places its own sensors", false, open_sweep,
+       [](const Json& work, const std::string& place, const MergeArguments&) {
+         return sweep_study(plan_of_work(work, place));
+       },
+       print_sweep},
+      {StudyKind::calibration, "items", "a calibration study renders its own images", false, open_calibration,
+       [](const Json& work, const std::string& place, const MergeArguments&) {
+         return calibration_study(parse_calibration_spec(work, place));
+       },
+       [](const std::filesystem::path& results, Json document, bool json) {
+         return print_tables(results, calibration_tables(read_calibration_summary(results)),
+                             std::move(document), json);
+       }},
+      {StudyKind::error_budget, "sources of error",
+       "an error budget simulates its own campaigns; name their simulation.json in the study, as "
+       "\"simulation\"",
+       true, open_budget,
+       [](const Json& work, const std::string& place, const MergeArguments&) {
+         return budget_of_parts(work, place);
+       },
+       [](const std::filesystem::path& results, Json document, bool json) {
+         return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document), json);
+       }},
+      {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
+       [](const Json& work, const std::string& place, const MergeArguments&) {
+         return recording_study(parse_recording_spec(work, place));
+       },
+       [](const std::filesystem::path& results, Json document, bool json) {
+         return print_tables(results, table4(read_recording_summary(results), read_stage_timings(results)),
+                             std::move(document), json);
+       }}};
+  return kinds;
+}
+
+const Kind* find_kind(const std::string& name) {
+  const auto found = std::find_if(kinds().begin(), kinds().end(),
+                                  [&](const Kind& kind) { return name_of(kind.kind) == name; });
+  return found == kinds().end() ? nullptr : &*found;
+}
+
+}  // namespace trilat

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/study/study.h"
+
+namespace trilat {
+
+// What `trilat run` needs of a study that was read.
+struct OpenedStudy {
+  std::function<Study()> plan;  // may take a while
+  // Says what would be computed, on stdout, and gives the exit code.
+  std::function<int(const Shard& shard, bool json)> print_plan;
+  std::vector<std::filesystem::path> inputs = {};  // that it reads beside what the arguments name
+  // Of the finished results, where that is known before planning.
+  std::function<std::string(const Watch& watch)> key = {};
+  // Says what a part holds, on stdout, and gives the exit code; empty: print_part() does.
+  std::function<int(const std::filesystem::path& part, const Shard& shard, const ItemTally& tally, bool json)>
+      print_part = {};
+};
+
+// A kind of study.
+struct Kind {
+  StudyKind kind;
+  std::string items;        // what its items are called
+  std::string no_campaign;  // why a campaign is of no use; empty: it needs one
+  bool has_memory_limit;
+  OpenedStudy (*open)(const RunArguments& arguments, const Json& study);
+  // To put parts together; `place`: of the work that they share.
+  Study (*of_parts)(const Json& work, const std::string& place, const MergeArguments& arguments);
+  // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
+  int (*print)(const std::filesystem::path& results, Json document, bool json);
+};
+
+// All of them; adding one is a row.
+const std::vector<Kind>& kinds();
+// Null when the kind is another.
+const Kind* find_kind(const std::string& name);
+
+OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
+int print_accuracy(const std::filesystem::path& results, Json document, bool json);
+OpenedStudy open_sweep(const RunArguments& arguments, const Json& study);
+int print_sweep(const std::filesystem::path& results, Json document, bool json);
+
+}  // namespace trilat

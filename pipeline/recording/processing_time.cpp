@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/recording/processing_time.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "datasets/base/error.h"
+#include "datasets/base/philox.h"
+#include "datasets/synthetic/generated_person.h"
+#include "datasets/synthetic/simulated_sensor.h"
+#include "pipeline/accuracy/method.h"
+#include "pipeline/recording/spread_times.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kWarmUpFrames = 30;
+
+// A frame's bodies as the sensors deliver them, one a sensor.
+struct RigFrame {
+  std::vector<Body> bodies;
+};
+
+struct Rig {
+  SensorSpec spec;
+  std::vector<SimulatedSensor> sensors;
+  std::vector<RigidTransform> world_from_sensor;
+  std::vector<std::string> names;
+};
+
+// All sensors expose at once, so that nothing is left to interpolate.
+Rig make_rig(const RecordingSpec& spec) {
+  Rig rig;
+  rig.spec.rate_hz = spec.rate_hz;
+  rig.spec.free_running = false;
+  rig.spec.dropped_share = 0.0;
+  const std::vector<double> heights_m = RigSpec{}.heights_m;
+  RigSpec poses;
+  poses.heights_m.clear();
+  for (std::uint64_t s = 0; s < spec.sensors; ++s) poses.heights_m.push_back(heights_m[s % heights_m.size()]);
+  for (const SensorPose& pose : rig_poses(poses, {0.0, 1.0, 0.0})) {
+    rig.sensors.push_back(draw_sensor(rig.spec, {spec.seed, 0, 0}, rig.sensors.size(), pose));
+    rig.world_from_sensor.push_back(pose.world_from_sensor);
+    rig.names.push_back(pose.name);
+  }
+  return rig;
+}
+
+RigFrame see(const Rig& rig, const RecordingSpec& spec, const Motion& motion, std::uint64_t frame) {
+  RigFrame result;
+  for (const SimulatedSensor& sensor : rig.sensors) {
+    const auto seen = simulate_body_frame(sensor, rig.spec, {spec.seed, 0, 0}, motion, frame);
+    result.bodies.push_back(seen && !seen->bodies.empty() ? seen->bodies.front() : Body{});
+  }
+  return result;
+}
+
+// What is timed.
+void trilaterate(const Rig& rig, const RigFrame& frame, const Method& method,
+                 std::vector<PointEstimate>& estimates) {
+  std::vector<JointObservation> seen(frame.bodies.size());
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    for (std::size_t s = 0; s < frame.bodies.size(); ++s) {
+      const auto& at_m = frame.bodies[s].position_m[j];
+      seen[s] =
+          observe({at_m[0], at_m[1], at_m[2]}, static_cast<TrackingState>(frame.bodies[s].tracking_state[j]),
+                  rig.world_from_sensor[s]);
+    }
+    const JointInstant instant{seen, rig.world_from_sensor, {}, ranges_of(seen, rig.world_from_sensor)};
+    estimates[j] = evaluate(method, instant);
+  }
+}
+
+// Of the sensors' machines, which track side by side, the slowest. Simulated.
+double body_tracking_s(const RecordingSpec& spec, std::uint64_t frame) {
+  double slowest_s = 0.0;
+  for (std::uint64_t s = 0; s < spec.sensors; ++s) {
+    const RandomStream random{spec.seed, Purpose::arrival_delay, random_item(0, s, 3, frame)};
+    slowest_s =
+        std::max(slowest_s, spec.body_tracking_s - spec.body_tracking_jitter_s * std::log(random.uniform(0)));
+  }
+  return slowest_s;
+}
+
+}  // namespace
+
+std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch) {
+  using Clock = std::chrono::steady_clock;
+  if (spec.methods.empty()) return {};
+  const Rig rig = make_rig(spec);
+  StudySpec study;
+  study.methods = spec.methods;
+  const std::vector<Method> methods = resolve_methods(study, rig.names);
+  const Motion motion = generated_motion(draw_person(spec.seed, 0, 1.70, 0.17), Activity::walking);
+  std::vector<std::vector<double>> times_s(methods.size());
+  std::vector<PointEstimate> estimates(kJointCount);
+  for (std::uint64_t f = 0; f < kWarmUpFrames + spec.frames; ++f) {
+    watch.check();
+    const RigFrame frame = see(rig, spec, motion, f);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      const Clock::time_point start = Clock::now();
+      trilaterate(rig, frame, methods[m], estimates);
+      if (f >= kWarmUpFrames)
+        times_s[m].push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    }
+    watch.tell(static_cast<double>(f + 1) / static_cast<double>(kWarmUpFrames + spec.frames));
+  }
+  std::vector<StageTiming> stages;
+  for (std::size_t m = 0; m < methods.size(); ++m)
+    stages.push_back({"trilateration", methods[m].spec.name, spread_times(times_s[m])});
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    for (std::uint64_t f = 0; f < spec.frames; ++f) times_s[m][f] += body_tracking_s(spec, f);
+    stages.push_back({kDepthToJoints, methods[m].spec.name, spread_times(std::move(times_s[m]))});
+  }
+  return stages;
+}
+
+}  // namespace trilat

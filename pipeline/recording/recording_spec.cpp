@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/recording/recording_spec.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/json_ranges.h"
+#include "pipeline/accuracy/method.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kFormat = "trilat.study";
+constexpr const char* kPaper = "Yang, Dong, El Saddik, arXiv 2212.14771";
+constexpr const char* kAssumption = "assumption: no published figure";
+
+NetworkSpec read_network(JsonObject& object) {
+  NetworkSpec network;
+  network.name = object.text("name");
+  if (network.name.empty()) object.refuse("name", "must not be empty");
+  network.wire_s = number_within(object, "wire_s", network.wire_s, 0.0, 1.0);
+  network.asymmetry_s = number_within(object, "asymmetry_s", network.asymmetry_s, -1.0, 1.0);
+  if (network.wire_s + network.asymmetry_s < 0.0)
+    object.refuse("asymmetry_s", "makes messages arrive before they are sent; \"wire_s\" must outweigh it");
+  network.jitter_s = number_within(object, "jitter_s", network.jitter_s, 0.0, 1.0);
+  if (object.has("jitter_back_s"))
+    network.jitter_back_s = number_within(object, "jitter_back_s", network.jitter_s, 0.0, 1.0);
+  network.lost_share = share_within(object, "lost_share", network.lost_share);
+  object.finish();
+  return network;
+}
+
+void read_networks(JsonObject& object, std::vector<NetworkSpec>& networks) {
+  if (!object.has("networks")) return;
+  networks.clear();
+  for (JsonObject& entry : object.objects("networks")) {
+    NetworkSpec network = read_network(entry);
+    for (const NetworkSpec& other : networks)
+      if (other.name == network.name) entry.refuse("name", "stands there twice");
+    networks.push_back(std::move(network));
+  }
+  if (networks.empty()) object.refuse("networks", "must hold at least one");
+}
+
+// A frame is timed by itself, so paths over time have no place here.
+void read_methods(JsonObject& object, std::vector<MethodSpec>& methods) {
+  if (!object.has("methods")) return;
+  for (JsonObject& entry : object.objects("methods")) {
+    MethodSpec method = read_method(entry);
+    const bool over_time = method.kind == MethodKind::kalman || method.kind == MethodKind::rts ||
+                           method.kind == MethodKind::window;
+    if (over_time) entry.refuse("method", "must be one that takes a frame by itself");
+    if (method.occlusion != OcclusionRule::off)
+      entry.refuse("occlusion", "is of no use: occlusion is not looked for in this kind of study");
+    for (const MethodSpec& other : methods)
+      if (other.name == method.name) entry.refuse("name", "stands there twice");
+    methods.push_back(std::move(method));
+  }
+}
+
+// A method that names a sensor which there is not is refused before anything is simulated.
+void check_methods(const RecordingSpec& spec) {
+  StudySpec study;
+  study.methods = spec.methods;
+  std::vector<std::string> rig;
+  for (std::uint64_t s = 0; s < spec.sensors; ++s) rig.push_back(fmt::format("k{}", s + 1));
+  resolve_methods(study, rig);
+}
+
+Json json_of(const NetworkSpec& n) {
+  return {{"name", n.name},
+          {"wire_s", n.wire_s},
+          {"asymmetry_s", n.asymmetry_s},
+          {"jitter_s", n.jitter_s},
+          {"jitter_back_s", n.jitter_back_s.value_or(n.jitter_s)},
+          {"lost_share", n.lost_share}};
+}
+
+std::string delays_text(const NetworkSpec& n) {
+  const double back_s = n.jitter_back_s.value_or(n.jitter_s);
+  const std::string back = back_s != n.jitter_s ? fmt::format(", {:g} on the way back", back_s) : "";
+  return fmt::format("{:g} + exponential of mean {:g}{}; {:g} more one way; {:g} of exchanges lost", n.wire_s,
+                     n.jitter_s, back, n.asymmetry_s, n.lost_share);
+}
+
+}  // namespace
+
+RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
+  JsonObject object(json, place, "");
+  RecordingSpec spec;
+  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.choice("kind", {"recording"});
+  spec.name = object.text("name");
+  if (spec.name.empty()) object.refuse("name", "must not be empty");
+  spec.seed = object.count("seed", spec.seed);
+  spec.frames = count_within(object, "frames", spec.frames, 2, 200'000);
+  spec.rate_hz = number_within(object, "rate_hz", spec.rate_hz, 1.0, 1000.0);
+  spec.sensors = count_within(object, "sensors", spec.sensors, 1, 8);
+  spec.runs = count_within(object, "runs", spec.runs, 1, 250);
+  spec.clock_offset_s = number_within(object, "clock_offset_s", spec.clock_offset_s, 0.0, 1000.0);
+  spec.clock_drift_ppm = number_within(object, "clock_drift_ppm", spec.clock_drift_ppm, 0.0, 400.0);
+  spec.exchange_period_s = number_within(object, "exchange_period_s", spec.exchange_period_s, 0.01, 3600.0);
+  spec.latency_s = number_within(object, "latency_s", spec.latency_s, 0.0, 1.0);
+  spec.arrival_jitter_s = number_within(object, "arrival_jitter_s", spec.arrival_jitter_s, 0.0, 1.0);
+  spec.late_s = number_within(object, "late_s", spec.late_s, 0.0, 10.0);
+  spec.body_tracking_s = number_within(object, "body_tracking_s", spec.body_tracking_s, 0.0, 1.0);
+  spec.body_tracking_jitter_s =
+      number_within(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, 0.0, 1.0);
+  spec.capture_s = number_within(object, "capture_s", spec.capture_s, 0.0, 86'400.0);
+  read_networks(object, spec.networks);
+  read_methods(object, spec.methods);
+  object.finish();
+  check_methods(spec);
+  return spec;
+}
+
+Json resolved_json(const RecordingSpec& s) {
+  Json json{{"format", kFormat},
+            {"version", 1},
+            {"kind", "recording"},
+            {"name", s.name},
+            {"seed", s.seed},
+            {"frames", s.frames},
+            {"rate_hz", s.rate_hz},
+            {"sensors", s.sensors},
+            {"runs", s.runs},
+            {"clock_offset_s", s.clock_offset_s},
+            {"clock_drift_ppm", s.clock_drift_ppm},
+            {"exchange_period_s", s.exchange_period_s},
+            {"latency_s", s.latency_s},
+            {"arrival_jitter_s", s.arrival_jitter_s},
+            {"late_s", s.late_s},
+            {"body_tracking_s", s.body_tracking_s},
+            {"body_tracking_jitter_s", s.body_tracking_jitter_s},
+            {"capture_s", s.capture_s},
+            {"networks", Json::array()},
+            {"methods", Json::array()}};
+  for (const NetworkSpec& network : s.networks) json["networks"].push_back(json_of(network));
+  for (const MethodSpec& method : s.methods) json["methods"].push_back(resolved_json(method));
+  return json;
+}
+
+std::vector<DeclaredParameter> recording_parameters(const RecordingSpec& s) {
+  const auto text = [](double value) { return fmt::format("{:g}", value); };
+  std::vector<DeclaredParameter> list{
+      {"frames", std::to_string(s.frames), "", kPaper},
+      {"frame rate", text(s.rate_hz), "Hz", kPaper},
+      {"sensors", std::to_string(s.sensors), "", kPaper},
+      {"clock at the start", "+-" + text(s.clock_offset_s), "s", kAssumption},
+      {"clock drift", "+-" + text(s.clock_drift_ppm), "ppm", "tolerance of common crystal oscillators"},
+      {"clock exchanges", "every " + text(s.exchange_period_s), "s", kAssumption},
+      {"latency", text(s.latency_s), "s", "at least 20 ms by the sensor's makers; taken as known"},
+      {"arrival jitter", text(s.arrival_jitter_s), "s, mean of exponential", kAssumption},
+      {"limit of the queue", text(s.late_s), "s", kPaper},
+      {"body tracking", text(s.body_tracking_s), "s",
+       "under 5 ms on the Xbox 360: Shotton et al., Communications of the ACM 56(1), 2013"},
+      {"body tracking, jitter", text(s.body_tracking_jitter_s), "s, mean of exponential", kAssumption}};
+  for (const NetworkSpec& n : s.networks)
+    list.push_back({n.name, delays_text(n), "s a message", kAssumption});
+  return list;
+}
+
+}  // namespace trilat

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/simulate/simulate_take.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/synthetic/bystanders.h"
+#include "datasets/synthetic/recorded_motion.h"
+#include "datasets/synthetic/simulated_markers.h"
+#include "datasets/synthetic/simulation_parameters.h"
+#include "pipeline/simulate/simulate_wand.h"
+#include "pipeline/simulate/simulated_mocap.h"
+#include "pipeline/simulate/simulated_truth.h"
+#include "recorders/recorder.h"
+#include "recorders/synthetic_source.h"
+
+namespace trilat {
+namespace {
+
+void copy_recorded(const std::filesystem::path& from, const std::filesystem::path& to) {
+  const std::filesystem::path partial = partial_name(to);
+  std::error_code error;
+  std::filesystem::copy_file(from, partial, std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw InputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
+  std::filesystem::permissions(partial, std::filesystem::perms::owner_write,
+                               std::filesystem::perm_options::add, error);
+  publish_file(partial, to);
+}
+
+// The persons in the room as the sensors see them at one time of the take.
+SceneMotion scene_of(const SimulationSpec& spec, const SimulatedTakePlan& plan,
+                     const std::vector<Motion>& bystanders, const Eigen::Vector3d& rig_centre_m) {
+  return [&spec, &plan, &bystanders, rig_centre_m](double time_s) {
+    DepthScene scene;
+    append_room(scene, spec.room, rig_centre_m);
+    append_person(scene, plan.motion(time_s));
+    for (const Motion& bystander : bystanders) append_person(scene, bystander(time_s));
+    return scene;
+  };
+}
+
+std::vector<SimulatedTakePlan> generated_takes(const SimulationSpec& spec) {
+  std::vector<SimulatedTakePlan> takes;
+  for (std::uint64_t p = 0; p < spec.participants; ++p) {
+    const Person person = draw_person(spec.seed, p, spec.stature_mean_m, spec.stature_half_range_m);
+    for (const ActivitySpec& activity : spec.activities) {
+      SimulatedTakePlan take;
+      take.participant = fmt::format("p{:02}", p + 1);
+      take.activity = activity_names()[static_cast<std::size_t>(activity.activity)];
+      take.id = take.participant + "-" + take.activity;
+      for (const SimulatedTakePlan& other : takes)
+        if (other.id == take.id) take.id += fmt::format("-{}", takes.size() + 1);
+      take.item = {spec.seed, takes.size(), p};
+      take.motion = generated_motion(person, activity.activity);
+      take.duration_s = activity.duration_s;
+      take.marker_joints = activity.marker_joints;
+      takes.push_back(std::move(take));
+    }
+  }
+  return takes;
+}
+
+SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion& recorded) {
+  SimulatedTakePlan take;
+  take.id = "take";
+  take.participant = "recorded";
+  take.activity = spec.recorded->activity;
+  take.item = {spec.seed, 0, 0};
+  take.motion = recorded.motion;
+  take.duration_s = recorded.duration_s;
+  take.recorded_mocap = spec.recorded->mocap;
+  take.recorded_mapping = spec.recorded->mapping;
+  return take;
+}
+
+void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
+                 const std::vector<SimulatedSensor>& sensors, const std::filesystem::path& session,
+                 const std::filesystem::path& tracker_truth, const Watch& watch) {
+  const std::vector<Motion> bystanders =
+      bystander_motions(plan.item.seed, plan.item.take, spec.bystanders, rig.centre_m, spec.stature_mean_m,
+                        spec.stature_half_range_m);
+  std::optional<TrackerTruthWriter> truth;
+  std::optional<SyntheticTracker> tracker;
+  if (!tracker_truth.empty()) {
+    std::vector<std::string> names;
+    for (const SimulatedSensor& sensor : sensors) names.push_back(sensor.pose.name);
+    truth.emplace(tracker_truth, names);
+    tracker = SyntheticTracker{*spec.body_tracker, bystanders,
+                               [&](std::size_t sensor, const TrackerTruth& t) { truth->append(sensor, t); }};
+  }
+  RecordOptions options;
+  options.stop_requested = watch.stop_requested;
+  if (spec.depth.takes) {
+    SyntheticDepthSource source =
+        watched_depth_source(spec, plan.item, plan.motion, sensors, plan.duration_s,
+                             scene_of(spec, plan, bystanders, rig.centre_m), watch, std::move(tracker));
+    record(source, session, options);
+  } else {
+    SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker));
+    record(source, session, options);
+  }
+  if (truth) truth->finish();
+}
+
+}  // namespace
+
+Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
+                   const std::filesystem::path& folder, const Watch& watch) {
+  make_folder(folder);
+  std::vector<SimulatedSensor> sensors;
+  for (const SensorPose& pose : rig.poses)
+    sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
+  const std::filesystem::path tracker_truth = spec.body_tracker ? folder / "tracker_truth.h5" : "";
+  record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
+  if (plan.recorded_mocap.empty()) {
+    write_simulated_mocap(spec.mocap, plan, folder, watch.stop_requested);
+    write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
+  } else {
+    copy_recorded(plan.recorded_mocap, folder / "mocap.csv");
+    copy_recorded(plan.recorded_mapping, folder / "mapping.json");
+  }
+  const Duration error = mocap_clock_error(spec.mocap, plan.item);
+  const Json truth =
+      simulated_truth(plan.item, sensors, error, spec.depth.takes ? &spec.depth.noise : nullptr);
+  write_file(folder / "truth.json", truth.dump(2) + "\n");
+  return {plan.id,      plan.participant,     plan.activity,           folder / "session.h5",
+          {},           folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns,
+          tracker_truth};
+}
+
+std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec) {
+  std::vector<DeclaredParameter> parameters;
+  for (const TrackerParameter& p : simulation_parameters(spec))
+    parameters.push_back({p.name, p.value, p.unit, p.source});
+  return parameters;
+}
+
+SimulatedCampaign simulated_campaign(const SimulationSpec& spec) {
+  SimulatedCampaign campaign;
+  Eigen::Vector3d centre_m(0.0, 1.0, 0.0);
+  if (spec.recorded) {
+    const RecordedMotion recorded = read_recorded_motion(spec.recorded->mocap, spec.recorded->mapping);
+    centre_m = recorded.centre_m;
+    campaign.takes.push_back(recorded_take(spec, recorded));
+  } else {
+    campaign.takes = generated_takes(spec);
+  }
+  campaign.rig = {rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
+  campaign.wand = spec.wand.has_value();
+  return campaign;
+}
+
+std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign& campaign) {
+  constexpr double kDepth = 60.0;
+  std::vector<double> costs;
+  for (const SimulatedTakePlan& take : campaign.takes)
+    costs.push_back(take.duration_s * (spec.depth.takes ? kDepth : 1.0));
+  if (spec.wand) costs.push_back(kDepth * wand_duration_s(*spec.wand));
+  return costs;
+}
+
+std::optional<Take> simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign,
+                                       std::size_t recording, const std::filesystem::path& folder,
+                                       const Watch& watch) {
+  if (recording < campaign.takes.size())
+    return simulate_take(spec, campaign.takes[recording], campaign.rig, folder, watch);
+  simulate_wand(spec, campaign.rig.poses, campaign.rig.centre_m, folder, watch);
+  return std::nullopt;
+}
+
+void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
+  write_declared_parameters(folder, declared_parameters(spec));  // first: by it a simulation is known
+  Calibration truth{kSimulatedTruth, rig.poses};
+  truth.simulated = true;
+  write_calibration(folder / "calibration.json", truth);
+}
+
+}  // namespace trilat

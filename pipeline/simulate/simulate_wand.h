@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "datasets/synthetic/simulated_sensor.h"
+#include "pipeline/simulate/watched_depth.h"
+
+namespace trilat {
+
+double wand_duration_s(const WandSpec& wand);
+// The wand recording's place among the campaign's random numbers: behind all takes.
+SimulatedItem wand_item(const SimulationSpec& spec);
+// What the recording's host clock is said to show at the first frame of the wand's mocap.csv.
+HostTime wand_mocap_start(const SimulationSpec& spec);
+
+// Writes `folder`/session.h5 (depth and bodies), truth.json and mocap.csv of the calibration recording that
+// spec.wand asks for.
+void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& poses,
+                   const Eigen::Vector3d& rig_centre_m, const std::filesystem::path& folder,
+                   const Watch& watch);
+
+}  // namespace trilat

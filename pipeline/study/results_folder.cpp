@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/study/results_folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_mount_point(const fs::path& folder) {
+  struct statx s;
+  return ::statx(AT_FDCWD, folder.c_str(), 0, STATX_BASIC_STATS, &s) == 0 &&
+         (s.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+}
+
+fs::path old_name(const fs::path& partial) { return partial.string() + ".old"; }
+
+// Held as long as the process fills the folder. It lies beside it, so that it is never part of an output.
+int lock_folder(const fs::path& partial) {
+  const fs::path name = partial.string() + ".lock";
+  for (;;) {
+    const int file = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) throw OutputError(name.string(), std::string("cannot be created: ") + std::strerror(errno));
+    if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+      const int reason = errno;
+      ::close(file);
+      if (reason != EWOULDBLOCK)
+        throw OutputError(name.string(), std::string("cannot be locked: ") + std::strerror(reason));
+      throw InputError(partial.string(),
+                       "is being written by another process; wait for it or take another name");
+    }
+    // the one before removes the file when it ends: then this one is nobody's
+    struct stat mine, there;
+    if (::fstat(file, &mine) == 0 && ::stat(name.c_str(), &there) == 0 && mine.st_ino == there.st_ino)
+      return file;
+    ::close(file);
+  }
+}
+
+}  // namespace
+
+fs::path output_name(const fs::path& folder) {
+  const fs::path name = folder.has_filename() ? folder : folder.parent_path();  // "results/"
+  const bool is_dots = name.filename() == "." || name.filename() == "..";
+  if (!is_dots && !fs::is_symlink(name)) return name;
+  std::error_code error;
+  fs::path there = fs::canonical(name, error);
+  if (error)
+    throw InputError(name.string(), "is a link that leads to no folder; make that, or remove the link");
+  return there;
+}
+
+ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept)
+    : output_(output_name(folder)), partial_(partial_name(output_)) {
+  if (is_mount_point(output_))
+    throw InputError(output_.string(),
+                     "is a mount point, for which finished results cannot be exchanged; name a folder in it");
+  if (partial_.has_parent_path()) make_folder(partial_.parent_path());
+  lock_ = lock_folder(partial_);
+  // from a process that was killed between two renames
+  if (const fs::path old = old_name(partial_); !fs::exists(output_) && fs::is_directory(old))
+    fs::rename(old, output_);
+  if (fs::is_directory(partial_)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(partial_))
+      if (std::find(kept.begin(), kept.end(), entry.path().filename().string()) == kept.end())
+        fs::remove_all(entry.path());
+  } else {
+    fs::remove(partial_);
+  }
+  make_folder(partial_);
+}
+
+ResultsFolder::~ResultsFolder() {
+  ::unlink((partial_.string() + ".lock").c_str());
+  ::close(lock_);
+}
+
+// The older folder and the new one change names at once, where the file system can do that; else there is a
+// moment in which the output has neither.
+void ResultsFolder::exchange() const {
+  const fs::path old = old_name(partial_);
+  std::error_code error;
+  fs::remove_all(old, error);
+  bool moved = false;
+  if (fs::exists(output_)) {
+    if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) == 0) {
+      fs::remove_all(partial_, error);
+      return;
+    }
+    fs::rename(output_, old, error);
+    moved = !error;
+  }
+  if (!error) fs::rename(partial_, output_, error);
+  if (std::error_code ignored; error && moved) fs::rename(old, output_, ignored);
+  if (error) throw OutputError(output_.string(), "cannot be put in place: " + error.message());
+  fs::remove_all(old, error);
+}
+
+void ResultsFolder::put_in_place(const Kept& unfinished) const {
+  exchange();
+  for (const std::string& name : unfinished) {
+    std::error_code error;
+    fs::remove_all(output_ / name, error);
+    if (error) throw OutputError((output_ / name).string(), "cannot be removed: " + error.message());
+  }
+}
+
+void on_threads(int threads, const std::function<void(int)>& work) {
+  const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(count));
+  tbb::task_arena arena(count);
+  arena.execute([&] { work(count); });
+}
+
+}  // namespace trilat

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/study/run_record.h"
+
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+
+namespace trilat {
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) {
+      const auto colon = line.find(": ");
+      return colon == std::string::npos ? "unknown" : line.substr(colon + 2);
+    }
+  return "unknown";
+}
+
+void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {
+  Json json{{"format", "trilat.run"},
+            {"version", 1},
+            {"processor", processor_name()},
+            {"processors", std::thread::hardware_concurrency()},
+            {"threads", threads},
+            {"compiler", __VERSION__},
+            {"wall_s", wall_s}};
+  json.update(times);
+  write_file(folder / "run.json", json.dump(1) + "\n");
+}
+
+}  // namespace trilat

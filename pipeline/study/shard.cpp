@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/study/shard.h"
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+#include "datasets/base/error.h"
+#include "datasets/results/work_part.h"
+
+namespace trilat {
+namespace {
+
+// Reads digits up to `end`; 0 when there is anything else.
+std::uint64_t count_in(const char* begin, const char* end) {
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  return error == std::errc{} && stop == end ? value : 0;
+}
+
+}  // namespace
+
+Shard parse_shard(const std::string& text, const std::string& place) {
+  const std::size_t slash = text.find('/');
+  Shard shard{0, 0};
+  if (slash != std::string::npos) {
+    shard.number = count_in(text.data(), text.data() + slash);
+    shard.of = count_in(text.data() + slash + 1, text.data() + text.size());
+  }
+  if (shard.number == 0 || shard.number > shard.of || shard.of > kMostShards)
+    throw InputError(place, "is \"" + text + "\"; it must be k/n, shard k of n, 1/n to n/n, n at most " +
+                                std::to_string(kMostShards));
+  return shard;
+}
+
+std::string name_of(const Shard& shard) {
+  return std::to_string(shard.number) + '/' + std::to_string(shard.of);
+}
+
+std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_t shards) {
+  std::vector<std::size_t> order(costs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
+  using Load = std::pair<double, std::uint64_t>;  // cost, shard
+  std::priority_queue<Load, std::vector<Load>, std::greater<>> lightest;
+  for (std::uint64_t s = 1; s <= std::max<std::uint64_t>(1, shards); ++s) lightest.emplace(0.0, s);
+  std::vector<std::uint64_t> result(costs.size());
+  for (const std::size_t item : order) {
+    const auto [cost, shard] = lightest.top();
+    lightest.pop();
+    result[item] = shard;
+    lightest.emplace(cost + costs[item], shard);
+  }
+  return result;
+}
+
+}  // namespace trilat
