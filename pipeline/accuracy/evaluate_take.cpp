@@ -70,8 +70,7 @@ std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, 
                                   StageClocks& clocks, const Watch& watch, TakeProgress& progress) {
   const Stopwatch time(clocks.solve_ns);
   const auto advanced = [&](std::size_t instants) { progress.advance(kWindowedWork * instants); };
-  return solve_over_time(plan, planned, data,
-                         {advanced, [&] { return watch.stop_requested && watch.stop_requested(); }});
+  return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
 }
 
 void summarise_into(const Plan& plan, const std::filesystem::path& folder, StageClocks& clocks) {

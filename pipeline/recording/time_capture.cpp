@@ -77,7 +77,7 @@ CaptureTimes record_over_tls(const RecordingSpec& spec, const std::filesystem::p
   for (std::uint64_t s = 0; s < spec.sensors; ++s)
     machines.push_back(std::make_unique<Machine>(std::make_shared<const SensorFrames>(rendered[s]),
                                                  folder / (names[s] + ".pem"), source->port(), spec));
-  source->wait_for_agents(spec.sensors, std::chrono::seconds(60), watch.stop_requested);
+  source->wait_for_agents(spec.sensors, std::chrono::seconds(60), [&] { return watch.stopped(); });
   CaptureTimes times;
   CaptureOptions options;
   options.stop_requested = watch.stop_requested;

@@ -14,8 +14,9 @@ struct Watch {
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};  // the share that is done; from any thread
 
+  bool stopped() const { return stop_requested && stop_requested(); }
   void check() const {
-    if (stop_requested && stop_requested()) throw Interrupted();
+    if (stopped()) throw Interrupted();
   }
   void tell(double share) const {
     if (progress) progress(share);

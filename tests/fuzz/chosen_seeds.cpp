@@ -67,9 +67,9 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
   for (std::size_t i = 0; i < kSoundPartFiles.size(); ++i) {
     const SoundPartFile& file = kSoundPartFiles[i];
     const fs::path path = sound / "parts" / file.folder / file.name;
-    const std::string text = fs::exists(path) ? fuzzed_text_in(file, read_file(path))
-                                              : R"({"id": "a", "key": "b", "outcome": {}})";
-    write_chosen(seed("parts", path.parent_path().filename().string() + "_" + file.name), i, text);
+    write_chosen(seed("parts", file.folder + "_" + path.parent_path().filename().string() + "_" +
+                                   path.filename().string()),
+                 i, fuzzed_text_in(file, read_file(path)));
   }
   write_chosen(seed("samples", "samples"), 0, read_file(sound / "accuracy" / "samples.h5"));
   write_chosen(seed("samples", "replay"), 1, read_file(sound / "accuracy" / "replay.h5"));

