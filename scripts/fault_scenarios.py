@@ -30,7 +30,7 @@ RUN = "run study.json --campaign campaign -o out --threads 1"
 SCENARIOS = [
     Scenario("record", "record --source synthetic:1 --duration-s 0.7 -o out --json", ""),
     Scenario("recover", "recover out", "killed=out.partial"),
-    Scenario("simulate", "simulate simulation.json -o out", "simulation.json", False),
+    Scenario("simulate", "simulate simulation.json -o out", "simulation.json"),
     Scenario("simulate --shard", "simulate simulation.json --shard 1/2 -o out", "simulation.json"),
     Scenario("run", RUN, "study.json campaign"),
     Scenario("run over older", RUN, "study.json campaign older=out"),

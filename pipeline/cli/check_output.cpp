@@ -77,8 +77,20 @@ bool is_campaign_part(const PlannedOutput& output) {
                       : part.value("kind", Json()) == output.of;
 }
 
-// A campaign.json that was written by hand lies beside no simulator.json, or is of real recordings.
+// What a simulation writes: its documents, recordings with their truth, and what could not be removed at the
+// end.
+bool is_of_simulation(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  return name == "campaign.json" || name == "calibration.json" || name == "simulator.json" ||
+         name == kItemsFolder || fs::exists(entry.path() / "truth.json");
+}
+
+// A campaign.json that was written by hand lies beside no simulator.json, or is of real recordings. The whole
+// folder would be replaced, so nothing else may be in it.
 bool is_simulated(const PlannedOutput& output) {
+  std::error_code no_folder;
+  const fs::directory_iterator entries(output.path, no_folder);
+  if (!std::all_of(entries, fs::directory_iterator(), is_of_simulation)) return false;
   const fs::path campaign = output.path / "campaign.json";
   return !document(output.path / "simulator.json", "trilat.simulator").empty() &&
          !fs::exists(output.path / "part.json") &&
@@ -134,7 +146,8 @@ const KindRow kKinds[] = {
     {OutputKind::session, false, nobodys, "exists; a recording is never written over another"},
     {OutputKind::merged_campaign, true, nobodys, "exists; recordings are never replaced"},
     {OutputKind::truth, true, is_truth, "exists and is not the truth of an earlier try at this recording"},
-    {OutputKind::campaign, true, is_simulated, "exists and is not an earlier simulation"},
+    {OutputKind::campaign, true, is_simulated,
+     "exists and is not an earlier simulation, or holds more than that"},
     {OutputKind::campaign_part, true, is_campaign_part,
      "exists and is not this part; recordings are never replaced"},
     {OutputKind::results, true, is_results, "exists and is not a results folder"},
