@@ -20,6 +20,8 @@
 namespace trilat {
 namespace {
 
+constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
+
 // Trials of one cell that are computed by one thread.
 struct Chunk {
   std::size_t cell = 0;
@@ -55,15 +57,17 @@ bool is_whole(const SweepPlan& plan, const SweepTotals& totals) {
 
 // Of each cell its statistics, or its sums where the item has only some of its trials.
 Json compute(const SweepPlan& plan, const SweepItem& item, SweepBlocks& blocks, const Watch& watch) {
-  std::vector<SweepSums> sums(item.chunks);
-  std::atomic<std::uint64_t> done{0};
-  parallel_for_index(item.chunks, 1, [&](std::size_t number) {
-    sums[number] = sums_of(plan, chunk_of(plan, item, number), blocks, watch);
-    watch.tell(static_cast<double>(++done) / static_cast<double>(item.chunks));
-  });
   std::map<std::size_t, SweepTotals> totals;
-  for (std::size_t number = 0; number < sums.size(); ++number)
-    totals[chunk_of(plan, item, number).cell].add(sums[number]);
+  std::vector<SweepSums> sums(std::min<std::uint64_t>(kChunksAtOnce, item.chunks));
+  std::atomic<std::uint64_t> done{0};
+  for (std::uint64_t first = 0; first < item.chunks; first += sums.size()) {
+    const std::size_t count = std::min<std::uint64_t>(sums.size(), item.chunks - first);
+    parallel_for_index(count, 1, [&](std::size_t i) {
+      sums[i] = sums_of(plan, chunk_of(plan, item, first + i), blocks, watch);
+      watch.tell(static_cast<double>(++done) / static_cast<double>(item.chunks));
+    });
+    for (std::size_t i = 0; i < count; ++i) totals[chunk_of(plan, item, first + i).cell].add(sums[i]);
+  }
   Json cells = Json::array();
   for (const auto& [cell, of_cell] : totals)
     cells.push_back(is_whole(plan, of_cell) ? Json{{"cell", json_of(of_cell.cell())}}
