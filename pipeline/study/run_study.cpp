@@ -101,11 +101,16 @@ class Run {
     // threads that may not begin another item help with those that are being computed
     const std::size_t at_once = study_.at_once > 0 ? std::min(study_.at_once, items.size()) : items.size();
     parallel_for_index(at_once, 1, [&](std::size_t) {
-      for (std::size_t k; (k = next++) < items.size();) {
-        const Watch of_item = progress.item(k);
-        of_item.check();
-        take(study_.items[items[k]], of_item);
-        of_item.tell(1.0);
+      try {
+        for (std::size_t k; (k = next++) < items.size();) {
+          const Watch of_item = progress.item(k);
+          of_item.check();
+          take(study_.items[items[k]], of_item);
+          of_item.tell(1.0);
+        }
+      } catch (...) {
+        next = items.size();  // nobody begins another
+        throw;
       }
     });
   }

@@ -2,7 +2,9 @@
 // What holds for studies of every kind: parts, stops, earlier results, damage.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <mutex>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -283,6 +285,25 @@ TEST(Items, ARecordingStudyThatTimesNothingIsLeftAloneWhenNothingChanged) {
   const auto written = std::filesystem::last_write_time(study.folder / "whole/summary.json");
   ASSERT_EQ(study.run("whole").code, 0);
   EXPECT_EQ(std::filesystem::last_write_time(study.folder / "whole/summary.json"), written);
+}
+
+TEST(Items, AfterAFailureNoOtherIsBegun) {
+  const ScratchFolder folder;
+  std::atomic<int> begun{0};
+  Study study{.kind = "toy", .work = "work", .reduce = {}};
+  for (int i = 0; i < 100; ++i)
+    study.items.push_back(
+        {fmt::format("toys/{}", i), 1.0, [&, i](const std::filesystem::path&, const Watch&) {
+           ++begun;
+           if (i == 0) throw OutputError("disk", "is full");
+           std::this_thread::sleep_for(std::chrono::milliseconds(5));
+           return Json(i);
+         }});
+  EXPECT_THAT(message_of([&] {
+                run_study(study, folder / "out", {.threads = 4, .shard = {1, 1}});
+              }),
+              HasSubstr("disk: is full"));
+  EXPECT_LT(begun, 50);
 }
 
 TEST(Items, OfAnotherShardDoNotCountAsProgress) {
