@@ -124,8 +124,7 @@ class EveryKind : public testing::TestWithParam<KindOfStudy> {
   }
   // Runs until the first item is there.
   void stop_after_one(const std::string& output, const Shard& shard = {}) const {
-    const auto items = path(output + ".partial") / kItemsFolder;
-    const auto one_is_there = [&] { return std::filesystem::exists(items); };
+    const auto one_is_there = [&] { return holds_an_item(path(output + ".partial")); };
     EXPECT_THROW(
         run_study(study(), path(output), {.threads = 1, .stop_requested = one_is_there, .shard = shard}),
         Interrupted);

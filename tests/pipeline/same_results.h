@@ -8,8 +8,18 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "datasets/results/items.h"
 
 namespace trilat {
+
+// Whether an unfinished output holds an item, while another process may be writing it.
+inline bool holds_an_item(const std::filesystem::path& output) {
+  std::error_code changed;
+  for (std::filesystem::recursive_directory_iterator entry(output / kItemsFolder, changed), end;
+       !changed && entry != end; entry.increment(changed))
+    if (entry->path().filename() == kItemFile) return true;
+  return false;
+}
 
 // What equal runs need not have in common.
 inline bool is_of_the_machine(const std::string& file) {

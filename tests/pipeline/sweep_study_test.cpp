@@ -170,11 +170,11 @@ TEST(SweepStudy, AKilledProgramGoesOnToTheSameBytes) {
       "gradients": ["corrected"], "error_ranges_cm": [[5, 15]], "trials": 12000000, )" +
                                           kOneRig + "}");
   const std::string results = (folder / "results").string();
-  const fs::path items = folder / "results.partial" / kItemsFolder;
+  const fs::path unfinished = folder / "results.partial";
   const Process killed(folder, {"run", sweep, "-o", results, "--threads", "1"}, "killed-");
-  for (int i = 0; i < 60000 && !fs::exists(items); ++i)
+  for (int i = 0; i < 60000 && !holds_an_item(unfinished); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  ASSERT_TRUE(fs::exists(items));
+  ASSERT_TRUE(holds_an_item(unfinished));
   killed.kill_at_once();
   EXPECT_EQ(killed.wait().code, -1);
   EXPECT_FALSE(fs::exists(results));

@@ -194,7 +194,7 @@ TEST(Reuse, ARunThatWasKilledGoesOn) {
         "--json"};
   };
   const Process killed(work.folder, command("results"));
-  while (!std::filesystem::exists(work.folder / "results.partial" / kItemsFolder))
+  while (!holds_an_item(work.folder / "results.partial"))
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   killed.kill_at_once();
   killed.wait();

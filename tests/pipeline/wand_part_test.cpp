@@ -11,6 +11,7 @@
 #include "pipeline/calibration/wand_study.h"
 #include "pipeline/study/results_folder.h"
 #include "tests/pipeline/program.h"
+#include "tests/pipeline/same_results.h"
 #include "tests/pipeline/wand_sessions.h"
 
 namespace trilat {
@@ -138,7 +139,7 @@ TEST(WandPart, AnExportIsNotNeededForMerging) {
 TEST(WandPart, AShardThatWasStoppedGoesOnAndEndsWithTheSameBytes) {
   DividedWand work;
   const std::string whole = text_of(calibrate_wand(work.sessions, work.options));
-  const auto is_begun = [&] { return std::filesystem::exists(work.folder / "part.partial" / kItemsFolder); };
+  const auto is_begun = [&] { return holds_an_item(work.folder / "part.partial"); };
   EXPECT_THROW(work.part({1, 1}, "part", {.threads = 1, .stop_requested = is_begun}), Interrupted);
   EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
   EXPECT_THAT(message_of([&] { merged({work.folder / "part"}); }), HasSubstr("is not finished yet"));
