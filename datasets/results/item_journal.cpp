@@ -16,7 +16,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMostJournalBytes = std::size_t{1} << 30;
 
 Json json_of(const DoneItem& item) { return {{"id", item.id}, {"key", item.key}, {"outcome", item.outcome}}; }
 
@@ -131,7 +131,7 @@ DoneItems read_items(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "items.json";
   DoneItems done;
   if (!std::filesystem::exists(path)) return done;
-  const Json json = parse_json(read_file(path, kMostBytes), path.string());
+  const Json json = parse_json(read_file(path, kMostJournalBytes), path.string());
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.items", 1);
   done.key = object.text("key");

@@ -81,12 +81,12 @@ std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments
   return inputs;
 }
 
-struct Outcome {
+struct CalibrationOutcome {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
 };
 
-Outcome calibrate_by(const CalibrateArguments& arguments) {
+CalibrationOutcome calibrate_by(const CalibrateArguments& arguments) {
   Progress progress(arguments.method == "bodies" ? "calibrating" : "looking for the wand");
   if (arguments.method == "bodies") {
     CalibrateBodiesOptions options;
@@ -119,7 +119,7 @@ int calibrate(const CalibrateArguments& arguments) {
   check_output({arguments.output, whole ? OutputKind::calibration : OutputKind::part, inputs_of(arguments),
                 arguments.force, kWandPart});
   if (!whole) return calibrate_shard(arguments, parse_shard(arguments.shard, "--shard"));
-  Outcome outcome;
+  CalibrationOutcome outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);

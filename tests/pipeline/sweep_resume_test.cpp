@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 constexpr const char* kMembers = R"(, "thresholds": [1e-2, 1e-4], "trials": 160000, "stops": ["objective"],
     "error_ranges_cm": [[5, 15], [0, 5]], "gradients": ["corrected"], "digits_trials": 20000)";
 
-SweepPlan plan_with(const std::string& members = R"(, "seed": 1)") {
+SweepPlan resumed_plan(const std::string& members = R"(, "seed": 1)") {
   return sweep_plan_of(kOneRig + kMembers + members);
 }
 
 TEST(SweepResume, AfterEveryInterruptionItGoesOn) {
   const ScratchFolder folder;
-  const SweepPlan plan = plan_with();
+  const SweepPlan plan = resumed_plan();
   execute_sweep(plan, folder / "one", {});
   int interruptions = 0;
   SweepOutcome outcome;
@@ -45,26 +45,26 @@ TEST(SweepResume, AfterEveryInterruptionItGoesOn) {
   } while (true);
   EXPECT_GT(interruptions, 1);
   EXPECT_FALSE(outcome.tally.continued.empty());
-  expect_same_results(folder / "one", folder / "results");
+  expect_same_sweeps(folder / "one", folder / "results");
   for (const char* file : {SweepLog::kFinished, SweepLog::kOpen})
     EXPECT_FALSE(fs::exists(folder / "results" / file));
 }
 
 TEST(SweepResume, WhatWasSavedBeforeItWasKilledIsNotComputedAgain) {
   const ScratchFolder folder;
-  const SweepPlan plan = plan_with();
+  const SweepPlan plan = resumed_plan();
   execute_sweep(plan, folder / "one", {});
   run_and_drop(plan, folder / "results", {.threads = 2, .save_every_s = 0.0}, 0.9);
   const SweepOutcome outcome = execute_sweep(plan, folder / "results", {});
   EXPECT_GE(outcome.tally.continued.size(), 2u);
   EXPECT_LE(outcome.tally.computed.size(), 2u);
   EXPECT_EQ(outcome.tally.all(), 4u);
-  expect_same_results(folder / "one", folder / "results");
+  expect_same_sweeps(folder / "one", folder / "results");
 }
 
 TEST(SweepResume, FreshForgetsWhatAnInterruptedRunLeft) {
   const ScratchFolder folder;
-  const SweepPlan plan = plan_with();
+  const SweepPlan plan = resumed_plan();
   run_and_drop(plan, folder / "results", {.threads = 2, .save_every_s = 0.0}, 0.9);
   const SweepOutcome outcome = execute_sweep(plan, folder / "results", {.fresh = true});
   EXPECT_TRUE(outcome.tally.continued.empty());
@@ -73,7 +73,7 @@ TEST(SweepResume, FreshForgetsWhatAnInterruptedRunLeft) {
 
 TEST(SweepResume, TornAndDamagedLinesAreComputedAgain) {
   const ScratchFolder folder;
-  const SweepPlan plan = plan_with();
+  const SweepPlan plan = resumed_plan();
   execute_sweep(plan, folder / "one", {});
   run_and_drop(plan, folder / "results", {.threads = 2, .save_every_s = 0.0}, 0.9);
   const fs::path partial = folder / "results.partial";
@@ -88,7 +88,7 @@ TEST(SweepResume, TornAndDamagedLinesAreComputedAgain) {
     write_file(partial / SweepLog::kFinished, finished_text);
     write_file(partial / SweepLog::kOpen, open_text);
     const SweepOutcome outcome = execute_sweep(plan, folder / "results", {});
-    expect_same_results(folder / "one", folder / "results");
+    expect_same_sweeps(folder / "one", folder / "results");
     fs::remove_all(folder / "results");
     return outcome.tally.continued;
   };
@@ -101,7 +101,7 @@ TEST(SweepResume, TornAndDamagedLinesAreComputedAgain) {
 
 TEST(SweepResume, OnlyTheSharesOfTheSameShardAreContinued) {
   const ScratchFolder folder;
-  const SweepPlan plan = plan_with();
+  const SweepPlan plan = resumed_plan();
   ExecuteSweepOptions options{.threads = 2, .work = {{1, 3}, {}}, .save_every_s = 0.0};
   run_and_drop(plan, folder / "part", options, 0.9);
   options.work.shard = {2, 3};
@@ -110,16 +110,16 @@ TEST(SweepResume, OnlyTheSharesOfTheSameShardAreContinued) {
 
 TEST(SweepResume, CellsThatStayedTheSameAreContinuedInAChangedStudy) {
   const ScratchFolder folder;
-  run_and_drop(plan_with(), folder / "results", {.threads = 2, .save_every_s = 0.0}, 0.9);
+  run_and_drop(resumed_plan(), folder / "results", {.threads = 2, .save_every_s = 0.0}, 0.9);
   const SweepPlan longer =
-      plan_with(R"(, "time_problems": 3, "time_repeats": 1, "joints": ["volume", "centre"])");
+      resumed_plan(R"(, "time_problems": 3, "time_repeats": 1, "joints": ["volume", "centre"])");
   const SweepOutcome outcome = execute_sweep(longer, folder / "results", {});
   EXPECT_GE(outcome.tally.continued.size(), 2u);
   EXPECT_EQ(outcome.tally.all(), 8u);
   execute_sweep(longer, folder / "one", {});
-  expect_same_results(folder / "one", folder / "results");
-  run_and_drop(plan_with(), folder / "other", {.threads = 2, .save_every_s = 0.0}, 0.9);
-  EXPECT_TRUE(execute_sweep(plan_with(R"(, "seed": 2)"), folder / "other", {}).tally.continued.empty());
+  expect_same_sweeps(folder / "one", folder / "results");
+  run_and_drop(resumed_plan(), folder / "other", {.threads = 2, .save_every_s = 0.0}, 0.9);
+  EXPECT_TRUE(execute_sweep(resumed_plan(R"(, "seed": 2)"), folder / "other", {}).tally.continued.empty());
 }
 
 // The real program, killed as soon as it has saved anything: long before it has computed everything.
@@ -144,7 +144,7 @@ TEST(SweepResume, AKilledProgramGoesOnToTheSameBytes) {
   EXPECT_THAT(ended.err, HasSubstr("went on from a run that was stopped"));
   EXPECT_GE(only_json(ended)["items_continued"], 1);
   ASSERT_EQ(run_trilat(folder, {"run", sweep, "-o", (folder / "one").string()}).code, 0);
-  expect_same_results(folder / "one", results);
+  expect_same_sweeps(folder / "one", results);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(SweepReuse, ANewThresholdIsAllThatIsComputed) {
   const SweepOutcome outcome = execute_sweep(longer, folder / "results", {});
   EXPECT_THAT(outcome.tally.computed, ElementsAre(2u, 3u));
   EXPECT_EQ(outcome.tally.reused_count(), 4u);
-  expect_same_results(folder / "one", folder / "results");
+  expect_same_sweeps(folder / "one", folder / "results");
   const Json reused = read_json(folder / "results/run.json")["reused"];
   ASSERT_EQ(reused.size(), 1u);
   EXPECT_EQ(reused[0]["from"], (folder / "results").string());
@@ -94,7 +94,7 @@ TEST(SweepReuse, EarlierResultsAreAskedInTheirOrder) {
   EXPECT_THAT(outcome.tally.computed, ElementsAre(0u, 1u));
   EXPECT_THAT(outcome.tally.reused.at((folder / "b").string()), ElementsAre(2u, 3u));
   EXPECT_THAT(outcome.tally.reused.at((folder / "a").string()), ElementsAre(4u, 5u));
-  expect_same_results(folder / "one", folder / "results");
+  expect_same_sweeps(folder / "one", folder / "results");
   EXPECT_THAT(message_of([&] {
                 execute_sweep(all, folder / "other", {.work = {{}, {folder / "nowhere"}}});
               }),
@@ -162,7 +162,7 @@ TEST(SweepReuse, TheProgramRunsAndMergesShards) {
       run_trilat(folder, {"merge", path("b"), path("a"), "-o", path("merged"), "--memory-mb", "500"}),
       "--memory-mb: is for parts of kind accuracy");
   EXPECT_EQ(run_trilat(folder, {"merge", path("b"), path("a"), "-o", path("merged")}).code, 0);
-  expect_same_results(path("one"), path("merged"));
+  expect_same_sweeps(path("one"), path("merged"));
   expect_refused(run_trilat(folder, {"run", study, "--shard", "3/2", "-o", path("c")}),
                  "--shard: is \"3/2\"");
 }

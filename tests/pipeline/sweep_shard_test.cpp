@@ -76,7 +76,7 @@ TEST(SweepShards, MergedAreTheBytesOfOneRun) {
     std::reverse(parts.begin(), parts.end());
     const fs::path merged = folder / ("merged" + std::to_string(shards));
     const SweepOutcome outcome = merge(parts, merged);
-    expect_same_results(folder / "one", merged);
+    expect_same_sweeps(folder / "one", merged);
     EXPECT_TRUE(outcome.summary.search);
     EXPECT_EQ(read_file(merged / "timings.json"), read_file(parts.back() / "timings.json"));
     EXPECT_EQ(fs::exists(parts.front() / "timings.json"), shards == 1);
@@ -99,7 +99,7 @@ TEST(SweepShards, AShardThatWasKilledGoesOnToTheSameBytes) {
   EXPECT_FALSE(outcome.tally.computed.empty());
   EXPECT_EQ(outcome.tally.all(), 24u);
   merge(run_shards(plan, folder, 2), folder / "merged");  // the second finds its part done
-  expect_same_results(folder / "one", folder / "merged");
+  expect_same_sweeps(folder / "one", folder / "merged");
 }
 
 TEST(SweepShards, AShardThatIsDoneIsLeftAlone) {
@@ -173,7 +173,7 @@ TEST(SweepShards, TakeOverEarlierCellsTogetherOrNotAtAll) {
   options.work.reuse = {folder / "earlier"};
   const std::vector<fs::path> parts = run_shards(small_plan(), folder, 3, options);
   merge(parts, folder / "merged");
-  expect_same_results(folder / "one", folder / "merged");
+  expect_same_sweeps(folder / "one", folder / "merged");
   execute_sweep(small_plan(), parts[1], {.work = {{2, 3}, {}}, .fresh = true});
   EXPECT_THAT(message_of([&] { merge(parts, folder / "mixed"); }),
               HasSubstr("give all shards the same --reuse"));

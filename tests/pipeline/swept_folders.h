@@ -15,7 +15,7 @@
 namespace trilat {
 
 // All files of the two results are equal, those that hold times apart.
-inline void expect_same_results(const std::filesystem::path& a, const std::filesystem::path& b) {
+inline void expect_same_sweeps(const std::filesystem::path& a, const std::filesystem::path& b) {
   for (const char* file : {"summary.json", "manifest.json", "items.json"})
     EXPECT_EQ(read_file(a / file), read_file(b / file)) << b / file;
 }
