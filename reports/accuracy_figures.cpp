@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostMethods = 5;
+constexpr std::size_t kMostDrawn = 5;
 constexpr std::array kPaperAndMean{"linear", "geometric", "nonlinear", "mean"};
 constexpr const char* kMean = "mean with its 95 % interval";
 
@@ -74,7 +74,7 @@ Figure box_figure(const ResultsSummary& s, const std::string& condition, const s
 std::vector<std::string> methods_worth_a_figure(const ResultsSummary& s) {
   std::vector<std::string> shown;
   const auto show = [&](const std::string& name) {
-    if (shown.size() < kMostMethods && std::find(shown.begin(), shown.end(), name) == shown.end())
+    if (shown.size() < kMostDrawn && std::find(shown.begin(), shown.end(), name) == shown.end())
       shown.push_back(name);
   };
   for (const char* name : kPaperAndMean)

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array kDigits{"Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine"};
 constexpr std::array kAgain{"Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"};
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_command_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
 std::string name_of_row(const std::vector<TableValue>& row, std::size_t cells) {
@@ -99,7 +99,7 @@ std::string macro_words(const std::string& text) {
     if (c >= '0' && c <= '9') {
       name += kDigits[static_cast<std::size_t>(c - '0')];
       starts = true;
-    } else if (is_letter(c)) {
+    } else if (is_command_letter(c)) {
       name += starts ? upper(c) : c;
       starts = false;
     } else {

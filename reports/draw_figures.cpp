@@ -24,7 +24,7 @@ extern char** environ;
 namespace trilat {
 namespace {
 
-constexpr const char* kMissing =
+constexpr const char* kNoGnuplot =
     "gnuplot is not installed (apt-get install gnuplot-nox), so no figure can be drawn";
 constexpr const char* kAllDrawn = "all figures are drawn";
 constexpr std::size_t kMostPicture = 32u << 20;  // bytes
@@ -122,7 +122,7 @@ std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures) {
   script += fmt::format("print '{}'\n", kAllDrawn);
   const MemoryFile commands(script), said;
   const int code = run_gnuplot(commands.name(), said.name());
-  if (code == 127) throw InputError("gnuplot", kMissing);
+  if (code == 127) throw InputError("gnuplot", kNoGnuplot);
   const std::string text = said.text();
   if (code != 0 || text.find(kAllDrawn) == std::string::npos)
     throw InputError("gnuplot", fmt::format("ended with {} and says: {}", code, text));

@@ -9,11 +9,11 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kAlignment = "none";
+constexpr const char* kUnaligned = "none";
 
 void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
   for (const std::string& method : s.methods) {
-    const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kAlignment);
+    const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kUnaligned);
     if (!cell || !std::isfinite(cell->rms_gdop)) continue;
     const double bound_m = range.rms_error_m * cell->rms_gdop;
     table.rows.push_back({TableValue::of(range.group), TableValue::of(method), cm_cell(range.rms_error_m),
@@ -30,7 +30,7 @@ std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSumm
   for (const std::string& condition : s.conditions) {
     Table table;
     table.id = usable_id("efficiency-" + condition);
-    table.title = "Efficiency against the bound (" + about(s, condition, kAlignment) + ")";
+    table.title = "Efficiency against the bound (" + about(s, condition, kUnaligned) + ")";
     table.columns = {{"joint", "joint", true},
                      {"method", "method", true},
                      {"range RMS error (cm)", "range_rms_cm"},

@@ -18,7 +18,7 @@ constexpr double kSmallDot = 0.45, kLargeDot = 0.9;
 constexpr const char* kShade = "#e4e4e4";
 
 // Nothing is replaced in single quotes, where backquotes of double ones would run a program.
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string result = "'";
   for (char c : text) {
     if (c == '\'')
@@ -46,8 +46,8 @@ std::string wrapped_title(const std::string& text) {
   };
   for (char c : text) c == ' ' || c == '\n' ? end_word() : word.push_back(c);
   end_word();
-  std::string result = quoted(lines[0]);
-  for (std::size_t i = 1; i < lines.size(); ++i) result += ".\"\\n\"." + quoted(lines[i]);
+  std::string result = gnuplot_text(lines[0]);
+  for (std::size_t i = 1; i < lines.size(); ++i) result += ".\"\\n\"." + gnuplot_text(lines[i]);
   return result;
 }
 
@@ -112,7 +112,7 @@ std::string y_range(const Figure& figure) {
 std::string settings_of(const Figure& figure) {
   std::string text =
       "set encoding utf8\nset title " + wrapped_title(figure.title) + " noenhanced\nset xlabel " +
-      quoted(figure.x_label) + " noenhanced\nset ylabel " + quoted(figure.y_label) +
+      gnuplot_text(figure.x_label) + " noenhanced\nset ylabel " + gnuplot_text(figure.y_label) +
       " noenhanced\nset key outside above left Left reverse noenhanced samplen 3 width 1\nset border 3 lc "
       "rgb '#333333'\n"
       "set tics nomirror noenhanced\nset grid xtics ytics lc rgb '#d0d0d0' lw 0.5 dt 1\nset boxwidth 0.8\n";
@@ -122,7 +122,7 @@ std::string settings_of(const Figure& figure) {
   if (!figure.x_names.empty()) {
     text += "set grid noxtics\nset xtics (";
     for (std::size_t k = 0; k < figure.x_names.size(); ++k)
-      text += fmt::format("{}{} {}", k ? ", " : "", quoted(figure.x_names[k]), k);
+      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(figure.x_names[k]), k);
     text += ")\n";
     std::size_t characters = 0;
     for (const std::string& name : figure.x_names) characters = std::max(characters, characters_of(name));
@@ -137,7 +137,7 @@ std::string settings_of(const Figure& figure) {
   return text;
 }
 
-std::string number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : "NaN"; }
+std::string script_number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : "NaN"; }
 
 // Rows of a data block. An empty row ends a line.
 class Block {
@@ -147,7 +147,7 @@ class Block {
   }
   void row(std::initializer_list<double> values) {
     std::string line;
-    for (double v : values) line += (line.empty() ? "" : " ") + number(v);
+    for (double v : values) line += (line.empty() ? "" : " ") + script_number(v);
     script_ += line + '\n';
     empty_ = false;
   }
@@ -200,13 +200,13 @@ class Script {
         if (is_box(*e.series.front()) == boxes) boxes ? add_boxes(e) : add_points(e);
     for (const FigureLine& line : figure_.lines)
       if (!figure_.log_y || line.y > 0.0)
-        plots_.push_back(fmt::format("{} with lines lw 1.5 dt 2 lc rgb '#222222' title {}", number(line.y),
-                                     quoted(line.label)));
+        plots_.push_back(fmt::format("{} with lines lw 1.5 dt 2 lc rgb '#222222' title {}",
+                                     script_number(line.y), gnuplot_text(line.label)));
     std::set<std::string> named;
     for (const FigureBand& band : figure_.bands)
       if (named.insert(band.name).second)
         plots_.push_back(fmt::format("keyentry with boxes fillstyle solid noborder lc rgb '{}' title {}",
-                                     kShade, quoted(band.name)));
+                                     kShade, gnuplot_text(band.name)));
     if (plots_.empty()) plots_.push_back("NaN notitle");
     text_ += "plot ";
     for (std::size_t k = 0; k < plots_.size(); ++k) text_ += (k ? ", \\\n  " : "") + plots_[k];
@@ -219,7 +219,7 @@ class Script {
     text_ +=
         "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\n";
     text_ += fmt::format("set cbrange [{}:{}]\nset cblabel {} noenhanced\n", map.least, map.most,
-                         quoted(map.label));
+                         gnuplot_text(map.label));
     Block block(text_, blocks_++);
     for (std::size_t r = 0; r < map.y.size(); ++r) {
       for (std::size_t c = 0; c < map.x.size(); ++c) {
@@ -242,7 +242,7 @@ class Script {
         else
           block.row({p.x, p.low, p.least, p.most, p.high, s->width, p.y});
       }
-    const std::string name = block.end(), title = quoted(group_of(*entry.series.front()));
+    const std::string name = block.end(), title = gnuplot_text(group_of(*entry.series.front()));
     if (bars) {
       // where colours come round again, hatched
       const std::string fill = entry.look.dash == 1 ? std::string("solid 0.75 noborder")
@@ -278,7 +278,7 @@ class Script {
       }
       if (s != entry.series.back()) block.gap();
     }
-    const std::string name = block.end(), title = quoted(group_of(*entry.series.front()));
+    const std::string name = block.end(), title = gnuplot_text(group_of(*entry.series.front()));
     const FigureLook& look = entry.look;
     const std::string dots =
         fmt::format("pt {} ps {}", look.marker, most <= kFewPoints ? kLargeDot : kSmallDot);

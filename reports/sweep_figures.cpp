@@ -12,7 +12,6 @@
 namespace trilat {
 namespace {
 
-constexpr double kNsPerUs = 1e3;
 constexpr const char* kPaper = "the paper's";
 
 using NumberOf = std::function<double(std::size_t threshold, std::size_t range)>;
@@ -87,7 +86,7 @@ Figure steps_figure(const SweepSummary& s, const Table1Readings& readings, const
 NumberOf time_us(const SweepSummary& s, const std::optional<SweepTimings>& timings, std::size_t reading) {
   return [&s, &timings, reading](std::size_t t, std::size_t r) {
     const SweepCellTiming* time = timing_of(timings, s.cell(reading, t, r));
-    return time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone;
+    return time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone;
   };
 }
 

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostReadingsInFull = 12;
 constexpr double kNormal95 = 1.96;
-constexpr double kNsPerUs = 1e3;
 
 TableValue cm(double metres, int decimals = 2) {
   return TableValue::of(metres * kCentimetresPerMetre, decimals);
@@ -94,26 +93,27 @@ std::vector<Table> sweep_tables(const SweepSummary& s, const std::optional<Sweep
         const double share = c.asked == 0
                                  ? SweepCell::kNone
                                  : 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
-        table.rows.push_back({TableValue::of(range_text(s.ranges[r])),
-                              TableValue::of(s.thresholds[t], -1),
-                              count(c.answered),
-                              TableValue::of(share, 1),
-                              cm(c.mae_m),
-                              cm(kNormal95 * c.mae_standard_error_m, 3),
-                              cm(c.axis_mean_mae_m()),
-                              cm(c.rmse_m),
-                              cm(c.p95_m),
-                              cm(c.max_m),
-                              cm(c.start_mae_m),
-                              TableValue::of(c.mean_iterations, 2),
-                              TableValue::of(c.p50_iterations, 0),
-                              TableValue::of(c.p99_iterations, 0),
-                              TableValue::of(c.max_iterations, 0),
-                              TableValue::of(c.mean_digits, 1),
-                              TableValue::of(c.min_digits, 1),
-                              TableValue::of(time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone, 3),
-                              TableValue::of(time ? time->batched_median_ns / kNsPerUs : SweepCell::kNone, 3),
-                              TableValue::of(statuses_text(c.statuses, c.asked))});
+        table.rows.push_back(
+            {TableValue::of(range_text(s.ranges[r])),
+             TableValue::of(s.thresholds[t], -1),
+             count(c.answered),
+             TableValue::of(share, 1),
+             cm(c.mae_m),
+             cm(kNormal95 * c.mae_standard_error_m, 3),
+             cm(c.axis_mean_mae_m()),
+             cm(c.rmse_m),
+             cm(c.p95_m),
+             cm(c.max_m),
+             cm(c.start_mae_m),
+             TableValue::of(c.mean_iterations, 2),
+             TableValue::of(c.p50_iterations, 0),
+             TableValue::of(c.p99_iterations, 0),
+             TableValue::of(c.max_iterations, 0),
+             TableValue::of(c.mean_digits, 1),
+             TableValue::of(c.min_digits, 1),
+             TableValue::of(time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone, 3),
+             TableValue::of(time ? time->batched_median_ns / kNsPerMicrosecond : SweepCell::kNone, 3),
+             TableValue::of(statuses_text(c.statuses, c.asked))});
       }
     tables.push_back(std::move(table));
   }

@@ -9,12 +9,10 @@
 namespace trilat {
 namespace {
 
-constexpr double kNsPerUs = 1e3;
-
-class Column {
+class TableColumn {
  public:
-  Column(const SweepSummary& s, const std::optional<SweepTimings>& timings,
-         std::optional<std::size_t> reading)
+  TableColumn(const SweepSummary& s, const std::optional<SweepTimings>& timings,
+              std::optional<std::size_t> reading)
       : s_(s), timings_(timings), reading_(reading) {}
 
   TableValue error_cm(std::size_t t, std::size_t r, bool axis_mean) const {
@@ -37,7 +35,7 @@ class Column {
   }
   TableValue time_us(std::size_t t, std::size_t r) const {
     const SweepCellTiming* time = reading_ ? timing_of(timings_, s_.cell(*reading_, t, r)) : nullptr;
-    return TableValue::of(time ? time->scalar_median_ns / kNsPerUs : SweepCell::kNone, 2);
+    return TableValue::of(time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone, 2);
   }
 
  private:
@@ -54,7 +52,7 @@ class Column {
 void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimings>& timings,
               const PrintedTable1& paper, const Table1Readings& readings) {
   const bool axis_mean = readings.axis_mean;
-  const Column as_printed(s, timings, readings.as_printed), printed(s, timings, readings.printed),
+  const TableColumn as_printed(s, timings, readings.as_printed), printed(s, timings, readings.printed),
       corrected(s, timings, readings.corrected);
   for (std::size_t r = 0; r < s.ranges.size(); ++r)
     for (std::size_t t = 0; t < s.thresholds.size(); ++t) {

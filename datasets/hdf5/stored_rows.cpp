@@ -17,9 +17,9 @@ constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 26;
 // A killed writer may have announced rows that still were in the library's cache of 1 MB.
 constexpr std::uint64_t kAnnouncedBytes = std::uint64_t{4} << 20;
 
-int close_list(std::int64_t id) { return H5Pclose(id); }
-int close_space(std::int64_t id) { return H5Sclose(id); }
-int close_file(std::int64_t id) { return H5Fclose(id); }
+int close_properties(std::int64_t id) { return H5Pclose(id); }
+int close_extent(std::int64_t id) { return H5Sclose(id); }
+int close_owner(std::int64_t id) { return H5Fclose(id); }
 
 struct Shape {
   std::uint64_t rows = 0;
@@ -27,14 +27,14 @@ struct Shape {
 };
 
 std::uint64_t file_bytes(std::int64_t dataset) {
-  const H5Handle file(H5Iget_file_id(dataset), close_file);
+  const H5Handle file(H5Iget_file_id(dataset), close_owner);
   hsize_t bytes = 0;
   return file.id() >= 0 && H5Fget_filesize(file.id(), &bytes) >= 0 ? bytes : 0;
 }
 
 Shape shape_of(std::int64_t dataset, const std::string& place, const std::vector<std::uint64_t>& row_shape,
                std::size_t element_bytes) {
-  const H5Handle space(H5Dget_space(dataset), close_space);
+  const H5Handle space(H5Dget_space(dataset), close_extent);
   hsize_t dims[H5S_MAX_RANK] = {};
   if (space.id() < 0 || H5Sget_simple_extent_dims(space.id(), dims, nullptr) < 1)
     throw InputError(place, "has no rows");
@@ -90,7 +90,7 @@ void check_chunks(std::int64_t dataset, hid_t list, const std::string& place,
                      "uses filters that are not read; `h5repack -f NONE` makes a copy without filters");
   const std::uint64_t most_rows = kMostChunks * chunk[0];
   hsize_t chunks = 0;
-  const H5Handle space(H5Dget_space(dataset), close_space);
+  const H5Handle space(H5Dget_space(dataset), close_extent);
   if (shape.rows > most_rows) refuse_claim(place, shape.rows);
   if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0 || chunks > kMostChunks)
     throw InputError(place, "cannot be read: the list of its chunks is damaged");
@@ -113,7 +113,7 @@ void unshuffle(std::span<const std::byte> from, std::size_t element_bytes, std::
 
 StoredRows check_stored_rows(std::int64_t dataset, const std::string& place,
                              const std::vector<std::uint64_t>& row_shape, std::size_t element_bytes) {
-  const H5Handle list(H5Dget_create_plist(dataset), close_list);
+  const H5Handle list(H5Dget_create_plist(dataset), close_properties);
   if (list.id() < 0) throw InputError(place, "does not say how it is stored");
   const Shape shape = shape_of(dataset, place, row_shape, element_bytes);
   StoredRows stored;

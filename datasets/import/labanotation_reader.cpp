@@ -9,7 +9,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kCellsOfARow = 1 + 4 * std::size_t{kJointCount};
+constexpr std::size_t kCellsOfAFrame = 1 + 4 * std::size_t{kJointCount};
 
 }  // namespace
 
@@ -24,9 +24,9 @@ bool LabanotationReader::next(FileFrame& frame) {
     bytes_ += line.size() + 1;
     cells = comma_cells(line);
   }
-  if (cells.size() != kCellsOfARow)
+  if (cells.size() != kCellsOfAFrame)
     throw TornRow{fmt::format("has {} cells; a row has {}: the time, then x, y, z and state of 25 joints",
-                              cells.size(), kCellsOfARow)};
+                              cells.size(), kCellsOfAFrame)};
   frame.ticks = integer_in(cells[0], "the time in ticks");
   Body& body = frame.bodies.emplace_back();
   body.tracking_id = 1;

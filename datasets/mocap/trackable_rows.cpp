@@ -10,7 +10,7 @@
 namespace trilat {
 namespace {
 
-bool is_blank(std::string_view line) { return line.find_first_not_of(", \t") == std::string_view::npos; }
+bool is_blank_row(std::string_view line) { return line.find_first_not_of(", \t") == std::string_view::npos; }
 
 // The last cell of an unfinished row may lack digits.
 std::string_view trusted_part(std::string_view line, bool finished) {
@@ -40,7 +40,7 @@ bool TrackableRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
   while (lines_.next(line)) {
     if (row_type(line) == "frame") {
       if (read_frame(line, lines_.terminated(), frame, anomalies)) return true;
-    } else if (!is_known_row(line) && !is_blank(line) && lines_.terminated()) {
+    } else if (!is_known_row(line) && !is_blank_row(line) && lines_.terminated()) {
       refuse_row(line, lines_.place());
     }
   }

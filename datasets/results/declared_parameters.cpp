@@ -10,14 +10,14 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.simulator";
+constexpr const char* kParametersFormat = "trilat.simulator";
 constexpr const char* kName = "simulator.json";
 
 }  // namespace
 
 void write_declared_parameters(const std::filesystem::path& folder,
                                const std::vector<DeclaredParameter>& parameters) {
-  Json json{{"format", kFormat}, {"version", 1}, {"parameters", Json::array()}};
+  Json json{{"format", kParametersFormat}, {"version", 1}, {"parameters", Json::array()}};
   for (const DeclaredParameter& p : parameters)
     json["parameters"].push_back(
         {{"name", p.name}, {"value", p.value}, {"unit", p.unit}, {"source", p.source}});
@@ -30,7 +30,7 @@ std::vector<DeclaredParameter> read_declared_parameters(const std::filesystem::p
   if (!std::filesystem::exists(path)) return parameters;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  check_format(object, kFormat, 1);
+  check_format(object, kParametersFormat, 1);
   for (JsonObject& entry : object.objects("parameters")) {
     parameters.push_back({entry.text("name"), entry.text("value"), entry.text("unit"), entry.text("source")});
     entry.finish();

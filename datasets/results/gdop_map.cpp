@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.gdop_map";
+constexpr const char* kMapFormat = "trilat.gdop_map";
 constexpr const char* kInfinite = "infinite";
 constexpr double kDecimals = 1e4;  // more would make the file long and say nothing
 
@@ -49,8 +49,8 @@ std::vector<double> read_axis(JsonObject& object, const std::string& key) {
 }  // namespace
 
 void write_gdop_map(const std::filesystem::path& folder, const GdopMap& map) {
-  Json json{{"format", kFormat}, {"version", 1},   {"take", map.take},      {"height_m", map.height_m},
-            {"x_m", map.x_m},    {"z_m", map.z_m}, {"gdop", Json::array()}, {"sensors", Json::array()}};
+  Json json{{"format", kMapFormat}, {"version", 1},   {"take", map.take},      {"height_m", map.height_m},
+            {"x_m", map.x_m},       {"z_m", map.z_m}, {"gdop", Json::array()}, {"sensors", Json::array()}};
   for (double value : map.gdop) json["gdop"].push_back(json_of(value));
   for (std::size_t s = 0; s < map.sensors.size(); ++s)
     json["sensors"].push_back({{"name", map.sensors[s]}, {"position_m", map.position_m[s]}});
@@ -62,7 +62,7 @@ std::optional<GdopMap> read_gdop_map(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  check_format(object, kFormat, 1);
+  check_format(object, kMapFormat, 1);
   GdopMap map;
   map.take = object.text("take");
   map.height_m = object.number("height_m");

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMostItemsBytes = std::size_t{1} << 30;
 
 Json json_of(const DoneItem& item) { return {{"id", item.id}, {"key", item.key}, {"outcome", item.outcome}}; }
 
@@ -35,7 +35,7 @@ void write_unsynced(const fs::path& path, const std::string& text) {
 }
 
 // Nothing of an older version, which no item of this program's can be in.
-std::optional<ItemsHead> read_head(JsonObject& object) {
+std::optional<ItemsHead> read_items_head(JsonObject& object) {
   if (object.text("format") == "trilat.items" && object.integer("version") == 1) return std::nullopt;
   check_format(object, "trilat.items", 2);
   return ItemsHead{object.text("key"), object.texts("files")};
@@ -63,7 +63,7 @@ void put_item(const fs::path& made, const fs::path& output, const DoneItem& item
 std::optional<StoredItem> stored_item(const fs::path& folder) {
   const fs::path path = folder / kItemFile;
   if (!fs::exists(path)) return std::nullopt;
-  const Json json = parse_json(read_file(path, kMostBytes), path.string());
+  const Json json = parse_json(read_file(path, kMostItemsBytes), path.string());
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.item", 1);
   object.text("id");
@@ -105,16 +105,16 @@ ItemsHead read_items_head(const fs::path& results) {
   if (!std::getline(file, head)) return {};
   const Json json = parse_json(head + "]}", path.string());
   JsonObject object(json, path.string(), "");
-  return read_head(object).value_or(ItemsHead{});
+  return read_items_head(object).value_or(ItemsHead{});
 }
 
 std::vector<DoneItem> read_items(const fs::path& results) {
   const fs::path path = results / "items.json";
   std::vector<DoneItem> items;
   if (!fs::exists(path)) return items;
-  const Json json = parse_json(read_file(path, kMostBytes), path.string());
+  const Json json = parse_json(read_file(path, kMostItemsBytes), path.string());
   JsonObject object(json, path.string(), "");
-  if (!read_head(object)) return items;
+  if (!read_items_head(object)) return items;
   for (JsonObject& entry : object.objects("items")) items.push_back(read_item(entry));
   object.finish();
   return items;

@@ -17,8 +17,8 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFile = "replay.h5";
-constexpr const char* kFormat = "trilat.replay";
-constexpr std::int64_t kVersion = 1;
+constexpr const char* kReplayFormat = "trilat.replay";
+constexpr std::int64_t kReplayVersion = 1;
 constexpr std::size_t kMaxTakes = 1000;
 constexpr std::uint64_t kPoseNumbers = 7;         // quaternion w, x, y, z and position x, y, z
 constexpr std::uint64_t kMaxInstants = 1u << 20;  // far beyond what is ever written
@@ -93,8 +93,8 @@ void ReplayTake::reset(std::uint64_t count, std::size_t sensor_count) {
 void write_replay(const std::filesystem::path& folder, std::span<const ReplayTake> takes) {
   const std::filesystem::path path = folder / kFile;
   H5File file = H5File::create(path);
-  file.set_text("format", kFormat);
-  file.set_integer("version", kVersion);
+  file.set_text("format", kReplayFormat);
+  file.set_integer("version", kReplayVersion);
   file.set_text("created_by", kProgramVersion);
   {
     H5Node all = file.create_group("takes");
@@ -110,11 +110,11 @@ std::vector<ReplayTake> read_replay(const std::filesystem::path& folder) {
   std::vector<ReplayTake> takes;
   if (!std::filesystem::exists(path)) return takes;
   const H5File file = H5File::open(path);
-  if (!file.has_attribute("format") || file.text("format") != kFormat)
+  if (!file.has_attribute("format") || file.text("format") != kReplayFormat)
     throw InputError(path.string(), "is not a replay file of this program");
-  if (file.integer("version") != kVersion)
+  if (file.integer("version") != kReplayVersion)
     throw InputError(path.string(),
-                     fmt::format("is another version; this program reads version {}", kVersion));
+                     fmt::format("is another version; this program reads version {}", kReplayVersion));
   const H5Node all = file.group("takes");
   for (const std::string& name : all.children(kMaxTakes)) takes.push_back(read_take(all.group(name)));
   return takes;

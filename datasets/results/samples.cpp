@@ -15,9 +15,9 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.samples";
-constexpr std::int64_t kVersion = 2;
-constexpr std::size_t kMaxTakes = 20'000;
+constexpr const char* kSamplesFormat = "trilat.samples";
+constexpr std::int64_t kSamplesVersion = 2;
+constexpr std::size_t kMostTakes = 20'000;
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
 constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
 
@@ -91,8 +91,8 @@ SamplesFile SamplesFile::create(const std::filesystem::path& path, const Samples
   s.path = path;
   s.header = header;
   s.file = H5File::create(path);
-  s.file.set_text("format", kFormat);
-  s.file.set_integer("version", kVersion);
+  s.file.set_text("format", kSamplesFormat);
+  s.file.set_integer("version", kSamplesVersion);
   s.file.set_text("created_by", kProgramVersion);
   s.file.set_texts("joints", header.joints);
   s.file.set_texts("methods", header.methods);
@@ -117,9 +117,9 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
   State& s = *samples.state_;
   s.path = path;
   s.file = H5File::open(path);
-  if (!s.file.has_attribute("format") || s.file.text("format") != kFormat)
+  if (!s.file.has_attribute("format") || s.file.text("format") != kSamplesFormat)
     throw InputError(path.string(), "is not a samples file of this program");
-  if (s.file.integer("version") != kVersion)
+  if (s.file.integer("version") != kSamplesVersion)
     throw InputError(path.string(), "is a samples file of another format version");
   s.header.joints = s.file.texts("joints");
   s.header.methods = s.file.texts("methods");
@@ -130,7 +130,7 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
                      fmt::format("has {} joints x {} methods, more than the {} allowed",
                                  s.header.joints.size(), s.header.methods.size(), kMaxEstimates));
   const H5Node takes = s.file.group("takes");
-  for (const std::string& name : takes.children(kMaxTakes)) {
+  for (const std::string& name : takes.children(kMostTakes)) {
     const H5Node node = takes.group(name);
     s.takes.push_back(tables_of(
         s.header.joints.size(), s.header.methods.size(),

@@ -9,12 +9,12 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.stage_timings";
+constexpr const char* kStagesFormat = "trilat.stage_timings";
 
 }  // namespace
 
 void write_stage_timings(const std::filesystem::path& folder, const StageTimings& t) {
-  Json json{{"format", kFormat},
+  Json json{{"format", kStagesFormat},
             {"version", 1},
             {"study", t.study},
             {"processor", t.processor},
@@ -29,7 +29,7 @@ std::optional<StageTimings> read_stage_timings(const std::filesystem::path& fold
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  check_format(object, kFormat, 1);
+  check_format(object, kStagesFormat, 1);
   StageTimings t;
   t.study = object.text("study");
   t.processor = object.text("processor");

@@ -10,7 +10,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.timings";
+constexpr const char* kTimingsFormat = "trilat.timings";
 
 Json json_of(const SweepCellTiming& cell) {
   return {{"interpretation", cell.interpretation},
@@ -22,7 +22,7 @@ Json json_of(const SweepCellTiming& cell) {
           {"batched_min_ns", cell.batched_min_ns}};
 }
 
-SweepCellTiming read_cell(JsonObject& object) {
+SweepCellTiming read_cell_timing(JsonObject& object) {
   SweepCellTiming cell;
   cell.interpretation = object.count("interpretation");
   cell.threshold = object.count("threshold");
@@ -38,7 +38,7 @@ SweepCellTiming read_cell(JsonObject& object) {
 }  // namespace
 
 void write_sweep_timings(const std::filesystem::path& folder, const SweepTimings& t) {
-  Json json{{"format", kFormat},        {"version", 1},           {"study", t.study},
+  Json json{{"format", kTimingsFormat}, {"version", 1},           {"study", t.study},
             {"processor", t.processor}, {"problems", t.problems}, {"repeats", t.repeats},
             {"cells", Json::array()}};
   for (const SweepCellTiming& cell : t.cells) json["cells"].push_back(json_of(cell));
@@ -50,13 +50,13 @@ std::optional<SweepTimings> read_sweep_timings(const std::filesystem::path& fold
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  check_format(object, kFormat, 1);
+  check_format(object, kTimingsFormat, 1);
   SweepTimings t;
   t.study = object.text("study");
   t.processor = object.text("processor");
   t.problems = object.count("problems");
   t.repeats = object.count("repeats");
-  for (JsonObject& cell : object.objects("cells")) t.cells.push_back(read_cell(cell));
+  for (JsonObject& cell : object.objects("cells")) t.cells.push_back(read_cell_timing(cell));
   object.finish();
   return t;
 }

@@ -11,18 +11,18 @@
 namespace trilat {
 namespace {
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 }  // namespace
 
 Json json_of(const TimeSpread& s) {
   return {{"n", s.n},
           {"bins", s.bins},
-          {"median_s", number(s.median_s)},
-          {"p95_s", number(s.p95_s)},
-          {"p99_s", number(s.p99_s)},
-          {"p999_s", number(s.p999_s)},
-          {"max_s", number(s.max_s)}};
+          {"median_s", number_or_null(s.median_s)},
+          {"p95_s", number_or_null(s.p95_s)},
+          {"p99_s", number_or_null(s.p99_s)},
+          {"p999_s", number_or_null(s.p999_s)},
+          {"max_s", number_or_null(s.max_s)}};
 }
 
 TimeSpread read_time_spread(JsonObject object) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kFormat = "trilat.tracking";
 
-RangeRow read_range(JsonObject& object) {
+RangeRow read_range_row(JsonObject& object) {
   RangeRow row{object.text("condition"), object.text("group"), object.count("n"),
                number_or_nan(object, "mean_error_m"), number_or_nan(object, "rms_error_m")};
   object.finish();
@@ -52,7 +52,7 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   for (JsonObject& row : object.objects("views")) s.views.push_back(read_view(row));
   for (JsonObject& row : object.objects("exchanges")) s.exchanges.push_back(read_exchange(row));
   for (JsonObject& row : object.objects("clocks")) s.clocks.push_back(read_clock(row));
-  for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range(row));
+  for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range_row(row));
   object.finish();
   return s;
 }

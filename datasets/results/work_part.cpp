@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 28;
+constexpr std::size_t kMostPartBytes = std::size_t{1} << 28;
 constexpr std::size_t kMostNamed = 10;
 
 // None that would lead out of the part.
@@ -100,7 +100,7 @@ WorkPart read_part(const std::filesystem::path& folder) {
     throw InputError(folder.string(), std::filesystem::exists(partial_name(folder))
                                           ? "is not finished yet; run its shard again, it goes on from there"
                                           : "holds no part.json; name folders that --shard has written");
-  const Json json = parse_json(read_file(path, kMostBytes), path.string());
+  const Json json = parse_json(read_file(path, kMostPartBytes), path.string());
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.part", 1);
   WorkPart part;

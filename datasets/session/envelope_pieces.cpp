@@ -10,11 +10,11 @@ namespace {
 
 using SensorLine = ClockMap<HostClock, SensorClock>;
 
-constexpr double kMaxDrift = 1e-3;
-constexpr Duration kShortest{5'000'000'000};
+constexpr double kMaxLineDrift = 1e-3;
+constexpr Duration kShortestPiece{5'000'000'000};
 constexpr Duration kShortestDriftSpan{10'000'000'000};
-constexpr double kStraight_ns = 300'000.0;
-constexpr double kFastestWander = 50e-6;  // change of a clock against its own straight line
+constexpr double kStraightPiece_ns = 300'000.0;
+constexpr double kFastestPieceWander = 50e-6;  // change of a clock against its own straight line
 constexpr std::size_t kFewestWindows = 3;
 
 ArrivalEnvelope whole_envelope(const TickEpoch& epoch) {
@@ -43,7 +43,7 @@ LeastLate least_late(const ArrivalEnvelope& envelope, const SensorLine& line) {
 std::vector<LeastLate> punctual(const std::vector<LeastLate>& all) {
   std::vector<double> most_ns;  // from the windows before, then also from those after
   const auto limit = [](double late_ns, Duration away) {
-    return late_ns + kFastestWander * static_cast<double>(away.ns);
+    return late_ns + kFastestPieceWander * static_cast<double>(away.ns);
   };
   for (std::size_t i = 0; i < all.size(); ++i)
     most_ns.push_back(i == 0 ? all[i].late_ns
@@ -59,7 +59,7 @@ std::vector<LeastLate> punctual(const std::vector<LeastLate>& all) {
 
 bool is_straight(const std::vector<LeastLate>& windows) {
   return std::none_of(windows.begin(), windows.end(),
-                      [](const LeastLate& w) { return std::abs(w.late_ns) > kStraight_ns; });
+                      [](const LeastLate& w) { return std::abs(w.late_ns) > kStraightPiece_ns; });
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ SensorLine envelope_line(const TickEpoch& epoch) {
 
 double drift_left_out(const TickEpoch& epoch) {
   const double drift = whole_envelope(epoch).line().drift;
-  return std::abs(drift) > kMaxDrift && epoch.last - epoch.first < kShortest ? drift : 0.0;
+  return std::abs(drift) > kMaxLineDrift && epoch.last - epoch.first < kShortestPiece ? drift : 0.0;
 }
 
 SensorLine envelope_line(const TickEpoch& epoch, double drift_of_short) {

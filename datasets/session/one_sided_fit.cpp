@@ -10,7 +10,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewestExchanges = 12;
+constexpr std::size_t kFewestFitted = 12;
 constexpr double kQueue_ns = 300'000.0;
 constexpr double kUnlike = 3.0;
 
@@ -74,7 +74,7 @@ std::vector<WanderWindow> windows_of(const std::vector<ClockExchange>& exchanges
 
 SteadyWay steady_way(const std::vector<ClockExchange>& exchanges, std::int64_t base_ns,
                      const OffsetLine& line) {
-  if (exchanges.size() < kFewestExchanges) return SteadyWay::both;
+  if (exchanges.size() < kFewestFitted) return SteadyWay::both;
   const Queues queues = queues_of(ways_of(exchanges, base_ns, line));
   if (queues.to_host_ns > std::max(kQueue_ns, kUnlike * queues.to_agent_ns)) return SteadyWay::to_agent;
   if (queues.to_agent_ns > std::max(kQueue_ns, kUnlike * queues.to_host_ns)) return SteadyWay::to_host;

@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 1024;
+constexpr std::uint64_t kVerifiedBlock = 1024;
 constexpr double kRestart_s = 1.0;  // by so much ticks or arrivals jump at least
 
 struct Place {
@@ -91,8 +91,9 @@ void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream
   StampCounts counts;
   ArrivalLagFinder lag(session.header().sensors[sensor].tick_ns);
   std::optional<FrameStamp> last;
-  for (std::uint64_t first = 0; first < frames; first += kBlock) {
-    for (const FrameStamp& stamp : session.stamps(sensor, stream, first, std::min(kBlock, frames - first))) {
+  for (std::uint64_t first = 0; first < frames; first += kVerifiedBlock) {
+    for (const FrameStamp& stamp :
+         session.stamps(sensor, stream, first, std::min(kVerifiedBlock, frames - first))) {
       if (last) counts.add(*last, stamp, session.header().sensors[sensor], gap_periods);
       lag.add(stamp);
       last = stamp;
@@ -166,8 +167,8 @@ void verify_bodies(const SessionReader& session, std::size_t sensor, const Place
                    const std::function<void(std::uint64_t)>& advance) {
   const std::uint64_t frames = session.counts(sensor).body_frames;
   BodyCounts counts;
-  for (std::uint64_t first = 0; first < frames; first += kBlock) {
-    const std::uint64_t count = std::min(kBlock, frames - first);
+  for (std::uint64_t first = 0; first < frames; first += kVerifiedBlock) {
+    const std::uint64_t count = std::min(kVerifiedBlock, frames - first);
     for (const BodyFrame& frame : session.body_frames(sensor, first, count)) counts.add(frame);
     advance(count);
   }

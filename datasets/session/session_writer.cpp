@@ -123,7 +123,7 @@ struct AddedRows {
   bool operator==(const AddedRows&) const = default;
 };
 
-struct SensorTables {
+struct WrittenTables {
   BodyTables bodies;
   std::unique_ptr<DepthTables> depth;
   Gathered<std::int64_t> clock_exchanges, drop_counts;
@@ -195,7 +195,7 @@ struct SessionWriter::State {
   std::filesystem::path path;
   H5File file;
   ChunkCompression depth_compression;
-  std::vector<SensorTables> sensors;
+  std::vector<WrittenTables> sensors;
 };
 
 SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
@@ -249,7 +249,7 @@ void SessionWriter::guarded(const Work& work) {
 void SessionWriter::add_body_frame(std::size_t sensor, const BodyFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && frame.bodies.size() <= kMaxBodies,
                "a body frame belongs to a sensor and has at most six bodies");
-  SensorTables& tables = state_->sensors[sensor];
+  WrittenTables& tables = state_->sensors[sensor];
   BodyTables& bodies = tables.bodies;
   for (const Body& body : frame.bodies) bodies.add_body(body);
   bodies.stamps.add(frame.stamp);
@@ -266,28 +266,28 @@ void SessionWriter::add_depth_frame(std::size_t sensor, const EncodedDepthFrame&
                "a depth frame belongs to a sensor that has depth");
   TRILAT_CHECK(frame.compression == state_->depth_compression,
                "a session has one compression for all its depth frames");
-  SensorTables& tables = state_->sensors[sensor];
+  WrittenTables& tables = state_->sensors[sensor];
   guarded([&] { tables.depth->frames.append_filtered_row(frame.chunk); });
   tables.depth->stamps.add(frame.stamp);
   ++tables.added.depth_frames;
 }
 
 void SessionWriter::add_clock_exchange(std::size_t sensor, const ClockExchange& e) {
-  SensorTables& tables = state_->sensors.at(sensor);
+  WrittenTables& tables = state_->sensors.at(sensor);
   auto& rows = tables.clock_exchanges.rows;
   rows.insert(rows.end(), {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
   ++tables.added.clock_exchanges;
 }
 
 void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
-  SensorTables& tables = state_->sensors.at(sensor);
+  WrittenTables& tables = state_->sensors.at(sensor);
   auto& rows = tables.drop_counts.rows;
   rows.insert(rows.end(), {count.host_ns, count.at_source, count.in_queue});
   ++tables.added.drop_counts;
 }
 
 void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
-  SensorTables& tables = state_->sensors.at(sensor);
+  WrittenTables& tables = state_->sensors.at(sensor);
   std::vector<std::uint8_t> text(notice.text.begin(), notice.text.end());
   text.resize(layout::kNoticeBytes, 0);
   tables.notices.host_ns.rows.push_back(notice.host_ns);
@@ -297,9 +297,9 @@ void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
 
 void SessionWriter::flush() {
   guarded([&] {
-    for (SensorTables& sensor : state_->sensors) sensor.flush();
+    for (WrittenTables& sensor : state_->sensors) sensor.flush();
     state_->file.flush();
-    for (SensorTables& sensor : state_->sensors) sensor.say_what_is_flushed();
+    for (WrittenTables& sensor : state_->sensors) sensor.say_what_is_flushed();
     state_->file.flush();
   });
 }

@@ -12,8 +12,6 @@
 namespace trilat {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
 // Pixels row by row become a padded image.
 std::vector<float> padded(const DepthLayout& layout, const std::vector<float>& pixels, float border) {
   std::vector<float> image(layout.size(), border);
@@ -41,7 +39,7 @@ std::vector<float> noise_factors(const DepthRays& rays, const DepthNoiseSpec& sp
 
 DepthNoiseNumbers numbers_of(const DepthNoiseSpec& spec, const DepthUnit& unit) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  const double turn = unit.wiggle_phase_rad / kTwoPi;
+  const double turn = unit.wiggle_phase_rad / (2.0 * std::numbers::pi);
   return {f(1e-3 * spec.axial.level_mm),
           f(1e-3 * spec.axial.slope_mm),
           f(1e-3 * spec.axial.square_mm),
@@ -103,7 +101,7 @@ DepthUnit draw_depth_unit(const DepthNoiseSpec& spec, std::uint64_t seed, std::u
   return {random.uniform(0, -spec.offset_limit_m, spec.offset_limit_m),
           random.uniform(1, spec.wiggle_amplitude_low_m, spec.wiggle_amplitude_high_m),
           random.uniform(2, spec.wiggle_length_low_m, spec.wiggle_length_high_m),
-          random.uniform(3, 0.0, kTwoPi)};
+          random.uniform(3, 0.0, (2.0 * std::numbers::pi))};
 }
 
 struct DepthRenderer::State {

@@ -12,14 +12,14 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kEverywhere = 1e9;
-constexpr double kNoLength_m = 1e-6;
+constexpr double kNoAxis_m = 1e-6;
 
 FloatVector3 floats_of(const Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
 // The tangents of a circle about (side, z) from the origin, as side / z.
-void widen(double side_m, double z_m, double radius_m, double& low, double& high) {
+void widen_by_tangents(double side_m, double z_m, double radius_m, double& low, double& high) {
   const double distance_m = std::hypot(side_m, z_m);
   const double middle = std::atan2(side_m, z_m);
   const double half =
@@ -37,8 +37,8 @@ RayBox box_of(std::initializer_list<Vector3d> centres_m, double radius_m) {
   RayBox box{kEverywhere, -kEverywhere, kEverywhere, -kEverywhere};
   for (const Vector3d& centre : centres_m) {
     if (centre.z() <= radius_m) return {-kEverywhere, kEverywhere, -kEverywhere, kEverywhere};
-    widen(centre.x(), centre.z(), radius_m, box.x_low, box.x_high);
-    widen(centre.y(), centre.z(), radius_m, box.y_low, box.y_high);
+    widen_by_tangents(centre.x(), centre.z(), radius_m, box.x_low, box.x_high);
+    widen_by_tangents(centre.y(), centre.z(), radius_m, box.y_low, box.y_high);
   }
   return box;
 }
@@ -50,7 +50,7 @@ void add_sphere(DepthView& view, const Vector3d& centre_m, double radius_m) {
 
 void add_capsule(DepthView& view, const Vector3d& from_m, const Vector3d& to_m, double radius_m) {
   const Vector3d axis_m = to_m - from_m;
-  if (axis_m.norm() < kNoLength_m) return add_sphere(view, from_m, radius_m);
+  if (axis_m.norm() < kNoAxis_m) return add_sphere(view, from_m, radius_m);
   if (std::max(from_m.z(), to_m.z()) + radius_m > 0.0)
     view.capsules.push_back({floats_of(from_m), floats_of(axis_m), floats_of(0.5 * (from_m + to_m)),
                              static_cast<float>(axis_m.squaredNorm()), static_cast<float>(radius_m),

@@ -32,11 +32,11 @@ struct Angles {
   double trunk = 0.0;                // lean forward
 };
 
-struct BodyFrame {
+struct BodyAxes {
   Vector3d origin_m, forward, left, up;
 };
 
-BodyFrame body_frame(const Vector3d& origin_m, double heading_rad) {
+BodyAxes body_axes(const Vector3d& origin_m, double heading_rad) {
   return {origin_m,
           {std::sin(heading_rad), 0.0, std::cos(heading_rad)},
           {std::cos(heading_rad), 0.0, -std::sin(heading_rad)},
@@ -44,14 +44,14 @@ BodyFrame body_frame(const Vector3d& origin_m, double heading_rad) {
 }
 
 // A limb hanging down, swung forward by `flexion` and outwards (along `outward`) by `abduction`.
-Vector3d hanging(const BodyFrame& body, const Vector3d& outward, double flexion, double abduction) {
+Vector3d hanging(const BodyAxes& body, const Vector3d& outward, double flexion, double abduction) {
   const Vector3d swung = -std::cos(flexion) * body.up + std::sin(flexion) * body.forward;
   return std::cos(abduction) * swung + std::sin(abduction) * outward;
 }
 
 Joint sided(Joint left, int side) { return side == 0 ? left : mirror_of(left); }
 
-void place_leg(SkeletonPose& pose, const BodyFrame& body, const Angles& a, int side, double stature) {
+void place_leg(SkeletonPose& pose, const BodyAxes& body, const Angles& a, int side, double stature) {
   const Vector3d outward = side == 0 ? body.left : Vector3d(-body.left);
   const Vector3d hip = body.origin_m + fraction::kHipHalfWidth * stature * outward;
   const Vector3d knee =
@@ -65,7 +65,7 @@ void place_leg(SkeletonPose& pose, const BodyFrame& body, const Angles& a, int s
       ankle + stature * (fraction::kFoot * body.forward - 0.025 * body.up);
 }
 
-void place_arm(SkeletonPose& pose, const BodyFrame& body, const Vector3d& chest_m, const Angles& a, int side,
+void place_arm(SkeletonPose& pose, const BodyAxes& body, const Vector3d& chest_m, const Angles& a, int side,
                double stature) {
   const Vector3d outward = side == 0 ? body.left : Vector3d(-body.left);
   const Vector3d shoulder = chest_m + stature * (fraction::kShoulderHalfWidth * outward +
@@ -87,7 +87,7 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
   SkeletonPose pose;
   pose.heading_rad = heading_rad;
   pose.present.set();
-  const BodyFrame body = body_frame(origin_m, heading_rad);
+  const BodyAxes body = body_axes(origin_m, heading_rad);
   const Vector3d spine = std::cos(a.trunk) * body.up + std::sin(a.trunk) * body.forward;
   const auto on_spine = [&](double height) -> Vector3d {
     return body.origin_m + (height - fraction::kHip) * stature * spine;

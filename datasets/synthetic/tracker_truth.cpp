@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kFormat = "trilat.tracker_truth";
+constexpr const char* kTruthFormat = "trilat.tracker_truth";
 constexpr std::int64_t kVersion = 1;
 constexpr std::size_t kRowsPerChunk = 4096;
 
@@ -72,7 +72,7 @@ TrackerTruthWriter::TrackerTruthWriter(const std::filesystem::path& path,
     : state_(std::make_unique<State>()) {
   state_->path = path;
   state_->file = H5File::create(partial_name(path));
-  state_->file.set_text("format", kFormat);
+  state_->file.set_text("format", kTruthFormat);
   state_->file.set_integer("version", kVersion);
   state_->file.set_text("created_by", kProgramVersion);
   H5Node group = state_->file.create_group("sensors");
@@ -116,7 +116,7 @@ TrackerTruthReader::TrackerTruthReader(const std::filesystem::path& path)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.file = H5File::open(path);
-  if (!s.file.has_attribute("format") || s.file.text("format") != kFormat)
+  if (!s.file.has_attribute("format") || s.file.text("format") != kTruthFormat)
     throw InputError(path.string(), "is no tracker truth of this program");
   if (s.file.integer("version") != kVersion)
     throw InputError(path.string(), "is a tracker truth of another format version");

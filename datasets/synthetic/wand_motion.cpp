@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kFarthest_m = 0.9, kLowest_m = 0.4, kHighest_m = 1.7;
 constexpr double kPersonToBall_m = 1.2;
 
@@ -28,7 +27,7 @@ std::vector<Vector3d> positions_of(std::uint64_t count, std::uint64_t seed, cons
   std::vector<Vector3d> positions;
   for (std::uint64_t i = 0; i < count; ++i) {
     const RandomStream random{seed, Purpose::wand_motion, i};
-    const double bearing_rad = random.uniform(0, 0.0, kTwoPi);
+    const double bearing_rad = random.uniform(0, 0.0, (2.0 * std::numbers::pi));
     const double share = random.uniform(1), height_share = random.uniform(2);
     if (i == 0) {
       positions.push_back(centre_m + (0.6 + 0.1 * share) * horizontal(bearing_rad));
@@ -78,7 +77,7 @@ WandMotion::WandMotion(const WandMotionSpec& spec, std::uint64_t seed, const Vec
     start_s += spec.hold_s + spec.move_s;
     const double bearing = std::atan2(ball.x() - centre_m_.x(), ball.z() - centre_m_.z());
     const double before = bearing_rad_.empty() ? bearing : bearing_rad_.back();
-    bearing_rad_.push_back(before + std::remainder(bearing - before, kTwoPi));
+    bearing_rad_.push_back(before + std::remainder(bearing - before, (2.0 * std::numbers::pi)));
   }
 }
 

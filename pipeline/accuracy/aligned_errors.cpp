@@ -7,7 +7,7 @@ namespace trilat {
 namespace {
 
 // What the alignments of one joint and method are made from.
-struct JointSums {
+struct AlignedSums {
   AlignmentSums whole;
   JointOffset trained;
   void add(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
@@ -17,7 +17,7 @@ struct JointSums {
       trained.add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
   }
 };
-using SumTable = std::vector<JointSums>;  // joints x methods
+using SumTable = std::vector<AlignedSums>;  // joints x methods
 
 AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind kind,
                            std::uint64_t training_end) {

@@ -17,7 +17,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 512;
+constexpr std::uint64_t kBodiesBlock = 512;
 constexpr std::array kTrunk{Joint::spine_base,    Joint::spine_mid,      Joint::spine_shoulder,
                             Joint::shoulder_left, Joint::shoulder_right, Joint::hip_left,
                             Joint::hip_right};
@@ -53,9 +53,10 @@ void read_tracklets(const PlannedTake& planned, const SessionReader& session, st
   const std::size_t number = planned.session_sensor[sensor];
   std::map<std::uint64_t, std::size_t> of_id;
   const std::uint64_t frames = session.counts(number).body_frames;
-  for (std::uint64_t first = 0; first < frames; first += kBlock) {
+  for (std::uint64_t first = 0; first < frames; first += kBodiesBlock) {
     if (stop_requested && stop_requested()) throw Interrupted();
-    for (const BodyFrame& frame : session.body_frames(number, first, std::min(kBlock, frames - first))) {
+    for (const BodyFrame& frame :
+         session.body_frames(number, first, std::min(kBodiesBlock, frames - first))) {
       if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
       const HostTime t = planned.host_from_sensor[sensor](frame.stamp);
       for (const Body& body : frame.bodies) {

@@ -6,7 +6,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 512;
+constexpr std::uint64_t kTrackBlock = 512;
 
 ObservedBody observed(const Body& body) {
   ObservedBody result;
@@ -84,7 +84,7 @@ bool SensorTrack::load_next() {
   while (!ended_) {
     if (block_position_ == block_.size()) {
       const std::uint64_t rows = session_->counts(sensor_).body_frames;
-      block_ = session_->body_frames(sensor_, next_row_, std::min(kBlock, rows - next_row_));
+      block_ = session_->body_frames(sensor_, next_row_, std::min(kTrackBlock, rows - next_row_));
       next_row_ += block_.size();
       block_position_ = 0;
       if (block_.empty()) {

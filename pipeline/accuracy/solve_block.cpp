@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kTogether = 16;  // instants that one thread solves side by side
+constexpr std::uint64_t kSideBySide = 16;  // instants that one thread solves side by side
 
 // What the rig saw during a block: per instant and joint, one observation a sensor.
 struct Observations {
@@ -141,8 +141,8 @@ TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeDa
   seen.values.resize(count * seen.joints * seen.sensors);
   std::vector<TakeCheck> checks(checked ? count : 0);
   gather(plan, planned, data, block, seen);
-  parallel_for_index((count + kTogether - 1) / kTogether, 1, [&](std::size_t part) {
-    const std::uint64_t from = part * kTogether, to = std::min(count, from + kTogether);
+  parallel_for_index((count + kSideBySide - 1) / kSideBySide, 1, [&](std::size_t part) {
+    const std::uint64_t from = part * kSideBySide, to = std::min(count, from + kSideBySide);
     solve_instants(plan, planned, data, seen, from, to, block);
     for (std::uint64_t i = from; checked && i < to; ++i)
       checks[i] = cross_check_instant(plan, planned, data, seen, i, *checked, block.first_instant + i);

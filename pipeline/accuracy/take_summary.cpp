@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFile = "summary.bin";
-constexpr std::string_view kFormat = "trilat.take_summary 3\n";
+constexpr std::string_view kSummaryFormat = "trilat.take_summary 3\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 constexpr std::size_t kOtherBytes = 1 << 20;  // that most summaries have besides block sums
@@ -178,7 +178,7 @@ void check_counts(const TakeStatistics& statistics, std::uint64_t most, const st
   }
 }
 
-std::string head_of(const std::string& key) { return std::string(kFormat) + key + '\n'; }
+std::string head_of(const std::string& key) { return std::string(kSummaryFormat) + key + '\n'; }
 
 }  // namespace
 

@@ -195,8 +195,8 @@ std::vector<Sample> draw_samples(const CalibrationSpec& spec, std::uint64_t unit
 }
 
 // Every sample of a unit in both scenes: sample by sample, in each the far wall first.
-std::vector<SampleOutcome> measure_unit(const CalibrationSpec& spec, std::uint64_t number,
-                                        const Watch& watch) {
+std::vector<SampleOutcome> measure_samples(const CalibrationSpec& spec, std::uint64_t number,
+                                           const Watch& watch) {
   const std::vector<Variant> methods = variants(spec.ball_radius_m);
   const StudyUnit unit = draw_study_unit(spec.seed, number);
   const std::vector<Sample> samples = draw_samples(spec, number);
@@ -285,7 +285,7 @@ std::vector<Item> wand_items(const CalibrationSpec& spec) {
   for (std::uint64_t u = 0; u < spec.units && images > 0; ++u)
     items.push_back({wand_item(u), static_cast<double>(images),
                      [spec, u](const std::filesystem::path&, const Watch& watch) {
-                       return json_of(measure_unit(spec, u, watch));
+                       return json_of(measure_samples(spec, u, watch));
                      }});
   return items;
 }

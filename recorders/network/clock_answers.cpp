@@ -6,7 +6,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::chrono::milliseconds kLookPeriod{200};
+constexpr std::chrono::milliseconds kAnswerLookPeriod{200};
 
 bool is_over(AgentState& state) {
   const std::lock_guard lock(state.mutex);
@@ -19,7 +19,7 @@ void answer_on(AgentState& state, MessageLink& link, const AgentOptions& options
     const auto message = link.receive();
     const std::int64_t t2_ns = steady_now_ns();
     if (!message) {
-      link.wait(kLookPeriod);
+      link.wait(kAnswerLookPeriod);
     } else if (const auto* ping = std::get_if<ClockPingMessage>(&*message)) {
       link.send(ClockPongMessage{ping->id, t2_ns, steady_now_ns()});
     } else if (std::holds_alternative<RefusalMessage>(*message) ||

@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::chrono::milliseconds kLookPeriod{50};
+constexpr std::chrono::milliseconds kSourceLookPeriod{50};
 
 std::string utc_text() {
   const std::time_t now = std::time(nullptr);
@@ -69,7 +69,7 @@ class NetworkSource::Listening {
   void accept_all() {
     while (!state.stop) {
       try {
-        auto accepted = listener_.accept(kLookPeriod);
+        auto accepted = listener_.accept(kSourceLookPeriod);
         join_done();
         if (accepted) serve(std::move(*accepted));
       } catch (const std::exception& error) {
@@ -85,7 +85,7 @@ class NetworkSource::Listening {
     });
   }
   void serve(SocketListener::Accepted accepted) {
-    const auto stranger = state.strangers.add(accepted.from, kLookPeriod);
+    const auto stranger = state.strangers.add(accepted.from, kSourceLookPeriod);
     Connection& connection = connections_.emplace_back();
     try {
       connection.thread =

@@ -10,7 +10,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kAgentLookPeriod{100};
 constexpr std::chrono::seconds kTellPeriod{1};
 constexpr std::uint64_t kMessagesAnAck = 32;
 
@@ -107,7 +107,7 @@ class AgentIntake {
   }
   // Waits for room as long as it takes, and goes on telling the agent that we are there.
   void put(SourceEvent event) {
-    while (!state_.queue.push_for(event, kLookPeriod)) {
+    while (!state_.queue.push_for(event, kAgentLookPeriod)) {
       ended_ = !go_on() || state_.queue.closed();
       if (ended_) return;
       link_.send_sign_of_life(AckMessage{slot_.next_number});
@@ -132,7 +132,7 @@ bool await_begin(ServerState& state, MessageLink& link, AgentSlot& slot) {
       throw LinkRefused("spoke before it was asked");
     if (state.book.begun()) return true;
     link.send_sign_of_life(AckMessage{0});
-    if (!message) link.wait(kLookPeriod);
+    if (!message) link.wait(kAgentLookPeriod);
   }
   return false;
 }
@@ -154,7 +154,7 @@ void serve_agent(ServerState& state, MessageLink& link, AgentSlot& slot) {
     if (intake.ended()) return;
     intake.acknowledge(1);
     link.send_sign_of_life(AckMessage{slot.next_number});
-    if (!heard) link.wait(kLookPeriod);
+    if (!heard) link.wait(kAgentLookPeriod);
   }
 }
 

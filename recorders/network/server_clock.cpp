@@ -7,7 +7,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kClockLookPeriod{100};
 
 struct Ping {
   std::uint64_t id = 0;
@@ -46,8 +46,8 @@ void serve_clock(ServerState& state, MessageLink& link, const AgentSlot& slot, s
     }
     if (message) continue;
     const auto until_next = std::chrono::ceil<std::chrono::milliseconds>(ping.next - now);
-    link.wait(
-        std::clamp(ping.answered ? until_next : kLookPeriod, std::chrono::milliseconds(1), kLookPeriod));
+    link.wait(std::clamp(ping.answered ? until_next : kClockLookPeriod, std::chrono::milliseconds(1),
+                         kClockLookPeriod));
   }
 }
 

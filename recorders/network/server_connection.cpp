@@ -6,7 +6,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kConnectionLookPeriod{100};
 constexpr std::chrono::milliseconds kSeeOffLimit{1000};
 
 // Takes a connection from among the strangers, at once where it says who it is, else when it ends.
@@ -38,7 +38,7 @@ HelloMessage await_hello(ServerState& state, MessageLink& link, const Pending& p
     }
     must_not_be_evicted(pending);
     if (Clock::now() >= deadline) throw LinkLost("said nothing in time");
-    link.wait(kLookPeriod);
+    link.wait(kConnectionLookPeriod);
   }
   throw LinkLost("the recording is over");
 }
@@ -49,7 +49,7 @@ void see_off(MessageLink& link, const Message& last_words) {
   try {
     link.send(last_words);
     while (Clock::now() < deadline) {
-      if (!link.receive()) link.wait(kLookPeriod);
+      if (!link.receive()) link.wait(kConnectionLookPeriod);
     }
   } catch (const LinkLost&) {
   } catch (const LinkRefused&) {

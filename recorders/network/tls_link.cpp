@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLookPeriod{100};
+constexpr std::chrono::milliseconds kTlsLookPeriod{100};
 constexpr std::size_t kBlockBytes = 32u << 10;
 constexpr int kBlocksATurn = 16;  // that may hold nothing for us; a record of TLS is shorter
 constexpr std::size_t kMaxUnsentBytes = 128u << 10;
@@ -105,7 +105,7 @@ class TlsLink : public ByteLink {
       if (take_bytes()) continue;
       const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
       if (left.count() <= 0 || give_up()) throw LinkLost("the handshake was not done in time");
-      inner_->wait(unsent(), std::min(left, kLookPeriod));
+      inner_->wait(unsent(), std::min(left, kTlsLookPeriod));
     }
   }
 

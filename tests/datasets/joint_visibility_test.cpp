@@ -173,7 +173,7 @@ std::vector<Joint> hidden_from(const Vector3d& position_m, const std::vector<Ske
 }
 
 // Faces +z, the left is at +x.
-SkeletonPose standing() { return generated_motion(Person{}, Activity::standing)(0.0); }
+SkeletonPose standing_pose() { return generated_motion(Person{}, Activity::standing)(0.0); }
 
 using testing::Contains;
 using testing::IsEmpty;
@@ -181,12 +181,12 @@ using testing::IsSupersetOf;
 using testing::Not;
 
 TEST(JointVisibility, WhoStandsInFrontOfTheSensorHidesNothing) {
-  EXPECT_THAT(hidden_from({0.0, 1.0, 2.2}, {standing()}), IsEmpty());
+  EXPECT_THAT(hidden_from({0.0, 1.0, 2.2}, {standing_pose()}), IsEmpty());
 }
 
 // (The near hip is behind the hanging hand.)
 TEST(JointVisibility, TheFarSideIsHiddenFromTheSide) {
-  const auto hidden = hidden_from({2.2, 1.0, 0.0}, {standing()});
+  const auto hidden = hidden_from({2.2, 1.0, 0.0}, {standing_pose()});
   EXPECT_THAT(hidden, IsSupersetOf({shoulder_right, elbow_right, hip_right, knee_right, ankle_right}));
   for (const Joint joint : {shoulder_left, elbow_left, wrist_left, knee_left, ankle_left, head, neck})
     EXPECT_THAT(hidden, Not(Contains(joint))) << name_of(joint);
@@ -194,7 +194,7 @@ TEST(JointVisibility, TheFarSideIsHiddenFromTheSide) {
 
 TEST(JointVisibility, AnArmInFrontOfTheTrunkIsSeenAndOneBehindItIsNot) {
   const auto with_arm_at = [](double z_m) {
-    SkeletonPose pose = standing();
+    SkeletonPose pose = standing_pose();
     const Vector3d by = Vector3d(0.0, 1.25, z_m) - pose.at(wrist_left);
     for (const Joint joint : {wrist_left, hand_left, hand_tip_left, thumb_left}) pose.at(joint) += by;
     pose.at(elbow_left) = {0.1, 1.25, z_m};
@@ -206,7 +206,7 @@ TEST(JointVisibility, AnArmInFrontOfTheTrunkIsSeenAndOneBehindItIsNot) {
 }
 
 TEST(JointVisibility, OfTwoCrossingShanksTheOneBehindIsHidden) {
-  SkeletonPose pose = standing();
+  SkeletonPose pose = standing_pose();
   pose.at(knee_left) = {0.0, 0.5, 0.15};
   pose.at(ankle_left) = {0.0, 0.1, 0.15};
   pose.at(knee_right) = {0.0, 0.5, -0.1};
@@ -221,9 +221,9 @@ TEST(JointVisibility, OfTwoCrossingShanksTheOneBehindIsHidden) {
 
 TEST(JointVisibility, SomebodyInFrontHidesAndSomebodyBehindDoesNot) {
   const Vector3d sensor(0.0, 1.0, 2.2);
-  EXPECT_THAT(hidden_from(sensor, {standing(), moved(standing(), {0.0, 0.0, 0.6})}),
+  EXPECT_THAT(hidden_from(sensor, {standing_pose(), moved(standing_pose(), {0.0, 0.0, 0.6})}),
               IsSupersetOf({head, spine_mid, hip_left, hip_right, knee_left}));
-  EXPECT_THAT(hidden_from(sensor, {standing(), moved(standing(), {0.0, 0.0, -0.6})}), IsEmpty());
+  EXPECT_THAT(hidden_from(sensor, {standing_pose(), moved(standing_pose(), {0.0, 0.0, -0.6})}), IsEmpty());
 }
 
 TEST(JointVisibility, AJointWithoutBonesAndAShareOfZeroHideNothing) {
@@ -233,7 +233,7 @@ TEST(JointVisibility, AJointWithoutBonesAndAShareOfZeroHideNothing) {
   lonely.present.set(static_cast<std::size_t>(wrist_left));
   EXPECT_THAT(hidden_from({0.0, 1.0, 2.0}, {lonely}), IsEmpty());
   JointVisibility visibility{DepthIntrinsics()};
-  const std::vector<SkeletonPose> poses{standing()};
+  const std::vector<SkeletonPose> poses{standing_pose()};
   visibility.set_persons(poses, world_from_sensor_looking_at({2.2, 1.0, 0.0}, {0.0, 1.0, 0.0}));
   EXPECT_TRUE(visibility.hidden_joints(0, 0.5).any());
   EXPECT_TRUE(visibility.hidden_joints(0, 0.0).none());

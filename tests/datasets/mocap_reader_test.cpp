@@ -55,7 +55,7 @@ struct Refusal {
   std::string problem;
 };
 
-Refusal refusal_of(const std::string& text) {
+Refusal csv_refusal(const std::string& text) {
   const TemporaryFile file(text);
   try {
     read_optitrack_csv(file.path());
@@ -198,7 +198,7 @@ TEST(MocapReader, TurnsEulerAnglesOfEveryOrderIntoQuaternions) {
 }
 
 TEST(MocapReader, RefusesThreeRotationColumnsWithoutAnOrder) {
-  const Refusal refusal = refusal_of(euler_take("Quaternion"));
+  const Refusal refusal = csv_refusal(euler_take("Quaternion"));
   EXPECT_EQ(refusal.place, "F:7");
   EXPECT_THAT(refusal.problem, AllOf(HasSubstr("rigid_body \"b\""), HasSubstr("XYZ")));
 }
@@ -247,7 +247,7 @@ TEST(MocapReader, UsesPrintedTimesOnlyWhenNoRateIsStated) {
   const MocapTake take = read(head + "\n" + kMarkerHeadings + "5,1.5,1,2,3\n6,1.75,1,2,3\n");
   EXPECT_TRUE(std::isnan(take.header.export_rate_hz));
   EXPECT_EQ(take.frames.at(1).time.ns, 250'000'000);
-  EXPECT_EQ(refusal_of(head + "\n" + kMarkerHeadings + "5,,1,2,3\n").place, "F:8");
+  EXPECT_EQ(csv_refusal(head + "\n" + kMarkerHeadings + "5,,1,2,3\n").place, "F:8");
 }
 
 TEST(MocapReader, ReadsAnExportWithoutAnyAsset) {
@@ -353,55 +353,55 @@ TEST(MocapReader, ReadsOnlyWhatIsWanted) {
 }
 
 TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
-  const Refusal text = refusal_of(keys("1.23") + "\n" + kHeadings + kRows + "3,0.03,0,0,0,1,1,abc,3\n");
+  const Refusal text = csv_refusal(keys("1.23") + "\n" + kHeadings + kRows + "3,0.03,0,0,0,1,1,abc,3\n");
   EXPECT_EQ(text.place, "F:11");
   EXPECT_THAT(text.problem,
               AllOf(HasSubstr("column 8"), HasSubstr("rigid_body:Wand, position Y"), HasSubstr("\"abc\"")));
-  const Refusal far = refusal_of(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,1,1,,4,5,1001\n");
+  const Refusal far = csv_refusal(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,1,1,,4,5,1001\n");
   EXPECT_EQ(far.place, "F:8");
   EXPECT_THAT(far.problem, AllOf(HasSubstr("marker:Wand, position Z"), HasSubstr("kilometre")));
-  const Refusal frame = refusal_of(keys("1.23") + "\n" + kHeadings + "0.5,0,0,0,0,1,1,1,1\n");
+  const Refusal frame = csv_refusal(keys("1.23") + "\n" + kHeadings + "0.5,0,0,0,0,1,1,1,1\n");
   EXPECT_EQ(frame.place, "F:8");
   EXPECT_THAT(frame.problem, HasSubstr("frame number"));
-  EXPECT_THAT(refusal_of(keys("1.23") + "\n" + kMarkerHeadings + "0,1e300,1,2,3\n").problem,
+  EXPECT_THAT(csv_refusal(keys("1.23") + "\n" + kMarkerHeadings + "0,1e300,1,2,3\n").problem,
               HasSubstr("column 2 (time)"));
 }
 
 TEST(MocapReader, SaysWhichHeaderValueIsWrong) {
-  const Refusal unit = refusal_of(keys("1.23", "Furlongs") + "\n" + kHeadings);
+  const Refusal unit = csv_refusal(keys("1.23", "Furlongs") + "\n" + kHeadings);
   EXPECT_EQ(unit.place, "F:1");
   EXPECT_THAT(unit.problem, AllOf(HasSubstr("\"Length Units\" is \"Furlongs\""), HasSubstr("Feet")));
   std::string rate = keys("1.23");
   rate.replace(rate.find("Export Frame Rate,100"), 21, "Export Frame Rate,-10");
-  EXPECT_THAT(refusal_of(rate + "\n" + kHeadings).problem, HasSubstr("Export Frame Rate"));
+  EXPECT_THAT(csv_refusal(rate + "\n" + kHeadings).problem, HasSubstr("Export Frame Rate"));
 }
 
 TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
-  const Refusal refusal = refusal_of(keys("1.23") +
-                                     "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,"
-                                     "Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
+  const Refusal refusal = csv_refusal(keys("1.23") +
+                                      "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,"
+                                      "Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
   EXPECT_EQ(refusal.place, "F:7");
   EXPECT_THAT(refusal.problem, HasSubstr("marker \"a\""));
 }
 
 TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
-  EXPECT_EQ(refusal_of("").place, "F:1");
-  EXPECT_THAT(refusal_of("").problem, HasSubstr("empty"));
+  EXPECT_EQ(csv_refusal("").place, "F:1");
+  EXPECT_THAT(csv_refusal("").problem, HasSubstr("empty"));
   for (const std::string& text :
        {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12), std::string(5000, '\0'),
         std::string("PathFileType\t4\t(X/Y/Z)\tx.trc\n")}) {
-    EXPECT_EQ(refusal_of(text).place, "F:1");
-    EXPECT_THAT(refusal_of(text).problem, HasSubstr("no OptiTrack export"));
+    EXPECT_EQ(csv_refusal(text).place, "F:1");
+    EXPECT_THAT(csv_refusal(text).problem, HasSubstr("no OptiTrack export"));
   }
-  EXPECT_THAT(refusal_of("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
-  EXPECT_THAT(refusal_of("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
-  EXPECT_THAT(refusal_of(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
+  EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
+  EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
+  EXPECT_THAT(csv_refusal(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
   EXPECT_THROW(OptitrackCsvReader("/nowhere/take.csv"), InputError);
 }
 
 TEST(MocapReader, RefusesALineThatNeverEnds) {
   const Refusal refusal =
-      refusal_of(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n" + std::string(18u << 20, '1') + "\n");
+      csv_refusal(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n" + std::string(18u << 20, '1') + "\n");
   EXPECT_EQ(refusal.place, "F:9");
   EXPECT_THAT(refusal.problem, HasSubstr("16 MiB"));
 }
@@ -536,16 +536,16 @@ TEST(MocapReader, LivesWithRepeatedIndicesAndExtraFieldsInOldRows) {
 
 TEST(MocapReader, RefusesBadOldRowsWithTheirLine) {
   const std::string head = "comment,x\nrighthanded\ntrackable,b,1,0\n";
-  const Refusal unknown = refusal_of(head + "frame,0,0,0,0\nfrobnicate,1\n");
+  const Refusal unknown = csv_refusal(head + "frame,0,0,0,0\nfrobnicate,1\n");
   EXPECT_EQ(unknown.place, "F:5");
   EXPECT_THAT(unknown.problem, AllOf(HasSubstr("frobnicate"), HasSubstr("known are")));
-  const Refusal body = refusal_of(head + "frame,0,0,1,9,1,2,3,0,0,0,1,0,0,0,0\n");
+  const Refusal body = csv_refusal(head + "frame,0,0,1,9,1,2,3,0,0,0,1,0,0,0,0\n");
   EXPECT_EQ(body.place, "F:4");
   EXPECT_THAT(body.problem, HasSubstr("body ID 9"));
-  EXPECT_THAT(refusal_of(head + "frame,0,0,1,1,1,2\n").problem, HasSubstr("too early"));
-  EXPECT_THAT(refusal_of(head + "frame,0,0,1,1,x,2,3,0,0,0,1,0,0,0,0\n").problem,
+  EXPECT_THAT(csv_refusal(head + "frame,0,0,1,1,1,2\n").problem, HasSubstr("too early"));
+  EXPECT_THAT(csv_refusal(head + "frame,0,0,1,1,x,2,3,0,0,0,1,0,0,0,0\n").problem,
               HasSubstr("column 6: \"x\""));
-  EXPECT_EQ(refusal_of(head + "trackable,c,1,0\n").place, "F:4");
+  EXPECT_EQ(csv_refusal(head + "trackable,c,1,0\n").place, "F:4");
   EXPECT_EQ(read(head + "frame,0,0,1,1,1,2").frames.size(), 0u);
 }
 

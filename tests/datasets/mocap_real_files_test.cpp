@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-const std::filesystem::path kFolder =
+const std::filesystem::path kMocapFolder =
     std::filesystem::path(kSourceDir) / ".." / "shared" / "data" / "optitrack";
 
 struct RealFile {
@@ -186,14 +186,15 @@ const std::vector<RealFile>& real_files() {
 class MocapRealFile : public testing::TestWithParam<RealFile> {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(kFolder / GetParam().path))
-      GTEST_SKIP() << "the folder " << kFolder.string() << " with " << GetParam().path << " is not there";
+    if (!std::filesystem::exists(kMocapFolder / GetParam().path))
+      GTEST_SKIP() << "the folder " << kMocapFolder.string() << " with " << GetParam().path
+                   << " is not there";
   }
 };
 
 TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
   const RealFile& expected = GetParam();
-  OptitrackCsvReader reader(kFolder / expected.path);
+  OptitrackCsvReader reader(kMocapFolder / expected.path);
   const MocapHeader& header = reader.header();
   EXPECT_EQ(header.format, expected.format);
   EXPECT_EQ(header.take_name, expected.take_name);
@@ -220,7 +221,7 @@ TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
 }
 
 TEST_P(MocapRealFile, HoldsNothingOdd) {
-  const MocapAnomalies anomalies = read_optitrack_csv(kFolder / GetParam().path).anomalies;
+  const MocapAnomalies anomalies = read_optitrack_csv(kMocapFolder / GetParam().path).anomalies;
   EXPECT_EQ(anomalies.repeated_frames, 0);
   EXPECT_EQ(anomalies.rows_with_extra_fields, 0);
   EXPECT_EQ(anomalies.not_finite_cells, 0);
@@ -237,11 +238,12 @@ INSTANTIATE_TEST_SUITE_P(Optitrack, MocapRealFile, testing::ValuesIn(real_files(
   return name;
 });
 
-MocapTake take_of(const char* path) { return read_optitrack_csv(kFolder / path); }
+MocapTake real_take(const char* path) { return read_optitrack_csv(kMocapFolder / path); }
 
 TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
-  if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << "the folder " << kFolder.string() << " is not there";
-  const MocapTake body = take_of("parse_optitrack_csv/test.csv");
+  if (!std::filesystem::exists(kMocapFolder))
+    GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
+  const MocapTake body = real_take("parse_optitrack_csv/test.csv");
   const MocapPose& first = body.frames.at(0).poses.at(0);
   EXPECT_EQ(first.position_m, Eigen::Vector3d(3.717927, 0.045963, -2.209530));
   EXPECT_NEAR(first.rotation.y(), -0.649345, 2e-6);
@@ -250,14 +252,15 @@ TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
       body.frames[0].poses.at(find_asset(body.header, "marker:ernesto_body:Marker4", "test")).position_m,
       Eigen::Vector3d(3.644273, 0.032218, -2.070455));
 
-  const MocapTake wing = take_of("pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv");
+  const MocapTake wing = real_take("pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv");
   EXPECT_TRUE(wing.frames.at(0).poses.at(10).position_m.isApprox(
       Eigen::Vector3d(0.019194016, 0.268596893, 0.050769268), 1e-12));
 }
 
 TEST(MocapRealFiles, LongestGapsAreThoseInTheRows) {
-  if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << "the folder " << kFolder.string() << " is not there";
-  OptitrackCsvReader birds(kFolder / "pathviewr/pathviewr_motive_example_data.csv");
+  if (!std::filesystem::exists(kMocapFolder))
+    GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
+  OptitrackCsvReader birds(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
   // From frame 76552 to 87499, and for the third body, which was lost before, from 72838.
   const MocapSummary summary = summarize_mocap(birds);
   EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 109.47, 1e-9);

@@ -38,7 +38,7 @@ MocapHeader two_assets() {
   return header;
 }
 
-MocapFrame frame_of(std::int64_t index) {
+MocapFrame written_frame(std::int64_t index) {
   MocapFrame frame;
   frame.index = index;
   frame.poses.resize(2);
@@ -50,8 +50,8 @@ MocapFrame frame_of(std::int64_t index) {
 TEST(MocapWriter, WritesTheLayoutOfMotive) {
   const TemporaryFile file;
   OptitrackCsvWriter writer(file.path(), two_assets());
-  writer.write(frame_of(12));
-  writer.write(frame_of(13));
+  writer.write(written_frame(12));
+  writer.write(written_frame(13));
   writer.finish();
   EXPECT_EQ(read_file(file.path()),
             "Format Version,1.25,Take Name,\"walk, \"\"slow\"\"\",Take Notes,\"first second\","
@@ -81,8 +81,8 @@ TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {
     MocapHeader header = two_assets();
     header.length_unit = unit;
     OptitrackCsvWriter writer(file.path(), header);
-    writer.write(frame_of(12));
-    writer.write(frame_of(20));
+    writer.write(written_frame(12));
+    writer.write(written_frame(20));
     writer.finish();
     const MocapTake take = read_optitrack_csv(file.path());
     EXPECT_EQ(take.header.format, "Motive CSV 1.25");
@@ -102,8 +102,8 @@ TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {
     }
     ASSERT_EQ(take.frames.size(), 2u);
     EXPECT_EQ(take.frames[1].time.ns, 66'666'667);
-    EXPECT_TRUE(take.frames[0].poses[0].position_m.isApprox(frame_of(12).poses[0].position_m, 1e-6));
-    EXPECT_EQ(take.frames[0].poses[0].rotation.coeffs(), frame_of(12).poses[0].rotation.coeffs());
+    EXPECT_TRUE(take.frames[0].poses[0].position_m.isApprox(written_frame(12).poses[0].position_m, 1e-6));
+    EXPECT_EQ(take.frames[0].poses[0].rotation.coeffs(), written_frame(12).poses[0].rotation.coeffs());
     EXPECT_FALSE(take.frames[0].poses[1].has_position());
     EXPECT_EQ(take.anomalies.printed_time_differs, 0);
     EXPECT_EQ(take.anomalies.invalid_rotations, 0);
@@ -114,7 +114,7 @@ TEST(MocapWriter, HasTheFinalNameOnlyWhenFinished) {
   const TemporaryFile file;
   {
     OptitrackCsvWriter writer(file.path(), two_assets());
-    writer.write(frame_of(0));
+    writer.write(written_frame(0));
     EXPECT_FALSE(std::filesystem::exists(file.path()));
     EXPECT_TRUE(std::filesystem::exists(partial_name(file.path())));
   }
@@ -125,7 +125,7 @@ TEST(MocapWriter, HasTheFinalNameOnlyWhenFinished) {
 TEST(MocapWriter, RefusesToFinishWithAnotherNumberOfFramesThanStated) {
   const TemporaryFile file;
   OptitrackCsvWriter writer(file.path(), two_assets());
-  writer.write(frame_of(0));
+  writer.write(written_frame(0));
   EXPECT_THROW(writer.finish(), InternalError);
 }
 

@@ -53,13 +53,13 @@ struct Trials {
   }
 };
 
-struct Moments {
+struct RangeMoments {
   double mean = 0.0, mean_magnitude = 0.0, least_magnitude = 1e300, largest_magnitude = 0.0, positive = 0.0;
 };
 
-Moments moments_of_errors(const RangeTrialModel& model) {
+RangeMoments moments_of_errors(const RangeTrialModel& model) {
   const Trials trials(model, 0, kTrials);
-  Moments m;
+  RangeMoments m;
   for (std::size_t i = 0; i < kTrials; ++i) {
     const double e = trials.error_m(model, 1, i);
     m.mean += e / kTrials;
@@ -104,7 +104,7 @@ TEST(RangeTrials, AJointInTheVolumeFillsItAndAtTheCentreStaysThere) {
 }
 
 TEST(RangeTrials, ASignedErrorIsUniformInItsRangeAndHasEitherSignAsOften) {
-  const Moments m = moments_of_errors(model_with(TrialError::range_signed, 0.15, 0.30));
+  const RangeMoments m = moments_of_errors(model_with(TrialError::range_signed, 0.15, 0.30));
   EXPECT_NEAR(m.positive, 0.5, 0.01);
   EXPECT_NEAR(m.mean, 0.0, 0.005);
   EXPECT_NEAR(m.mean_magnitude, 0.225, 0.001);
@@ -114,7 +114,7 @@ TEST(RangeTrials, ASignedErrorIsUniformInItsRangeAndHasEitherSignAsOften) {
 
 TEST(RangeTrials, AGaussianErrorHasTheMeanMagnitudeOfTheMiddleOfItsRange) {
   const RangeTrialModel model = model_with(TrialError::gaussian, 0.05, 0.15);
-  const Moments m = moments_of_errors(model);
+  const RangeMoments m = moments_of_errors(model);
   EXPECT_NEAR(m.mean_magnitude, 0.1, 0.002);
   EXPECT_NEAR(m.mean, 0.0, 0.003);
   const Trials trials(model, 0, 1000);
@@ -134,7 +134,7 @@ TEST(RangeTrials, ADisplacementHasItsLengthAndAnyDirection) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     model.sensor_m[1] = {0.0, 0.0, 0.0};
     model.sensor_m[1][axis] = 1e6;
-    const Moments m = moments_of_errors(model);
+    const RangeMoments m = moments_of_errors(model);
     EXPECT_NEAR(m.largest_magnitude, 0.2, 1e-3) << axis;
     EXPECT_NEAR(m.mean_magnitude, 0.1, 0.002) << axis;
     EXPECT_NEAR(m.mean, 0.0, 0.003) << axis;

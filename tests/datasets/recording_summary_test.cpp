@@ -59,7 +59,7 @@ TEST(RecordingSummary, IsReadAsItWasWritten) {
 }
 
 // What the reader says of a summary.json in which one thing was changed.
-std::string refusal(const std::function<void(Json&)>& change) {
+std::string recording_refusal(const std::function<void(Json&)>& change) {
   const ScratchFolder folder;
   write_recording_summary(folder.path(), small_summary());
   Json json = parse_json(read_file(folder / "summary.json"), "summary.json");
@@ -69,26 +69,28 @@ std::string refusal(const std::function<void(Json&)>& change) {
 }
 
 TEST(RecordingSummary, WhatIsNotOneIsRefusedWithItsPlace) {
-  EXPECT_EQ(refusal([](Json&) {}), "no error");
-  EXPECT_THAT(refusal([](Json& j) { j["version"] = 1; }), HasSubstr("/version: is another version"));
-  EXPECT_THAT(refusal([](Json& j) { j["kind"] = "calibration"; }),
+  EXPECT_EQ(recording_refusal([](Json&) {}), "no error");
+  EXPECT_THAT(recording_refusal([](Json& j) { j["version"] = 1; }),
+              HasSubstr("/version: is another version"));
+  EXPECT_THAT(recording_refusal([](Json& j) { j["kind"] = "calibration"; }),
               HasSubstr("/kind: is \"calibration\"; results of kind \"recording\" are needed here"));
-  EXPECT_THAT(refusal([](Json& j) { j["surprise"] = 1; }), HasSubstr("/surprise: is an unknown key"));
-  EXPECT_THAT(refusal([](Json& j) { j["clocks"][0]["error"]["n"] = 5; }),
+  EXPECT_THAT(recording_refusal([](Json& j) { j["surprise"] = 1; }),
+              HasSubstr("/surprise: is an unknown key"));
+  EXPECT_THAT(recording_refusal([](Json& j) { j["clocks"][0]["error"]["n"] = 5; }),
               HasSubstr("/clocks/0/error/bins: must add up to n"));
-  EXPECT_THAT(refusal([](Json& j) {
+  EXPECT_THAT(recording_refusal([](Json& j) {
                 j["clocks"][0]["error"]["bins"] = {1, 2, 3};
               }),
               HasSubstr("/clocks/0/error/bins: must hold one count for each of the table's ranges"));
-  EXPECT_THAT(refusal([](Json& j) { j["clocks"][0]["error"]["bins"][1] = -2; }),
+  EXPECT_THAT(recording_refusal([](Json& j) { j["clocks"][0]["error"]["bins"][1] = -2; }),
               HasSubstr("/clocks/0/error/bins: must hold counts"));
-  EXPECT_THAT(refusal([](Json& j) { j["fits"][0].erase("offset_sigma_s"); }),
+  EXPECT_THAT(recording_refusal([](Json& j) { j["fits"][0].erase("offset_sigma_s"); }),
               HasSubstr("/fits/0/offset_sigma_s"));
 }
 
 TEST(RecordingSummary, FramesOfAQueueMustAddUp) {
   const auto with = [](const char* key, const Json& count) {
-    return refusal([&](Json& j) { j["queues"][0][key] = count; });
+    return recording_refusal([&](Json& j) { j["queues"][0][key] = count; });
   };
   EXPECT_EQ(with("came", 10), "no error");
   EXPECT_THAT(with("came", 11), HasSubstr("/queues/0/came: must be the sum"));
@@ -100,7 +102,7 @@ TEST(RecordingSummary, FramesOfAQueueMustAddUp) {
 
 TEST(RecordingSummary, CountsOfRunsAndSensorsMustFitTheirRow) {
   const auto with_units = [](const Json& units) {
-    return refusal([&](Json& j) { j["clocks"][0]["units"] = units; });
+    return recording_refusal([&](Json& j) { j["clocks"][0]["units"] = units; });
   };
   const auto row = [](auto... counts) { return Json::array({counts...}); };
   EXPECT_EQ(with_units({row(3, 2, 0, 1), row(4, 4, 1, 2)}), "no error");

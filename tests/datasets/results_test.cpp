@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-SummaryCell full_cell() {
+SummaryCell full_summary_cell() {
   SummaryCell cell;
   cell.method = "nonlinear";
   cell.condition = "walking";
@@ -126,7 +126,7 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
 
 TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   const ScratchFolder folder;
-  const ResultsSummary written = summary_of({full_cell(), unanswered_cell()});
+  const ResultsSummary written = summary_of({full_summary_cell(), unanswered_cell()});
   write_summary(folder.path(), written);
   const ResultsSummary read = read_summary(folder.path());
   EXPECT_EQ(read.study, written.study);
@@ -210,7 +210,7 @@ TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
 
 TEST(Summary, OneWithoutAnyAlignmentIsRefused) {
   const ScratchFolder folder;
-  ResultsSummary summary = summary_of({full_cell()});
+  ResultsSummary summary = summary_of({full_summary_cell()});
   summary.alignments.clear();
   write_summary(folder.path(), summary);
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
@@ -249,7 +249,7 @@ TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   write_file(folder / "summary.json", R"({"format": "coverage.py", "version": 1})");
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
               HasSubstr("summary.json /format: must be \"trilat.results\""));
-  write_summary(folder.path(), summary_of({full_cell()}));
+  write_summary(folder.path(), summary_of({full_summary_cell()}));
   std::string text = read_file(folder / "summary.json");
   text.replace(text.find("\"asked\": 100"), 12, "\"asked\": -10");
   write_file(folder / "summary.json", text);

@@ -54,7 +54,7 @@ Body body_of(std::uint64_t id, float offset) {
   return body;
 }
 
-BodyFrame frame_of(std::int64_t i, std::size_t bodies) {
+BodyFrame body_frame_of(std::int64_t i, std::size_t bodies) {
   BodyFrame frame;
   frame.stamp = {i, 1000 + i * 333'333, 5'000'000'000 + i * 33'333'300};
   frame.floor_plane = {0, 1, 0, 1.5f};
@@ -70,7 +70,7 @@ std::vector<std::uint16_t> depth_of(std::uint16_t seed) {
   return depth;
 }
 
-std::string message_of(const std::function<void()>& action) {
+std::string session_message(const std::function<void()>& action) {
   try {
     action();
   } catch (const InputError& error) {
@@ -83,7 +83,7 @@ TEST(Session, WhatIsWrittenIsReadBack) {
   const auto path = scratch("round_trip.h5");
   SessionWriter writer(path, header_of(2));
   for (std::int64_t i = 0; i < 2500; ++i) {
-    writer.add_body_frame(0, frame_of(i, static_cast<std::size_t>(i) % 3));
+    writer.add_body_frame(0, body_frame_of(i, static_cast<std::size_t>(i) % 3));
     if (i % 30 == 0) writer.flush();
   }
   writer.add_clock_exchange(1, {1, 2, 3, 4});
@@ -101,7 +101,7 @@ TEST(Session, WhatIsWrittenIsReadBack) {
   const auto frames = reader.body_frames(0, 1500, 700);  // across blocks, from the middle
   ASSERT_EQ(frames.size(), 700u);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const BodyFrame expected = frame_of(static_cast<std::int64_t>(1500 + i), (1500 + i) % 3);
+    const BodyFrame expected = body_frame_of(static_cast<std::int64_t>(1500 + i), (1500 + i) % 3);
     EXPECT_EQ(frames[i].stamp.device_ticks, expected.stamp.device_ticks);
     EXPECT_EQ(frames[i].floor_plane, expected.floor_plane);
     ASSERT_EQ(frames[i].bodies.size(), expected.bodies.size());
@@ -168,7 +168,7 @@ TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
   if (child == 0) {
     SessionWriter writer(path, header_of(1));
     for (std::int64_t i = 0; i < 100; ++i) {
-      writer.add_body_frame(0, frame_of(i, 1));
+      writer.add_body_frame(0, body_frame_of(i, 1));
       if (i == 74) writer.flush();
     }
     kill(getpid(), SIGKILL);
@@ -180,36 +180,37 @@ TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
   const SessionReader reader(partial_name(path));
   EXPECT_FALSE(reader.complete());
   EXPECT_EQ(reader.counts(0).body_frames, 75u);
-  EXPECT_EQ(reader.body_frames(0, 74, 1)[0].bodies.at(0).position_m, frame_of(74, 1).bodies[0].position_m);
+  EXPECT_EQ(reader.body_frames(0, 74, 1)[0].bodies.at(0).position_m,
+            body_frame_of(74, 1).bodies[0].position_m);
 }
 
 TEST(Session, OtherFilesAreRefusedWithTheReason) {
-  EXPECT_THAT(message_of([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(session_message([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
   const auto text = scratch("text.h5");
   std::ofstream(text) << "not HDF5";
-  EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
+  EXPECT_THAT(session_message([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
   const auto other = scratch("other.h5");
   H5File::create(other).set_text("format", "something else");
-  EXPECT_THAT(message_of([&] { SessionReader reader(other); }), HasSubstr("not a session"));
+  EXPECT_THAT(session_message([&] { SessionReader reader(other); }), HasSubstr("not a session"));
   const auto newer = scratch("newer.h5");
   {
     H5File file = H5File::create(newer);
     file.set_text("format", "trilat.session");
     file.set_integer("version", 2);
   }
-  EXPECT_THAT(message_of([&] { SessionReader reader(newer); }), HasSubstr("format version 2"));
+  EXPECT_THAT(session_message([&] { SessionReader reader(newer); }), HasSubstr("format version 2"));
 }
 
 TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
   const auto path = scratch("whole.h5");
   SessionWriter writer(path, header_of(2));
-  for (std::int64_t i = 0; i < 200; ++i) writer.add_body_frame(0, frame_of(i, 2));
+  for (std::int64_t i = 0; i < 200; ++i) writer.add_body_frame(0, body_frame_of(i, 2));
   writer.finish();
   const std::string bytes = read_file(path);
   const auto cut = scratch("cut.h5");
   for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 37) {
     std::ofstream(cut, std::ios::binary) << bytes.substr(0, size);
-    EXPECT_THAT(message_of([&] {
+    EXPECT_THAT(session_message([&] {
                   const SessionReader reader(cut);
                   reader.body_frames(0, 0, reader.counts(0).body_frames);
                 }),
@@ -220,13 +221,13 @@ TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
 TEST(Session, AskingBeyondTheEndIsRefused) {
   const auto path = scratch("short.h5");
   SessionWriter writer(path, header_of(1));
-  for (std::int64_t i = 0; i < 3; ++i) writer.add_body_frame(0, frame_of(i, 0));
+  for (std::int64_t i = 0; i < 3; ++i) writer.add_body_frame(0, body_frame_of(i, 0));
   writer.finish();
   const SessionReader reader(path);
-  EXPECT_THAT(message_of([&] { reader.body_frames(0, 2, 2); }), HasSubstr("has 3 whole rows"));
-  EXPECT_THAT(message_of([&] { reader.body_frames(0, 1, ~std::uint64_t{0}); }),
+  EXPECT_THAT(session_message([&] { reader.body_frames(0, 2, 2); }), HasSubstr("has 3 whole rows"));
+  EXPECT_THAT(session_message([&] { reader.body_frames(0, 1, ~std::uint64_t{0}); }),
               HasSubstr("has 3 whole rows"));
-  EXPECT_THAT(message_of([&] { reader.sensor_index("k9"); }), HasSubstr("it has k0"));
+  EXPECT_THAT(session_message([&] { reader.sensor_index("k9"); }), HasSubstr("it has k0"));
 }
 
 TEST(Session, VerifySaysWhatIsOdd) {
@@ -234,7 +235,7 @@ TEST(Session, VerifySaysWhatIsOdd) {
   SessionWriter writer(path, header_of(1));
   for (std::int64_t i = 0; i < 60; ++i) {
     if (i == 20 || i == 21) continue;
-    BodyFrame frame = frame_of(i, 1);
+    BodyFrame frame = body_frame_of(i, 1);
     if (i == 30) frame.bodies[0].position_m[1][0] = std::numeric_limits<float>::quiet_NaN();
     if (i == 40) frame.bodies[0].tracking_state[5] = 9;
     writer.add_body_frame(0, frame);
@@ -256,10 +257,10 @@ TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
   const auto path = scratch("endangered.h5");
   {
     SessionWriter writer(path, header_of(1));
-    BodyFrame frame = frame_of(0, 2);
+    BodyFrame frame = body_frame_of(0, 2);
     frame.bodies[1].tracking_id = frame.bodies[0].tracking_id;
     writer.add_body_frame(0, frame);
-    writer.add_body_frame(0, frame_of(2, 1));
+    writer.add_body_frame(0, body_frame_of(2, 1));
     writer.add_drop_count(0, {5, 1, 7});
     writer.add_notice(0, {6, "unplugged"});
     writer.finish();
@@ -288,7 +289,7 @@ std::filesystem::path session_with_restart(const std::string& name, std::int64_t
   const auto path = scratch(name);
   SessionWriter writer(path, header_of(1));
   for (std::int64_t i = 0; i < 20; ++i) {
-    BodyFrame frame = frame_of(i + 1000, 1);
+    BodyFrame frame = body_frame_of(i + 1000, 1);
     if (i >= 10) {
       frame.stamp.sequence = i - 10;
       frame.stamp.device_ticks = ticks + (i - 10) * 333'333;
@@ -312,7 +313,7 @@ TEST(Session, VerifySaysThatAComputerCouldNotKeepUp) {
   {
     SessionWriter writer(path, header_of(1));
     for (std::int64_t i = 0; i < 600; ++i) {
-      BodyFrame frame = frame_of(i, 1);
+      BodyFrame frame = body_frame_of(i, 1);
       frame.stamp.arrival_ns += i * 10'700'000;
       writer.add_body_frame(0, frame);
     }
@@ -326,7 +327,7 @@ TEST(Session, VerifySaysHowFarFramesLieFromExchanges) {
   const auto path = scratch("outside.h5");
   {
     SessionWriter writer(path, header_of(1));
-    for (std::int64_t i = 0; i < 900; ++i) writer.add_body_frame(0, frame_of(i, 1));
+    for (std::int64_t i = 0; i < 900; ++i) writer.add_body_frame(0, body_frame_of(i, 1));
     for (std::int64_t i = 0; i < 20; ++i) {
       const std::int64_t t_ns = 5'000'000'000 + i * 250'000'000;
       writer.add_clock_exchange(0, {t_ns, t_ns + 200'000, t_ns + 250'000, t_ns + 450'000});
@@ -342,7 +343,7 @@ TEST(Session, ReadersOfAnUnfinishedFileGoByWhatWasFlushed) {
   const auto path = scratch("half.h5");
   auto writer = std::make_unique<SessionWriter>(path, header_of(1, true));
   for (std::int64_t i = 0; i < 5; ++i) {
-    writer->add_body_frame(0, frame_of(i, 1));
+    writer->add_body_frame(0, body_frame_of(i, 1));
     writer->add_depth_frame(0, encode_depth_frame({i, i, i}, depth_of(1), ChunkCompression::blosc));
   }
   writer->flush();
@@ -385,12 +386,12 @@ TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
 TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
   const auto path = scratch("superblock.h5");
   SessionWriter writer(path, header_of(1));
-  writer.add_body_frame(0, frame_of(0, 1));
+  writer.add_body_frame(0, body_frame_of(0, 1));
   writer.finish();
   std::string bytes = read_file(path);
   bytes.at(44) = static_cast<char>(bytes.at(44) ^ 0x5a);  // of the checksum
   write_file(path, bytes);
-  EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
+  EXPECT_THAT(session_message([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
 }
 
 // `pattern`, once in the file, with one bit changed.
@@ -408,10 +409,10 @@ TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
   {
     SessionWriter writer(path, header_of(2));
     for (std::int64_t i = 0; i < 100; ++i) {
-      BodyFrame frame = frame_of(i, 1);
+      BodyFrame frame = body_frame_of(i, 1);
       if (i == 5) frame.bodies[0].position_m[3][2] = kMark;
       writer.add_body_frame(0, frame);
-      BodyFrame late = frame_of(i, 1);
+      BodyFrame late = body_frame_of(i, 1);
       if (i == 70) late.stamp.device_ticks = std::int64_t{1} << 62;
       writer.add_body_frame(1, late);
       const std::int64_t t2 = i == 50 ? std::int64_t{1} << 61 : i + 1;
@@ -421,7 +422,7 @@ TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
   }  // never finished
   flip_a_bit_of(partial_name(path), std::string(reinterpret_cast<const char*>(&kMark), sizeof kMark));
   // a read that also touches the last chunk must not believe the damaged one
-  EXPECT_THAT(message_of([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
+  EXPECT_THAT(session_message([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
               HasSubstr("position_m: cannot be read"));
   std::filesystem::remove(saved);
   const auto recoveries = recover_session(partial_name(path), saved);
@@ -445,7 +446,7 @@ TEST(SessionRecover, CountsAndNoticesThatCannotBeReadAreCountedAsDamaged) {
     for (std::int64_t i = 0; i < 100; ++i) {
       const auto bodies = static_cast<int>(i * i % 7 % 4);
       if (i >= 32 && i < 64) counts += static_cast<char>(bodies);
-      writer.add_body_frame(0, frame_of(i, bodies));
+      writer.add_body_frame(0, body_frame_of(i, bodies));
       writer.add_notice(0, {i, "what was seen at " + std::to_string(1000 + i)});
       if (i % 20 == 19) writer.flush();
     }

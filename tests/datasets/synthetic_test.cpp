@@ -43,7 +43,7 @@ Vector3d point_of(const Body& body, std::size_t joint) {
 }
 
 // Mean, and standard deviation about it.
-struct Moments {
+struct ErrorMoments {
   double n = 0.0, sum = 0.0, squares = 0.0;
   void add(double value) {
     n += 1.0;
@@ -97,7 +97,7 @@ TEST(GeneratedPerson, LimbsKeepTheirLengthWhileMoving) {
 }
 
 TEST(GeneratedPerson, IsDrawnWithinTheStatedRangeAndFillsIt) {
-  Moments stature;
+  ErrorMoments stature;
   double least = 10.0, most = 0.0;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const Person person = draw_person(7, i, 1.70, 0.17);
@@ -169,11 +169,11 @@ TEST(SimulatedSensor, NoiseAndBiasAreAsDeclared) {
   spec.dropped_share = 0.0;
   spec.inferred_share = 0.0;
   const Motion motion = generated_motion(Person{}, Activity::standing);
-  Moments noise, bias;
+  ErrorMoments noise, bias;
   for (std::uint64_t participant = 0; participant < 40; ++participant) {
     const SimulatedItem item{11, participant, participant};
     for (const SimulatedSensor& sensor : rig_of(spec, item)) {
-      std::map<std::size_t, std::array<Moments, 3>> joints;
+      std::map<std::size_t, std::array<ErrorMoments, 3>> joints;
       for (std::uint64_t f = 0; f < 40; ++f) {
         const BodyFrame frame = *simulate_body_frame(sensor, spec, item, motion, f);
         for (const Body& body : frame.bodies)
@@ -185,7 +185,7 @@ TEST(SimulatedSensor, NoiseAndBiasAreAsDeclared) {
           }
       }
       for (const auto& [joint, axes] : joints)
-        for (const Moments& axis : axes) {
+        for (const ErrorMoments& axis : axes) {
           bias.add(axis.mean());
           noise.add(axis.sigma() * std::sqrt(axis.n / (axis.n - 1.0)));
         }
@@ -206,7 +206,7 @@ TEST(SimulatedSensor, InferredAndDroppedSharesAreAsDeclared) {
   const SimulatedSensor sensor = rig_of(spec, item).front();
   constexpr std::uint64_t kFrames = 4500;  // 300 half-second stretches of each joint
   double kept = 0.0, joints = 0.0;
-  Moments inferred, tracked;
+  ErrorMoments inferred, tracked;
   for (std::uint64_t f = 0; f < kFrames; ++f) {
     const auto frame = simulate_body_frame(sensor, spec, item, motion, f);
     if (!frame) continue;
@@ -302,7 +302,7 @@ TEST(SimulatedMarkers, NoiseAndGapsAreAsDeclared) {
   MocapSpec exact = spec;
   exact.marker_noise_sigma_m = 0.0;
   const Motion motion = generated_motion(Person{}, Activity::standing);
-  Moments noise;
+  ErrorMoments noise;
   double lost = 0.0, all = 0.0;
   for (std::uint64_t f = 0; f < 10'000; ++f) {
     const auto noisy = simulate_markers(motion(0.0), Joint::head, spec, {9, 0, 0}, f);
@@ -329,7 +329,7 @@ TEST(SimulatedMarkers, ARigidBodyIsWhereItIsButForAMarkersNoiseAndGaps) {
   MocapSpec spec;
   spec.gap_share = 0.05;
   const Vector3d position(0.3, 1.2, -0.4);
-  Moments noise;
+  ErrorMoments noise;
   double lost = 0.0;
   for (std::uint64_t f = 0; f < 20'000; ++f) {
     const Vector3d seen = simulate_rigid_body(position, spec, {9, 0, 0}, f);
@@ -344,7 +344,7 @@ TEST(SimulatedMarkers, ARigidBodyIsWhereItIsButForAMarkersNoiseAndGaps) {
 }
 
 TEST(SimulatedMarkers, TheStatedStartIsOffByNoMoreThanDeclared) {
-  Moments error;
+  ErrorMoments error;
   for (std::uint64_t take = 0; take < 1000; ++take) error.add(mocap_clock_error({}, {1, take, 0}).seconds());
   EXPECT_NEAR(error.sigma(), 0.005 / std::sqrt(3.0), 2e-4);
   EXPECT_NEAR(error.mean(), 0.0, 4e-4);
@@ -366,7 +366,7 @@ TEST(SimulationSpec, TheRigLooksAtItsCentreFromTheStatedHeights) {
   }
 }
 
-std::string refusal_of(const std::string& members) {
+std::string simulation_refusal(const std::string& members) {
   return message_of([&] {
     parse_simulation(
         parse_json(R"({"format": "trilat.simulation", "version": 1)" + members + "}", "sim.json"), "sim.json",
@@ -375,7 +375,7 @@ std::string refusal_of(const std::string& members) {
 }
 
 TEST(SimulationSpec, DefaultsAreAWholeCampaign) {
-  EXPECT_EQ(refusal_of(""), "no error");
+  EXPECT_EQ(simulation_refusal(""), "no error");
   const SimulationSpec spec = parse_simulation(
       parse_json(R"({"format": "trilat.simulation", "version": 1})", "sim.json"), "sim.json", {});
   EXPECT_EQ(spec.participants, 16u);
@@ -430,7 +430,7 @@ TEST(SimulationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
       {R"(, "wand": {}, "room": {"walls": 5})", "sim.json /room/walls: must be 0 to 4"},
       {R"(, "mocap": {"rate_hz": 100, "rate_hz": 120})", "sim.json: has the key \"rate_hz\" twice"}};
   for (const auto& [members, message] : cases)
-    EXPECT_THAT(refusal_of(members), HasSubstr(message)) << members;
+    EXPECT_THAT(simulation_refusal(members), HasSubstr(message)) << members;
   EXPECT_THAT(message_of([] { read_simulation("/nonexistent/sim.json"); }),
               HasSubstr("/nonexistent/sim.json"));
 }

@@ -19,7 +19,7 @@ std::vector<std::size_t> blocks_of(const std::vector<std::size_t>& by_cluster) {
 }
 
 // Sums of one column of values and one of ones.
-Eigen::MatrixXd sums_of(const std::vector<double>& values) {
+Eigen::MatrixXd block_sums_of(const std::vector<double>& values) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(values.size()), 2);
   for (std::size_t b = 0; b < values.size(); ++b) sums(static_cast<Eigen::Index>(b), 0) = values[b];
   return sums;
@@ -29,7 +29,7 @@ IntervalEstimate interval_of(const std::vector<double>& values, const std::vecto
                              std::size_t resamples = 2000) {
   const std::vector<RatioColumns> ratios{{0, 1}};
   const std::vector<BootstrapQuantity> quantities{{}};
-  return solve_intervals(sums_of(values), draw_resamples(blocks_of(blocks), {resamples, 1}), ratios,
+  return solve_intervals(block_sums_of(values), draw_resamples(blocks_of(blocks), {resamples, 1}), ratios,
                          quantities)[0];
 }
 

@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kSensors = 2;
-constexpr double kRate_hz = 30.0;
+constexpr std::size_t kSceneSensors = 2;
+constexpr double kSceneRate_hz = 30.0;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 const std::vector<Joint> kArm{Joint::wrist_left, Joint::shoulder_left, Joint::elbow_left};
 
@@ -31,14 +31,14 @@ struct Scene {
   std::vector<Vector3d> truth_m;
   std::vector<JointObservation> seen;
 
-  BodyPath path() const { return {time_ns, joints, kSensors, seen}; }
+  BodyPath path() const { return {time_ns, joints, kSceneSensors, seen}; }
   JointObservation& at(std::size_t i, std::size_t joint, std::size_t sensor) {
-    return seen[(i * joints.size() + joint) * kSensors + sensor];
+    return seen[(i * joints.size() + joint) * kSceneSensors + sensor];
   }
   std::size_t slot(std::size_t i, std::size_t joint) const { return i * joints.size() + joint; }
   void hide(std::size_t joint, std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i)
-      for (std::size_t s = 0; s < kSensors; ++s) at(i, joint, s) = {};
+      for (std::size_t s = 0; s < kSceneSensors; ++s) at(i, joint, s) = {};
   }
 };
 
@@ -57,11 +57,11 @@ Scene scene_of(std::size_t instants, double noise_m, const std::vector<Joint>& j
   Scene scene;
   scene.joints = joints;
   for (std::size_t i = 0; i < instants; ++i) {
-    scene.time_ns.push_back(std::llround(1e9 * static_cast<double>(i) / kRate_hz));
+    scene.time_ns.push_back(std::llround(1e9 * static_cast<double>(i) / kSceneRate_hz));
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const RandomStream random{seed, Purpose::test, i * joints.size() + j};
-      scene.truth_m.push_back(arm_joint_m(joints[j], moves ? static_cast<double>(i) / kRate_hz : 0.0));
-      for (std::uint32_t s = 0; s < kSensors; ++s) {
+      scene.truth_m.push_back(arm_joint_m(joints[j], moves ? static_cast<double>(i) / kSceneRate_hz : 0.0));
+      for (std::uint32_t s = 0; s < kSceneSensors; ++s) {
         const Vector3d noise(random.normal(10 * s), random.normal(10 * s + 1), random.normal(10 * s + 2));
         scene.seen.push_back({true, TrackingState::tracked, scene.truth_m.back() + noise_m * noise, 2.0});
       }
@@ -79,10 +79,10 @@ std::vector<PointEstimate> solve(const Scene& scene, const BoneWindowOptions& op
 std::vector<PointEstimate> smoothed(Scene& scene, std::size_t joint, const BoneWindowOptions& options) {
   std::vector<JointObservation> seen;
   for (std::size_t i = 0; i < scene.time_ns.size(); ++i)
-    for (std::size_t s = 0; s < kSensors; ++s) seen.push_back(scene.at(i, joint, s));
+    for (std::size_t s = 0; s < kSceneSensors; ++s) seen.push_back(scene.at(i, joint, s));
   KalmanOptions smoother{.gate_sigma = kNever, .longest_gap_s = options.longest_gap_s, .smooth = true};
   std::vector<PointEstimate> estimates(scene.time_ns.size());
-  solve_kalman(scene.time_ns, seen, kSensors, smoother, estimates);
+  solve_kalman(scene.time_ns, seen, kSceneSensors, smoother, estimates);
   return estimates;
 }
 
@@ -144,7 +144,7 @@ Eigen::VectorXd plain_residuals(const Scene& scene, const BoneWindowOptions& opt
   const auto part = [&](std::size_t i, std::size_t j, int half) -> Vector3d {
     return x.segment<3>(static_cast<int>(6 * scene.slot(i, j)) + 3 * half);
   };
-  const double dt = 1.0 / kRate_hz;
+  const double dt = 1.0 / kSceneRate_hz;
   Eigen::Matrix2d noise;
   noise << dt * dt * dt / 3, dt * dt / 2, dt * dt / 2, dt;
   const Eigen::Matrix2d factor = (options.acceleration_density_m2_s3 * noise).llt().matrixL();
@@ -152,10 +152,10 @@ Eigen::VectorXd plain_residuals(const Scene& scene, const BoneWindowOptions& opt
     r.push_back(((part(i, 0, 0) - part(i, 1, 0)).norm() - length_m) / options.bone_sigma_m);
     for (std::size_t j = 0; j < 2; ++j)
       for (int axis = 0; axis < 3; ++axis) {
-        for (std::size_t s = 0; s < kSensors; ++s)
-          r.push_back(
-              (part(i, j, 0)[axis] - scene.seen[scene.slot(i, j) * kSensors + s].point_in_world_m[axis]) /
-              options.sigma_m);
+        for (std::size_t s = 0; s < kSceneSensors; ++s)
+          r.push_back((part(i, j, 0)[axis] -
+                       scene.seen[scene.slot(i, j) * kSceneSensors + s].point_in_world_m[axis]) /
+                      options.sigma_m);
         if (i == 0) {
           r.push_back(part(0, j, 1)[axis] / options.speed_sigma_m_s);
           continue;

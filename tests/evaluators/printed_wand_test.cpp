@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-const DepthRays& rays() {
+const DepthRays& printed_rays() {
   static const DepthRays result = depth_rays(DepthIntrinsics{});
   return result;
 }
@@ -36,7 +36,7 @@ DepthPicture block_before_a_wall() {
   return picture;
 }
 
-PrintedWandOptions all_corrected() {
+PrintedWandOptions all_equations_corrected() {
   return {.invalid_pixels = Reading::corrected,
           .binarisation = Binarisation::corrected,
           .projection = Reading::corrected,
@@ -44,7 +44,7 @@ PrintedWandOptions all_corrected() {
 }
 
 TEST(PrintedWand, AsPrintedItNeverEndsButLeavesTheBlock) {
-  const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), rays(), {});
+  const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), {});
   EXPECT_EQ(sighting.status, WandStatus::not_ended);
   EXPECT_EQ(sighting.pixels, 21 * 11);
   // Eq. 4 at 1 m, then eq. 5: 20 pixels become 20 centimetres; y is up in our frame.
@@ -55,9 +55,9 @@ TEST(PrintedWand, AsPrintedItNeverEndsButLeavesTheBlock) {
 }
 
 TEST(PrintedWand, TheCorrectedStopRuleEndsWithTheSamePixels) {
-  const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), rays(), {});
-  const WandSighting sighting =
-      find_wand_as_printed(block_before_a_wall().view(), rays(), {.binarisation = Binarisation::corrected});
+  const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), {});
+  const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), printed_rays(),
+                                                     {.binarisation = Binarisation::corrected});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 21 * 11);
   EXPECT_EQ(sighting.centre_in_sensor_m, printed.centre_in_sensor_m);
@@ -68,7 +68,8 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
   put_block(picture, 0, 0, 200, 423, 2200);  // someone beside it
   put_block(picture, 300, 100, 320, 110, 900);
   for (const Binarisation binarisation : {Binarisation::printed, Binarisation::corrected})
-    EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.binarisation = binarisation}).pixels, 21 * 11);
+    EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = binarisation}).pixels,
+              21 * 11);
 }
 
 // Depths 0.9 to 2 m: below half the average is nothing, and 0.9 m is less than half of 2 m.
@@ -77,12 +78,13 @@ TEST(PrintedWand, TheCorrectedStopRuleNeedNotEndEither) {
   put_block(picture, 100, 100, 199, 199, 2000);
   put_block(picture, 100, 100, 109, 199, 900);
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
   EXPECT_EQ(sighting.status, WandStatus::found);  // 1.89 m average, threshold 0.95 m: the 0.9 m strip
   EXPECT_EQ(sighting.pixels, 1000);
   put_block(picture, 100, 100, 109, 199, 1000);
-  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected}).status,
-            WandStatus::not_ended);
+  EXPECT_EQ(
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected}).status,
+      WandStatus::not_ended);
 }
 
 // One invalid pixel is the nearest of all as printed: in the end only it is left.
@@ -90,13 +92,13 @@ TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   DepthPicture picture = block_before_a_wall();
   picture.at(20, 30) = 0;
   const WandSighting printed =
-      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
   // The first label map holds block and pixel: 0.5 m is less than C times 1 m, and the average is 0.998 m.
   EXPECT_EQ(printed.pixels, 1);
   EXPECT_NEAR(printed.centre_in_sensor_m.z(), 0.5, 1e-12);
   EXPECT_LT(printed.centre_in_sensor_m.x(), 0.0);
   const WandSighting corrected =
-      find_wand_as_printed(picture.view(), rays(),
+      find_wand_as_printed(picture.view(), printed_rays(),
                            {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
   EXPECT_EQ(corrected.pixels, 21 * 11);
 }
@@ -120,9 +122,9 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
 
 TEST(PrintedWand, ThePrintedCentreAddsTheWidthInPixelsAndTheCorrectedOneTheRadiusAlongTheRay) {
   PrintedWandOptions options = {.binarisation = Binarisation::corrected, .projection = Reading::corrected};
-  const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), rays(), options);
+  const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
   options.centre = Reading::corrected;
-  const WandSighting corrected = find_wand_as_printed(block_before_a_wall().view(), rays(), options);
+  const WandSighting corrected = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
   const Vector3d surface = printed.centre_in_sensor_m - Vector3d(0.0, 0.0, 0.20);
   EXPECT_NEAR(surface.z(), 1.0, 1e-12);
   EXPECT_LT((corrected.centre_in_sensor_m - surface - 0.075 * surface.normalized()).norm(), 1e-12);
@@ -133,7 +135,7 @@ TEST(PrintedWand, AnInvalidMiddleTakesTheDepthOfTheNearestLabelledPixel) {
   put_block(picture, 309, 104, 311, 106, 0);
   picture.at(310, 107) = 1010;
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), rays(),
+      find_wand_as_printed(picture.view(), printed_rays(),
                            {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
   // Two pixels away lie (310, 103), (308, 105), (312, 105) and (310, 107); the first in reading order is
   // taken.
@@ -145,7 +147,7 @@ TEST(PrintedWand, AMiddleBetweenPixelsIsProjectedAsSuch) {
   DepthPicture picture = filled_with(4000);
   put_block(picture, 256, 212, 257, 213, 1000);
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::corrected});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
   EXPECT_NEAR(sighting.centre_in_sensor_m.x(), std::tan(70.0 * kRadPerDegree * 0.5 / 512.0), 1e-12);
   EXPECT_NEAR(sighting.centre_in_sensor_m.z(), 1.01, 1e-12);
 }
@@ -153,9 +155,11 @@ TEST(PrintedWand, AMiddleBetweenPixelsIsProjectedAsSuch) {
 TEST(PrintedWand, NearerThanHalfTheAverageOrItIsNotSeen) {
   DepthPicture picture = filled_with(3000);
   put_block(picture, 300, 100, 320, 110, 1600);  // C times the average is 1.505 m
-  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), all_corrected()).status, WandStatus::no_wand);
+  EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), all_equations_corrected()).status,
+            WandStatus::no_wand);
   put_block(picture, 300, 100, 320, 110, 1490);
-  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), all_corrected()).status, WandStatus::found);
+  EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), all_equations_corrected()).status,
+            WandStatus::found);
 }
 
 // The ball 1 m away, somebody 1.8 m, a wall 5 m: the nearest of both is not half as near as the other, so the
@@ -166,13 +170,13 @@ TEST(PrintedWand, ByTheMidRangeOnlyTheBallIsLeftWhereTheMeanKeepsAPersonToo) {
                                            .discs = {{{0.5, 0.0, 1.8}, Vector3d::UnitZ(), 0.3}},
                                            .sticks = {},
                                            .planes = {{Vector3d::UnitZ(), 5.0}}},
-                                          rays());
-  PrintedWandOptions options = all_corrected();
-  const WandSighting by_mean = find_wand_as_printed(picture.view(), rays(), options);
+                                          printed_rays());
+  PrintedWandOptions options = all_equations_corrected();
+  const WandSighting by_mean = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(by_mean.status, WandStatus::found);
   EXPECT_GT((by_mean.centre_in_sensor_m - ball).norm(), 0.2);
   options.binarisation = Binarisation::mid_range;
-  const WandSighting by_mid_range = find_wand_as_printed(picture.view(), rays(), options);
+  const WandSighting by_mid_range = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(by_mid_range.status, WandStatus::found);
   EXPECT_LT((by_mid_range.centre_in_sensor_m - ball).norm(), 0.015);
 }
@@ -180,11 +184,12 @@ TEST(PrintedWand, ByTheMidRangeOnlyTheBallIsLeftWhereTheMeanKeepsAPersonToo) {
 // A ball at 2.6 m before a wall at 4 m: half of the mean is nearer than either.
 TEST(PrintedWand, ByTheMidRangeABallInFrontOfANearWallIsFound) {
   const Vector3d ball(0.1, 0.0, 2.6);
-  const DepthPicture picture = picture_of({{{ball, 0.075}}, {}, {}, {{Vector3d::UnitZ(), 4.0}}}, rays());
-  PrintedWandOptions options = all_corrected();
-  EXPECT_EQ(find_wand_as_printed(picture.view(), rays(), options).status, WandStatus::no_wand);
+  const DepthPicture picture =
+      picture_of({{{ball, 0.075}}, {}, {}, {{Vector3d::UnitZ(), 4.0}}}, printed_rays());
+  PrintedWandOptions options = all_equations_corrected();
+  EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), options).status, WandStatus::no_wand);
   options.binarisation = Binarisation::mid_range;
-  const WandSighting sighting = find_wand_as_printed(picture.view(), rays(), options);
+  const WandSighting sighting = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(sighting.status, WandStatus::found);
   EXPECT_LT((sighting.centre_in_sensor_m - ball).norm(), 0.015);
 }
@@ -197,34 +202,36 @@ TEST(PrintedWand, ByTheMidRangeItEndsWhenTheNextThresholdLeavesNothingOut) {
   put_block(picture, 300, 110, 319, 119, 1010);
   put_block(picture, 300, 120, 319, 129, 1011);
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), rays(), {.binarisation = Binarisation::mid_range});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::mid_range});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 400);
 }
 
 TEST(PrintedWand, SeesNothingWhereNothingIsLabelled) {
-  const WandSighting empty = find_wand_as_printed(filled_with(0).view(), rays(), all_corrected());
+  const WandSighting empty =
+      find_wand_as_printed(filled_with(0).view(), printed_rays(), all_equations_corrected());
   EXPECT_EQ(empty.status, WandStatus::no_wand);
   EXPECT_TRUE(std::isnan(empty.centre_in_sensor_m.z()));
-  EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), rays(), {}).status, WandStatus::no_wand);
-  EXPECT_EQ(find_wand_as_printed(filled_with(2000).view(), rays(), {}).status, WandStatus::no_wand);
+  EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), printed_rays(), {}).status, WandStatus::no_wand);
+  EXPECT_EQ(find_wand_as_printed(filled_with(2000).view(), printed_rays(), {}).status, WandStatus::no_wand);
 }
 
 TEST(PrintedWand, AFactorOfOneEndsAtTheIterationLimit) {
-  const WandSighting sighting =
-      find_wand_as_printed(block_before_a_wall().view(), rays(), {.c_offset = 5.0, .max_iterations = 7});
+  const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), printed_rays(),
+                                                     {.c_offset = 5.0, .max_iterations = 7});
   EXPECT_EQ(sighting.status,
             WandStatus::found);  // 5 times the nearest is beyond the farthest: eq. 3 holds at last
   DepthPicture uneven = block_before_a_wall();
   uneven.at(300, 100) = 1100;
   const WandSighting endless =
-      find_wand_as_printed(uneven.view(), rays(), {.c_offset = 1.0, .max_iterations = 1});
+      find_wand_as_printed(uneven.view(), printed_rays(), {.c_offset = 1.0, .max_iterations = 1});
   EXPECT_EQ(endless.status, WandStatus::not_ended);
 }
 
 TEST(PrintedWand, AnImageOfAnotherSizeIsOurMistake) {
   const std::vector<std::uint16_t> depth_mm(640 * 480, 1000);
-  EXPECT_THROW(static_cast<void>(find_wand_as_printed({640, 480, depth_mm}, rays(), {})), InternalError);
+  EXPECT_THROW(static_cast<void>(find_wand_as_printed({640, 480, depth_mm}, printed_rays(), {})),
+               InternalError);
 }
 
 }  // namespace

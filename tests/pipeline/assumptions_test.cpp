@@ -72,10 +72,10 @@ TEST(Assumptions, WithoutASimulatorsFileThereAreNone) {
   EXPECT_THAT(read_file(folder / "report/report.md"), Not(HasSubstr("What the simulation behind")));
 }
 
-struct Recorded {
+struct RecordedSession {
   ScratchFolder folder;
   SimulationSpec spec = tracked(0.02);
-  Recorded() {
+  RecordedSession() {
     simulate_into(folder / "real", walking_spec(1, 2.0));
     spec.activities.clear();
     spec.participants = 1;
@@ -85,7 +85,7 @@ struct Recorded {
 };
 
 TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) {
-  Recorded recorded;
+  RecordedSession recorded;
   const Campaign campaign = simulate_into(recorded.folder / "campaign", recorded.spec);
   const auto parameters = read_declared_parameters(recorded.folder / "campaign");
   EXPECT_EQ(value_of(parameters, "motion"), "recorded take");
@@ -96,7 +96,7 @@ TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) 
 }
 
 TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
-  Recorded recorded;
+  RecordedSession recorded;
   run_study(budget_study({recorded.spec, 0.005, 0.2, mean_study()}), recorded.folder / "results",
             {.threads = 2});
   const BudgetSummary s = read_budget_summary(recorded.folder / "results");
@@ -115,7 +115,7 @@ TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
 }
 
 TEST(Assumptions, ARecordedTakeThatIsReplacedDuringTheBudgetIsRefused) {
-  Recorded recorded;
+  RecordedSession recorded;
   const Json document = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "error_budget",
       "name": "budget", "alignments": ["none"], "methods": [{"method": "mean"}]})",
                                    "budget.json");

@@ -24,7 +24,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kMethods =
+constexpr const char* kBudgetMethods =
     R"("alignments": ["none"], "clock": "stated", "methods": [{"method": "mean"}, {"method": "nonlinear"}])";
 
 std::string budget_text(const std::string& members) {
@@ -58,7 +58,7 @@ BudgetSummary evaluate(const BudgetSpec& spec, const std::filesystem::path& outp
 
 TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
   const ScratchFolder folder;
-  const BudgetSummary s = evaluate(budget_of(kMethods, tracked_walk(2, 2.0)), folder / "results");
+  const BudgetSummary s = evaluate(budget_of(kBudgetMethods, tracked_walk(2, 2.0)), folder / "results");
   EXPECT_EQ(s.sources.size(), error_sources().size());
   EXPECT_EQ(s.rows.size(), error_sources().size() * 2u * 4u);  // methods and groups
   std::map<std::string, double> sum_m2, observed_m;
@@ -80,7 +80,7 @@ TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
 
 TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
   const ScratchFolder folder;
-  evaluate(budget_of(kMethods, tracked_walk(1, 1.0)), folder / "results");
+  evaluate(budget_of(kBudgetMethods, tracked_walk(1, 1.0)), folder / "results");
   EXPECT_FALSE(read_declared_parameters(folder / "results").empty());
   EXPECT_FALSE(std::filesystem::exists(folder / "results/work"));
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
@@ -88,7 +88,7 @@ TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
 
 TEST(Budget, IsTheSameToTheByteForAnyNumberOfThreads) {
   const ScratchFolder folder;
-  const BudgetSpec spec = budget_of(kMethods, tracked_walk(2, 1.0));
+  const BudgetSpec spec = budget_of(kBudgetMethods, tracked_walk(2, 1.0));
   for (const int threads : {1, 3}) evaluate(spec, folder / std::to_string(threads), threads);
   for (const char* file : {"summary.json", "manifest.json", "simulator.json"})
     EXPECT_EQ(read_file(folder / "1" / file), read_file(folder / "3" / file)) << file;
@@ -99,7 +99,7 @@ TEST(Budget, APersonWhoStandsStillHasOneToo) {
   const ScratchFolder folder;
   SimulationSpec spec = tracked_walk(1, 1.0);
   spec.activities[0].activity = Activity::standing;
-  const BudgetSummary s = evaluate(budget_of(kMethods, spec), folder / "results");
+  const BudgetSummary s = evaluate(budget_of(kBudgetMethods, spec), folder / "results");
   for (const BudgetRow& row : s.rows)
     if (row.source == "none") {
       EXPECT_LT(row.mae_m, 2e-5) << row.group;
@@ -111,19 +111,21 @@ TEST(Budget, ATakeThatFailsSaysWhyAndNotWhatElseWasNoted) {
   SimulationSpec spec = tracked_walk(1, 3.0);
   spec.bystanders = 1;  // a note in every take
   spec.mocap.gap_share = 1.0;
-  const std::string message = message_of([&] { evaluate(budget_of(kMethods, spec), folder / "results"); });
+  const std::string message =
+      message_of([&] { evaluate(budget_of(kBudgetMethods, spec), folder / "results"); });
   EXPECT_THAT(message,
               AllOf(HasSubstr("with the error \"mocap\" alone"), HasSubstr("holds no ground truth")));
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
-std::string refusal(const std::string& members, const SimulationSpec& simulation = tracked_walk(1, 1.0)) {
+std::string budget_refusal(const std::string& members,
+                           const SimulationSpec& simulation = tracked_walk(1, 1.0)) {
   return message_of([&] { budget_of(members, simulation); });
 }
 
 TEST(BudgetSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
-  const std::string good = kMethods;
-  EXPECT_EQ(refusal(good), "no error");
+  const std::string good = kBudgetMethods;
+  EXPECT_EQ(budget_refusal(good), "no error");
   const std::pair<const char*, const char*> cases[] = {
       {R"(, "calibration_sigma_m": -0.1)", "budget.json /calibration_sigma_m: must lie between 0"},
       {R"(, "calibration_sigma_deg": 90)", "budget.json /calibration_sigma_deg: must lie between 0"},
@@ -134,31 +136,33 @@ TEST(BudgetSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
       {R"(, "campaign": "mine")", "budget.json /campaign: is of no use"},
       {R"(, "rate_hz": 0)", "budget.json /rate_hz: must be greater than 0"}};
   for (const auto& [members, message] : cases)
-    EXPECT_THAT(refusal(good + members), HasSubstr(message)) << members;
-  const std::string unknown = refusal(good + R"(, "simulatoin": "a.json")");
+    EXPECT_THAT(budget_refusal(good + members), HasSubstr(message)) << members;
+  const std::string unknown = budget_refusal(good + R"(, "simulatoin": "a.json")");
   EXPECT_THAT(unknown, HasSubstr("budget.json /simulatoin: is an unknown key"));
   EXPECT_THAT(unknown,
               AllOf(HasSubstr("simulation"), HasSubstr("calibration_sigma_deg"), HasSubstr("methods")));
-  EXPECT_THAT(refusal(good, walking_spec(1)), HasSubstr("budget.json /simulation: has no \"body_tracker\""));
+  EXPECT_THAT(budget_refusal(good, walking_spec(1)),
+              HasSubstr("budget.json /simulation: has no \"body_tracker\""));
   SimulationSpec recorded = tracked_walk(1, 1.0);
   recorded.recorded = RecordedSpec{"take.csv", "mapping.json"};
-  EXPECT_THAT(refusal(good + R"(, "participants": 3)", recorded), HasSubstr("budget.json /participants: "));
+  EXPECT_THAT(budget_refusal(good + R"(, "participants": 3)", recorded),
+              HasSubstr("budget.json /participants: "));
 }
 
 TEST(BudgetSpec, ReplacesSeedAndParticipantsOfTheSimulation) {
   const SimulationSpec simulation = tracked_walk(7, 1.0);
-  const BudgetSpec as_given = budget_of(kMethods, simulation);
+  const BudgetSpec as_given = budget_of(kBudgetMethods, simulation);
   EXPECT_EQ(as_given.simulation.participants, 7u);
   EXPECT_EQ(as_given.simulation.seed, simulation.seed);
   const BudgetSpec replaced =
-      budget_of(std::string(R"("participants": 2, "seed": 99, )") + kMethods, simulation);
+      budget_of(std::string(R"("participants": 2, "seed": 99, )") + kBudgetMethods, simulation);
   EXPECT_EQ(replaced.simulation.participants, 2u);
   EXPECT_EQ(replaced.simulation.seed, 99u);
 }
 
 TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
   const ScratchFolder folder;
-  const std::string study = study_in(folder, kMethods, 0.5), results = folder / "results";
+  const std::string study = study_in(folder, kBudgetMethods, 0.5), results = folder / "results";
   const Ended text = run_trilat(folder, {"run", study, "-o", results});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, AllOf(HasSubstr("Error budget, simulated"), HasSubstr("sum / observed")));
@@ -174,7 +178,7 @@ TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
 
 TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
   const ScratchFolder folder;
-  const std::string study = study_in(folder, kMethods);
+  const std::string study = study_in(folder, kBudgetMethods);
   const Ended text = run_trilat(folder, {"run", study, "--dry-run", "-o", folder / "results"});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("13 campaigns of 1 participant"));
@@ -188,22 +192,22 @@ TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
 
 // Before anything is simulated, and so also in a dry run.
 TEST(BudgetSpec, WhatTheSimulationDoesNotHaveIsRefusedAtOnce) {
-  const std::string good = kMethods;
-  EXPECT_THAT(refusal(good + R"(, "conditions": ["walking", "flying"])"),
+  const std::string good = kBudgetMethods;
+  EXPECT_THAT(budget_refusal(good + R"(, "conditions": ["walking", "flying"])"),
               AllOf(HasSubstr("budget.json /conditions: has \"flying\""), HasSubstr("\"walking\"")));
-  EXPECT_THAT(refusal(good + R"(, "reference": "magic")"), HasSubstr("is \"magic\""));
+  EXPECT_THAT(budget_refusal(good + R"(, "reference": "magic")"), HasSubstr("is \"magic\""));
   EXPECT_THAT(
-      refusal(good + R"(, "sensors": ["k1", "k9"])"),
+      budget_refusal(good + R"(, "sensors": ["k1", "k9"])"),
       AllOf(HasSubstr("budget.json /sensors: has \"k9\""), HasSubstr("\"k1\", \"k2\", \"k3\", \"k4\"")));
-  EXPECT_THAT(refusal(R"("methods": [{"method": "mean", "sensors": ["k9"]}])"), HasSubstr("k9"));
-  EXPECT_EQ(
-      refusal(good + R"(, "conditions": ["walking"], "reference": "nonlinear", "sensors": ["k1", "k4"])"),
-      "no error");
+  EXPECT_THAT(budget_refusal(R"("methods": [{"method": "mean", "sensors": ["k9"]}])"), HasSubstr("k9"));
+  EXPECT_EQ(budget_refusal(
+                good + R"(, "conditions": ["walking"], "reference": "nonlinear", "sensors": ["k1", "k4"])"),
+            "no error");
 }
 
 TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   const ScratchFolder folder;
-  const std::string study = study_in(folder, kMethods), out = folder / "r";
+  const std::string study = study_in(folder, kBudgetMethods), out = folder / "r";
   expect_refused(run_trilat(folder, {"run", study, "-o", out, "--campaign", folder.path().string()}),
                  "--campaign: is of no use: an error budget simulates its own campaigns");
   expect_refused(run_trilat(folder, {"run", study, "-o", out, "--calibration", "c.json"}),
@@ -211,7 +215,7 @@ TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   expect_refused(run_trilat(folder, {"run", study, "-o", out, "--cross-check"}), "--cross-check: is for");
   expect_refused(run_trilat(folder, {"run", study}), "--output: is missing");
   const auto refused = [&](const std::string& members, const std::string& message) {
-    const std::string bad = file_with(folder, "bad.json", budget_text(members + ", " + kMethods));
+    const std::string bad = file_with(folder, "bad.json", budget_text(members + ", " + kBudgetMethods));
     expect_refused(run_trilat(folder, {"run", bad, "-o", out}), message);
   };
   refused(R"("sed": 1)", "bad.json /sed: is an unknown key");
@@ -227,7 +231,7 @@ TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
 
 TEST(BudgetVerb, AnInterruptLeavesNoResultsFolder) {
   const ScratchFolder folder;
-  const std::string study = study_in(folder, kMethods, 100'000.0);
+  const std::string study = study_in(folder, kBudgetMethods, 100'000.0);
   const Process process(folder, {"run", study, "-o", folder / "results"});
   const std::filesystem::path sign = folder / "results.partial/work/campaign/p01-walking/session.h5.partial";
   for (int tries = 0; tries < 2000 && !std::filesystem::exists(sign); ++tries)

@@ -32,49 +32,52 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-CalibrationSpec spec_of(const std::string& members) {
+CalibrationSpec calibration_spec_of(const std::string& members) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "test")" + members + "}";
   return parse_calibration_spec(parse_json(text, "study.json"), "study.json");
 }
 
-std::string refusal(const std::string& members) {
-  return message_of([&] { spec_of(members); });
+std::string calibration_refusal(const std::string& members) {
+  return message_of([&] { calibration_spec_of(members); });
 }
 
 TEST(CalibrationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  EXPECT_EQ(refusal(""), "no error");
-  EXPECT_THAT(refusal(R"(, "unit": 3)"), AllOf(HasSubstr("study.json /unit"), HasSubstr("units")));
-  EXPECT_THAT(refusal(R"(, "units": 0)"), HasSubstr("study.json /units: must be 1 to 1000, is 0"));
-  EXPECT_THAT(refusal(R"(, "frames": 101)"), HasSubstr("/frames: must be 1 to 100, is 101"));
-  EXPECT_THAT(refusal(R"(, "positions": 2)"), HasSubstr("/positions: must be 3 to 1000, is 2"));
-  EXPECT_THAT(refusal(R"(, "runs": -1)"), HasSubstr("/runs"));
-  EXPECT_THAT(refusal(R"(, "distances_m": [4.5, 0.4])"),
+  EXPECT_EQ(calibration_refusal(""), "no error");
+  EXPECT_THAT(calibration_refusal(R"(, "unit": 3)"),
+              AllOf(HasSubstr("study.json /unit"), HasSubstr("units")));
+  EXPECT_THAT(calibration_refusal(R"(, "units": 0)"),
+              HasSubstr("study.json /units: must be 1 to 1000, is 0"));
+  EXPECT_THAT(calibration_refusal(R"(, "frames": 101)"), HasSubstr("/frames: must be 1 to 100, is 101"));
+  EXPECT_THAT(calibration_refusal(R"(, "positions": 2)"), HasSubstr("/positions: must be 3 to 1000, is 2"));
+  EXPECT_THAT(calibration_refusal(R"(, "runs": -1)"), HasSubstr("/runs"));
+  EXPECT_THAT(calibration_refusal(R"(, "distances_m": [4.5, 0.4])"),
               HasSubstr("/distances_m: must be [from, to] within 0.2 to 8 m, the nearer first"));
-  EXPECT_THAT(refusal(R"(, "distances_m": [0.4])"), HasSubstr("/distances_m: must be an array of 2 numbers"));
-  EXPECT_THAT(refusal(R"(, "sensor_sigmas_m": [0.0, -0.001])"),
+  EXPECT_THAT(calibration_refusal(R"(, "distances_m": [0.4])"),
+              HasSubstr("/distances_m: must be an array of 2 numbers"));
+  EXPECT_THAT(calibration_refusal(R"(, "sensor_sigmas_m": [0.0, -0.001])"),
               HasSubstr("/sensor_sigmas_m: must lie between 0 and 1 m"));
-  EXPECT_THAT(refusal(R"(, "sensor_sigmas_m": 0.01)"), HasSubstr("/sensor_sigmas_m"));
-  EXPECT_THAT(refusal(R"(, "ball_radius_m": 75)"),
+  EXPECT_THAT(calibration_refusal(R"(, "sensor_sigmas_m": 0.01)"), HasSubstr("/sensor_sigmas_m"));
+  EXPECT_THAT(calibration_refusal(R"(, "ball_radius_m": 75)"),
               HasSubstr("/ball_radius_m: must lie between 0.02 and 0.3"));
-  EXPECT_THAT(refusal(R"(, "rig": {"heights_m": [1]})"),
+  EXPECT_THAT(calibration_refusal(R"(, "rig": {"heights_m": [1]})"),
               HasSubstr("/rig/heights_m: must hold 2 to 8 heights"));
-  EXPECT_THAT(refusal(R"(, "rig": {"height_m": 1})"), HasSubstr("/rig/height_m"));
+  EXPECT_THAT(calibration_refusal(R"(, "rig": {"height_m": 1})"), HasSubstr("/rig/height_m"));
 }
 
 TEST(CalibrationSpec, WrittenOutInFullItReadsBackAsItself) {
-  const CalibrationSpec spec = spec_of(
+  const CalibrationSpec spec = calibration_spec_of(
       R"(, "seed": 9, "units": 3, "frames": 2, "distances_m": [0.5, 3.5], "rig": {"radius_m": 2.5,
          "heights_m": [0.5, 1.5, 2.0]}, "runs": 7, "bodies_s": 0, "sensor_sigmas_m": [0, 0.004],
          "range_sigma_m": 0.01, "wall_m": 1.5, "largest_angle_deg": 20)");
   EXPECT_EQ(spec.rig.heights_m, (std::vector<double>{0.5, 1.5, 2.0}));
   EXPECT_EQ(spec.sensor_sigmas_m, (std::vector<double>{0.0, 0.004}));
-  for (const CalibrationSpec& written : {spec, spec_of("")}) {
+  for (const CalibrationSpec& written : {spec, calibration_spec_of("")}) {
     const Json json = resolved_json(written);
     EXPECT_EQ(resolved_json(parse_calibration_spec(json, "resolved.json")), json);
   }
   EXPECT_EQ(resolved_json(spec)["runs"], 7);
-  EXPECT_NE(resolved_json(spec), resolved_json(spec_of("")));
+  EXPECT_NE(resolved_json(spec), resolved_json(calibration_spec_of("")));
 }
 
 // 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
@@ -154,7 +157,8 @@ TEST(PoseMisfit, TheMahalanobisDistanceKnowsThatTurnAndPlaceGoTogether) {
 }
 
 CalibrationSpec tiny_spec() {
-  return spec_of(R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
+  return calibration_spec_of(
+      R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
       "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
       "bodies_instants": 6, "effect_joints": 200)");
 }
@@ -203,7 +207,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
 }
 
 CalibrationSpec wand_only_spec(const std::string& members) {
-  return spec_of(members + R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0,
+  return calibration_spec_of(members + R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0,
       "effect_joints": 0)");
 }
 
@@ -307,7 +311,7 @@ const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string
 }
 
 TEST(JointEffect, WithExactSensorsTheNonlinearMethodReachesTheBoundAndUncertainOnesRaiseIt) {
-  CalibrationSpec spec = spec_of(R"(, "effect_joints": 5000, "sensor_sigmas_m": [0, 0.05])");
+  CalibrationSpec spec = calibration_spec_of(R"(, "effect_joints": 5000, "sensor_sigmas_m": [0, 0.05])");
   const auto rows = measure_effect(spec, true_rig(spec), {}, {});
   ASSERT_THAT(rows, SizeIs(6));
   const EffectRow& exact = effect_of(rows, "exact", "nonlinear");
@@ -326,7 +330,8 @@ TEST(JointEffect, WithExactSensorsTheNonlinearMethodReachesTheBoundAndUncertainO
 
 // A calibration that shifts every sensor the same way shifts every joint.
 TEST(JointEffect, ACalibrationThatIsShiftedAsAWholeShiftsTheJoints) {
-  CalibrationSpec spec = spec_of(R"(, "effect_joints": 200, "range_sigma_m": 0.0001, "sensor_sigmas_m": [])");
+  CalibrationSpec spec =
+      calibration_spec_of(R"(, "effect_joints": 200, "range_sigma_m": 0.0001, "sensor_sigmas_m": [])");
   const std::vector<RigidTransform> truth = true_rig(spec);
   CalibratedRig shifted{truth};
   for (RigidTransform& pose : shifted.world_from_sensor)
@@ -340,8 +345,8 @@ TEST(JointEffect, ACalibrationThatIsShiftedAsAWholeShiftsTheJoints) {
 }
 
 TEST(JointEffect, TwoSensorsDetermineNoPlaceSoThereIsNoBound) {
-  CalibrationSpec spec =
-      spec_of(R"(, "rig": {"heights_m": [0.6, 2.2]}, "effect_joints": 200, "sensor_sigmas_m": [0.01])");
+  CalibrationSpec spec = calibration_spec_of(
+      R"(, "rig": {"heights_m": [0.6, 2.2]}, "effect_joints": 200, "sensor_sigmas_m": [0.01])");
   const auto rows = measure_effect(spec, true_rig(spec), {}, {});
   EXPECT_EQ(effect_of(rows, "10 mm an axis", "nonlinear").answered, 0u);
   const EffectRow& mean = effect_of(rows, "10 mm an axis", "mean");

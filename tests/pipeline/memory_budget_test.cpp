@@ -16,7 +16,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kMethods =
+constexpr const char* kManyMethods =
     R"("methods": [{"method": "nonlinear"}, {"method": "rts"}, {"method": "mean"}])";
 
 PlannedTake take_of(std::uint64_t instants) {
@@ -71,7 +71,7 @@ TEST(MemoryBudget, TheMachineHasSome) { EXPECT_GT(half_of_memory_bytes(), 1'000'
 TEST(MemoryBudget, ResultsAreEqualToTheByteForAnyLimit) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
-  const StudySpec study = study_of(kMethods);
+  const StudySpec study = study_of(kManyMethods);
   const std::uint64_t one =
       2 * memory_needed_bytes(make_plan(study, campaign), make_plan(study, campaign).takes[0]) - 1;
   EXPECT_EQ(takes_at_once(make_plan(study, campaign), one), 1u);
@@ -86,7 +86,7 @@ TEST(MemoryBudget, OnlyTheTakeThatIsTooLongFails) {
   SimulationSpec spec = walking_spec(1);
   spec.activities.push_back({Activity::arm_swing, 20.0, {Joint::wrist_left}});
   const Campaign campaign = simulate_into(folder / "campaign", spec);
-  const StudySpec study = study_of(kMethods);
+  const StudySpec study = study_of(kManyMethods);
   const Plan plan = make_plan(study, campaign);
   ASSERT_EQ(plan.takes.size(), 2u);
   const std::uint64_t enough = memory_needed_bytes(plan, plan.takes[0]);
@@ -104,7 +104,7 @@ TEST(MemoryBudget, TheVerbsTakeTheLimitInMegabytes) {
   const std::string study = file_with(
       folder, "study.json",
       std::string(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "mine", )") +
-          kMethods + "}");
+          kManyMethods + "}");
   const auto run = [&](const std::string& output, const std::string& megabytes,
                        std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"run", study, "--campaign", (folder / "campaign").string(), "-o",

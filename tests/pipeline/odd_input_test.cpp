@@ -19,7 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kMean = R"("methods": [{"method": "mean"}])";
+constexpr const char* kOnlyMean = R"("methods": [{"method": "mean"}])";
 
 // The report of a study, which must not print what is no number.
 std::string report_of(const ScratchFolder& folder, const std::string& results) {
@@ -67,7 +67,7 @@ TEST(OddInput, ATruthShorterThanABlockIsEvaluatedWhereItIs) {
   Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
   campaign.takes[0].mocap_start_host_ns += 700'000'000;
   const ResultsSummary summary = execute_study(
-      study_of(std::string(R"("alignments": ["mean"], "block_s": 30, "clock": "motion", )") + kMean),
+      study_of(std::string(R"("alignments": ["mean"], "block_s": 30, "clock": "motion", )") + kOnlyMean),
       campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
   const SummaryCell* cell = find_cell(summary, "mean", "walking", "wrist", "mean");
@@ -144,7 +144,7 @@ TEST(OddInput, TwoLostFramesAreBridgedWhateverTheSensorsDriftIs) {
 
 TEST(OddInput, OneParticipantHasNoIntervalAndTheReportSaysSo) {
   const ScratchFolder folder;
-  execute_study(study_of(std::string(R"("alignments": ["mean"], )") + kMean),
+  execute_study(study_of(std::string(R"("alignments": ["mean"], )") + kOnlyMean),
                 simulate_into(folder / "campaign", walking_spec(1)), folder / "results", {});
   EXPECT_THAT(report_of(folder, "results"), HasSubstr("A single participant has none."));
 }
@@ -164,7 +164,7 @@ TEST(OddInput, AMethodThatFailsEverywhereIsADashInEveryTable) {
   report_of(folder, "results");
 }
 
-std::string refusal(const std::string& members) {
+std::string run_refusal(const std::string& members) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 0.2));
   const std::string message =
@@ -174,16 +174,16 @@ std::string refusal(const std::string& members) {
 }
 
 TEST(OddInput, WhatTheCampaignDoesNotHaveIsRefusedWithWhatItHas) {
-  const std::string methods = kMean;
-  EXPECT_THAT(refusal(R"("conditions": ["walking", "flying"], )" + methods),
+  const std::string methods = kOnlyMean;
+  EXPECT_THAT(run_refusal(R"("conditions": ["walking", "flying"], )" + methods),
               AllOf(HasSubstr("/conditions: has \"flying\""), HasSubstr("its activities are \"walking\"")));
-  EXPECT_THAT(refusal(R"("reference": "magic", )" + methods),
+  EXPECT_THAT(run_refusal(R"("reference": "magic", )" + methods),
               AllOf(HasSubstr("/reference: is \"magic\""), HasSubstr("none of its methods: \"mean\"")));
-  EXPECT_THAT(refusal(R"("methods": [{"method": "mean", "sensors": ["k1", "k9"]}])"),
+  EXPECT_THAT(run_refusal(R"("methods": [{"method": "mean", "sensors": ["k1", "k9"]}])"),
               AllOf(HasSubstr("k9"), HasSubstr("k1, k2, k3, k4")));
-  EXPECT_THAT(refusal(R"("methods": [{"method": "linear", "reference": "k9"}])"),
+  EXPECT_THAT(run_refusal(R"("methods": [{"method": "linear", "reference": "k9"}])"),
               AllOf(HasSubstr("k9"), HasSubstr("k1, k2, k3, k4")));
-  EXPECT_THAT(refusal(R"("sensors": ["k1", "k2"], "methods": [{"method": "single", "sensors": ["k3"]}])"),
+  EXPECT_THAT(run_refusal(R"("sensors": ["k1", "k2"], "methods": [{"method": "single", "sensors": ["k3"]}])"),
               AllOf(HasSubstr("k3"), HasSubstr("k1, k2")));
 }
 
@@ -192,7 +192,7 @@ TEST(OddInput, OccludedApartWithNothingOccludedHasAnEmptyCondition) {
   SimulationSpec spec = without_noise(walking_spec(2));
   spec.activities[0].marker_joints = {Joint::head};  // nothing crosses in front of it
   const ResultsSummary summary =
-      execute_study(study_of(std::string(R"("alignments": ["none"], "occluded_apart": true, )") + kMean),
+      execute_study(study_of(std::string(R"("alignments": ["none"], "occluded_apart": true, )") + kOnlyMean),
                     simulate_into(folder / "campaign", spec), folder / "results", {});
   ASSERT_EQ(summary.conditions.size(), 2u);
   EXPECT_GT(find_cell(summary, "mean", "walking", "head", "none")->answered, 0u);
@@ -212,7 +212,7 @@ TEST(OddInput, TakesOfTwoInstantsCanBeTrainedOnOrNot) {
   for (const char* share : {"0.05", "0.5", "0.95"}) {
     const ResultsSummary summary = execute_study(
         study_of(std::string(R"("alignments": ["held_out", "joint_offset", "none"], "training_share": )") +
-                 share + ", " + kMean),
+                 share + ", " + kOnlyMean),
         campaign, folder / "results", {});
     EXPECT_EQ(summary.takes_failed, 0u) << share;
     EXPECT_GE(find_cell(summary, "mean", "walking", "head", "none")->answered, 2u) << share;

@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-const std::string kMethods = R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "rts"},
+const std::string kOverTime = R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "rts"},
     {"method": "window", "occlusion": "corrected"}, {"method": "window", "name": "short", "window_s": 0.5}])";
 
 double mean_error_m(const ResultsSummary& summary, const std::string& method) {
@@ -33,7 +33,7 @@ double mean_error_m(const ResultsSummary& summary, const std::string& method) {
 TEST(OverTime, WindowsOfAllJointsGiveTheSameBytesForAnyNumberOfThreads) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
-  const StudySpec study = study_of(kMethods);
+  const StudySpec study = study_of(kOverTime);
   ResultsSummary summary;
   for (const int threads : {1, 2})
     summary = execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads});

@@ -14,10 +14,10 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kMethods = R"("methods": [{"method": "mean"}, {"method": "single"},
+constexpr const char* kTwoMethods = R"("methods": [{"method": "mean"}, {"method": "single"},
     {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])";
 
-StudySpec study_with(const std::string& members) { return study_of(members + ", " + kMethods); }
+StudySpec statistics_study(const std::string& members) { return study_of(members + ", " + kTwoMethods); }
 
 const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
                                       const std::string& condition, const std::string& group,
@@ -67,7 +67,7 @@ TEST(Statistics, AMethodIsNoBetterForAnsweringLess) {
 TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsValue) {
   Evaluated evaluated;
   const ResultsSummary summary =
-      evaluated.of(walking_spec(5, 3.0), study_with(R"("alignments": ["none", "held_out"])"));
+      evaluated.of(walking_spec(5, 3.0), statistics_study(R"("alignments": ["none", "held_out"])"));
   EXPECT_EQ(summary.block_s, 1.0);
   EXPECT_EQ(summary.resamples, 2000u);
   for (const SummaryCell& cell : summary.cells) {
@@ -93,8 +93,8 @@ TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsVal
 
 TEST(Statistics, DifferencesAreOfTheSamplesThatBothAnswered) {
   Evaluated evaluated;
-  const ResultsSummary summary = evaluated.of(synchronised(walking_spec(4, 2.0)),
-                                              study_with(R"("alignments": ["none"], "reference": "mean")"));
+  const ResultsSummary summary = evaluated.of(
+      synchronised(walking_spec(4, 2.0)), statistics_study(R"("alignments": ["none"], "reference": "mean")"));
   EXPECT_EQ(find_difference(summary, "mean", "walking", "wrist", "none"), nullptr);
   const DifferenceCell* d = find_difference(summary, "single k1", "walking", "wrist", "none");
   const SummaryCell* reference = find_cell(summary, "mean", "walking", "wrist", "none");
@@ -135,7 +135,7 @@ TEST(Statistics, OneParticipantHasValuesAndNoInterval) {
   SimulationSpec spec = walking_spec(1, 2.0);
   spec.activities.push_back(spec.activities[0]);
   spec.activities[1].activity = Activity::standing;
-  const ResultsSummary summary = evaluated.of(spec, study_with(R"("alignments": ["mean"])"));
+  const ResultsSummary summary = evaluated.of(spec, statistics_study(R"("alignments": ["mean"])"));
   const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
   ASSERT_NE(cell, nullptr);
   EXPECT_EQ(cell->clusters, 1u);
@@ -147,7 +147,7 @@ TEST(Statistics, OneParticipantHasValuesAndNoInterval) {
 TEST(Statistics, WithoutResamplesThereAreNoIntervals) {
   Evaluated evaluated;
   const ResultsSummary summary =
-      evaluated.of(walking_spec(3), study_with(R"("alignments": ["mean"], "resamples": 0)"));
+      evaluated.of(walking_spec(3), statistics_study(R"("alignments": ["mean"], "resamples": 0)"));
   const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
   EXPECT_EQ(cell->clusters, 3u);
   EXPECT_TRUE(std::isnan(cell->mae_low_m));
@@ -160,7 +160,7 @@ TEST(Statistics, TakesOfOneParticipantShareTheCluster) {
   for (std::size_t t = 0; t < campaign.takes.size(); ++t)
     campaign.takes[t].participant = t % 2 == 0 ? "even" : "odd";
   const ResultsSummary summary =
-      execute_study(study_with(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+      execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
   EXPECT_EQ(summary.participants, 2u);
   EXPECT_EQ(find_cell(summary, "mean", "walking", "head", "mean")->clusters, 2u);
 }
@@ -170,7 +170,7 @@ TEST(Statistics, ATakeThatFailedIsNoParticipant) {
   Campaign campaign = simulate_into(folder / "campaign", walking_spec(5));
   campaign.takes[2].mocap = folder / "absent.csv";
   const ResultsSummary summary =
-      execute_study(study_with(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+      execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 1u);
   const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
   EXPECT_EQ(cell->clusters, 4u);
@@ -187,7 +187,7 @@ TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
     take.participant += "-long";
     campaign.takes.push_back(take);
   }
-  const StudySpec study = study_with(R"("alignments": ["none"], "block_s": 2)");
+  const StudySpec study = statistics_study(R"("alignments": ["none"], "block_s": 2)");
   const Plan plan = make_plan(study, campaign);
   const StatisticsLayout layout = statistics_layout(plan);
   EXPECT_EQ(layout.blocks(plan.takes[0].instants), 1u);
@@ -237,7 +237,7 @@ TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {
 TEST(Statistics, BodiesWithoutNoiseAreWhatTheTruthIs) {
   Evaluated evaluated;
   const ResultsSummary summary = evaluated.of(synchronised(without_noise(walking_spec(4, 2.0))),
-                                              study_with(R"("alignments": ["none"])"));
+                                              statistics_study(R"("alignments": ["none"])"));
   const BodyCell& body = body_of(summary, "mean");
   EXPECT_GT(body.instants, 4u * 50u);
   EXPECT_EQ(body.clusters, 4u);
@@ -256,7 +256,7 @@ TEST(Statistics, TheTruthsFloorFindsTheNoiseThatWasPutIn) {
   spec.activities[0].marker_joints = {Joint::wrist_left};
   spec.mocap.marker_noise_sigma_m = 0.001;
   const ResultsSummary summary =
-      evaluated.of(spec, study_with(R"("alignments": ["none"], "clock_error_s": 0.01)"));
+      evaluated.of(spec, statistics_study(R"("alignments": ["none"], "clock_error_s": 0.01)"));
   ASSERT_EQ(summary.truth_floor.size(), 1u);
   const TruthFloor& floor = summary.truth_floor[0];
   // the mean of four markers has half the noise, 0.5 mm an axis, and a mean length of sqrt(8 / pi) of that;
@@ -271,7 +271,7 @@ TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
   SimulationSpec spec = walking_spec(4, 2.0);
   spec.sensor.inferred_share = 0.2;
   const ResultsSummary summary =
-      evaluated.of(spec, study_with(R"("alignments": ["mean", "none"], "occluded_apart": true)"));
+      evaluated.of(spec, statistics_study(R"("alignments": ["mean", "none"], "occluded_apart": true)"));
   EXPECT_THAT(summary.conditions, testing::ElementsAre("walking", "walking, occluded"));
   const SummaryCell* all = find_cell(summary, "mean", "walking", "wrist", "none");
   const SummaryCell* occluded = find_cell(summary, "mean", "walking, occluded", "wrist", "none");
@@ -284,7 +284,7 @@ TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
   ASSERT_NE(d, nullptr);
   EXPECT_GT(d->n, 0u);
   // apart, the numbers of all samples stay what they are
-  const ResultsSummary plain = evaluated.of(spec, study_with(R"("alignments": ["mean", "none"])"));
+  const ResultsSummary plain = evaluated.of(spec, statistics_study(R"("alignments": ["mean", "none"])"));
   EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_m, all->mae_m);
   EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_low_m, all->mae_low_m);
 }

@@ -17,16 +17,16 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string refusal_of(const std::string& members) {
+std::string sweep_refusal(const std::string& members) {
   return message_of([&] { sweep_plan_of(members); });
 }
 
 std::string refusal_of_rig(const std::string& members) {
-  return refusal_of(R"("rigs": [{"name": "a", )" + members + "}]");
+  return sweep_refusal(R"("rigs": [{"name": "a", )" + members + "}]");
 }
 
 TEST(SweepSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
-  EXPECT_EQ(refusal_of(kOneRig), "no error");
+  EXPECT_EQ(sweep_refusal(kOneRig), "no error");
   const std::pair<std::string, const char*> cases[] = {
       {R"("thresholds": [1, 0])", "sweep.json /thresholds/1: must be greater than 0, is 0"},
       {R"("thresholds": [-1e-4])", "sweep.json /thresholds/0: must be greater than 0, is -0.0001"},
@@ -60,7 +60,7 @@ TEST(SweepSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
       {R"("search": true, "thresholds": [1])", "sweep.json /search: compares with the printed Table I"},
       {R"("methods": [])", "sweep.json /methods: is an unknown key; known are: "}};
   for (const auto& [members, message] : cases)
-    EXPECT_THAT(refusal_of(kOneRig + ", " + members), HasSubstr(message)) << members;
+    EXPECT_THAT(sweep_refusal(kOneRig + ", " + members), HasSubstr(message)) << members;
 }
 
 TEST(SweepSpec, ErrorsOfARigNameItsPlaceInTheList) {
@@ -80,16 +80,16 @@ TEST(SweepSpec, ErrorsOfARigNameItsPlaceInTheList) {
       {R"("heights_m": [1, 2, 3], "radius": 2)", "sweep.json /rigs/0/radius: is an unknown key"}};
   for (const auto& [members, message] : cases)
     EXPECT_THAT(refusal_of_rig(members), HasSubstr(message)) << members;
-  EXPECT_THAT(refusal_of(R"("rigs": [])"), HasSubstr("sweep.json /rigs: must hold at least one rig"));
+  EXPECT_THAT(sweep_refusal(R"("rigs": [])"), HasSubstr("sweep.json /rigs: must hold at least one rig"));
   const std::string rig = R"({"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]})";
-  EXPECT_THAT(refusal_of("\"rigs\": [" + rig + ", " + rig + "]"),
+  EXPECT_THAT(sweep_refusal("\"rigs\": [" + rig + ", " + rig + "]"),
               HasSubstr("sweep.json /rigs/1/name: is \"a\", which an earlier rig has"));
-  EXPECT_THAT(refusal_of("\"rigs\": [" + rig + R"(, {"name": "b", "heights_m": [0.3, 2.3, 0.3, 2.3]}])"),
+  EXPECT_THAT(sweep_refusal("\"rigs\": [" + rig + R"(, {"name": "b", "heights_m": [0.3, 2.3, 0.3, 2.3]}])"),
               HasSubstr("sweep.json /rigs/1/name: names the same sensors as \"a\""));
 }
 
 TEST(SweepSpec, TrialsThatCannotBeCountedAreRefused) {
-  EXPECT_THAT(refusal_of(kOneRig + R"(, "trials": 1000000000000, "joints": ["centre", "volume"],
+  EXPECT_THAT(sweep_refusal(kOneRig + R"(, "trials": 1000000000000, "joints": ["centre", "volume"],
       "error_models": ["range_signed", "displacement", "gaussian"], "threshold_units": ["cm2", "m2"],
       "stops": ["printed", "objective", "step"], "starts": ["linear", "squared_ranges", "mean", "previous"],
       "thresholds": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16])"),
@@ -110,9 +110,9 @@ TEST(SweepPlan, SkipsWhatContradictsItselfAndCountsIt) {
 }
 
 TEST(SweepPlan, NothingLeftIsAnError) {
-  EXPECT_THAT(refusal_of(kOneRig + R"(, "gradients": ["printed"], "dampings": ["lm"])"),
+  EXPECT_THAT(sweep_refusal(kOneRig + R"(, "gradients": ["printed"], "dampings": ["lm"])"),
               HasSubstr("sweep.json /dampings: leaves nothing to compute: each of the 2 combinations"));
-  EXPECT_THAT(refusal_of(R"("rigs": [{"name": "flat", "heights_m": [1, 1, 1, 1]}])"),
+  EXPECT_THAT(sweep_refusal(R"("rigs": [{"name": "flat", "heights_m": [1, 1, 1, 1]}])"),
               HasSubstr("leaves nothing to compute"));
 }
 

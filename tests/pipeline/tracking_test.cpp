@@ -22,7 +22,7 @@ using testing::HasSubstr;
 constexpr const char* kMean = R"("methods": [{"method": "mean"}])";
 
 // Persons watched by trackers that are exact but for what is switched on.
-SimulationSpec tracked_spec(std::uint64_t participants, double duration_s) {
+SimulationSpec tracking_spec(std::uint64_t participants, double duration_s) {
   SimulationSpec spec = walking_spec(participants, duration_s);
   spec.body_tracker = exact_body_tracker();
   spec.body_tracker->least_visible_share = 0.5;
@@ -38,7 +38,7 @@ double mae_m(const ResultsSummary& summary, const std::string& method, const std
 
 TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
   const ScratchFolder folder;
-  SimulationSpec spec = tracked_spec(2, 12.0);
+  SimulationSpec spec = tracking_spec(2, 12.0);
   spec.body_tracker->back_view_angle_rad = 2.1;
   spec.body_tracker->exchanged_share = 1.0;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
@@ -68,7 +68,7 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
 
 TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
   const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", tracked_spec(1, 6.0));
+  const Campaign campaign = simulate_into(folder / "campaign", tracking_spec(1, 6.0));
   execute_study(study(R"("methods": [{"method": "mean", "occlusion": "corrected"}])"), campaign,
                 folder / "results", {});
   const auto tracking = read_tracking_summary(folder / "results");
@@ -92,7 +92,7 @@ TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
 
 TEST(Tracking, AnUnoccludedSensorIsBetterThanAHiddenOne) {
   const ScratchFolder folder;
-  SimulationSpec spec = tracked_spec(2, 6.0);
+  SimulationSpec spec = tracking_spec(2, 6.0);
   spec.body_tracker->inferred_error_sigma_m = 0.2;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary summary = execute_study(study(R"("methods": [{"method": "mean"},
@@ -137,7 +137,7 @@ TEST(Tracking, AClockThatMotionDoesNotTellStaysAsStatedWithANote) {
 
 TEST(Tracking, OfTwoPersonsInViewTheOneWithTheMarkersIsEvaluated) {
   const ScratchFolder folder;
-  SimulationSpec spec = tracked_spec(2, 8.0);
+  SimulationSpec spec = tracking_spec(2, 8.0);
   spec.bystanders = 1;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary summary = execute_study(study(kMean), campaign, folder / "results", {});
@@ -159,7 +159,7 @@ TEST(Tracking, OcclusionByDepthNeedsRecordedDepth) {
 
 TEST(Tracking, RecordedDepthShowsWhatIsHidden) {
   const ScratchFolder folder;
-  SimulationSpec spec = tracked_spec(1, 1.5);
+  SimulationSpec spec = tracking_spec(1, 1.5);
   spec.depth.takes = true;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   execute_study(

@@ -86,7 +86,8 @@ TEST(ArticleNumbers, AreNotNamedByWhatWasMeasured) {
 }
 
 TEST(ArticleNumbers, BecomeOneNewcommandEach) {
-  EXPECT_THAT(latex_of({{"trilatN", "12"}}), HasSubstr("\n\\newcommand{\\trilatN}{12}\n"));
+  EXPECT_THAT(latex_of(std::vector<ArticleNumber>{{"trilatN", "12"}}),
+              HasSubstr("\n\\newcommand{\\trilatN}{12}\n"));
 }
 
 }  // namespace

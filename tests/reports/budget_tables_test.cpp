@@ -39,15 +39,15 @@ BudgetSummary pencil_budget() {
   return s;
 }
 
-std::size_t column(const Table& table, const std::string& key) {
+std::size_t budget_column(const Table& table, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return c;
   ADD_FAILURE() << key;
   return 0;
 }
 
-double number(const Table& table, const std::string& key) {
-  return *table.rows.at(0).at(column(table, key)).number;
+double budget_number(const Table& table, const std::string& key) {
+  return *table.rows.at(0).at(budget_column(table, key)).number;
 }
 
 TEST(BudgetTables, SquaresAddAndWhatIsAlwaysThereCountsOnce) {
@@ -55,11 +55,11 @@ TEST(BudgetTables, SquaresAddAndWhatIsAlwaysThereCountsOnce) {
   ASSERT_EQ(tables.size(), 2u);
   const Table& table = tables[0];
   ASSERT_EQ(table.rows.size(), 1u);
-  EXPECT_NEAR(number(table, "none_rmse_cm"), 1.0, 1e-12);
-  EXPECT_NEAR(number(table, "bias_rmse_cm"), 4.0, 1e-12);
-  EXPECT_NEAR(number(table, "sum_rmse_cm"), 5.0, 1e-12);
-  EXPECT_NEAR(number(table, "observed_rmse_cm"), 4.0, 1e-12);
-  EXPECT_NEAR(number(table, "sum_to_observed"), 1.25, 1e-12);
+  EXPECT_NEAR(budget_number(table, "none_rmse_cm"), 1.0, 1e-12);
+  EXPECT_NEAR(budget_number(table, "bias_rmse_cm"), 4.0, 1e-12);
+  EXPECT_NEAR(budget_number(table, "sum_rmse_cm"), 5.0, 1e-12);
+  EXPECT_NEAR(budget_number(table, "observed_rmse_cm"), 4.0, 1e-12);
+  EXPECT_NEAR(budget_number(table, "sum_to_observed"), 1.25, 1e-12);
   EXPECT_THAT(table.title, HasSubstr("simulated"));
   EXPECT_THAT(table.title, HasSubstr("2 participants, seed 9"));
   EXPECT_THAT(markdown_of(table), HasSubstr("Calibration: 5 mm and 0.2 degrees an axis"));
@@ -70,10 +70,10 @@ TEST(BudgetTables, TheSumIsNotKnownWhenASourceIsNot) {
     BudgetSummary s = pencil_budget();
     s.rows[unknown].rmse_m = kNoNumber;
     const Table table = budget_tables(s)[0];
-    EXPECT_TRUE(std::isnan(number(table, "sum_rmse_cm"))) << unknown;
-    EXPECT_TRUE(std::isnan(number(table, "sum_to_observed"))) << unknown;
+    EXPECT_TRUE(std::isnan(budget_number(table, "sum_rmse_cm"))) << unknown;
+    EXPECT_TRUE(std::isnan(budget_number(table, "sum_to_observed"))) << unknown;
     s.rows.erase(s.rows.begin() + static_cast<std::ptrdiff_t>(unknown));
-    EXPECT_TRUE(std::isnan(number(budget_tables(s)[0], "sum_rmse_cm"))) << "missing " << unknown;
+    EXPECT_TRUE(std::isnan(budget_number(budget_tables(s)[0], "sum_rmse_cm"))) << "missing " << unknown;
   }
 }
 

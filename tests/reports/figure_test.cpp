@@ -40,7 +40,7 @@ FigureSeries line_of(const std::string& name, std::vector<FigurePoint> points) {
   return {name, FigureSeries::Style::line, std::move(points)};
 }
 
-std::size_t count_of(const std::string& text, const std::string& part) {
+std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t n = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
   return n;
@@ -101,7 +101,7 @@ TEST(FigureScript, SeriesOfOneGroupAreOneEntryOfTheLegend) {
   figure.series = {line_of("unit 0", {{0.0, 1.0}, {1.0, 2.0}}), line_of("unit 1", {{0.0, 2.0}, {1.0, 3.0}})};
   figure.series[0].group = figure.series[1].group = "depth";
   const std::string script = gnuplot_script(figure);
-  EXPECT_EQ(count_of(script, "title 'depth'"), 1u);
+  EXPECT_EQ(occurrences(script, "title 'depth'"), 1u);
   EXPECT_THAT(rows_of(script), ElementsAre("0 1 1 1", "1 2 2 2", "", "0 2 2 2", "1 3 3 3"));
 }
 
@@ -109,8 +109,8 @@ TEST(FigureScript, BandsOfOneNameAreOneEntryOfTheLegend) {
   Figure figure = small_figure();
   figure.bands = {{0.0, 10.0, "worse"}, {50.0, 60.0, "worse"}};
   const std::string script = gnuplot_script(figure);
-  EXPECT_EQ(count_of(script, "rectangle from"), 2u);
-  EXPECT_EQ(count_of(script, "title 'worse'"), 1u);
+  EXPECT_EQ(occurrences(script, "rectangle from"), 2u);
+  EXPECT_EQ(occurrences(script, "title 'worse'"), 1u);
 }
 
 TEST(FigureScript, ABarSpansItsIntervalAndABoxHasItsMedian) {

@@ -73,7 +73,7 @@ SweepTimings hand_made_timings() {
   return timings;
 }
 
-std::size_t column(const Table& table, const std::string& key) {
+std::size_t sweep_column(const Table& table, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return c;
   ADD_FAILURE() << "no column " << key;
@@ -87,8 +87,8 @@ TEST(Table1, PutsEveryReadingInItsColumnBesideThePapersNumber) {
   EXPECT_THAT(table.title, HasSubstr("simulated"));
   ASSERT_THAT(table.rows, SizeIs(12));
   const auto& row = table.rows[7];  // second range, smallest threshold
-  const auto number = [&](const char* key) { return row[column(table, key)].number.value(); };
-  EXPECT_EQ(row[column(table, "range_cm")].text, "5-15");
+  const auto number = [&](const char* key) { return row[sweep_column(table, key)].number.value(); };
+  EXPECT_EQ(row[sweep_column(table, "range_cm")].text, "5-15");
   EXPECT_DOUBLE_EQ(number("threshold"), 1e-6);
   EXPECT_DOUBLE_EQ(number("paper_error_cm"), 6.6);
   EXPECT_DOUBLE_EQ(number("paper_time_us"), 783);
@@ -100,7 +100,7 @@ TEST(Table1, PutsEveryReadingInItsColumnBesideThePapersNumber) {
   EXPECT_DOUBLE_EQ(number("corrected_time_us"), 1.5);
   EXPECT_TRUE(std::isnan(number("printed_time_us")));
   EXPECT_DOUBLE_EQ(number("corrected_answered_percent"), 98);
-  EXPECT_EQ(table.rows[0][column(table, "paper_time_us")].text, "<0.1");
+  EXPECT_EQ(table.rows[0][sweep_column(table, "paper_time_us")].text, "<0.1");
   for (const auto& values : table.rows) EXPECT_EQ(values.size(), table.columns.size());
 }
 
@@ -117,7 +117,7 @@ TEST(Table1, ShowsTheMeanOverTheAxesWhereTheSearchFoundThatMetric) {
   s.search.emplace();
   s.search->errors.best = {{1, "axis_mean", 0.1, 1.2, 0.0}};
   const Table table = table1(s, {}).at(0);
-  EXPECT_DOUBLE_EQ(table.rows[0][column(table, "printed_error_cm")].number.value(), 3.0);
+  EXPECT_DOUBLE_EQ(table.rows[0][sweep_column(table, "printed_error_cm")].number.value(), 3.0);
   EXPECT_THAT(table.notes[0], HasSubstr("mean over the three axes"));
 }
 

@@ -51,7 +51,7 @@ StageTimings timings_of(std::uint64_t late) {
            {kDepthToJoints, "nonlinear", later}}};
 }
 
-double cell(const Table& table, std::size_t row, const std::string& key) {
+double cell_number(const Table& table, std::size_t row, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return table.rows.at(row).at(c).number.value();
   throw std::out_of_range(key);
@@ -60,11 +60,11 @@ double cell(const Table& table, std::size_t row, const std::string& key) {
 TEST(Table4, SetsThePapersClockErrorsBesideOurs) {
   const Table table = table4_clocks(summary_of(998, 2));
   EXPECT_THAT(table.title, HasSubstr("simulated"));
-  EXPECT_NEAR(cell(table, 0, "below_2ms_percent"), 100.0 * 71740 / 71998, 1e-9);
-  EXPECT_NEAR(cell(table, 0, "from_2_to_4ms_percent"), 100.0 * 258 / 71998, 1e-9);
-  EXPECT_EQ(cell(table, 0, "from_33ms_percent"), 0.0);
-  EXPECT_NEAR(cell(table, 1, "below_2ms_percent"), 99.8, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "median_ms"), 1.5, 1e-9);
+  EXPECT_NEAR(cell_number(table, 0, "below_2ms_percent"), 100.0 * 71740 / 71998, 1e-9);
+  EXPECT_NEAR(cell_number(table, 0, "from_2_to_4ms_percent"), 100.0 * 258 / 71998, 1e-9);
+  EXPECT_EQ(cell_number(table, 0, "from_33ms_percent"), 0.0);
+  EXPECT_NEAR(cell_number(table, 1, "below_2ms_percent"), 99.8, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "median_ms"), 1.5, 1e-9);
 }
 
 TEST(Table4, SaysHowManyClockErrorsAreBelow4msAndOfHowManyRunsAllAre) {
@@ -74,33 +74,34 @@ TEST(Table4, SaysHowManyClockErrorsAreBelow4msAndOfHowManyRunsAllAre) {
   row.error.n = 1000;
   row.units = {{500, 500, 495, 500}, {500, 500, 495, 496}, {100, 0, 0, 0}};
   const Table table = table4_clocks(s);
-  EXPECT_NEAR(cell(table, 0, "below_4ms_percent"), 100.0, 1e-9);  // the paper's
-  EXPECT_NEAR(cell(table, 1, "below_4ms_percent"), 99.6, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "units_below_4ms_percent"), 50.0, 1e-9);  // one gave no answer
+  EXPECT_NEAR(cell_number(table, 0, "below_4ms_percent"), 100.0, 1e-9);  // the paper's
+  EXPECT_NEAR(cell_number(table, 1, "below_4ms_percent"), 99.6, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "units_below_4ms_percent"), 50.0, 1e-9);  // one gave no answer
 }
 
 TEST(Table4, SaysHowManyFramesAreTakenAndProcessedInTimeBesideThePapers) {
   const Table table = table4_queue(summary_of(998, 2), timings_of(0));
   EXPECT_THAT(table.title, testing::AllOf(HasSubstr("simulated"), HasSubstr("33.3 ms")));
-  EXPECT_EQ(cell(table, 0, "too_late"), 3.0);
-  EXPECT_NEAR(cell(table, 0, "taken_percent"), 100.0 * 17997 / 18000, 1e-9);
-  EXPECT_NEAR(cell(table, 0, "processed_percent"), 100.0 * 17990 / 17997, 1e-9);
-  EXPECT_EQ(cell(table, 0, "real_time_percent"), 99.94);
-  EXPECT_EQ(cell(table, 1, "too_early"), 2.0);
-  EXPECT_NEAR(cell(table, 1, "taken_percent"), 99.0, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "taken_low_percent"), 98.0, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "processed_percent"), 95.0, 1e-9);  // by the slowest method
-  EXPECT_NEAR(cell(table, 1, "real_time_percent"), 99.0 * 0.95, 1e-9);
-  EXPECT_TRUE(std::isnan(cell(table4_queue(summary_of(998, 2), std::nullopt), 1, "real_time_percent")));
+  EXPECT_EQ(cell_number(table, 0, "too_late"), 3.0);
+  EXPECT_NEAR(cell_number(table, 0, "taken_percent"), 100.0 * 17997 / 18000, 1e-9);
+  EXPECT_NEAR(cell_number(table, 0, "processed_percent"), 100.0 * 17990 / 17997, 1e-9);
+  EXPECT_EQ(cell_number(table, 0, "real_time_percent"), 99.94);
+  EXPECT_EQ(cell_number(table, 1, "too_early"), 2.0);
+  EXPECT_NEAR(cell_number(table, 1, "taken_percent"), 99.0, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "taken_low_percent"), 98.0, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "processed_percent"), 95.0, 1e-9);  // by the slowest method
+  EXPECT_NEAR(cell_number(table, 1, "real_time_percent"), 99.0 * 0.95, 1e-9);
+  EXPECT_TRUE(
+      std::isnan(cell_number(table4_queue(summary_of(998, 2), std::nullopt), 1, "real_time_percent")));
 }
 
 TEST(Table4, CountsTheThreeShortestRangesAsThePapersShortest) {
   const Table table = table4_processing(timings_of(4));
-  EXPECT_EQ(cell(table, 0, "below_11ms_percent"), 0.0);
-  EXPECT_NEAR(cell(table, 0, "from_22_to_33ms_percent"), 100.0 * 11926 / 17997, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "below_11ms_percent"), 97.5, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "from_33ms_percent"), 0.4, 1e-9);
-  EXPECT_NEAR(cell(table, 1, "median_us"), 28.0, 1e-9);
+  EXPECT_EQ(cell_number(table, 0, "below_11ms_percent"), 0.0);
+  EXPECT_NEAR(cell_number(table, 0, "from_22_to_33ms_percent"), 100.0 * 11926 / 17997, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "below_11ms_percent"), 97.5, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "from_33ms_percent"), 0.4, 1e-9);
+  EXPECT_NEAR(cell_number(table, 1, "median_us"), 28.0, 1e-9);
 }
 
 TEST(Table4, PartsThatWereNotRunGiveNoTable) {

@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr std::int64_t kPeriodTicks = 333'333;
+constexpr std::int64_t kFramePeriodTicks = 333'333;
 
 std::string row(int frame, std::int64_t ticks, const std::string& state = "2") {
   std::string text = std::to_string(ticks);
@@ -44,7 +44,8 @@ TEST(LabanotationImport, GivesPositionsStatesAndTimesAsTheyAreWritten) {
 
 TEST(LabanotationImport, ALostFrameIsAGapInTheSequence) {
   const ScratchFolder folder;
-  const auto file = text_file(folder, "a.csv", row(0, 0) + row(1, kPeriodTicks) + row(3, 3 * kPeriodTicks));
+  const auto file =
+      text_file(folder, "a.csv", row(0, 0) + row(1, kFramePeriodTicks) + row(3, 3 * kFramePeriodTicks));
   const Imported result = imported(folder, "labanotation", {file});
   EXPECT_THAT(sequences(result.frames()), ElementsAre(0, 1, 3));
   EXPECT_EQ(result.report.sensors[0].gap_frames, 1);
@@ -59,9 +60,9 @@ TEST(LabanotationImport, JitterOfTheTimesIsNoGap) {
 
 TEST(LabanotationImport, CountsTornRowsAndNamesTheFirst) {
   const ScratchFolder folder;
-  std::string cut = row(2, 2 * kPeriodTicks);
+  std::string cut = row(2, 2 * kFramePeriodTicks);
   cut.resize(cut.size() / 2);
-  const auto file = text_file(folder, "a.csv", row(0, 0) + "1,2,3\n" + row(1, kPeriodTicks) + cut);
+  const auto file = text_file(folder, "a.csv", row(0, 0) + "1,2,3\n" + row(1, kFramePeriodTicks) + cut);
   const Imported result = imported(folder, "labanotation", {file});
   EXPECT_EQ(result.session.counts(0).body_frames, 2u);
   EXPECT_EQ(result.report.sensors[0].left_out.torn_rows, 2);
@@ -70,8 +71,8 @@ TEST(LabanotationImport, CountsTornRowsAndNamesTheFirst) {
 
 TEST(LabanotationImport, LeavesOutTimesThatRepeatOrGoBack) {
   const ScratchFolder folder;
-  const auto file =
-      text_file(folder, "a.csv", row(0, 1000) + row(1, 1000) + row(2, 500) + row(3, 1000 + kPeriodTicks));
+  const auto file = text_file(folder, "a.csv",
+                              row(0, 1000) + row(1, 1000) + row(2, 500) + row(3, 1000 + kFramePeriodTicks));
   const Imported result = imported(folder, "labanotation", {file});
   EXPECT_EQ(result.session.counts(0).body_frames, 2u);
   EXPECT_EQ(result.report.sensors[0].left_out.repeated_times, 1);
@@ -81,7 +82,7 @@ TEST(LabanotationImport, LeavesOutTimesThatRepeatOrGoBack) {
 
 TEST(LabanotationImport, TakesWindowsLineEndsAndALastLineWithoutOne) {
   const ScratchFolder folder;
-  std::string text = row(0, 0) + row(1, kPeriodTicks);
+  std::string text = row(0, 0) + row(1, kFramePeriodTicks);
   text.pop_back();
   text.insert(text.find('\n'), "\r");
   const Imported result = imported(folder, "labanotation", {text_file(folder, "a.csv", text)});
@@ -91,7 +92,7 @@ TEST(LabanotationImport, TakesWindowsLineEndsAndALastLineWithoutOne) {
 
 TEST(LabanotationImport, RefusesAnAveragedFile) {
   const ScratchFolder folder;
-  const auto file = text_file(folder, "a.csv", row(0, 0) + row(1, kPeriodTicks, "1.5"));
+  const auto file = text_file(folder, "a.csv", row(0, 0) + row(1, kFramePeriodTicks, "1.5"));
   EXPECT_THAT(import_refusal(folder, "labanotation", {file}),
               testing::AllOf(HasSubstr("a.csv:2"), HasSubstr("1.5"), HasSubstr("averaged")));
 }
