@@ -14,7 +14,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "recorders/capture_intake.h"
 #include "recorders/capture_queue.h"
 #include "recorders/capture_store.h"
 

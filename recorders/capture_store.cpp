@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "recorders/steady_time.h"
 
 namespace trilat {

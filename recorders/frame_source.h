@@ -6,7 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "datasets/session/encoded_depth.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {

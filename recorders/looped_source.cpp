@@ -4,7 +4,7 @@
 #include <map>
 #include <thread>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "recorders/steady_time.h"
 
 namespace trilat {

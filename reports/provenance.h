@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/declared_parameters.h"
 #include "datasets/results/results_file.h"
+#include "reports/tables/table.h"
 
 namespace trilat {
 
@@ -41,5 +43,8 @@ std::string folder_name(const std::filesystem::path& folder);
 // beside the page.
 std::string commands_of(const Provenance& provenance);
 std::string study_file(const Provenance& provenance);  // "studies/table3.json"
+
+// What the simulation of one or several studies assumes, with sources.
+Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies);
 
 }  // namespace trilat

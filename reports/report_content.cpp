@@ -9,9 +9,8 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
-#include "reports/audit.h"
-#include "reports/claims.h"
-#include "reports/parameters_table.h"
+#include "reports/claims/claims.h"
+#include "reports/provenance.h"
 
 namespace trilat {
 namespace {

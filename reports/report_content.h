@@ -8,7 +8,7 @@
 
 #include "datasets/results/paper_evidence.h"
 #include "reports/chapter.h"
-#include "reports/table.h"
+#include "reports/tables/table.h"
 
 namespace trilat {
 

@@ -12,9 +12,9 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "reports/article_numbers.h"
 #include "reports/page/page.h"
-#include "reports/render.h"
+#include "reports/render/article_numbers.h"
+#include "reports/render/render.h"
 #include "reports/report_content.h"
 
 namespace trilat {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "datasets/results/paper_evidence.h"
-#include "reports/figure.h"
-#include "reports/table.h"
+#include "reports/figures/figure.h"
+#include "reports/tables/table.h"
 
 namespace trilat {
 

@@ -9,7 +9,6 @@
 
 #include <openssl/evp.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 
 namespace trilat {

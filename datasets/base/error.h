@@ -4,6 +4,13 @@
 #include <stdexcept>
 #include <string>
 
+// TRILAT_CHECK(condition, "what must hold"): always on, throws InternalError with the source line.
+// For our own mistakes only; what comes from outside is refused with InputError.
+#define TRILAT_CHECK(condition, what)                                   \
+  do {                                                                  \
+    if (!(condition)) ::trilat::check_failed(__FILE__, __LINE__, what); \
+  } while (false)
+
 namespace trilat {
 
 // The outside world is wrong: a file, a setting, a device. `place` is where a person has to look
@@ -38,5 +45,7 @@ class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
 };
+
+[[noreturn]] void check_failed(const char* file, int line, const char* what);
 
 }  // namespace trilat

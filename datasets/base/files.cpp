@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/base/files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
+
 namespace {
 
 struct Descriptor {
@@ -27,6 +29,14 @@ struct Descriptor {
 
 [[noreturn]] void refuse_output(const std::filesystem::path& path, const char* doing) {
   throw OutputError(path.string(), std::string("cannot be ") + doing + ": " + std::strerror(errno));
+}
+
+namespace fs = std::filesystem;
+
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 }  // namespace
@@ -101,6 +111,44 @@ void check_output_file(const std::filesystem::path& path) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error))
     throw InputError(path.string(), "cannot be written: the folder " + folder.string() + " does not exist");
+}
+
+bool is_plain_name(std::string_view text) {
+  return !text.empty() && text.size() <= 100 && text[0] != '.' &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                  c == '_' || c == '.';
+         });
+}
+
+bool lies_in(const fs::path& folder, const fs::path& path) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+std::string way_out_of(const fs::path& folder, const fs::path& path) {
+  if (path.is_absolute()) return "is absolute";
+  if (const fs::path plain = path.lexically_normal(); !plain.empty() && *plain.begin() == "..")
+    return "leads out of the folder by ..";
+  std::error_code error;
+  const fs::path root = fs::canonical(folder.empty() ? "." : folder, error);
+  if (error) return {};  // no folder, nothing in it
+  const fs::path whole = fs::weakly_canonical(root / path, error);
+  if (error) return "cannot be followed: " + error.message();
+  if (!lies_in(root, whole)) return "leads out of the folder by a symbolic link, to " + whole.string();
+  if (is_special(whole)) return "is a device, a pipe or a socket";
+  return {};
+}
+
+fs::path path_within(JsonObject& object, const std::string& key, const fs::path& folder,
+                     OutsidePaths outside) {
+  const std::string path = object.text(key);
+  if (path.empty()) object.refuse(key, "must name a file");
+  const std::string way = outside == OutsidePaths::allowed ? "" : way_out_of(folder, path);
+  if (!way.empty())
+    object.refuse(key, "\"" + path + "\" " + way + "; files must lie in the folder of " +
+                           fs::path(object.file()).filename().string() +
+                           ", beside or below it. --allow-outside allows others, for data that you trust");
+  return folder / path;
 }
 
 }  // namespace trilat

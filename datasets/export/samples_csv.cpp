@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "datasets/base/csv_field.h"
-#include "datasets/export/text_output.h"
+#include "datasets/export/export_frame.h"
 
 namespace trilat {
 namespace {

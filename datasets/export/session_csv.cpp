@@ -4,7 +4,7 @@
 #include <array>
 
 #include "datasets/base/csv_field.h"
-#include "datasets/export/text_output.h"
+#include "datasets/export/export_frame.h"
 
 namespace trilat {
 namespace {

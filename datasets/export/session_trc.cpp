@@ -4,7 +4,7 @@
 #include <map>
 
 #include "datasets/base/error.h"
-#include "datasets/export/text_output.h"
+#include "datasets/export/export_frame.h"
 
 namespace trilat {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 

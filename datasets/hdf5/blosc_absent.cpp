@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/hdf5/blosc_codec.h"
 
 namespace trilat {

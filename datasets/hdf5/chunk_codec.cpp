@@ -5,7 +5,7 @@
 
 #include <zlib.h>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/hdf5/blosc_codec.h"
 
 namespace trilat {

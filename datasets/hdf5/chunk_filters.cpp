@@ -4,7 +4,7 @@
 #include <blosc.h>
 #include <hdf5.h>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/hdf5/chunk_codec.h"
 
 namespace trilat {

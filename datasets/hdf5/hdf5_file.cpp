@@ -8,7 +8,6 @@
 #include <hdf5.h>
 #include <unistd.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/hdf5/chunk_codec.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -9,10 +10,33 @@
 #include <vector>
 
 #include "datasets/import/body_file_reader.h"
-#include "datasets/import/fitted_intrinsics.h"
 #include "datasets/import/import_types.h"
 
 namespace trilat {
+
+// Sums of the straight line pixel = offset + slope * ratio.
+struct LineSums {
+  double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  void add(double ratio, double pixel);
+};
+
+struct FittedIntrinsics {
+  DepthIntrinsics intrinsics;
+  double rms_px = 0.0;  // of both image axes together
+};
+
+// The depth camera from joints whose positions and pixels a file both has: column = cx + fx X/Z and
+// row = cy - fy Y/Z, by least squares, without distortion.
+class IntrinsicsFit {
+ public:
+  void add(const Body& body, const JointPixels& depth_px);
+  // Nothing with fewer than 200 joints, with too little of the image covered, with more than 1 px left over,
+  // or when no Kinect is like that.
+  std::optional<FittedIntrinsics> solve() const;
+
+ private:
+  LineSums column_, row_;
+};
 
 // A kind of body file: how it is opened, and what has to be assumed of it.
 struct BodyFileFormat {

@@ -13,7 +13,7 @@
 namespace trilat {
 namespace {
 
-constexpr float kFarthest_m = 20.0f;
+constexpr float kFarthestJoint_m = 20.0f;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -103,7 +103,7 @@ std::uint8_t tracking_state_of(double value, const std::string& place) {
 void check_positions(const Body& body, const std::string& place) {
   for (const auto& point : body.position_m)
     for (const float x : point)
-      if (!(std::abs(x) <= kFarthest_m))
+      if (!(std::abs(x) <= kFarthestJoint_m))
         throw InputError(place,
                          fmt::format("has a joint at {:g} m, farther than any Kinect sees; positions must be "
                                      "in metres, not in millimetres or pixels",

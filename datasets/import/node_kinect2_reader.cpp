@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/import/node_kinect2_reader.h"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include "datasets/import/joint_cells.h"
 
 namespace trilat {
+
 namespace {
 
 constexpr std::int64_t kTicksPerMs = 1'000'000 / kImportTickNs;
@@ -61,6 +64,9 @@ void read_joint(const Json& joint, std::size_t j, Body& body, JointPixels& depth
   depth_px[j] = {kDepthWidth * number_of(joint, "depthX"), kDepthHeight * number_of(joint, "depthY")};
   body.tracking_state[j] = static_cast<std::uint8_t>(TrackingState::tracked);
 }
+
+constexpr std::size_t kLongestElement = 1u << 20;
+constexpr int kEnd = std::char_traits<char>::eof();
 
 }  // namespace
 
@@ -160,6 +166,62 @@ std::optional<std::int64_t> node_kinect2_start_ms(const std::filesystem::path& p
       return {};
     }
   }
+}
+
+JsonElements::JsonElements(const std::filesystem::path& path)
+    : path_(path.string()), stream_(path, std::ios::binary) {
+  if (!stream_) throw InputError(path_, std::string("cannot be opened: ") + std::strerror(errno));
+  const int c = get_past_blanks();
+  if (c != '[') throw InputError(place(), "does not begin with '['; a JSON array of bodies is expected");
+}
+
+std::string JsonElements::place() const {
+  return path_ + ":" + std::to_string(begin_line_) + " (byte " + std::to_string(begin_) + ")";
+}
+
+int JsonElements::get() {
+  const int c = stream_.rdbuf()->sbumpc();
+  if (c == kEnd) return c;
+  ++byte_;
+  if (c == '\n') ++line_;
+  return c;
+}
+
+int JsonElements::get_past_blanks() {
+  int c = get();
+  while (c == ' ' || c == '\n' || c == '\r' || c == '\t') c = get();
+  begin_ = byte_ > 0 ? byte_ - 1 : 0;
+  begin_line_ = line_;
+  return c;
+}
+
+bool JsonElements::next(std::string& text) {
+  if (ended_) return false;
+  int c = get_past_blanks();
+  if (!first_ && c == ',') c = get_past_blanks();
+  first_ = false;
+  ended_ = c != '{';
+  if (c == ']') return false;
+  if (c == kEnd) throw TornRow{"is where the file ends, before the array is closed"};
+  if (c != '{') throw InputError(place(), "is no object; an array of bodies is expected");
+  text.clear();
+  int depth = 0;
+  bool quoted = false, escaped = false;
+  for (; c != kEnd; c = get()) {
+    if (text.size() >= kLongestElement)
+      throw InputError(place(), "is longer than 1 MiB; a body is much shorter");
+    text += static_cast<char>(c);
+    if (quoted) {
+      if (!escaped && c == '"') quoted = false;
+      escaped = !escaped && c == '\\';
+      continue;
+    }
+    quoted = c == '"';
+    if (c == '{') ++depth;
+    if (c == '}' && --depth == 0) return true;
+  }
+  ended_ = true;
+  throw TornRow{"is an object in which the file ends"};
 }
 
 }  // namespace trilat

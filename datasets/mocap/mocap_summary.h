@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/mocap/frozen_stretch.h"
+#include "datasets/mocap/frozen_filter.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {

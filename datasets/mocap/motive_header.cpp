@@ -6,13 +6,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/motive_columns.h"
-#include "datasets/mocap/row_source.h"
+#include "datasets/mocap/line_reader.h"
 
 namespace trilat {
+
 namespace {
 
 using Cells = std::vector<std::string>;
@@ -111,6 +112,83 @@ MocapHeader header_from(const KeyReader& keys) {
   return header;
 }
 
+using Cells = std::vector<std::string>;
+
+// "Position,Position,…" is the row of kinds.
+struct HeadingRows {
+  Cells type;
+  Cells name;
+  Cells id;
+  Cells parent;
+  Cells kind;
+};
+
+const std::string& cell_of(const Cells& row, std::size_t column) {
+  static const std::string empty;
+  return column < row.size() ? row[column] : empty;
+}
+
+HeadingRows rows_by_label(const std::vector<Cells>& rows) {
+  HeadingRows result;
+  for (const Cells& row : rows) {
+    const std::string& label = cell_of(row, 1);
+    if (label == "Type") result.type = row;
+    if (label == "Name") result.name = row;
+    if (label == "ID") result.id = row;
+    if (label == "Parent") result.parent = row;
+    if (label.empty()) result.kind = row;
+  }
+  return result;
+}
+
+HeadingRows identify(const std::vector<Cells>& rows, const std::string& place) {
+  const bool labelled = std::ranges::any_of(rows, [](const Cells& row) { return cell_of(row, 1) == "Type"; });
+  if (labelled) return rows_by_label(rows);
+  if (rows.empty()) return {};
+  if (rows.size() != 4)
+    throw InputError(place, "there are " + std::to_string(rows.size()) +
+                                " unlabelled rows above this one; it takes four: type, name, ID "
+                                "and Rotation/Position");
+  return {rows[0], rows[1], rows[2], {}, rows[3]};
+}
+
+bool is_fixed_column(const std::string& axis) { return axis == "Frame" || axis.starts_with("Time"); }
+
+bool is_time_code(const std::string& axis) {
+  return axis.starts_with("TimeCode") || axis.starts_with("Timecode") || axis.starts_with("Time Code");
+}
+
+std::size_t width_of(const HeadingRows& rows, const Cells& axes) {
+  std::size_t width = 0;
+  for (const Cells* row : {&rows.type, &rows.name, &rows.id, &rows.kind, &axes})
+    for (std::size_t i = 0; i < row->size(); ++i)
+      if (!(*row)[i].empty()) width = std::max(width, i + 1);
+  return width;
+}
+
+// The place of a column among an asset's numbers; kSlotsPerAsset for what is neither a position
+// nor a rotation, such as a marker's quality.
+std::size_t slot_of(const std::string& kind, const std::string& axis) {
+  if (axis.size() != 1 || (kind != "Position" && kind != "Rotation")) return kSlotsPerAsset;
+  const auto number = std::string_view("XYZW").find(axis[0]);
+  if (number == std::string_view::npos || (kind == "Position" && number == 3)) return kSlotsPerAsset;
+  return number + (kind == "Position" ? 4 : 0);
+}
+
+void check_columns(const MocapAsset& asset, const AssetColumns& columns, const MocapHeader& header,
+                   const std::string& place) {
+  const std::string who = std::string(name_of(asset.type)) + " \"" + asset.name + "\"";
+  const auto has = [&](std::size_t slot) { return columns[slot] != kNoColumn; };
+  if (asset.has_position && !(has(4) && has(5) && has(6)))
+    throw InputError(place, who + " has not all of the columns Position X, Y and Z");
+  if (!asset.has_rotation) return;
+  if (!(has(0) && has(1) && has(2)))
+    throw InputError(place, who + " has not all of the columns Rotation X, Y and Z");
+  if (!has(3) && !is_euler_order(header.rotation_type))
+    throw InputError(place, who + " has three rotation columns, but \"Rotation Type\" is \"" +
+                                header.rotation_type + "\"; it must be the order of the angles, such as XYZ");
+}
+
 }  // namespace
 
 MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) {
@@ -139,6 +217,46 @@ MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) 
   throw InputError(
       first_place,
       "no row starting with \"Frame,Time\" follows; export again from Motive with the header switched on");
+}
+
+MotiveLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& axes, const std::string& place,
+                                 MocapHeader& header) {
+  const HeadingRows headings = identify(rows, place);
+  MotiveLayout layout;
+  layout.used_columns = width_of(headings, axes);
+  layout.written_columns = std::max(axes.size(), layout.used_columns);
+  std::size_t first = 0;
+  for (; first < axes.size() && is_fixed_column(axes[first]); ++first)
+    if (first > 0 && !is_time_code(axes[first])) layout.time_column = first;
+
+  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> known;
+  for (std::size_t column = first; column < layout.used_columns; ++column) {
+    const std::string& kind = cell_of(headings.kind, column);
+    const std::size_t slot = slot_of(kind, cell_of(axes, column));
+    if (slot == kSlotsPerAsset) continue;
+    const std::string& type = cell_of(headings.type, column);
+    const std::string& name = cell_of(headings.name, column);
+    const std::string& id = cell_of(headings.id, column);
+    auto [entry, is_new] = known.try_emplace({type, name, id}, header.assets.size());
+    // The same heading over a second set of columns is another asset.
+    if (!is_new && layout.columns[entry->second][slot] != kNoColumn) {
+      entry->second = header.assets.size();
+      is_new = true;
+    }
+    if (is_new) {
+      header.assets.push_back({.type = asset_type_from_motive(type),
+                               .name = name.empty() ? "column " + std::to_string(column + 1) : name,
+                               .id = id,
+                               .parent = cell_of(headings.parent, column)});
+      layout.columns.emplace_back().fill(kNoColumn);
+    }
+    layout.columns[entry->second][slot] = column;
+    (kind == "Position" ? header.assets[entry->second].has_position
+                        : header.assets[entry->second].has_rotation) = true;
+  }
+  for (std::size_t i = 0; i < header.assets.size(); ++i)
+    check_columns(header.assets[i], layout.columns[i], header, place);
+  return layout;
 }
 
 }  // namespace trilat

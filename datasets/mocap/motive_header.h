@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -34,5 +35,12 @@ struct MotiveHeader {
 // read already; the next line is the first of the data. Rows are known by what they say, never by
 // their number. InputError with the line where something is missing or contradictory.
 MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line);
+
+// Fills the assets of `header` from the rows between the keys and the row of axes ("Frame,Time,X,
+// …"), which stands at `place`. Rows are known by the label in their second cell, or, without
+// labels, by their order: type, name, ID, kind.
+MotiveLayout read_motive_columns(const std::vector<std::vector<std::string>>& rows,
+                                 const std::vector<std::string>& axes, const std::string& place,
+                                 MocapHeader& header);
 
 }  // namespace trilat

@@ -8,7 +8,6 @@
 
 #include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/motive_header.h"
-#include "datasets/mocap/row_source.h"
 
 namespace trilat {
 

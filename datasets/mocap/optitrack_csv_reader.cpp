@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"

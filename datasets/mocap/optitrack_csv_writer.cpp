@@ -11,7 +11,6 @@
 
 #include <fmt/core.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/csv_field.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"

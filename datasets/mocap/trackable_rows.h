@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "datasets/mocap/line_reader.h"
-#include "datasets/mocap/row_cells.h"
-#include "datasets/mocap/row_source.h"
 #include "datasets/mocap/trackable_header.h"
 
 namespace trilat {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "datasets/results/time_spread.h"
+#include "datasets/results/stage_timings.h"
 
 namespace trilat {
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"

@@ -5,10 +5,9 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/sweep_cell_json.h"
-#include "datasets/results/sweep_search_json.h"
 
 namespace trilat {
+
 namespace {
 
 Json json_of(const SweepInterpretation& i) {
@@ -71,6 +70,97 @@ void check_cells(const SweepSummary& s, const JsonObject& object) {
     object.refuse("cells", "must hold one cell for every interpretation, threshold and range, in this order");
 }
 
+Json json_of(const SweepFit& fit) {
+  return {{"interpretation", fit.interpretation},
+          {"reported", fit.reported},
+          {"rms_log_ratio", fit.rms_log_ratio},
+          {"worst_factor", fit.worst_factor},
+          {"us_per_iteration", fit.us_per_iteration}};
+}
+
+Json json_of(const SweepRanking& ranking) {
+  Json json{{"ranked", ranking.ranked},
+            {"best_rms", ranking.best_rms},
+            {"median_rms", ranking.median_rms},
+            {"worst_rms", ranking.worst_rms},
+            {"best", Json::array()}};
+  for (const SweepFit& fit : ranking.best) json["best"].push_back(json_of(fit));
+  return json;
+}
+
+Json json_of(const SweepCompromise& c) {
+  return {{"best_for", c.best_for},
+          {"printed", c.printed},
+          {"corrected", c.corrected},
+          {"printed_iterations_factor", c.printed_iterations_factor},
+          {"corrected_iterations_factor", c.corrected_iterations_factor},
+          {"printed_error_factor", c.printed_error_factor},
+          {"corrected_error_factor", c.corrected_error_factor},
+          {"printed_coverage", c.printed_coverage},
+          {"corrected_coverage", c.corrected_coverage}};
+}
+
+std::size_t read_index(JsonObject& object, const std::string& key, std::size_t interpretations) {
+  const std::uint64_t index = object.count(key);
+  if (index >= interpretations) object.refuse(key, "is the number of no interpretation");
+  return index;
+}
+
+SweepFit read_fit(JsonObject& object, std::size_t interpretations) {
+  SweepFit fit;
+  fit.interpretation = read_index(object, "interpretation", interpretations);
+  fit.reported = object.text("reported");
+  fit.rms_log_ratio = object.number("rms_log_ratio");
+  fit.worst_factor = object.number("worst_factor");
+  fit.us_per_iteration = number_or_nan(object, "us_per_iteration");
+  object.finish();
+  return fit;
+}
+
+SweepRanking read_ranking(JsonObject object, std::size_t interpretations) {
+  SweepRanking ranking;
+  ranking.ranked = object.count("ranked");
+  ranking.best_rms = number_or_nan(object, "best_rms");
+  ranking.median_rms = number_or_nan(object, "median_rms");
+  ranking.worst_rms = number_or_nan(object, "worst_rms");
+  for (JsonObject& fit : object.objects("best")) ranking.best.push_back(read_fit(fit, interpretations));
+  object.finish();
+  return ranking;
+}
+
+std::vector<double> read_factors(JsonObject& object, const std::string& key, std::size_t ranges) {
+  const Json& values = object.value(key);
+  if (!values.is_array() || values.empty() || values.size() != ranges)
+    object.refuse(key, "must be an array of a number for each range");
+  std::vector<double> factors;
+  for (const Json& value : values)
+    factors.push_back(value.is_number() ? value.get<double>() : SweepCell::kNone);
+  return factors;
+}
+
+SweepCompromise read_compromise(JsonObject& object, std::size_t interpretations, std::size_t ranges) {
+  SweepCompromise c;
+  c.best_for = object.text("best_for");
+  c.printed = read_index(object, "printed", interpretations);
+  c.corrected = read_index(object, "corrected", interpretations);
+  c.printed_iterations_factor = read_factors(object, "printed_iterations_factor", ranges);
+  c.corrected_iterations_factor = read_factors(object, "corrected_iterations_factor", ranges);
+  c.printed_error_factor = read_factors(object, "printed_error_factor", ranges);
+  c.corrected_error_factor = read_factors(object, "corrected_error_factor", ranges);
+  c.printed_coverage = number_or_nan(object, "printed_coverage");
+  c.corrected_coverage = number_or_nan(object, "corrected_coverage");
+  object.finish();
+  return c;
+}
+
+std::array<double, 3> read_three(const Json& value, const JsonObject& object, const std::string& key) {
+  std::array<double, 3> three{SweepCell::kNone, SweepCell::kNone, SweepCell::kNone};
+  if (!value.is_array() || value.size() != 3) object.refuse(key, "must be an array of 3 numbers");
+  for (std::size_t i = 0; i < 3; ++i)
+    if (value[i].is_number()) three[i] = value[i].get<double>();
+  return three;
+}
+
 }  // namespace
 
 void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& s) {
@@ -113,6 +203,81 @@ SweepSummary read_sweep_summary(const std::filesystem::path& folder) {
   object.finish();
   check_cells(s, object);
   return s;
+}
+
+Json json_of(const SweepSearch& search) {
+  Json json{{"tried", search.tried},
+            {"errors", json_of(search.errors)},
+            {"times", json_of(search.times)},
+            {"compromises", Json::array()}};
+  for (const SweepCompromise& c : search.compromises) json["compromises"].push_back(json_of(c));
+  return json;
+}
+
+SweepSearch read_search(JsonObject object, std::size_t interpretations, std::size_t ranges) {
+  SweepSearch search;
+  search.tried = object.count("tried");
+  search.errors = read_ranking(object.object("errors"), interpretations);
+  search.times = read_ranking(object.object("times"), interpretations);
+  for (JsonObject& c : object.objects("compromises"))
+    search.compromises.push_back(read_compromise(c, interpretations, ranges));
+  object.finish();
+  return search;
+}
+
+Json json_of(const SweepCell& cell) {
+  return {{"interpretation", cell.interpretation},
+          {"threshold", cell.threshold},
+          {"range", cell.range},
+          {"asked", cell.asked},
+          {"answered", cell.answered},
+          {"statuses", counts_json(cell.statuses)},
+          {"mae_m", cell.mae_m},
+          {"mae_standard_error_m", cell.mae_standard_error_m},
+          {"axis_mae_m", cell.axis_mae_m},
+          {"axis_mean_mae_m", cell.axis_mean_mae_m()},
+          {"rmse_m", cell.rmse_m},
+          {"p50_m", cell.p50_m},
+          {"p95_m", cell.p95_m},
+          {"max_m", cell.max_m},
+          {"start_mae_m", cell.start_mae_m},
+          {"mean_iterations", cell.mean_iterations},
+          {"p50_iterations", cell.p50_iterations},
+          {"p99_iterations", cell.p99_iterations},
+          {"max_iterations", cell.max_iterations},
+          {"digits_trials", cell.digits_trials},
+          {"mean_digits", cell.mean_digits},
+          {"p50_digits", cell.p50_digits},
+          {"min_digits", cell.min_digits}};
+}
+
+SweepCell read_sweep_cell(JsonObject& object) {
+  SweepCell cell;
+  cell.interpretation = object.count("interpretation");
+  cell.threshold = object.count("threshold");
+  cell.range = object.count("range");
+  cell.asked = object.count("asked");
+  cell.answered = object.count("answered");
+  cell.statuses = read_counts(object.object("statuses"));
+  cell.mae_m = number_or_nan(object, "mae_m");
+  cell.mae_standard_error_m = number_or_nan(object, "mae_standard_error_m");
+  cell.axis_mae_m = read_three(object.value("axis_mae_m"), object, "axis_mae_m");
+  number_or_nan(object, "axis_mean_mae_m");
+  cell.rmse_m = number_or_nan(object, "rmse_m");
+  cell.p50_m = number_or_nan(object, "p50_m");
+  cell.p95_m = number_or_nan(object, "p95_m");
+  cell.max_m = number_or_nan(object, "max_m");
+  cell.start_mae_m = number_or_nan(object, "start_mae_m");
+  cell.mean_iterations = number_or_nan(object, "mean_iterations");
+  cell.p50_iterations = number_or_nan(object, "p50_iterations");
+  cell.p99_iterations = number_or_nan(object, "p99_iterations");
+  cell.max_iterations = number_or_nan(object, "max_iterations");
+  cell.digits_trials = object.count("digits_trials");
+  cell.mean_digits = number_or_nan(object, "mean_digits");
+  cell.p50_digits = number_or_nan(object, "p50_digits");
+  cell.min_digits = number_or_nan(object, "min_digits");
+  object.finish();
+  return cell;
 }
 
 }  // namespace trilat

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -9,6 +10,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "datasets/base/strict_json.h"
 
 namespace trilat {
 
@@ -120,5 +123,14 @@ struct SweepSummary {
 void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& summary);
 // InputError when it is not there, of another version or kind, or its cells do not fit its lists.
 SweepSummary read_sweep_summary(const std::filesystem::path& folder);
+
+// The member "search" of a sweep's summary.json.
+Json json_of(const SweepSearch& search);
+// Refuses numbers of interpretations that the summary does not have, and factors that are not one a range.
+SweepSearch read_search(JsonObject object, std::size_t interpretations, std::size_t ranges);
+
+// As in summary.json. What is read is equal to what was written, to the bit.
+Json json_of(const SweepCell& cell);
+SweepCell read_sweep_cell(JsonObject& object);
 
 }  // namespace trilat

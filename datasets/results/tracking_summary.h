@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -71,5 +72,13 @@ struct TrackingSummary {
 void write_tracking_summary(const std::filesystem::path& folder, const TrackingSummary& summary);
 // Nothing when there is none; InputError when the file is not one of these.
 std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path& folder);
+
+// The rows of tracking.json. Readers refuse counts that contradict each other.
+Json json_of(const ViewRow& row);
+Json json_of(const ExchangeRow& row);
+Json json_of(const ClockRow& row);
+ViewRow read_view(JsonObject& object);
+ExchangeRow read_exchange(JsonObject& object);
+ClockRow read_clock(JsonObject& object);
 
 }  // namespace trilat

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/session/exchange_segments.h"
+#include "datasets/session/offset_samples.h"
 #include "datasets/session/offset_wander.h"
 #include "datasets/session/one_sided_fit.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/session/offset_doubt.h"
+#include "datasets/session/offset_wander.h"
 
 namespace trilat {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "datasets/session/arrival_envelope.h"
+#include "datasets/session/host_arrivals.h"
 
 namespace trilat {
 namespace {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/envelope_pieces.h"
 #include "datasets/session/host_arrivals.h"
+#include "datasets/session/tick_epochs.h"
 
 namespace trilat {
 namespace {

@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/session/session_layout.h"
 #include "datasets/session/session_tables.h"

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "datasets/geometry/depth_camera.h"
+#include "datasets/hdf5/chunk_codec.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
@@ -84,5 +86,23 @@ struct SessionHeader {
   std::string note;
   std::vector<SensorDescription> sensors;
 };
+
+// One depth frame ready for the file. Made by encode_depth_frame() on any thread.
+struct EncodedDepthFrame {
+  FrameStamp stamp;
+  std::vector<std::byte> chunk;
+  ChunkCompression compression = ChunkCompression::blosc;
+};
+
+// `depth_mm` holds kDepthPixels values, row by row, exactly as received; 0 is invalid.
+EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const std::uint16_t> depth_mm,
+                                     ChunkCompression compression);
+
+// Why a reader of sessions would not believe this sensor; empty where it would.
+std::string refusal_of(const SensorDescription& sensor);
+
+// Whether a reader would believe these times: within 18 years of their clock's origin, exchanges within 9.
+bool is_plausible(const FrameStamp& stamp, std::int64_t tick_ns);
+bool is_plausible(const ClockExchange& exchange);
 
 }  // namespace trilat

@@ -4,7 +4,6 @@
 #include <mutex>
 #include <set>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"

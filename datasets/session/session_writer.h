@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "datasets/hdf5/chunk_codec.h"
-#include "datasets/session/encoded_depth.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {

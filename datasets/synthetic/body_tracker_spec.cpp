@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/base/json_ranges.h"
 #include "datasets/synthetic/embedded_tracker.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/synthetic/depth_kernel.h"
 
 namespace trilat {

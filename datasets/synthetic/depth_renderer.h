@@ -9,7 +9,7 @@
 #include "datasets/depth/axial_noise.h"
 #include "datasets/geometry/depth_camera.h"
 #include "datasets/geometry/rigid_transform.h"
-#include "datasets/synthetic/depth_scene.h"
+#include "datasets/synthetic/room_scene.h"
 
 namespace trilat {
 

@@ -6,7 +6,7 @@
 
 #include "datasets/depth/depth_rays.h"
 #include "datasets/geometry/rigid_transform.h"
-#include "datasets/synthetic/depth_scene.h"
+#include "datasets/synthetic/room_scene.h"
 
 namespace trilat {
 

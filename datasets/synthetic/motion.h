@@ -4,7 +4,9 @@
 #include <array>
 #include <bitset>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -27,5 +29,16 @@ struct SkeletonPose {
 // A motion is a function of the time since its start, in seconds; it may be asked at any time and in any
 // order.
 using Motion = std::function<SkeletonPose(double time_s)>;
+
+// A real OptiTrack take as a motion: each mapped joint is the mean of its assets, interpolated between
+// samples at most 0.1 s apart and not present in longer gaps or frozen stretches. Time zero is the first
+// frame of the export.
+struct RecordedMotion {
+  Motion motion;
+  double duration_s = 0.0;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // mean of all joint positions
+  std::vector<Joint> joints;
+};
+RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const std::filesystem::path& mapping);
 
 }  // namespace trilat

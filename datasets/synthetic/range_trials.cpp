@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 
 // SSE2 is there on every x86-64; these bring nothing beyond SSE4 and AVX-512 here.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/room_scene.h"
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -10,7 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/json_ranges.h"
 #include "datasets/base/units.h"
-#include "datasets/synthetic/bystanders.h"
+#include "datasets/synthetic/generated_person.h"
 
 namespace trilat {
 namespace {

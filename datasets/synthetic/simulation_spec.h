@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "datasets/base/paths_inside.h"
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"

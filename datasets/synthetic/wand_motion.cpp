@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 
 namespace trilat {

@@ -8,7 +8,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/plain_name.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {

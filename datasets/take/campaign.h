@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/paths_inside.h"
+#include "datasets/base/files.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {

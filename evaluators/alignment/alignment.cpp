@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {

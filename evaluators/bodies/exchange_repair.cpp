@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/bodies/exchange_evidence.h"
 
 namespace trilat {

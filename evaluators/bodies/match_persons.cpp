@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

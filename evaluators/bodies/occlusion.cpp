@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -8,7 +8,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/ceres/bone_residuals.h"
 #include "evaluators/fusion/kalman.h"
 

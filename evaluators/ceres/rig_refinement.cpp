@@ -19,7 +19,7 @@
 #include <ceres/solver.h>
 
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/calibration/wand_frame.h"
+#include "evaluators/calibration/wand_positions.h"
 #include "evaluators/ceres/rig_residuals.h"
 
 namespace trilat {

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "datasets/geometry/rigid_transform.h"
-#include "evaluators/calibration/rig_problem.h"
+#include "evaluators/calibration/rig_start.h"
 
 namespace trilat {
 

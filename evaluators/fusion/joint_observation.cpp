@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/fusion/joint_observation.h"
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 

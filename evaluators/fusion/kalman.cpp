@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

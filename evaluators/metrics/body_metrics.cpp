@@ -6,7 +6,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "evaluators/solvers/range_equations.h"
-#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {

@@ -10,7 +10,7 @@
 #include <new>
 #include <type_traits>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/solvers/range_equations.h"
 
 // SSE2 is there on every x86-64; these bring nothing beyond SSE4 and AVX-512 here.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluators/solvers/solve_status.h"
+#include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
 

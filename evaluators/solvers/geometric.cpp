@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "evaluators/solvers/mirror_choice.h"
 #include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 namespace {

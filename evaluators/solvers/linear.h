@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
-#include "evaluators/solvers/mirror_choice.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
+#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 

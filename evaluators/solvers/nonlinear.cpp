@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/solvers/both_sides.h"
-#include "evaluators/solvers/squared_ranges.h"
+#include "evaluators/solvers/range_equations.h"
 
 namespace trilat {
 namespace {

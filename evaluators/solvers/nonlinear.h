@@ -6,7 +6,6 @@
 
 #include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/linear.h"
-#include "evaluators/solvers/mirror_choice.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
 #include "evaluators/solvers/sensor_plane.h"

@@ -1,13 +1,39 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <string_view>
 
 #include <Eigen/Core>
 
-#include "evaluators/solvers/solve_status.h"
-
 namespace trilat {
+
+// Every way in which any method ends. Results are born not_solved. Stored as numbers: a new way
+// goes to the end.
+enum class SolveStatus : std::uint8_t {
+  not_solved = 0,
+  converged = 1,         // the method's own stop rule held before max_iterations
+  closed_form = 2,       // an exact formula, no iteration
+  clamped = 3,           // geometric: h^2 < -1e-10 r^2, so the spheres do not meet; h^2 := 0
+  iteration_limit = 4,   // iterations = max_iterations and the stop rule never held
+  mirror_ambiguous = 5,  // two solutions fit equally well and no hint is < 1/2 as far from one
+  rank_deficient = 6,    // directions do not span space; each method states its inequality
+  too_few_ranges = 7,    // fewer than 3 ranges, or not all of the sensors the setting names
+  non_finite_input = 8,  // a sensor, range, weight, hint or start is NaN or infinite
+  invalid_input = 9,     // range < 0 or weight <= 0
+  diverged = 10,         // an iterate or its cost is not finite
+  no_observation = 11,   // a baseline: no allowed sensor sees the joint
+};
+inline constexpr int kSolveStatusCount = 12;
+
+std::string_view name_of(SolveStatus status);  // "not_solved", …
+
+// Whether the position may be used as an answer: converged, closed_form or clamped.
+constexpr bool is_usable(SolveStatus status) {
+  return status == SolveStatus::converged || status == SolveStatus::closed_form ||
+         status == SolveStatus::clamped;
+}
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 

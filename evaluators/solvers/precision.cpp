@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 

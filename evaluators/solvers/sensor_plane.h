@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "evaluators/solvers/range_problem.h"
@@ -31,5 +33,32 @@ SensorPlane plane_of(const RangeProblem& problem);
 
 // Whether both problems have the same sensors in the same order, and so the same plane.
 bool same_sensors(const RangeProblem& a, const RangeProblem& b);
+
+// Standard deviation of a range whose weight is 1, where nothing better is known: joints of a Kinect v2 are 5
+// to 10 cm off in all (Wang et al. 2015, arXiv 1512.04134), which is 3 to 6 cm along a ray.
+inline constexpr double kUsualRangeSigma_m = 0.05;
+
+// Whether ranges tell two solutions apart whose costs, sum w (|x - s| - r)^2, differ by this much: one has to
+// be 100 times as likely as the other, for normal errors of standard deviation range_sigma_m / sqrt(w).
+inline bool ranges_decide(double cost_difference_m2, double range_sigma_m) {
+  constexpr double kTwiceLogOdds = 9.210340371976184;  // 2 ln 100
+  return cost_difference_m2 > kTwiceLogOdds * range_sigma_m * range_sigma_m;
+}
+
+// Two solutions that fit equally well, and which of them is meant. A hint decides when it is less
+// than half as far from one as from the other; otherwise the choice is ambiguous, and `first` tells
+// the nearer one (the first, without a hint).
+struct MirrorChoice {
+  bool first = true;
+  bool decided = false;
+};
+
+inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::Vector3d& second_m,
+                                  const std::optional<Eigen::Vector3d>& hint_m) {
+  if (!hint_m) return {};
+  const double to_first_m = (*hint_m - first_m).norm();
+  const double to_second_m = (*hint_m - second_m).norm();
+  return {to_first_m <= to_second_m, to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
+}
 
 }  // namespace trilat

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "evaluators/wand/ball_candidates.h"
 #include "evaluators/wand/ball_fit.h"
-#include "evaluators/wand/ball_shape.h"
 
 namespace trilat {
 namespace {

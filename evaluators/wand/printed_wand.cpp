@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "datasets/base/units.h"
 
 namespace trilat {

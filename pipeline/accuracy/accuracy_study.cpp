@@ -13,7 +13,6 @@
 #include "pipeline/accuracy/planned_work.h"
 #include "pipeline/accuracy/rig_gdop.h"
 #include "pipeline/accuracy/solve_block.h"
-#include "pipeline/accuracy/take_key.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_folder.h"
 
@@ -218,16 +217,18 @@ std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool
 }
 
 Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const AccuracyOptions& options,
-                     const std::shared_ptr<HashCache>& hashes, std::vector<TakeNote>* unreadable) {
+                     const std::shared_ptr<HashCache>& hashes, const Watch& watch,
+                     std::vector<TakeNote>* unreadable) {
   const auto run = std::make_shared<AccuracyRun>();
   for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
-  run->plan = make_plan(spec, campaign);
+  run->plan = make_plan(spec, campaign, watch);
   if (options.cross_check) check_cross_check(run->plan);
   run->options = options;
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
   const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
-  Study study = study_of(run, planned_work(run->plan, options.cross_check, *hashes, {}), parameters);
+  Study study = study_of(
+      run, planned_work(run->plan, options.cross_check, *hashes, {watch.stop_requested, {}}), parameters);
   for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
   for (const PlannedTake& planned : run->plan.takes)
     if (unreadable && !planned.ok)
@@ -280,7 +281,8 @@ ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const fs
       tally.unchanged = true;
       return;
     }
-    tally = run_study(accuracy_study(spec, campaign, {options.cross_check, options.memory_bytes}, hashes),
+    tally = run_study(accuracy_study(spec, campaign, {options.cross_check, options.memory_bytes}, hashes,
+                                     {options.stop_requested, {}}),
                       output, run);
   });
   return tally;

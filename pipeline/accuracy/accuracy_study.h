@@ -29,7 +29,8 @@ std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool
 // others go on. Its summary.json is a ResultsSummary. InputError when the study has no method that could be
 // cross-checked, and as make_plan(). `unreadable`: why takes cannot be evaluated, as far as the plan knows.
 Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const AccuracyOptions& options,
-                     const std::shared_ptr<HashCache>& hashes, std::vector<TakeNote>* unreadable = nullptr);
+                     const std::shared_ptr<HashCache>& hashes, const Watch& watch,
+                     std::vector<TakeNote>* unreadable = nullptr);
 // To put parts together: needs them only, not the campaign. InputError when `work` is not what they share.
 Study accuracy_of_parts(const Json& work, const std::string& place,
                         std::uint64_t memory_bytes = half_of_memory_bytes());

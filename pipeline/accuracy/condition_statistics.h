@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "datasets/results/summary.h"
-#include "evaluators/metrics/block_resamples.h"
+#include "evaluators/metrics/block_bootstrap.h"
 #include "pipeline/accuracy/take_statistics.h"
 
 namespace trilat {

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/sensor_sets.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/results/summary.h"
-#include "evaluators/metrics/cluster_contrast.h"
+#include "evaluators/metrics/cluster_ratios.h"
 
 namespace trilat {
 

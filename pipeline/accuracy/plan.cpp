@@ -164,8 +164,7 @@ std::size_t reference_of(const StudySpec& study, const std::vector<Method>& meth
                    "is \"" + study.reference + "\", which is none of its methods: " + known);
 }
 
-Plan make_plan(const StudySpec& study, const Campaign& campaign,
-               const std::function<void(double)>& progress) {
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch) {
   Plan plan;
   plan.study = study;
   plan.campaign = takes_of(study, campaign);
@@ -175,6 +174,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
   plan.takes.resize(plan.campaign.takes.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
+    watch.check();
     PlannedTake& planned = plan.takes[t];
     planned.take = plan.campaign.takes[t];
     try {
@@ -183,7 +183,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
       planned.place = error.place();
       planned.problem = error.problem();
     }
-    if (progress) progress(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
+    watch.tell(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
   });
   plan.joints = joints_of(study, plan.takes);
   const bool any =
@@ -194,6 +194,8 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign,
   for (const PlannedTake& take : plan.takes) plan.simulated |= take.simulated;
   return plan;
 }
+
+bool judges_places(const StudySpec& study) { return study.alignments != std::vector{AlignmentKind::rigid}; }
 
 std::vector<std::string> activities_of(const Plan& plan) {
   std::vector<std::string> activities;

@@ -13,6 +13,7 @@
 #include "datasets/take/campaign.h"
 #include "pipeline/accuracy/method.h"
 #include "pipeline/accuracy/study_spec.h"
+#include "pipeline/study/watch.h"
 
 namespace trilat {
 
@@ -57,10 +58,12 @@ std::size_t reference_of(const StudySpec& study, const std::vector<Method>& meth
 // The takes of the conditions that the study asks for; InputError when it asks for one that no take is.
 Campaign takes_of(const StudySpec& study, Campaign campaign);
 
-// Opens every take once. Only what concerns all takes is an exception: a study that fits no rig, no joint
-// mapped.
-Plan make_plan(const StudySpec& study, const Campaign& campaign,
-               const std::function<void(double)>& progress = {});
+// Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
+// study that fits no rig, no joint mapped.
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch = {});
+
+// Whether an error in the study's world counts: some alignment is not of shapes alone.
+bool judges_places(const StudySpec& study);
 
 // Each once, in the order of the takes.
 std::vector<std::string> activities_of(const Plan& plan);

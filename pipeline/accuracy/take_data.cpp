@@ -11,7 +11,6 @@
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/depth_occlusion.h"
-#include "pipeline/accuracy/motion_clock.h"
 #include "pipeline/accuracy/person_choice.h"
 #include "pipeline/accuracy/sensor_track.h"
 #include "pipeline/accuracy/truth_track.h"

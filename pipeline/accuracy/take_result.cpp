@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/tracking_rows.h"
+#include "datasets/results/tracking_summary.h"
 #include "pipeline/accuracy/solve_block.h"
 
 namespace trilat {

@@ -8,7 +8,6 @@
 #include "evaluators/metrics/cluster_ratios.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/aligned_errors.h"
-#include "pipeline/accuracy/statistics_layout.h"
 
 namespace trilat {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/results/samples.h"
-#include "pipeline/accuracy/statistics_layout.h"
+#include "pipeline/accuracy/aligned_errors.h"
 #include "pipeline/accuracy/take_statistics.h"
 
 namespace trilat {

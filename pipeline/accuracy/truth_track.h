@@ -3,8 +3,10 @@
 
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +14,7 @@
 #include "datasets/base/time.h"
 #include "datasets/mocap/mocap_take.h"
 #include "datasets/take/campaign.h"
+#include "pipeline/accuracy/take_data.h"
 
 namespace trilat {
 
@@ -41,5 +44,15 @@ class TruthTrack {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+struct MotionClock {
+  ClockRow row;
+  std::string warning;  // what the trackers' lag does not explain, for the take's notes; empty when it does
+};
+
+// By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
+// against the ground truth. `data` has its times and bodies.
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                            const std::function<bool()>& stop_requested);
 
 }  // namespace trilat

@@ -5,7 +5,7 @@
 
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/accuracy/study_spec.h"
-#include "pipeline/study/file_identity.h"
+#include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 

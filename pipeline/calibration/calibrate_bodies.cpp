@@ -17,7 +17,7 @@
 #include "evaluators/ceres/rig_refinement.h"
 #include "pipeline/accuracy/sensor_track.h"
 #include "pipeline/calibration/floor_plane.h"
-#include "pipeline/study/file_identity.h"
+#include "pipeline/study/hash_cache.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {

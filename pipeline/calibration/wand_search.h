@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
 #include "datasets/geometry/depth_camera.h"
 #include "datasets/session/session_reader.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"
+#include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {
@@ -78,5 +80,13 @@ class WandSearcher {
 std::vector<SensorSearch> search_wand(const SessionReader& session,
                                       const std::vector<DepthIntrinsics>& intrinsics,
                                       const WandSearchOptions& options);
+
+// What items of a wand search came to, as documents that read back to the last bit. InputError at `place`
+// when one is not as it was written.
+Json json_of(const SensorSearch& search);
+SensorSearch read_sensor_search(const Json& json, const std::string& place);
+
+Json json_of(const WandTrack& track);
+WandTrack wand_track_of(const Json& json, const std::string& place);
 
 }  // namespace trilat

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
+#include "datasets/session/session_reader.h"
 #include "pipeline/calibration/calibrate_wand.h"
 #include "pipeline/study/study.h"
 
@@ -18,5 +20,9 @@ Study wand_study(const std::vector<std::filesystem::path>& files, WandMethod met
 
 // What calibrate_wand() would have made of the same sessions. Needs the parts only.
 WandCalibration calibrate_parts(const std::vector<FoundPart>& parts);
+
+// Tells recordings apart without reading all of them: a hash of how long the file is, of what the sensors
+// are, of every time stamp and clock exchange, and of one depth frame in 1200.
+std::string fingerprint_of(const SessionReader& session);
 
 }  // namespace trilat

@@ -8,7 +8,7 @@
 
 #include "datasets/session/session_reader.h"
 #include "pipeline/calibration/calibrate_views.h"
-#include "pipeline/study/file_identity.h"
+#include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 

@@ -9,7 +9,7 @@
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/wand_motion.h"
-#include "evaluators/calibration/wand_frame.h"
+#include "evaluators/calibration/wand_positions.h"
 
 namespace trilat {
 namespace {

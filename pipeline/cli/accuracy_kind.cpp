@@ -10,9 +10,9 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
-#include "reports/accuracy_tables.h"
-#include "reports/render.h"
-#include "reports/sensor_counts.h"
+#include "reports/render/render.h"
+#include "reports/tables/sensor_counts.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -139,9 +139,14 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
   const auto unreadable = std::make_shared<std::vector<TakeNote>>();
   return {
-      .plan = [=] { return accuracy_study(spec, campaign, options, hashes, unreadable.get()); },
-      .print_plan = [=](const Shard& shard,
-                        bool as_json) { return print_plan(make_plan(spec, campaign), shard, as_json); },
+      .plan =
+          [=](const Watch& watch) {
+            return accuracy_study(spec, campaign, options, hashes, watch, unreadable.get());
+          },
+      .print_plan =
+          [=](const Shard& shard, bool as_json, const Watch& watch) {
+            return print_plan(make_plan(spec, campaign, watch), shard, as_json);
+          },
       .inputs = inputs_of(campaign),
       .key =
           [=](const Watch& watch) {

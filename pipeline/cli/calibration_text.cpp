@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/units.h"
-#include "reports/render.h"
+#include "reports/render/render.h"
 
 namespace trilat {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/paths_inside.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/export/samples_csv.h"

@@ -1,11 +1,43 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
-#include "pipeline/cli/exchange.h"
-
 namespace trilat {
+
+struct ImportArguments {
+  std::string format;
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path output;
+  std::optional<double> rate_hz;
+  std::optional<double> depth_unit_mm;
+  std::filesystem::path timestamps;
+  bool time_from_name = false;
+  std::string compression = "blosc";
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+// kItemsFailed when rows were left out.
+int import_session(const ImportArguments& arguments);
+
+struct ExportArguments {
+  std::string format;
+  std::filesystem::path input;  // a session, or for csv a results folder
+  std::filesystem::path output;
+  std::filesystem::path calibration;
+  std::string sensor;
+  std::optional<std::uint64_t> body;
+  std::string unit = "mm";
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+int export_recording(const ExportArguments& arguments);
 
 struct ExchangeArguments {
   ImportArguments import;

@@ -8,7 +8,7 @@
 #include "datasets/export/session_csv.h"
 #include "datasets/export/session_trc.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/exchange.h"
+#include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 

@@ -6,7 +6,7 @@
 #include "datasets/base/error.h"
 #include "datasets/import/import_formats.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/exchange.h"
+#include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 

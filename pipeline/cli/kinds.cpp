@@ -13,19 +13,17 @@
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "reports/budget_tables.h"
-#include "reports/calibration_tables.h"
-#include "reports/render.h"
-#include "reports/table4.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
 
 // Of a study that is planned at once.
 OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
-  return {.plan = [study = std::move(study)] { return study; },
+  return {.plan = [study = std::move(study)](const Watch&) { return study; },
           .print_plan =
-              [plan, text](const Shard&, bool json) {
+              [plan, text](const Shard&, bool json, const Watch&) {
                 fmt::print("{}\n", json ? json_text(plan, 2) : text);
                 return int{kDone};
               }};

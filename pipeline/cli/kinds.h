@@ -16,9 +16,9 @@ namespace trilat {
 
 // What `trilat run` needs of a study that was read.
 struct OpenedStudy {
-  std::function<Study()> plan;  // may take a while
+  std::function<Study(const Watch& watch)> plan;
   // Says what would be computed, on stdout, and gives the exit code.
-  std::function<int(const Shard& shard, bool json)> print_plan;
+  std::function<int(const Shard& shard, bool json, const Watch& watch)> print_plan;
   std::vector<std::filesystem::path> inputs = {};  // that it reads beside what the arguments name
   // Of the finished results, where that is known before planning.
   std::function<std::string(const Watch& watch)> key = {};

@@ -295,7 +295,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "trilat: %s\n", error.what());
     return trilat::kBadInput;
   } catch (const trilat::Interrupted&) {
-    std::fprintf(stderr, "trilat: interrupted; what was finished has been kept\n");
+    std::fprintf(stderr, "trilat: interrupted\n");
     return trilat::kItemsFailed;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "trilat: there is not enough memory\n");

@@ -9,8 +9,8 @@
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "reports/audit.h"
-#include "reports/render.h"
+#include "reports/claims/claims.h"
+#include "reports/render/render.h"
 #include "reports/write_report.h"
 
 namespace trilat {

@@ -19,8 +19,8 @@
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "reports/render.h"
-#include "reports/sweep_tables.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 #include "reports/write_report.h"
 
 namespace trilat {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/build_id.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/version.h"
 #include "pipeline/calibration/wand_study.h"
 #include "pipeline/cli/calibration_text.h"
 #include "pipeline/cli/check_output.h"
@@ -45,7 +45,8 @@ ItemTally run_opened(const OpenedStudy& opened, const RunArguments& arguments, c
     if (tally.unchanged)
       for (const DoneItem& item : read_items(output)) tally.reused.push_back(item.id);
     else
-      tally = run_study(opened.plan(), output, options);
+      tally = run_study(opened.plan({stop_requested, [&](double share) { progress.set("planning", share); }}),
+                        output, options);
   });
   return tally;
 }
@@ -86,7 +87,7 @@ int run(const RunArguments& arguments) {
   const Kind& kind = *find_kind(name_of(study_kind(json, arguments.study.string())));
   refuse_what_is_of_no_use(kind, arguments);
   const OpenedStudy opened = kind.open(arguments, json);
-  if (arguments.dry_run) return opened.print_plan(shard, arguments.json);
+  if (arguments.dry_run) return opened.print_plan(shard, arguments.json, {stop_requested, {}});
   check_run_output(arguments, kind.kind, opened.inputs);
   ItemTally tally;
   try {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/build_id.h"
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/version.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"

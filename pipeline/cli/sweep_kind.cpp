@@ -5,8 +5,8 @@
 
 #include "pipeline/cli/kinds.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "reports/statuses_text.h"
-#include "reports/sweep_tables.h"
+#include "reports/tables/accuracy_words.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -98,9 +98,9 @@ int print_sweep_plan(const SweepPlan& plan, const Shard& shard, bool json) {
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
   const std::string place = arguments.study.string();
   const auto plan = std::make_shared<const SweepPlan>(make_sweep_plan(parse_sweep(study, place), place));
-  return {
-      .plan = [plan] { return sweep_study(*plan); },
-      .print_plan = [plan](const Shard& shard, bool json) { return print_sweep_plan(*plan, shard, json); }};
+  return {.plan = [plan](const Watch&) { return sweep_study(*plan); },
+          .print_plan = [plan](const Shard& shard, bool json,
+                               const Watch&) { return print_sweep_plan(*plan, shard, json); }};
 }
 
 int print_sweep(const std::filesystem::path& results, Json document, bool json) {

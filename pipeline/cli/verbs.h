@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/paths_inside.h"
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {

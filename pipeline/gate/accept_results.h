@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/accepted_baseline.h"
+#include "datasets/results/gate_history.h"
 
 namespace trilat {
 

@@ -11,14 +11,14 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
-#include "datasets/results/accepted_baseline.h"
+#include "datasets/results/gate_history.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
+#include "pipeline/gate/found_results.h"
+#include "pipeline/gate/gate_report.h"
 #include "pipeline/gate/judge_numbers.h"
 #include "pipeline/gate/paired_cells.h"
 #include "pipeline/gate/paired_samples.h"
-#include "pipeline/gate/same_configuration.h"
-#include "pipeline/gate/shell_word.h"
 
 namespace trilat {
 namespace {

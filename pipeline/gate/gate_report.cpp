@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 namespace trilat {
+
 namespace {
 
 Json json_of(const GateFinding& f) {
@@ -108,6 +109,24 @@ Json gate_json(const GateReport& report) {
   for (const GateFinding& f : report.findings) json["findings"].push_back(json_of(f));
   for (const ComparedCell& c : report.cells) json["cells"].push_back(json_of(c));
   return json;
+}
+
+std::string shell_word(const std::string& text) {
+  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+const char* name_of(FindingKind kind) {
+  constexpr std::array<const char*, 5> kNames{"accuracy", "coverage", "status", "failure", "number"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+const char* name_of(Direction direction) {
+  constexpr std::array<const char*, 3> kNames{"worse", "better", "changed"};
+  return kNames.at(static_cast<std::size_t>(direction));
 }
 
 }  // namespace trilat

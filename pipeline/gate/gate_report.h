@@ -2,13 +2,68 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "pipeline/gate/finding.h"
 
 namespace trilat {
+
+// What is looked at.
+enum class FindingKind : std::uint8_t {
+  accuracy,  // mean absolute error of a cell, on the samples that both nights answered
+  coverage,  // how many samples of a cell are answered
+  status,    // how a cell's answers ended
+  failure,   // takes that could not be evaluated, cross-checks that fail
+  number,    // a number of a deterministic study
+};
+const char* name_of(FindingKind kind);
+
+enum class Direction : std::uint8_t { worse, better, changed };
+const char* name_of(Direction direction);
+
+// One thing that is not as it was. Numbers that there are not are NaN.
+struct GateFinding {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  FindingKind kind = FindingKind::number;
+  Direction direction = Direction::changed;
+  bool alarm = false;
+  std::string study;
+  std::string method, condition, group, alignment;  // of a cell
+  std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
+  double before = kNone, now = kNone;
+  std::string unit;        // of before and now, when `what` names none they can be told in: "m" is told in cm
+  double percent = kNone;  // 100 (now - before) / before; NaN when that is 0
+  double percent_low = kNone, percent_high = kNone;  // its 95 % interval
+  double chance = kNone;  // that so much is chance, corrected for all that was looked at
+  std::uint64_t n = 0, clusters = 0;
+  std::string note;   // a sentence more: exact counts, which take
+  std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
+  std::string command;
+};
+
+// One cell that was compared and is not identical, whether or not it is a finding.
+struct ComparedCell {
+  std::string study, method, condition, group, alignment;
+  double before_m = GateFinding::kNone, now_m = GateFinding::kNone;  // on the samples that both answered
+  double percent = GateFinding::kNone, percent_low = GateFinding::kNone, percent_high = GateFinding::kNone;
+  std::uint64_t both = 0, clusters = 0;
+  double chance = GateFinding::kNone;  // by itself, not corrected
+  std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost = 0, gained = 0;
+  double lost_percent = GateFinding::kNone;  // 100 (lost - gained) / asked, with its 95 % interval
+  double lost_low = GateFinding::kNone, lost_high = GateFinding::kNone;
+  double lost_chance = GateFinding::kNone;
+  // The take that lost the largest share of its answers.
+  std::string worst_take;
+  std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;
+  // 100 (clamped now - clamped before) / both, with its 95 % interval.
+  double clamped_percent = GateFinding::kNone;
+  double clamped_low = GateFinding::kNone, clamped_high = GateFinding::kNone;
+  double clamped_chance = GateFinding::kNone;
+  double moved_percent = 0.0;  // of the samples asked: how many must have another status, at least
+  std::string status_changes;  // "converged 3000 -> 0, clamped 0 -> 3000"; empty when there are none
+};
 
 // How one study stands against the baseline.
 enum class StudyState : std::uint8_t {
@@ -64,5 +119,8 @@ std::string not_judged_text(const GateReport& report);
 std::string gate_junit(const GateReport& report);
 // Of a gate that could not be done: one test case that is an error, with the message.
 std::string gate_junit_of_error(const std::string& time, const std::string& message);
+
+// Text that a shell takes as one word: as it is when that is plain, else in single quotes.
+std::string shell_word(const std::string& text);
 
 }  // namespace trilat

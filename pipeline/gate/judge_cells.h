@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/gate/finding.h"
+#include "pipeline/gate/gate_report.h"
 
 namespace trilat {
 

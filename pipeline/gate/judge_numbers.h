@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "pipeline/gate/finding.h"
+#include "pipeline/gate/gate_report.h"
 #include "pipeline/gate/judge_cells.h"
 
 namespace trilat {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "pipeline/gate/gate_report.h"
-#include "pipeline/gate/shell_word.h"
 
 namespace trilat {
 namespace {

@@ -11,7 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
-#include "evaluators/solvers/solve_status.h"
+#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/accuracy/plan.h"
 #include "pipeline/study/parallel.h"
 

@@ -12,11 +12,11 @@
 #include "datasets/base/error.h"
 #include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/recording/clock_methods.h"
-#include "pipeline/recording/frame_queue.h"
-#include "pipeline/recording/spread_times.h"
+#include "pipeline/recording/processing_time.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
+
 namespace {
 
 constexpr double kSigmas = 4.0;
@@ -166,6 +166,12 @@ Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, cons
   return json;
 }
 
+// The beginning of the server's first frame not before `received_ns`.
+std::int64_t next_server_frame_ns(std::int64_t received_ns, std::int64_t length_ns) {
+  if (length_ns == 0) return received_ns;
+  return (received_ns + length_ns - 1) / length_ns * length_ns;
+}
+
 }  // namespace
 
 std::vector<Item> clock_items(const RecordingSpec& spec) {
@@ -188,6 +194,31 @@ ClockErrorResults read_clocks(const RecordingSpec& spec, const Outcomes& outcome
     for (const JsonObject& row : object.objects("queues")) results.queues.push_back(read_queue(row));
   }
   return results;
+}
+
+QueueCounts run_queue(const std::vector<TrialFrame>& frames, const std::vector<double>& errors_s,
+                      const QueueRule& rule) {
+  QueueCounts counts;
+  std::int64_t free_ns = 0;  // when the server can take the next one
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    ++counts.came;
+    if (!std::isfinite(errors_s[f])) {
+      ++counts.untimed;
+      continue;
+    }
+    const std::int64_t now_ns =
+        std::max(free_ns, next_server_frame_ns(frames[f].received.ns, rule.server_frame.ns));
+    const std::int64_t age_ns = now_ns - frames[f].sent.ns - duration_from_s(errors_s[f]).ns;
+    if (age_ns > rule.late.ns) {
+      ++counts.too_late;
+    } else if (age_ns < -rule.late.ns) {
+      ++counts.too_early;
+    } else {
+      ++counts.taken;
+      free_ns = now_ns + rule.server_frame.ns;
+    }
+  }
+  return counts;
 }
 
 }  // namespace trilat

@@ -14,4 +14,7 @@ namespace trilat {
 // of a simulated person walking. Throws Interrupted.
 std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch);
 
+// Bins and quantiles of what is a number.
+TimeSpread spread_times(std::vector<double> times_s);
+
 }  // namespace trilat

@@ -9,7 +9,7 @@
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
 #include "pipeline/recording/time_capture.h"
-#include "pipeline/study/run_record.h"
+#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "pipeline/recording/spread_times.h"
+#include "pipeline/recording/processing_time.h"
 #include "recorders/capture.h"
 #include "recorders/looped_source.h"
 #include "recorders/network/agent_connect.h"

@@ -6,7 +6,7 @@
 
 #include "datasets/synthetic/simulation_spec.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/study/file_identity.h"
+#include "pipeline/study/hash_cache.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

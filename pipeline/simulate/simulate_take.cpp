@@ -6,13 +6,12 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/synthetic/bystanders.h"
-#include "datasets/synthetic/recorded_motion.h"
+#include "datasets/synthetic/generated_person.h"
+#include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulation_parameters.h"
 #include "pipeline/simulate/simulate_wand.h"
 #include "pipeline/simulate/simulated_mocap.h"
-#include "pipeline/simulate/simulated_truth.h"
 #include "recorders/recorder.h"
 #include "recorders/synthetic_source.h"
 

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/simulate/simulate_wand.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/simulated_markers.h"
-#include "pipeline/simulate/simulated_truth.h"
+#include "pipeline/simulate/simulated_mocap.h"
+#include "pipeline/study/parallel.h"
 #include "recorders/recorder.h"
 
 namespace trilat {
+
 namespace {
 
 constexpr std::uint64_t kWandTake = (1u << 14) - 1;  // the last that random numbers have room for
@@ -91,6 +95,26 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
   record(source, folder / "session.h5", options);
   write_wand_mocap(spec, wand, folder / "mocap.csv", watch.stop_requested);
   write_wand_truth(spec, wand, sensors, folder / "truth.json");
+}
+
+SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
+                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
+                                          double duration_s, SceneMotion scene, const Watch& watch,
+                                          std::optional<SyntheticTracker> tracker) {
+  const double expected =
+      std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
+  const ForEach for_each = [watch, expected, done = 0.0](
+                               std::size_t count, const std::function<void(std::size_t)>& body) mutable {
+    parallel_for_index(count, 1, [&](std::size_t i) {
+      watch.check();
+      body(i);
+    });
+    done += static_cast<double>(count);
+    watch.tell(std::min(1.0, done / expected));
+  };
+  return {spec.sensor,       item,       motion,
+          sensors,           duration_s, {std::move(scene), spec.depth.noise, for_each},
+          std::move(tracker)};
 }
 
 }  // namespace trilat

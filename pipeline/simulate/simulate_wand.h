@@ -5,9 +5,16 @@
 #include <vector>
 
 #include "datasets/synthetic/simulated_sensor.h"
-#include "pipeline/simulate/watched_depth.h"
+#include "pipeline/study/watch.h"
+#include "recorders/synthetic_depth_source.h"
 
 namespace trilat {
+
+// A source with depth that renders on all processors, tells how far it is and ends by Interrupted.
+SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
+                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
+                                          double duration_s, SceneMotion scene, const Watch& watch,
+                                          std::optional<SyntheticTracker> tracker = {});
 
 double wand_duration_s(const WandSpec& wand);
 // The wand recording's place among the campaign's random numbers: behind all takes.

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/study/hash_cache.h"
 
+#include <algorithm>
 #include <ctime>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
-#include "pipeline/study/file_identity.h"
 
 namespace trilat {
+
 namespace {
 
 constexpr const char* kFile = "hashes.json";
@@ -24,11 +27,15 @@ constexpr std::int64_t kSettled_s = 2;
 void HashCache::load(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kFile;
   if (!std::filesystem::exists(path)) return;
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  check_format(object, kFormat, 1);
-  JsonObject files = object.object("files");
-  for (const std::string& identity : files.keys()) sha256_[identity] = files.text(identity);
+  try {
+    const Json json = read_json(path);
+    JsonObject object(json, path.string(), "");
+    check_format(object, kFormat, 1);
+    JsonObject files = object.object("files");
+    for (const std::string& identity : files.keys()) sha256_[identity] = files.text(identity);
+  } catch (const InputError&) {
+    return;  // damaged: then files are hashed again
+  }
 }
 
 HashedFile HashCache::hash(const std::filesystem::path& file, const std::function<bool()>& stop_requested) {
@@ -58,6 +65,40 @@ void HashCache::save(const std::filesystem::path& folder) const {
   Json files = Json::object();
   for (const auto& [identity, sha256] : sha256_) files[identity] = sha256;
   write_file(folder / kFile, json_text({{"format", kFormat}, {"version", 1}, {"files", files}}, 1) + "\n");
+}
+
+std::optional<FileIdentity> identity_of(const std::filesystem::path& file) {
+  struct stat s;
+  if (::stat(file.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return std::nullopt;
+  const auto time = [](const timespec& t) { return fmt::format("{}.{:09}", t.tv_sec, t.tv_nsec); };
+  FileIdentity identity;
+  identity.written = fmt::format("{}:{}:{}:{}", s.st_dev, s.st_ino, s.st_size, time(s.st_mtim));
+  identity.changed = identity.written + ':' + time(s.st_ctim);
+  identity.bytes = static_cast<std::uintmax_t>(s.st_size);
+  identity.changed_s = std::max<std::int64_t>(s.st_mtim.tv_sec, s.st_ctim.tv_sec);
+  return identity;
+}
+
+std::string when_written(const std::filesystem::path& file) {
+  const auto identity = identity_of(file);
+  return identity ? identity->written : "";
+}
+
+WatchedFiles::WatchedFiles(const std::vector<std::filesystem::path>& files) {
+  for (const std::filesystem::path& file : files) add(file);
+}
+
+void WatchedFiles::add(const std::filesystem::path& file) { files_.push_back({file, when_written(file)}); }
+
+bool WatchedFiles::changed() const {
+  return std::any_of(files_.begin(), files_.end(),
+                     [](const Watched& watched) { return when_written(watched.file) != watched.written; });
+}
+
+void WatchedFiles::check() const {
+  for (const Watched& watched : files_)
+    if (when_written(watched.file) != watched.written)
+      throw InputError(watched.file.string(), "changed while it was being evaluated; run again");
 }
 
 }  // namespace trilat

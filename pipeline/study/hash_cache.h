@@ -6,7 +6,9 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace trilat {
 
@@ -20,7 +22,8 @@ struct HashedFile {
 // last two seconds before it was hashed is not remembered: it could change again without a later time.
 class HashCache {
  public:
-  // Adds what an earlier output remembers (hashes.json); nothing where it has no such file.
+  // Adds what an earlier output remembers (hashes.json); nothing where it has no such file
+  // or a damaged one.
   void load(const std::filesystem::path& folder);
   // From any thread. Interrupted when asked to stop.
   HashedFile hash(const std::filesystem::path& file, const std::function<bool()>& stop_requested);
@@ -30,6 +33,41 @@ class HashCache {
  private:
   mutable std::mutex mutex_;
   std::map<std::string, std::string> sha256_;  // by identity
+};
+
+// What the file system says of a file without reading it.
+struct FileIdentity {
+  std::string written;  // device, number, size and when it was last written: another, another content
+  std::string changed;  // the same, and when its name, links or rights last changed
+  std::uintmax_t bytes = 0;
+  std::int64_t changed_s = 0;  // the later of both times
+};
+
+// Nothing when it is no file or cannot be looked at.
+std::optional<FileIdentity> identity_of(const std::filesystem::path& file);
+
+// FileIdentity::written; empty when there is none.
+std::string when_written(const std::filesystem::path& file);
+
+// Files that must stay as they are while something is computed from them: what came of two contents belongs
+// to neither.
+class WatchedFiles {
+ public:
+  WatchedFiles() = default;
+  explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
+  // Before the file is read for the first time.
+  void add(const std::filesystem::path& file);
+  // Whether one was written or replaced since it was added.
+  bool changed() const;
+  // InputError when it was.
+  void check() const;
+
+ private:
+  struct Watched {
+    std::filesystem::path file;
+    std::string written;
+  };
+  std::vector<Watched> files_;
 };
 
 }  // namespace trilat

@@ -3,22 +3,38 @@
 
 #include <algorithm>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "pipeline/study/file_identity.h"
+#include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The item in its folder below `output`, when it is there, whole and of that key.
+// The item in its folder below `output`, when it is there, whole and of that key. What cannot be read was
+// torn when the machine failed.
 std::optional<Outcome> whole_item(const fs::path& output, const std::string& id, const std::string& key) {
   const fs::path folder = item_folder(output, id);
-  const std::optional<StoredItem> stored = stored_item(folder);
-  if (!stored || stored->key != key || !damaged_file(*stored, folder).empty()) return std::nullopt;
-  return Outcome{key, folder, {}};
+  try {
+    const std::optional<StoredItem> stored = stored_item(folder);
+    if (!stored || stored->key != key || !damaged_file(*stored, folder).empty()) return std::nullopt;
+    return Outcome{key, folder, {}};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// Outcomes by key; none of results that are damaged.
+std::map<std::string, Json> gathered_outcomes(const fs::path& output) {
+  std::map<std::string, Json> outcomes;
+  try {
+    if (is_damaged(output, read_items_head(output))) return {};
+    for (DoneItem& item : read_items(output)) outcomes[item.key] = std::move(item.outcome);
+    return outcomes;
+  } catch (const InputError&) {
+    return {};
+  }
 }
 
 // The file of an output that is written anew whenever its items are.
@@ -34,14 +50,14 @@ KnownItems::KnownItems(const Study& study, const fs::path& folder, std::span<con
   for (const fs::path& output : reuse) {
     if (!fs::is_directory(output))
       throw InputError(output.string(), "is no folder whose results could be used again");
-    Earlier& earlier = earlier_.emplace_back(Earlier{output, when_listed(output), false, {}});
-    for (DoneItem& item : read_items(output)) earlier.gathered[item.key] = std::move(item.outcome);
+    const std::string written = when_listed(output);
+    earlier_.push_back({output, written, false, gathered_outcomes(output)});
   }
 }
 
 std::optional<KnownItems::Found> KnownItems::find(const std::string& id, const std::string& key) {
   if (!key.empty()) {
-    if (auto here = whole_item_here(id, key)) return Found{std::move(*here), true};
+    if (auto here = whole_item(folder_, id, key)) return Found{std::move(*here), true};
     for (Earlier& earlier : earlier_)
       if (auto found = find_in(earlier, id, key)) {
         fs::remove_all(item_folder(folder_, id));
@@ -52,15 +68,6 @@ std::optional<KnownItems::Found> KnownItems::find(const std::string& id, const s
   }
   fs::remove_all(item_folder(folder_, id));
   return std::nullopt;
-}
-
-// What cannot be read was torn when the machine failed.
-std::optional<Outcome> KnownItems::whole_item_here(const std::string& id, const std::string& key) const {
-  try {
-    return whole_item(folder_, id, key);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
 }
 
 std::optional<Outcome> KnownItems::find_in(const Earlier& earlier, const std::string& id,
@@ -94,9 +101,11 @@ void KnownItems::check_earlier() const {
 }
 
 void link_or_copy(const fs::path& from, const fs::path& to) {
+  constexpr std::uintmax_t kSmallBytes = 1 << 20;  // as documents are that somebody may edit
   std::error_code error;
-  fs::create_hard_link(from, to, error);
-  if (error) fs::copy_file(from, to, error);
+  const bool links = fs::file_size(from, error) > kSmallBytes;
+  if (links) fs::create_hard_link(from, to, error);
+  if (!links || error) fs::copy_file(from, to, error);
   if (error)
     throw OutputError(to.string(),
                       "cannot be linked or copied from " + from.string() + ": " + error.message());
@@ -105,9 +114,12 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 bool holds_results(const fs::path& output, const std::string& key) {
   // items are there when they could not be removed at the end: then all is put in place again
   if (key.empty() || fs::exists(output / kItemsFolder)) return false;
-  const ItemsHead head = read_items_head(output);
-  return head.key == key && std::all_of(head.files.begin(), head.files.end(),
-                                        [&](const std::string& file) { return fs::exists(output / file); });
+  try {
+    const ItemsHead head = read_items_head(output);
+    return head.key == key && has_all_files(output, head) && !is_damaged(output, head);
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 Outcomes outcomes_of(std::span<const FoundPart> parts) {

@@ -41,7 +41,6 @@ class KnownItems {
     bool used = false;
     std::map<std::string, Json> gathered;  // outcomes by key
   };
-  std::optional<Outcome> whole_item_here(const std::string& id, const std::string& key) const;
   std::optional<Outcome> find_in(const Earlier& earlier, const std::string& id, const std::string& key) const;
 
   const Study& study_;
@@ -50,7 +49,7 @@ class KnownItems {
   std::mutex mutex_;
 };
 
-// Links a file, or copies it where the file system cannot.
+// Links a large file; copies it where the file system cannot, or where it is small.
 void link_or_copy(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace trilat

@@ -5,8 +5,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <thread>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
@@ -15,8 +18,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/results/items.h"
 
 namespace trilat {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,6 +56,16 @@ int lock_folder(const fs::path& partial) {
   }
 }
 
+// All that this program left unfinished has a folder of items, if only an empty one.
+void check_unfinished(const fs::path& partial) {
+  const bool there = fs::exists(fs::symlink_status(partial));
+  const bool ours = fs::is_directory(fs::symlink_status(partial)) &&
+                    (fs::is_directory(partial / kItemsFolder) || fs::is_empty(partial));
+  if (there && !ours)
+    throw InputError(partial.string(),
+                     "is nothing that this program left unfinished, and would be replaced; move it away");
+}
+
 }  // namespace
 
 fs::path output_name(const fs::path& folder) {
@@ -64,24 +79,21 @@ fs::path output_name(const fs::path& folder) {
   return there;
 }
 
-ResultsFolder::ResultsFolder(const fs::path& folder, const Kept& kept)
+ResultsFolder::ResultsFolder(const fs::path& folder, bool keep_items)
     : output_(output_name(folder)), partial_(partial_name(output_)) {
   if (is_mount_point(output_))
     throw InputError(output_.string(),
                      "is a mount point, for which finished results cannot be exchanged; name a folder in it");
   if (partial_.has_parent_path()) make_folder(partial_.parent_path());
+  check_unfinished(partial_);
   lock_ = lock_folder(partial_);
   // from a process that was killed between two renames
   if (const fs::path old = old_name(partial_); !fs::exists(output_) && fs::is_directory(old))
     fs::rename(old, output_);
-  if (fs::is_directory(partial_)) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(partial_))
-      if (std::find(kept.begin(), kept.end(), entry.path().filename().string()) == kept.end())
-        fs::remove_all(entry.path());
-  } else {
-    fs::remove(partial_);
-  }
-  make_folder(partial_);
+  make_folder(partial_ / kItemsFolder);
+  for (const fs::directory_entry& entry : fs::directory_iterator(partial_))
+    if (entry.path().filename() != kItemsFolder || !keep_items) fs::remove_all(entry.path());
+  make_folder(partial_ / kItemsFolder);
 }
 
 ResultsFolder::~ResultsFolder() {
@@ -110,13 +122,12 @@ void ResultsFolder::exchange() const {
   fs::remove_all(old, error);
 }
 
-void ResultsFolder::put_in_place(const Kept& unfinished) const {
+void ResultsFolder::put_in_place(bool with_items) const {
   exchange();
-  for (const std::string& name : unfinished) {
-    std::error_code error;
-    fs::remove_all(output_ / name, error);
-    if (error) throw OutputError((output_ / name).string(), "cannot be removed: " + error.message());
-  }
+  if (with_items) return;
+  std::error_code error;
+  fs::remove_all(output_ / kItemsFolder, error);
+  if (error) throw OutputError((output_ / kItemsFolder).string(), "cannot be removed: " + error.message());
 }
 
 void on_threads(int threads, const std::function<void(int)>& work) {
@@ -125,6 +136,28 @@ void on_threads(int threads, const std::function<void(int)>& work) {
                                   static_cast<std::size_t>(count));
   tbb::task_arena arena(count);
   arena.execute([&] { work(count); });
+}
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) {
+      const auto colon = line.find(": ");
+      return colon == std::string::npos ? "unknown" : line.substr(colon + 2);
+    }
+  return "unknown";
+}
+
+void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {
+  Json json{{"format", "trilat.run"},
+            {"version", 1},
+            {"processor", processor_name()},
+            {"processors", std::thread::hardware_concurrency()},
+            {"threads", threads},
+            {"compiler", __VERSION__},
+            {"wall_s", wall_s}};
+  json.update(times);
+  write_file(folder / "run.json", json.dump(1) + "\n");
 }
 
 }  // namespace trilat

@@ -4,11 +4,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <vector>
+
+#include "datasets/base/strict_json.h"
 
 namespace trilat {
-
-using Kept = std::vector<std::string>;  // names of files and folders
 
 // The name under which an output is put in place: what a link leads to, without a slash at the end.
 std::filesystem::path output_name(const std::filesystem::path& folder);
@@ -18,18 +17,18 @@ std::filesystem::path output_name(const std::filesystem::path& folder);
 // in place stays as `output`.partial.
 class ResultsFolder {
  public:
-  // Of a folder that was left unfinished, `kept` stays, all else is removed. InputError when another
-  // process is filling it.
-  explicit ResultsFolder(const std::filesystem::path& folder, const Kept& kept = {});
+  // Of a folder that was left unfinished the items stay, if asked, all else is removed. InputError when
+  // another process is filling it, and when what stands there was not left by this program.
+  explicit ResultsFolder(const std::filesystem::path& folder, bool keep_items = false);
   ~ResultsFolder();
   ResultsFolder(const ResultsFolder&) = delete;
   ResultsFolder& operator=(const ResultsFolder&) = delete;
 
   const std::filesystem::path& partial() const { return partial_; }
   const std::filesystem::path& output() const { return output_; }
-  // `unfinished`: what only an unfinished output needs; it is removed afterwards, so that whatever happens
-  // the work goes on from it.
-  void put_in_place(const Kept& unfinished = {}) const;
+  // Items that only the unfinished output needs are removed afterwards, so that whatever happens the work
+  // goes on from them.
+  void put_in_place(bool with_items = false) const;
 
  private:
   void exchange() const;
@@ -40,5 +39,12 @@ class ResultsFolder {
 
 // Calls work(threads) on so many threads; 0: as many as there are processors.
 void on_threads(int threads, const std::function<void(int)>& work);
+
+// run.json: what may differ between equal runs: the machine, the number of threads, the times; `more`: what
+// else it says.
+void write_run_record(const std::filesystem::path& folder, const Json& more, double wall_s, int threads);
+
+// As this machine calls it, or "unknown".
+std::string processor_name();
 
 }  // namespace trilat

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 
 #include <tbb/task_arena.h>
 
-#include "datasets/base/build_id.h"
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
@@ -13,7 +13,6 @@
 #include "pipeline/study/known_items.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_folder.h"
-#include "pipeline/study/run_record.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
@@ -35,7 +34,10 @@ Watch watch_of(const StudyOptions& options, const std::string& stage) {
 class StageProgress {
  public:
   StageProgress(std::vector<double> costs, Watch watch)
-      : watch_(std::move(watch)), costs_(std::move(costs)), done_(costs_.size()) {}
+      : watch_(std::move(watch)),
+        costs_(std::move(costs)),
+        done_(costs_.size()),
+        all_(std::accumulate(costs_.begin(), costs_.end(), 0.0)) {}
   // The watch of the item of that index.
   Watch item(std::size_t index) {
     return {watch_.stop_requested, [this, index](double share) { tell(index, share); }};
@@ -44,18 +46,15 @@ class StageProgress {
  private:
   void tell(std::size_t index, double share) {
     const std::lock_guard lock(mutex_);
+    sum_ += costs_[index] * (share - done_[index]);
     done_[index] = share;
-    double done = 0.0, all = 0.0;
-    for (std::size_t i = 0; i < costs_.size(); ++i) {
-      done += costs_[i] * done_[i];
-      all += costs_[i];
-    }
-    watch_.tell(done / all);
+    watch_.tell(sum_ / all_);
   }
 
   Watch watch_;
   std::mutex mutex_;
   std::vector<double> costs_, done_;
+  double all_, sum_ = 0.0;
 };
 
 // The items of this run, found or computed.
@@ -83,9 +82,10 @@ class Run {
       times_[stage + "_s"] = time.seconds();
       left = left.subspan(count);
     }
-    known_.check_earlier();
     fs::remove_all(folder_ / kAside);
   }
+  // After the last file of an item was read.
+  void check_earlier() const { known_.check_earlier(); }
 
   const Outcomes& outcomes() const { return outcomes_; }
   const std::vector<PartItem>& list() const { return list_; }
@@ -177,6 +177,19 @@ void write_results(const Study& study, std::span<const PartItem> list, const Out
   });
 }
 
+// Removes items that are none of these: an earlier run of another study or shard may have left them.
+void keep_items(const fs::path& output, const Outcomes& outcomes) {
+  std::vector<fs::path> others;
+  if (!fs::exists(output / kItemsFolder)) return;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output / kItemsFolder))
+    if (entry.path().filename() == kItemFile) {
+      const fs::path folder = entry.path().parent_path();
+      if (!outcomes.contains(folder.lexically_relative(output / kItemsFolder).generic_string()))
+        others.push_back(folder);
+    }
+  for (const fs::path& folder : others) fs::remove_all(folder);
+}
+
 void write_record(const Study& study, const fs::path& folder, Json times, const RunningTime& start) {
   if (study.hashes) study.hashes->save(folder);
   if (study.times) times.update(study.times());
@@ -218,7 +231,7 @@ ItemTally run_study(const Study& study, const fs::path& output, const StudyOptio
     tally.unchanged = true;
     return tally;
   }
-  const ResultsFolder results(output, options.fresh ? Kept{} : Kept{kItemsFolder});
+  const ResultsFolder results(output, !options.fresh);
   const fs::path& folder = results.partial();
   ItemTally tally;
   on_threads(options.threads, [&](int) {
@@ -234,14 +247,17 @@ ItemTally run_study(const Study& study, const fs::path& output, const StudyOptio
         Json{{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}});
     if (options.shard.whole()) {
       write_results(study, run.list(), run.outcomes(), folder, options);
+      run.check_earlier();
       if (!study.manifest) return;
     } else {
+      run.check_earlier();
+      keep_items(folder, run.outcomes());
       write_part(folder,
                  {study.kind, build_id(), options.shard.number, options.shard.of, study.work, run.list()});
     }
     write_record(study, folder, std::move(times), start);
   });
-  results.put_in_place(options.shard.whole() ? Kept{kItemsFolder} : Kept{});
+  results.put_in_place(!options.shard.whole());
   return tally;
 }
 
@@ -249,6 +265,8 @@ void merge_parts(const Study& study, std::span<const FoundPart> parts, const fs:
                  const StudyOptions& options) {
   const ResultsFolder results(output);
   const fs::path& folder = results.partial();
+  WatchedFiles lists;
+  for (const FoundPart& part : parts) lists.add(part.folder / "part.json");
   on_threads(options.threads, [&](int) {
     const RunningTime start;
     const Outcomes outcomes = outcomes_of(parts);
@@ -262,6 +280,7 @@ void merge_parts(const Study& study, std::span<const FoundPart> parts, const fs:
     write_results(study, parts.front().part.items, outcomes, folder, options);
     if (study.manifest) write_record(study, folder, {{"parts", parts.size()}}, start);
   });
+  lists.check();
   results.put_in_place();
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "datasets/base/error.h"
-#include "datasets/results/work_part.h"
+#include "datasets/results/items.h"
 
 namespace trilat {
 namespace {

@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/results/items.h"
-#include "datasets/results/work_part.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/shard.h"
 #include "pipeline/study/watch.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

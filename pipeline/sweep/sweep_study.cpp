@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/sweep_cell_json.h"
+#include "datasets/results/sweep_summary.h"
 #include "datasets/results/sweep_timings.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/sweep/interpretation_search.h"

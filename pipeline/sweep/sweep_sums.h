@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "evaluators/solvers/solve_status.h"
+#include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
 

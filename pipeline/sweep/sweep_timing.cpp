@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "pipeline/study/run_record.h"
+#include "pipeline/study/results_folder.h"
 #include "pipeline/sweep/sweep_block.h"
 
 namespace trilat {

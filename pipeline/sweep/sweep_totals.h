@@ -5,7 +5,7 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/results/sweep_summary.h"
-#include "evaluators/metrics/exact_sum.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/sweep/sweep_sums.h"
 
 namespace trilat {

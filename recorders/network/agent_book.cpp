@@ -6,7 +6,7 @@
 #include <set>
 
 #include "datasets/base/error.h"
-#include "datasets/session/session_limits.h"
+#include "datasets/session/session_types.h"
 
 namespace trilat {
 namespace {

@@ -7,7 +7,6 @@
 #include <thread>
 #include <utility>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "recorders/network/server_state.h"
 

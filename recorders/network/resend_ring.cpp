@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {

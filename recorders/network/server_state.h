@@ -8,7 +8,6 @@
 #include "recorders/network/listen_options.h"
 #include "recorders/network/message_link.h"
 #include "recorders/network/pending_strangers.h"
-#include "recorders/network/refusal_log.h"
 
 namespace trilat {
 

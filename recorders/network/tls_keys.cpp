@@ -11,7 +11,6 @@
 #include <openssl/x509v3.h>
 #include <unistd.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "recorders/network/openssl_handles.h"

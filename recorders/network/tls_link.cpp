@@ -6,7 +6,6 @@
 
 #include <sys/stat.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "recorders/network/openssl_handles.h"

@@ -3,7 +3,6 @@
 
 #include "recorders/network/wire.h"
 #include "recorders/network/wire_bytes.h"
-#include "recorders/network/wire_types.h"
 
 namespace trilat {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "recorders/network/wire.h"
 #include "recorders/network/wire_bytes.h"
-#include "recorders/network/wire_types.h"
 
 namespace trilat {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "datasets/base/version.h"
 #include "reports/page/embedded_page.h"
-#include "reports/page/html_text.h"
+#include "reports/page/html.h"
 #include "reports/page/page_sections.h"
 
 namespace trilat {

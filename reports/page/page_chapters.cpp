@@ -2,8 +2,7 @@
 // The chapters of the studies, and what stands behind them.
 #include <fmt/format.h>
 
-#include "reports/page/html_table.h"
-#include "reports/page/html_text.h"
+#include "reports/page/html.h"
 #include "reports/page/page_sections.h"
 
 namespace trilat {

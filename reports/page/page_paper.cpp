@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "reports/page/html_table.h"
-#include "reports/page/html_text.h"
+#include "reports/page/html.h"
 #include "reports/page/page_sections.h"
-#include "reports/render.h"
+#include "reports/render/render.h"
 
 namespace trilat {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/check.h"
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"

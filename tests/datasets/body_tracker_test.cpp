@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
-#include "datasets/synthetic/bystanders.h"
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {

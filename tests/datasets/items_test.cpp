@@ -65,7 +65,15 @@ TEST(Items, AreListedAsTheyWereWrittenWithTheFilesBesideThem) {
   write_file(folder / "summary.json", "{}");
   write_items(folder.path(), "all", 2, item_number);
   EXPECT_EQ(read_items_head(folder.path()).key, "all");
-  EXPECT_THAT(read_items_head(folder.path()).files, ElementsAre("run.json", "summary.json"));
+  const ItemsHead head = read_items_head(folder.path());
+  EXPECT_THAT(head.bytes,
+              ElementsAre(testing::Pair("run.json", std::nullopt), testing::Pair("summary.json", 2u)));
+  EXPECT_FALSE(has_all_files(folder.path(), head));  // no run.json yet
+  write_file(folder / "run.json", "any size");
+  EXPECT_TRUE(has_all_files(folder.path(), head));
+  EXPECT_FALSE(is_damaged(folder.path(), head));
+  write_file(folder / "summary.json", "{");
+  EXPECT_TRUE(is_damaged(folder.path(), head));
   const std::vector<DoneItem> items = read_items(folder.path());
   ASSERT_EQ(items.size(), 2u);
   EXPECT_EQ(items[0].outcome, (Json{{"x", {0.1, nullptr}}}));
@@ -82,11 +90,13 @@ TEST(Items, NoneAreAList) {
 TEST(Items, OfAnOlderVersionAreNoneAndOfANewerAreRefused) {
   const ScratchFolder folder;
   write_file(folder / "items.json", R"({"format":"trilat.items","version":1,"key":"k","items":[
-]})");
+]}
+)");
   EXPECT_TRUE(read_items(folder.path()).empty());
   EXPECT_EQ(read_items_head(folder.path()).key, "");
   write_file(folder / "items.json", R"({"format":"trilat.items","version":3,"key":"k","files":[],"items":[
-]})");
+]}
+)");
   EXPECT_THAT(message_of([&] { read_items(folder.path()); }), HasSubstr("/version: is another version"));
 }
 

@@ -7,8 +7,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/optitrack_csv_reader.h"
-#include "datasets/mocap/row_source.h"
 #include "tests/datasets/temporary_file.h"
 
 namespace trilat {

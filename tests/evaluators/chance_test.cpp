@@ -7,7 +7,6 @@
 
 #include "evaluators/metrics/holm.h"
 #include "evaluators/metrics/student.h"
-#include "evaluators/metrics/student_tail.h"
 
 namespace trilat {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/cluster_contrast.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "evaluators/metrics/cluster_ratios.h"
 
 namespace trilat {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/exact_sum.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/base/philox.h"
+#include "evaluators/metrics/error_statistics.h"
 
 namespace trilat {
 namespace {

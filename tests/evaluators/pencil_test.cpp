@@ -9,7 +9,6 @@
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/solvers/geometric.h"
 #include "evaluators/solvers/linear.h"
-#include "evaluators/solvers/mirror_choice.h"
 #include "evaluators/solvers/sensor_plane.h"
 #include "tests/evaluators/range_problems.h"
 

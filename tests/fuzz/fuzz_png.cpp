@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "datasets/import/depth_png.h"
+#include "datasets/import/import_png.h"
 #include "datasets/import/import_types.h"
 #include "datasets/session/session_types.h"
 #include "tests/fuzz/memory_file.h"

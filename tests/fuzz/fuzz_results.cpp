@@ -3,15 +3,14 @@
 // and a gate make of it is made.
 #include <fstream>
 
-#include "datasets/results/accepted_baseline.h"
 #include "datasets/results/gate_history.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/gate/found_results.h"
 #include "reports/chapter.h"
-#include "reports/claims.h"
-#include "reports/figure_script.h"
-#include "reports/parameters_table.h"
-#include "reports/render.h"
+#include "reports/claims/claims.h"
+#include "reports/figures/figure_script.h"
+#include "reports/provenance.h"
+#include "reports/render/render.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/sound_files.h"
 #include "tests/fuzz/tolerate_bad_input.h"

@@ -2,7 +2,6 @@
 #include "tests/fuzz/sound_results.h"
 
 #include "datasets/base/files.h"
-#include "datasets/results/accepted_baseline.h"
 #include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
 #include "pipeline/accuracy/accuracy_study.h"

@@ -13,7 +13,7 @@
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/budget/budget_study.h"
-#include "reports/budget_tables.h"
+#include "reports/tables/tables.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"

@@ -10,7 +10,6 @@
 #include "datasets/results/summary.h"
 #include "datasets/session/session_writer.h"
 #include "pipeline/calibration/calibrate_bodies.h"
-#include "pipeline/calibration/calibrate_two_positions.h"
 #include "pipeline/calibration/calibrate_wand.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/claims.h"
+#include "reports/claims/claims.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,8 +7,6 @@
 
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/claims/judge_claims.h"
-#include "pipeline/claims/verdict.h"
-#include "reports/audit.h"
 #include "tests/pipeline/made_campaign.h"
 #include "tests/support/scratch.h"
 

@@ -104,7 +104,7 @@ class EveryKind : public testing::TestWithParam<KindOfStudy> {
   Study study(const Json& json) const {
     RunArguments arguments;
     arguments.study = files.file;
-    return kind.open(arguments, json).plan();
+    return kind.open(arguments, json).plan({});
   }
   Study study() const { return study(files.json()); }
   std::filesystem::path path(const std::string& name) const { return files.folder / name; }

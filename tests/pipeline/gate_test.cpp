@@ -8,8 +8,8 @@
 #include "datasets/results/sweep_summary.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
+#include "pipeline/gate/found_results.h"
 #include "pipeline/gate/judge_numbers.h"
-#include "pipeline/gate/same_configuration.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 

@@ -13,7 +13,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
-#include "evaluators/solvers/solve_status.h"
+#include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/motion_clock.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 
 #include "datasets/results/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/truth_track.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

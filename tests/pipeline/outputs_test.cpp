@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/results/work_part.h"
+#include "datasets/results/items.h"
 #include "datasets/skeleton/skeleton.h"
 #include "pipeline/cli/check_output.h"
 #include "tests/pipeline/program.h"

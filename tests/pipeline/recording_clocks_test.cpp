@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
+#include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/clock_methods.h"
-#include "pipeline/recording/frame_queue.h"
-#include "pipeline/recording/spread_times.h"
+#include "pipeline/recording/processing_time.h"
 
 namespace trilat {
 namespace {

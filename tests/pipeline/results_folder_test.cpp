@@ -42,6 +42,18 @@ TEST(ResultsFolder, ResultsThatLostTheirNameBetweenTwoRenamesGetItBack) {
   EXPECT_FALSE(fs::exists(folder / "results.partial.old"));
 }
 
+TEST(ResultsFolder, WhatWasNotLeftUnfinishedIsNotEmptied) {
+  const ScratchFolder folder;
+  folder_with(folder / "results.partial/mine", "thesis.txt", "");
+  const auto message = [&] { return message_of([&] { ResultsFolder{folder / "results"}; }); };
+  EXPECT_THAT(message(), HasSubstr("results.partial: is nothing that this program left unfinished"));
+  EXPECT_TRUE(fs::exists(folder / "results.partial/mine/thesis.txt"));
+  fs::rename(folder / "results.partial", folder / "precious");
+  fs::create_directory_symlink(folder / "precious", folder / "results.partial");
+  EXPECT_THAT(message(), HasSubstr("move it away"));
+  EXPECT_TRUE(fs::exists(folder / "precious/mine/thesis.txt"));
+}
+
 TEST(ResultsFolder, RefusesAMountPointBeforeAnythingIsComputed) {
   EXPECT_THAT(message_of([&] { ResultsFolder{"/proc"}; }), HasSubstr("is a mount point"));
 }
@@ -51,10 +63,10 @@ TEST(ResultsFolder, WhatOnlyAnUnfinishedOutputNeedsIsThereUntilItIsInPlace) {
   const ResultsFolder results(folder / "results");
   folder_with(results.partial() / "items", "samples", "");
   fs::rename(results.partial(), folder / "aside");
-  EXPECT_THROW(results.put_in_place({"items"}), OutputError);
+  EXPECT_THROW(results.put_in_place(), OutputError);
   fs::rename(folder / "aside", results.partial());
   EXPECT_TRUE(fs::exists(results.partial() / "items"));
-  results.put_in_place({"items"});
+  results.put_in_place();
   EXPECT_TRUE(fs::is_empty(folder / "results"));
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/calibration/session_fingerprint.h"
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,6 +10,7 @@
 
 #include "datasets/geometry/depth_camera.h"
 #include "datasets/session/session_writer.h"
+#include "pipeline/calibration/wand_study.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

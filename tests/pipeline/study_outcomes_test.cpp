@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/results/work_part.h"
+#include "datasets/results/items.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "tests/pipeline/program.h"
 

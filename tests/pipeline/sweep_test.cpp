@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/sweep_summary.h"
 #include "datasets/results/sweep_timings.h"
-#include "pipeline/sweep/linear_start.h"
+#include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_totals.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"

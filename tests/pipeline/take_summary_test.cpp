@@ -11,7 +11,7 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "evaluators/solvers/solve_status.h"
+#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"

@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "pipeline/calibration/wand_outcome.h"
+#include "pipeline/calibration/wand_search.h"
 #include "pipeline/calibration/wand_study.h"
 #include "pipeline/study/results_folder.h"
 #include "tests/pipeline/program.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/base/check.h"
+#include "datasets/base/error.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/agent_link.h"
 #include "recorders/network/network_source.h"

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/philox.h"
-#include "recorders/network/message_reader.h"
+#include "recorders/network/message_link.h"
 #include "recorders/network/wire.h"
 #include "tests/recorders/network_rig.h"
 

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "reports/accuracy_tables.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "reports/accuracy_comparisons.h"
-#include "reports/accuracy_figures.h"
-#include "reports/efficiency.h"
-#include "reports/gdop_figure.h"
-#include "reports/render.h"
+#include "reports/figures/figures.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 #include "tests/reports/summaries.h"
 
 namespace trilat {

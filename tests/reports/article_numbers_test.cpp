@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/article_numbers.h"
+#include "reports/render/article_numbers.h"
 
 #include <algorithm>
 #include <limits>

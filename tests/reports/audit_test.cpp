@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "reports/audit.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "reports/render.h"
+#include "reports/claims/claims.h"
+#include "reports/render/render.h"
 #include "tests/reports/summaries.h"
 
 namespace trilat {

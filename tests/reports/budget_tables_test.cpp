@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/budget_tables.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,8 +6,9 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "reports/budget_figures.h"
-#include "reports/render.h"
+#include "reports/figures/figures.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "reports/calibration_tables.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "reports/calibration_figures.h"
-#include "reports/calibration_findings.h"
-#include "reports/render.h"
+#include "reports/figures/figures.h"
+#include "reports/render/render.h"
+#include "reports/tables/calibration_findings.h"
+#include "reports/tables/tables.h"
 #include "tests/reports/calibration_summaries.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/figure.h"
+#include "reports/figures/figure.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -9,10 +9,9 @@
 
 #include <gmock/gmock.h>
 
-#include "reports/draw_figures.h"
-#include "reports/figure_look.h"
-#include "reports/figure_script.h"
-#include "reports/svg_look.h"
+#include "reports/figures/draw_figures.h"
+#include "reports/figures/figure_look.h"
+#include "reports/figures/figure_script.h"
 
 namespace trilat {
 namespace {

@@ -4,8 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "reports/page/html_table.h"
-#include "reports/page/html_text.h"
+#include "reports/page/html.h"
 #include "reports/write_report.h"
 #include "tests/reports/calibration_summaries.h"
 #include "tests/reports/summaries.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/render.h"
+#include "reports/render/render.h"
 
 #include <limits>
 

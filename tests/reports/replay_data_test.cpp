@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/replay_data.h"
+#include "reports/page/replay_data.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/replay.h"
 #include "datasets/skeleton/skeleton.h"
-#include "reports/figure_look.h"
+#include "reports/figures/figure_look.h"
 #include "reports/write_report.h"
 #include "tests/reports/summaries.h"
 #include "tests/reports/written_samples.h"

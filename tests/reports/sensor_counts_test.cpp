@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/sensor_counts.h"
+#include "reports/tables/sensor_counts.h"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/sweep_tables.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -8,8 +6,9 @@
 #include "datasets/base/files.h"
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
-#include "reports/render.h"
-#include "reports/sweep_figures.h"
+#include "reports/figures/figures.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "reports/table4.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "reports/clock_figures.h"
-#include "reports/render.h"
+#include "reports/figures/figures.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 #include "reports/write_report.h"
 #include "tests/support/scratch.h"
 

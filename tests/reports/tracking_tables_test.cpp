@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tracking_tables.h"
-
 #include <gmock/gmock.h>
 
-#include "reports/render.h"
+#include "reports/render/render.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

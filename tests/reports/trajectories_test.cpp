@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "reports/trajectories.h"
-
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "reports/figures/figures.h"
 #include "tests/reports/summaries.h"
 #include "tests/reports/written_samples.h"
 #include "tests/support/scratch.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
-#include "datasets/import/json_elements.h"
+#include "datasets/import/node_kinect2_reader.h"
 #include "tests/datasets/import/import_fixtures.h"
 
 namespace trilat {

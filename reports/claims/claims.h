@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/results/paper_evidence.h"
+#include "reports/tables/table.h"
+
+namespace trilat {
+
+// Each claim of the paper, ours with its interval, and the verdict. Those from simulated sensors say so.
+Table claims_table(const PaperFindings& findings);
+
+// "6.4 % (5.9 to 6.9)" of each number, after what it is; completed by fallbacks, or not. A dash without any.
+std::string parts_text(const std::vector<ClaimPart>& parts, bool complete);
+
+// What the paper's own printed numbers imply, recomputed from them alone (errata E12 to E15), and which of
+// them agree with each other.
+Table audit_table();
+
+// Every erratum: what is printed, why it cannot be so, what stands in its place, and what the difference does
+// in these results, as far as a study of it was run.
+Table errata_table(const PaperFindings& findings);
+
+}  // namespace trilat

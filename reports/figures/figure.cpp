@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "reports/figures/figure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datasets/base/csv_field.h"
+
+namespace trilat {
+namespace {
+
+std::string number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : std::string(); }
+
+// " (cm)" of "error (cm)"; nothing where there is none.
+std::string unit_of(const std::string& label) {
+  const auto open = label.rfind(" (");
+  return open == std::string::npos || label.back() != ')' ? "" : label.substr(open);
+}
+
+template <class Has>
+bool any_point(const Figure& figure, const Has& has) {
+  for (const FigureSeries& s : figure.series)
+    if (std::any_of(s.points.begin(), s.points.end(), has)) return true;
+  return false;
+}
+
+}  // namespace
+
+const std::string& group_of(const FigureSeries& series) {
+  return series.group.empty() ? series.name : series.group;
+}
+
+std::string csv_of(const Figure& figure) {
+  const bool intervals = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.low); });
+  const bool whiskers = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.least); });
+  const auto add = [&](const std::string& name) { return ',' + csv_field(name); };
+  const std::string unit = unit_of(figure.y_label);
+  std::string text = "series" + add(figure.x_label) + add(figure.y_label);
+  if (intervals) text += add("low" + unit) + add("high" + unit);
+  if (whiskers) text += add("least" + unit) + add("most" + unit);
+  if (figure.map) text += add(figure.map->label);
+  text += "\r\n";
+  const auto x_of = [&](double x) {
+    const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, x)));
+    return k < figure.x_names.size() ? csv_field(figure.x_names[k]) : number(x);
+  };
+  for (const FigureSeries& s : figure.series)
+    for (const FigurePoint& p : s.points) {
+      text += csv_field(s.name) + ',' + x_of(p.x) + ',' + number(p.y);
+      if (intervals) text += ',' + number(p.low) + ',' + number(p.high);
+      if (whiskers) text += ',' + number(p.least) + ',' + number(p.most);
+      text += figure.map ? ",\r\n" : "\r\n";
+    }
+  if (!figure.map) return text;
+  const std::string gap = std::string(intervals ? ",," : "") + (whiskers ? ",," : "");
+  for (std::size_t r = 0; r < figure.map->y.size(); ++r)
+    for (std::size_t c = 0; c < figure.map->x.size(); ++c)
+      text += csv_field(figure.map->label) + ',' + number(figure.map->x[c]) + ',' + number(figure.map->y[r]) +
+              gap + ',' + number(figure.map->values[r * figure.map->x.size() + c]) + "\r\n";
+  return text;
+}
+
+}  // namespace trilat

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/results/budget_summary.h"
+#include "datasets/results/calibration_summary.h"
+#include "datasets/results/gdop_map.h"
+#include "datasets/results/recording_summary.h"
+#include "datasets/results/summary.h"
+#include "datasets/results/sweep_summary.h"
+#include "datasets/results/sweep_timings.h"
+#include "reports/figures/figure.h"
+
+namespace trilat {
+
+// The methods that figures of a study show, in the order of the study: the paper's three, the plain mean, the
+// best answer of all and, of a study without any of these, its first ones.
+std::vector<std::string> methods_worth_a_figure(const ResultsSummary& summary);
+
+// Errors of each joint group as boxes (quartiles and median; whiskers from the 5th to the 95th percentile)
+// with the mean and its interval, one figure a condition, in the study's first alignment.
+std::vector<Figure> error_box_figures(const ResultsSummary& summary);
+
+// The rig from above: how well ranges fix a point at each place, and where the sensors stand.
+Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary);
+
+// What share of the mean square error each source makes, by joint: bars that end at the sum, with what is
+// observed beside it. One figure a condition and method, in the first alignment.
+std::vector<Figure> budget_figures(const BudgetSummary& summary);
+
+// What the paper draws of its calibration, from simulated samples: error by distance and by angle, a flat
+// wall by column; and how uncertain sensors carry into joints. A part that was not run gives none.
+std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
+
+// Histograms of the clock errors over the paper's ranges, one figure a network: the paper's beside every
+// method.
+std::vector<Figure> clock_figures(const RecordingSummary& summary);
+
+// Table I as curves over the threshold C, the paper's beside ours with the printed and the corrected
+// gradient: error and steps of every reading that has a table, and the time of a solve where it was measured.
+std::vector<Figure> sweep_figures(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// Heights of single joints over time, as in the paper's figures: for the first evaluated take of each
+// condition one figure with the truth and a few methods, of the right wrist, elbow or ankle (the paper's
+// joints when walking, swinging arms and crossing legs), or of the first joint where none of them was
+// measured. The first seconds only; NaN where something is missing. Methods are shown as movement about their
+// mean over the take.
+std::vector<Figure> trajectory_figures(const std::filesystem::path& results, const ResultsSummary& summary);
+
+}  // namespace trilat

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/results/samples.h"
+#include "reports/figures/figures.h"
+#include "reports/tables/table.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kShown_s = 10.0;
+constexpr std::size_t kMostMethods = 4;
+// The paper draws a wrist when walking, an elbow when swinging arms and an ankle when crossing legs.
+const char* drawn_joint(const std::string& condition) {
+  return condition == "arm_swing"      ? "elbow_right"
+         : condition == "leg_crossing" ? "ankle_right"
+                                       : "wrist_right";
+}
+
+// What the paper draws, in the order of interest; the first ones that the study has are shown.
+constexpr std::array kMethods{"nonlinear as printed",           "linear", "geometric", "nonlinear",
+                              "nonlinear, occlusion corrected", "mean"};
+
+struct Path {
+  std::vector<double> time_s, truth_m;          // height
+  std::vector<std::vector<double>> estimate_m;  // by method
+};
+
+// Status numbers that are answers.
+std::set<std::uint8_t> usable_statuses(const SamplesHeader& header) {
+  std::set<std::uint8_t> usable;
+  for (std::size_t k = 0; k < header.status_names.size(); ++k)
+    for (const char* name : {"converged", "closed_form", "clamped"})
+      if (header.status_names[k] == name) usable.insert(static_cast<std::uint8_t>(k));
+  return usable;
+}
+
+Path read_path(const SamplesFile& samples, std::size_t take, std::size_t joint) {
+  constexpr std::uint64_t kBlock = 1024;
+  const SamplesHeader& header = samples.header();
+  const std::size_t joints = header.joints.size(), methods = header.methods.size();
+  const std::set<std::uint8_t> usable = usable_statuses(header);
+  Path path;
+  path.estimate_m.resize(methods);
+  const std::uint64_t instants = header.takes[take].instants;
+  std::int64_t start_ns = 0;
+  for (std::uint64_t first = 0; first < instants; first += kBlock) {
+    const SampleBlock block =
+        samples.read(take, first, std::min(kBlock, instants - first), SampleColumns::positions);
+    if (first == 0 && block.instants > 0) start_ns = block.time_ns.front();
+    for (std::uint64_t i = 0; i < block.instants; ++i) {
+      path.time_s.push_back(static_cast<double>(block.time_ns[i] - start_ns) * 1e-9);
+      path.truth_m.push_back(block.truth_m[(i * joints + joint) * 3 + 1]);
+      for (std::size_t m = 0; m < methods; ++m) {
+        const std::size_t slot = (i * joints + joint) * methods + m;
+        path.estimate_m[m].push_back(usable.contains(block.status[slot]) ? block.estimate_m[slot * 3 + 1]
+                                                                         : kNoNumber);
+      }
+    }
+  }
+  return path;
+}
+
+std::vector<std::size_t> shown_methods(const SamplesHeader& header) {
+  std::vector<std::size_t> shown;
+  const auto show = [&](std::size_t m) {
+    if (shown.size() < kMostMethods && std::find(shown.begin(), shown.end(), m) == shown.end())
+      shown.push_back(m);
+  };
+  for (const char* name : kMethods)
+    for (std::size_t m = 0; m < header.methods.size(); ++m)
+      if (header.methods[m] == name) show(m);
+  for (std::size_t m = 0; m < header.methods.size(); ++m) show(m);
+  return shown;
+}
+
+// Adds `shift` and turns metres into centimetres.
+FigureSeries series_of(const std::string& name, const Path& path, const std::vector<double>& height_m,
+                       double shift_m) {
+  FigureSeries series{name, FigureSeries::Style::line, {}, {}, name};
+  for (std::size_t i = 0; i < path.time_s.size() && path.time_s[i] <= kShown_s; ++i)
+    series.points.push_back({path.time_s[i], (height_m[i] + shift_m) * kCentimetresPerMetre});
+  return series;
+}
+
+// What makes the means over all instants that both have the same.
+double shift_to_truth_m(const Path& path, const std::vector<double>& height_m) {
+  double sum_m = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < height_m.size(); ++i) {
+    const double off_m = path.truth_m[i] - height_m[i];
+    if (!std::isfinite(off_m)) continue;
+    sum_m += off_m;
+    count += 1.0;
+  }
+  return sum_m / count;
+}
+
+// The joint to be shown, of those with any truth.
+std::optional<std::size_t> shown_joint(const SamplesFile& samples, std::size_t take, Path& path) {
+  const SamplesHeader& header = samples.header();
+  std::vector<std::size_t> order;
+  for (std::size_t j = 0; j < header.joints.size(); ++j)
+    if (header.joints[j] == drawn_joint(header.takes[take].condition)) order.push_back(j);
+  for (std::size_t j = 0; j < header.joints.size(); ++j) order.push_back(j);
+  for (const std::size_t j : order) {
+    path = read_path(samples, take, j);
+    if (std::any_of(path.truth_m.begin(), path.truth_m.end(), [](double y) { return std::isfinite(y); }))
+      return j;
+  }
+  return std::nullopt;
+}
+
+Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, const Path& path,
+                 const TakeShape& take, const std::string& joint) {
+  const std::vector<std::size_t> shown = shown_methods(header);
+  Figure figure;
+  figure.id = usable_id(fmt::format("trajectory-{}-{}", take.condition, joint));
+  const auto spaced = [](std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+  };
+  figure.title = fmt::format("Height of {}, {}, take {}{}", spaced(joint), spaced(take.condition), take.id,
+                             summary.simulated ? ", simulated" : "");
+  figure.caption = fmt::format(
+      "{}The first {:g} s of the take; each method is moved by a constant so that its mean over the take is "
+      "that of the truth, as in the paper's \"relative movement\". {} of the study's {} methods are drawn.",
+      summary.simulated ? "Simulated. " : "", kShown_s, shown.size(), header.methods.size());
+  figure.x_label = "time (s)";
+  figure.y_label = "height (cm)";
+  figure.series.push_back(series_of("truth", path, path.truth_m, 0.0));
+  for (const std::size_t m : shown)
+    figure.series.push_back(
+        series_of(header.methods[m], path, path.estimate_m[m], shift_to_truth_m(path, path.estimate_m[m])));
+  return figure;
+}
+
+}  // namespace
+
+std::vector<Figure> trajectory_figures(const std::filesystem::path& results, const ResultsSummary& summary) {
+  std::vector<Figure> figures;
+  if (!std::filesystem::exists(results / "samples.h5")) return figures;
+  const SamplesFile samples = SamplesFile::open(results / "samples.h5");
+  std::set<std::string> shown;
+  for (const TakeShape& shape : samples.header().takes) {
+    const auto take = static_cast<std::size_t>(&shape - samples.header().takes.data());
+    if (shown.contains(shape.condition)) continue;
+    Path path;
+    const auto joint = shown_joint(samples, take, path);
+    if (!joint) continue;
+    shown.insert(shape.condition);
+    figures.push_back(figure_of(summary, samples.header(), path, shape, samples.header().joints[*joint]));
+  }
+  return figures;
+}
+
+}  // namespace trilat

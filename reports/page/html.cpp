@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "reports/page/html.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "reports/render/render.h"
+
+namespace trilat {
+
+namespace {
+
+constexpr std::size_t kFewRows = 9;  // of a table that needs no filter
+constexpr std::size_t kLong = 40;    // bytes of a text that is broken into lines
+constexpr std::size_t kMany = 12;    // columns that a print has to make small
+
+const char* badge_class(const std::string& verdict) {
+  if (verdict.starts_with("holds") || verdict == "better") return "holds";
+  if (verdict == "does not hold" || verdict == "worse") return "fails";
+  if (verdict == "contradicts itself") return "fails against";
+  return verdict == "undecided" ? "unsure" : "untested";
+}
+
+bool is_long(const Table& table, std::size_t column) {
+  return table.columns[column].is_text &&
+         std::any_of(table.rows.begin(), table.rows.end(),
+                     [&](const auto& row) { return printed(row[column]).size() > kLong; });
+}
+
+// The number as CSV has it, when that is not what is printed.
+std::string raw_attribute(const TableValue& value, const std::string& text) {
+  if (!value.number || !std::isfinite(*value.number)) return {};
+  const std::string raw = fmt::format("{}", *value.number);
+  return raw == text ? "" : " data-v=\"" + raw + "\"";
+}
+
+std::string cell_html(const TableColumn& column, const TableValue& value, const char* tag, bool wraps) {
+  const std::string text = printed(value);
+  const bool is_verdict =
+      column.is_text &&
+      (column.key == "verdict" || (column.key == "differs" && (text == "better" || text == "worse")));
+  return fmt::format("<{}{}{}>{}</{}>", tag,
+                     !column.is_text ? " class=\"n\""
+                     : wraps         ? " class=\"long\""
+                                     : "",
+                     raw_attribute(value, text), is_verdict ? verdict_badge(text) : html_text(text),
+                     std::string(tag).substr(0, 2));
+}
+
+std::string head_html(const Table& table) {
+  std::string html = "<thead><tr>";
+  for (const TableColumn& column : table.columns)
+    html += fmt::format(
+        "<th scope=\"col\" aria-sort=\"none\" data-key=\"{}\"{}><button type=\"button\">{}</button></th>",
+        html_text(column.key), column.is_text ? "" : " class=\"n\"", html_text(header_of(column)));
+  return html + "</tr></thead>\n";
+}
+
+std::string body_html(const Table& table) {
+  std::vector<bool> wraps;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) wraps.push_back(is_long(table, c));
+  std::string html = "<tbody>\n";
+  for (const auto& row : table.rows) {
+    html += "<tr>";
+    for (std::size_t c = 0; c < row.size(); ++c)
+      html += cell_html(table.columns[c], row[c], c == 0 ? "th scope=\"row\"" : "td", wraps[c]);
+    html += "</tr>\n";
+  }
+  return html + "</tbody>";
+}
+
+std::string bar_html(const Table& table, const std::string& commands) {
+  std::string html = "<div class=\"bar\">";
+  if (table.rows.size() >= kFewRows)
+    html += fmt::format(
+        "<input class=\"script\" type=\"search\" placeholder=\"Filter rows\" aria-label=\"Filter rows of "
+        "this "
+        "table\"><span class=\"shown\" role=\"status\">{} rows</span>",
+        table.rows.size());
+  html += fmt::format(
+      "<a href=\"{0}.csv\">CSV</a><a href=\"{0}.tex\">LaTeX</a><button type=\"button\" "
+      "class=\"copy script\">Copy CSV</button>",
+      html_text(table.id));
+  if (!commands.empty())
+    html += "<details class=\"script how\"><summary>Command</summary><pre>" + html_text(commands) +
+            "</pre></details>";
+  return html + "</div>\n";
+}
+
+}  // namespace
+
+std::string verdict_badge(const std::string& verdict) {
+  return fmt::format("<span class=\"v {}\">{}</span>", badge_class(verdict), html_text(verdict));
+}
+
+std::string html_title(const std::string& title) {
+  const auto bracket = title.find(" (");
+  if (bracket == std::string::npos) return "<strong>" + html_text(title) + "</strong>";
+  return "<strong>" + html_text(title.substr(0, bracket)) + "</strong> <span>" +
+         html_text(title.substr(bracket + 1)) + "</span>";
+}
+
+std::string html_of(const Table& table, const std::string& commands) {
+  const std::string id = html_text(table.id);
+  std::string html = fmt::format(
+      "<div class=\"table{}{}\" id=\"table-{}\">\n<p class=\"title\">{}</p>\n{}<div class=\"scroll\" "
+      "tabindex=\"0\" "
+      "role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n",
+      table.id == "claims" ? " claims" : "", table.columns.size() > kMany ? " many" : "", id,
+      html_title(table.title), bar_html(table, commands), html_text(table.title), html_text(table.title));
+  html += head_html(table) + body_html(table) + "</table></div>\n";
+  if (!table.notes.empty()) {
+    html += "<ul class=\"notes\">";
+    for (const std::string& note : table.notes) html += "<li>" + html_text(note) + "</li>\n";
+    html += "</ul>\n";
+  }
+  return html + "</div>\n";
+}
+
+std::string html_text(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  for (char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+  }
+  return result;
+}
+
+std::string html_sentence(std::string_view text) {
+  std::string result;
+  bool code = false, bold = false;
+  std::size_t begin = 0;
+  const auto flush = [&](std::size_t end) { result += html_text(text.substr(begin, end - begin)); };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool stars = !code && text.substr(i, 2) == "**";
+    if (text[i] != '`' && !stars) continue;
+    flush(i);
+    if (stars) {
+      result += bold ? "</strong>" : "<strong>";
+      bold = !bold;
+      ++i;
+    } else {
+      result += code ? "</code>" : "<code>";
+      code = !code;
+    }
+    begin = i + 1;
+  }
+  flush(text.size());
+  if (code) result += "</code>";
+  if (bold) result += "</strong>";
+  return result;
+}
+
+std::string base64_of(std::string_view bytes) {
+  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+}  // namespace trilat

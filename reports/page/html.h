@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "reports/tables/table.h"
+
+namespace trilat {
+
+// A table that page.js sorts by the unrounded numbers, filters and copies as CSV, with its notes, links to
+// its files beside the page and the commands that make its numbers (none: empty).
+std::string html_of(const Table& table, const std::string& commands);
+
+// "holds" as a coloured word; other verdicts alike.
+std::string verdict_badge(const std::string& verdict);
+
+// A title's first part, and what stands in brackets at its end more softly.
+std::string html_title(const std::string& title);
+
+// Escaped for HTML text and attributes in double quotes; control characters become spaces.
+std::string html_text(std::string_view text);
+
+// A sentence in which **bold** and `code` are marked up as in Markdown.
+std::string html_sentence(std::string_view text);
+
+// RFC 4648, with padding.
+std::string base64_of(std::string_view bytes);
+
+}  // namespace trilat

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "reports/page/replay_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+#include <zlib.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/strict_json.h"
+#include "datasets/results/replay.h"
+#include "datasets/results/samples.h"
+#include "datasets/skeleton/skeleton.h"
+#include "reports/figures/figure_look.h"
+
+namespace trilat {
+namespace {
+
+// As in the figures.
+std::vector<std::string> colours_of(const std::vector<std::string>& methods) {
+  std::vector<std::string> colours;
+  for (const std::string& method : methods) colours.push_back(look_of_method(method).colour);
+  return colours;
+}
+
+constexpr std::int16_t kNone = -32768;
+constexpr double kFarthest_mm = 32'767.0;
+
+std::int16_t millimetres(double metres) {
+  const double mm = std::round(metres * 1e3);
+  return std::isfinite(mm) && std::abs(mm) <= kFarthest_mm ? static_cast<std::int16_t>(mm) : kNone;
+}
+
+// Appends channels as differences.
+class Packer {
+ public:
+  void add16(std::uint64_t instants, const auto& value) {
+    std::uint16_t before = 0;
+    for (std::uint64_t i = 0; i < instants; ++i) {
+      const auto now = static_cast<std::uint16_t>(value(i));
+      const auto difference = static_cast<std::uint16_t>(now - before);
+      bytes_ += static_cast<char>(difference & 0xff);
+      bytes_ += static_cast<char>(difference >> 8);
+      before = now;
+    }
+  }
+  void add8(std::uint64_t instants, const auto& value) {
+    std::uint8_t before = 0;
+    for (std::uint64_t i = 0; i < instants; ++i) {
+      const std::uint8_t now = value(i);
+      bytes_ += static_cast<char>(static_cast<std::uint8_t>(now - before));
+      before = now;
+    }
+  }
+  std::string compressed() const {
+    uLongf size = compressBound(bytes_.size());
+    std::string packed(size, '\0');
+    const int code =
+        compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                  reinterpret_cast<const Bytef*>(bytes_.data()), bytes_.size(), Z_BEST_COMPRESSION);
+    TRILAT_CHECK(code == Z_OK, "a buffer of compressBound() is large enough");
+    packed.resize(size);
+    return packed;
+  }
+
+ private:
+  std::string bytes_;
+};
+
+bool is_usable(const SamplesHeader& header, std::uint8_t status) {
+  if (status >= header.status_names.size()) return false;
+  const std::string& name = header.status_names[status];
+  return name == "converged" || name == "closed_form" || name == "clamped";
+}
+
+void pack_sensors(const ReplayTake& take, Packer& packer) {
+  const std::size_t row = take.sensors.size() * kJointCount;
+  for (std::size_t c = 0; c < row * 3; ++c)
+    packer.add16(take.instants,
+                 [&](std::uint64_t i) { return millimetres(double{take.joint_m[i * row * 3 + c]}); });
+}
+
+// `shown`: methods, by their numbers in the samples.
+void pack_samples(const SamplesHeader& header, const SampleBlock& block,
+                  const std::vector<std::size_t>& shown, Packer& packer) {
+  const std::size_t joints = header.joints.size(), methods = header.methods.size();
+  for (std::size_t c = 0; c < joints * 3; ++c)
+    packer.add16(block.instants,
+                 [&](std::uint64_t i) { return millimetres(block.truth_m[i * joints * 3 + c]); });
+  for (std::size_t j = 0; j < joints; ++j)
+    for (const std::size_t m : shown)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        packer.add16(block.instants, [&](std::uint64_t i) {
+          const std::size_t at = (i * joints + j) * methods + m;
+          return is_usable(header, block.status[at]) ? millimetres(block.estimate_m[at * 3 + axis]) : kNone;
+        });
+}
+
+void pack_states(const ReplayTake& take, Packer& packer) {
+  const std::size_t row = take.sensors.size() * kJointCount;
+  for (std::size_t c = 0; c < row; ++c)
+    packer.add8(take.instants, [&](std::uint64_t i) { return take.state[i * row + c]; });
+}
+
+Json sensors_json(const ReplayTake& take) {
+  Json sensors = Json::array();
+  for (std::size_t s = 0; s < take.sensors.size(); ++s) {
+    const Eigen::Quaterniond& q = take.world_from_sensor[s].rotation;
+    const Eigen::Vector3d& t = take.world_from_sensor[s].translation_m;
+    sensors.push_back({{"name", take.sensors[s]},
+                       {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
+                       {"position_m", {t.x(), t.y(), t.z()}}});
+  }
+  return sensors;
+}
+
+Json skeleton_json() {
+  Json names = Json::array(), parents = Json::array();
+  for (int j = 0; j < kJointCount; ++j) {
+    const auto joint = static_cast<Joint>(j);
+    names.push_back(std::string(name_of(joint)));
+    const auto parent = parent_of(joint);
+    parents.push_back(parent ? static_cast<int>(*parent) : -1);
+  }
+  return {{"names", names}, {"parents", parents}};
+}
+
+PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const ResultsSummary& summary,
+                  const std::string& place) {
+  const SamplesHeader& header = samples.header();
+  if (take.take >= header.takes.size() || header.takes[take.take].id != take.id ||
+      header.takes[take.take].instants < take.instants)
+    throw InputError(place, "is not of the run that samples.h5 beside it is of: take \"" + take.id +
+                                "\" is another there; run the study again");
+  const SampleBlock block = samples.read(take.take, 0, take.instants, SampleColumns::positions);
+  Packer packer;
+  pack_sensors(take, packer);
+  std::vector<std::size_t> shown;
+  std::vector<std::string> names;
+  for (std::size_t m = 0; m < header.methods.size(); ++m)
+    if (std::find(summary.methods.begin(), summary.methods.end(), header.methods[m]) !=
+        summary.methods.end()) {
+      shown.push_back(m);
+      names.push_back(header.methods[m]);
+    }
+  pack_samples(header, block, shown, packer);
+  pack_states(take, packer);
+  const double span_s =
+      take.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
+  const Json json{{"study", summary.study},        {"take", take.id},
+                  {"condition", take.condition},   {"simulated", summary.simulated},
+                  {"instants", take.instants},     {"span_s", span_s},
+                  {"sensors", sensors_json(take)}, {"skeleton", skeleton_json()},
+                  {"joints", header.joints},       {"methods", names},
+                  {"colours", colours_of(names)},  {"view_deg", {70.6, 60.0}},  // of a Kinect v2
+                  {"range_m", {0.5, 4.5}}};
+  return {summary.study + ": " + take.condition + ", take " + take.id, json_text(json, -1),
+          packer.compressed()};
+}
+
+}  // namespace
+
+std::vector<PackedReplay> packed_replays(const std::filesystem::path& results,
+                                         const ResultsSummary& summary) {
+  std::vector<PackedReplay> packed;
+  const std::vector<ReplayTake> takes = read_replay(results);
+  if (takes.empty() || !std::filesystem::exists(results / "samples.h5")) return packed;
+  const SamplesFile samples = SamplesFile::open(results / "samples.h5");
+  for (const ReplayTake& take : takes)
+    if (take.instants > 0) packed.push_back(pack(take, samples, summary, (results / "replay.h5").string()));
+  return packed;
+}
+
+}  // namespace trilat

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "reports/render/render.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "datasets/base/csv_field.h"
+#include "reports/render/text_lines.h"
+
+namespace trilat {
+namespace {
+
+std::string padded(const std::string& text, std::size_t width, bool left) {
+  const std::string space(width - std::min(width, width_of(text)), ' ');
+  return left ? text + space : space + text;
+}
+
+bool is_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) >= 0x80;
+}
+
+// What Markdown would take for markup or HTML stands for itself. '_' and '&' mean something at the edge of a
+// word only.
+std::string markdown_cell(const std::string& text) {
+  const std::string line = one_line(text);
+  std::string result;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    const bool inside = i > 0 && i + 1 < line.size() && is_word(line[i - 1]) && is_word(line[i + 1]);
+    const bool entity = c == '&' && i + 1 < line.size() && (is_word(line[i + 1]) || line[i + 1] == '#');
+    if (std::string_view("|\\`*<[]").find(c) != std::string_view::npos || (c == '_' && !inside) || entity)
+      result += '\\';
+    result += c;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string printed(const TableValue& value) {
+  if (!value.number) return value.text;
+  if (!std::isfinite(*value.number)) return "–";
+  if (value.decimals < 0) return fmt::format("{:g}", *value.number);
+  const std::string text = fmt::format("{:.{}f}", *value.number, value.decimals);
+  // what rounds to nothing has no sign
+  return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
+}
+
+std::string markdown_of(const Table& table) {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    std::size_t width = std::max<std::size_t>(3, width_of(header_of(table.columns[c])));
+    for (const auto& row : table.rows) width = std::max(width, width_of(markdown_cell(printed(row[c]))));
+    widths.push_back(width);
+  }
+  std::string text = "**" + one_line(table.title) + "**\n\n|", rule = "|";
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const bool left = table.columns[c].is_text;
+    text += ' ' + padded(header_of(table.columns[c]), widths[c], left) + " |";
+    rule += ' ' + std::string(widths[c] - 1, '-') + (left ? "-" : ":") + " |";
+  }
+  text += '\n' + rule + '\n';
+  for (const auto& row : table.rows) {
+    text += '|';
+    for (std::size_t c = 0; c < row.size(); ++c)
+      text += ' ' + padded(markdown_cell(printed(row[c])), widths[c], table.columns[c].is_text) + " |";
+    text += '\n';
+  }
+  for (const std::string& note : table.notes) text += "\n- " + one_line(note);
+  return text + (table.notes.empty() ? "" : "\n");
+}
+
+namespace {
+
+// A spreadsheet would compute what begins so; numbers are not texts and stay as they are.
+std::string csv_text(const std::string& text) {
+  const bool formula = !text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos;
+  return csv_field(formula ? "'" + text : text);
+}
+
+}  // namespace
+
+std::string csv_of(const Table& table) {
+  std::string text;
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    text += (c ? "," : "") + csv_field(table.columns[c].key);
+  text += "\r\n";
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (c > 0) text += ',';
+      if (!row[c].number)
+        text += csv_text(row[c].text);
+      else if (std::isfinite(*row[c].number))
+        text += fmt::format("{}", *row[c].number);
+    }
+    text += "\r\n";
+  }
+  return text;
+}
+
+}  // namespace trilat

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "datasets/results/summary.h"
+#include "reports/tables/table.h"
+
+namespace trilat {
+
+// What the tables of an accuracy study share.
+// What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
+std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
+inline constexpr const char* kOneFrameNote =
+    "One frame: how much the error would change with the truth one instant early or late.";
+// How the intervals were made, or why there are none.
+std::string interval_note(const ResultsSummary& summary);
+// Below this share of the samples asked, an error is said to be of these only.
+inline constexpr double kLeastCoverage = 0.8;
+// One note for the methods that answer less, each with its share and how most of the others end.
+void add_coverage_note(const ResultsSummary& summary, const std::string& condition,
+                       const std::string& alignment, Table& table);
+void add_take_notes(const ResultsSummary& summary, Table& table);
+
+// "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
+std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);
+
+}  // namespace trilat

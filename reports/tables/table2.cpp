@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+#include "reports/tables/accuracy_words.h"
+#include "reports/tables/table_cells.h"
+#include "reports/tables/tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kAlignment = "mean";
+
+bool has_condition(const ResultsSummary& s, const std::string& condition) {
+  return std::find(s.conditions.begin(), s.conditions.end(), condition) != s.conditions.end();
+}
+
+// The paper's column that a method belongs beside: its own is nonlinear, with and without compensation.
+double printed_cm(const PrintedTable2::Row& row, const std::string& method) {
+  if (method == "nonlinear") return row.without_cm;
+  if (method.starts_with("nonlinear, occlusion")) return row.with_cm;
+  return kNoNumber;
+}
+
+void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table& table) {
+  const std::string occluded = occluded_condition(printed.condition);
+  for (const std::string& condition : {occluded, printed.condition}) {
+    if (!has_condition(s, condition)) continue;
+    for (const std::string& method : s.methods) {
+      const SummaryCell* cell = find_cell(s, method, condition, kAverageGroup, kAlignment);
+      if (!cell) continue;
+      table.rows.push_back(
+          {TableValue::of(printed.part),
+           TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
+           TableValue::of(condition == occluded ? printed_cm(printed, method) : kNoNumber, 1),
+           cm_cell(cell->mae_m), cm_cell(cell->mae_low_m), cm_cell(cell->mae_high_m),
+           cm_cell(cell->one_frame_m), count_cell(cell->answered), percent_cell(cell->coverage())});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Table> table2(const ResultsSummary& summary) {
+  const PrintedTable2 printed = printed_table2();
+  Table table;
+  table.id = "table2";
+  table.title = fmt::format(
+      "Table II: mean absolute error with and without occlusion compensation, the paper's beside "
+      "ours ({}{} of {} takes, {} participants; alignment: {})",
+      summary.simulated ? "simulated sensors, " : "", summary.takes - summary.takes_failed, summary.takes,
+      summary.participants, kAlignment);
+  table.columns = {{"part", "part", true},
+                   {"samples", "samples", true},
+                   {"method", "method", true},
+                   {"paper (cm)", "paper_mae_cm"},
+                   {summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm"},
+                   {"from", "mae_from_cm"},
+                   {"to", "mae_to_cm"},
+                   {"one frame (cm)", "one_frame_cm"},
+                   {"n", "n"},
+                   {"coverage (%)", "coverage_percent"}};
+  for (const PrintedTable2::Row& row : printed.rows) add_rows(summary, row, table);
+  if (table.rows.empty()) return {};
+  table.notes = {
+      "Paper: " + printed.source + "; 50 sets of occluded samples an experiment.",
+      "Each number is the plain mean over the part's three joints. Occluded samples are those that at least "
+      "one sensor sees inferred or crossed by a limb in front, found by the rule that is tested, as a user "
+      "would.",
+      "A method that leaves sensors out answers fewer samples: with fewer than three ranges there is no "
+      "trilateration. The table of differences compares on samples that both answer.",
+      kOneFrameNote, interval_note(summary)};
+  add_take_notes(summary, table);
+  return {table};
+}
+
+}  // namespace trilat

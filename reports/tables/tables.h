@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/results/budget_summary.h"
+#include "datasets/results/calibration_summary.h"
+#include "datasets/results/recording_summary.h"
+#include "datasets/results/stage_timings.h"
+#include "datasets/results/summary.h"
+#include "datasets/results/sweep_summary.h"
+#include "datasets/results/sweep_timings.h"
+#include "datasets/results/tracking_summary.h"
+#include "reports/tables/table.h"
+
+namespace trilat {
+
+// One table a condition and alignment: every group and method with n, coverage, statuses and all statistics;
+// behind it the differences from the reference, and behind those of a condition its whole bodies.
+std::vector<Table> accuracy_tables(const ResultsSummary& summary);
+
+// The paper's Table III beside ours: walking, errors relative to the mean, every method, with an average row
+// as the paper has it (the plain mean of the groups). Our method stands beside the printed column that its
+// name starts with. Empty when the results hold nothing of the kind.
+std::vector<Table> table3(const ResultsSummary& summary);
+
+// The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
+std::vector<Table> table2(const ResultsSummary& summary);
+
+// Every method against the study's reference, by joint group. Without rows when there is nothing to compare.
+Table differences_table(const ResultsSummary& summary, const std::string& condition,
+                        const std::string& alignment);
+
+// Whole bodies by method. Without rows when no method has any.
+Table bodies_table(const ResultsSummary& summary, const std::string& condition);
+
+// Takes, participants and joints apart, each method's joints together, and each joint of each take: where an
+// odd take, person or side shows. Under the study's first alignment.
+std::vector<Table> apart_tables(const ResultsSummary& summary);
+
+// One table for each condition and alignment: a row for every method and joint group, a column for every
+// source of error alone, their sum and what all of them together give; and a table of what the sources are.
+std::vector<Table> budget_tables(const BudgetSummary& summary);
+
+// The tables of a calibration study beside the paper's statements; a part that was not run gives none.
+std::vector<Table> calibration_tables(const CalibrationSummary& summary);
+
+// Finding the wand: every method in every scene, and two of them by distance and by angle.
+Table calibration_wand_table(const CalibrationSummary& summary);
+Table calibration_bins_table(const CalibrationSummary& summary);
+// A flat wall: the paper's bad columns against those between them, one row a unit.
+Table calibration_distortion_table(const CalibrationSummary& summary);
+// The poses of whole rigs, one row a method.
+Table calibration_rigs_table(const CalibrationSummary& summary);
+// How an uncertain calibration carries into joints.
+Table calibration_effect_table(const CalibrationSummary& summary);
+
+// What a run says of how its sensors tracked: which views each rule rejects and how often rightly, by joint
+// and by sensor; exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
+std::vector<Table> tracking_tables(const TrackingSummary& summary);
+
+// One table a condition: how near the methods that use ranges come to the Cramer-Rao bound of the ranges they
+// get. Only of errors before any alignment; without them, or without ranges, there is none.
+std::vector<Table> efficiency_tables(const ResultsSummary& summary, const TrackingSummary& tracking);
+
+// Table IV beside the paper's: clock errors, what the queue drops, what the corrected fit says of itself,
+// and, where it was timed, what a frame costs.
+std::vector<Table> table4(const RecordingSummary& summary, const std::optional<StageTimings>& timings);
+
+Table table4_clocks(const RecordingSummary& summary);
+// `timings`: the share of the frames that are processed in time comes from them.
+Table table4_queue(const RecordingSummary& summary, const std::optional<StageTimings>& timings);
+Table table4_fits(const RecordingSummary& summary);
+Table table4_processing(const StageTimings& timings);
+
+// The paper's Table I beside ours, one table for each reading that was run with the printed and with the
+// corrected gradient: propagation error, iterations and time of a solve. Empty when the sweep's thresholds or
+// error ranges are not the paper's.
+std::vector<Table> table1(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// The answer of an interpretation search: the readings that fit the printed errors best, those that fit the
+// printed times, and what the smallest threshold costs with either gradient. Empty without a search.
+std::vector<Table> search_tables(const SweepSummary& summary);
+
+// Every number of every cell, one table a reading; for many readings, of those only that lead a ranking.
+std::vector<Table> sweep_tables(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// Of a cell; none when it was not timed.
+const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
+
+// A sentence or two a person can take away from the search; empty without one.
+std::vector<std::string> search_sentences(const SweepSummary& summary);
+
+}  // namespace trilat

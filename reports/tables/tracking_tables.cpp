@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "reports/tables/accuracy_words.h"
+#include "reports/tables/table_cells.h"
+#include "reports/tables/tables.h"
+
+namespace trilat {
+
+namespace {
+
+constexpr double kMillisecondsPerSecond = 1e3;
+
+std::string data_text(const TrackingSummary& s) {
+  return fmt::format("{}, {} sensors", s.study, s.simulated ? "simulated" : "recorded");
+}
+
+TableValue known(bool truth_known, double share) { return truth_known ? percent_cell(share) : no_cell(); }
+
+// Rows that have `name` in common are added up, in the order of their first.
+std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
+                               const std::function<std::string(const ViewRow&)>& name) {
+  std::vector<ViewRow> sums;
+  for (const ViewRow& row : views) {
+    auto sum = std::find_if(sums.begin(), sums.end(), [&](const ViewRow& other) {
+      return other.condition == row.condition && other.rule == row.rule && name(other) == name(row);
+    });
+    if (sum == sums.end()) {
+      sums.push_back(row);
+      continue;
+    }
+    sum->views += row.views;
+    sum->rejected += row.rejected;
+    sum->truth_known = sum->truth_known && row.truth_known;
+    sum->hidden += row.hidden;
+    sum->rightly += row.rightly;
+  }
+  return sums;
+}
+
+Table views_table(const TrackingSummary& s, const std::string& by,
+                  const std::function<std::string(const ViewRow&)>& name) {
+  Table table;
+  table.id = usable_id("views-" + by + "-" + s.study);
+  table.title = fmt::format("Which views are rejected, by {} ({})", by, data_text(s));
+  table.columns = {{"condition", "condition", true},
+                   {by, by, true},
+                   {"rule", "rule", true},
+                   {"views", "views"},
+                   {"rejected (%)", "rejected_percent"},
+                   {"truly hidden (%)", "hidden_percent"},
+                   {"rightly, of the rejected (%)", "rightly_percent"},
+                   {"found, of the hidden (%)", "found_percent"}};
+  for (const ViewRow& row : sum_views(s.views, name))
+    table.rows.push_back({TableValue::of(row.condition), TableValue::of(name(row)), TableValue::of(row.rule),
+                          count_cell(row.views), percent_cell(share_of(row.rejected, row.views)),
+                          known(row.truth_known, share_of(row.hidden, row.views)),
+                          known(row.truth_known, share_of(row.rightly, row.rejected)),
+                          known(row.truth_known, share_of(row.rightly, row.hidden))});
+  table.notes = {
+      "A view is one joint at one instant for which a sensor gives a position. Rules: what the tracker calls "
+      "inferred; limbs that cross in front, by equation 8 as printed and corrected; what the recorded depth "
+      "hides; and what methods that choose their sensors leave out.",
+      "What is truly hidden only a simulation knows: less than the declared share of the joint's own surface "
+      "is in the depth image."};
+  return table;
+}
+
+Table exchanges_table(const TrackingSummary& s) {
+  Table table;
+  table.id = usable_id("exchanges-" + s.study);
+  table.title = fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
+                            data_text(s), s.repaired ? "undone" : "left as they were");
+  table.columns = {{"condition", "condition", true},
+                   {"sensor", "sensor", true},
+                   {"instants", "instants"},
+                   {"found (%)", "found_percent"},
+                   {"stretches found", "stretches"},
+                   {"truly exchanged (%)", "exchanged_percent"},
+                   {"true stretches", "true_stretches"},
+                   {"of them found (%)", "stretches_found_percent"},
+                   {"right ones touched (%)", "touched_percent"}};
+  for (const ExchangeRow& row : s.exchanges)
+    table.rows.push_back(
+        {TableValue::of(row.condition), TableValue::of(row.sensor), count_cell(row.instants),
+         percent_cell(share_of(row.found, row.instants)), count_cell(row.stretches),
+         known(row.truth_known, share_of(row.exchanged, row.instants)),
+         row.truth_known ? count_cell(row.true_stretches) : no_cell(),
+         known(row.truth_known, share_of(row.stretches_found, row.true_stretches)),
+         known(row.truth_known, share_of(row.found - row.rightly, row.instants - row.exchanged))});
+  table.notes = {
+      "Found by agreement between the sensors and by what left and right cannot fake: toes, knees, elbows "
+      "and the walking direction. A true stretch counts as found when 95 % of its instants are."};
+  return table;
+}
+
+Table clocks_table(const TrackingSummary& s) {
+  const auto ms = [](double seconds) { return TableValue::of(seconds * kMillisecondsPerSecond, 2); };
+  Table table;
+  table.id = usable_id("clocks-" + s.study);
+  table.title = fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
+                            data_text(s));
+  table.columns = {{"take", "take", true},       {"offset (ms)", "offset_ms"},
+                   {"95 % from (ms)", "low_ms"}, {"to (ms)", "high_ms"},
+                   {"drift (ppm)", "drift_ppm"}, {"± (ppm)", "drift_sigma_ppm"},
+                   {"correlation", "peak"},      {"next peak / first", "second"},
+                   {"outcome", "outcome", true}, {"applied", "applied", true}};
+  for (const ClockRow& row : s.clocks)
+    table.rows.push_back({TableValue::of(row.take), ms(row.offset_s), ms(row.low_s), ms(row.high_s),
+                          TableValue::of(row.drift_ppm, 0), TableValue::of(row.drift_sigma_ppm, 0),
+                          TableValue::of(row.peak, 3), TableValue::of(row.second, 3),
+                          TableValue::of(row.status),
+                          TableValue::of(std::string(row.applied ? "yes" : "no"))});
+  table.notes = {
+      "Mocap time = stated time + offset. A tracker that lags behind the body looks like a clock that is "
+      "late: motion alone cannot tell one from the other, so the interval is that of clock and lag together, "
+      "and the offset is "
+      "only applied when the study says so. Drift is never applied."};
+  return table;
+}
+
+constexpr const char* kUnaligned = "none";
+
+void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
+  for (const std::string& method : s.methods) {
+    const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kUnaligned);
+    if (!cell || !std::isfinite(cell->rms_gdop)) continue;
+    const double bound_m = range.rms_error_m * cell->rms_gdop;
+    table.rows.push_back({TableValue::of(range.group), TableValue::of(method), cm_cell(range.rms_error_m),
+                          cm_cell(range.mean_error_m), TableValue::of(cell->rms_gdop, 2), cm_cell(bound_m),
+                          cm_cell(cell->gdop_rmse_m),
+                          TableValue::of(std::pow(bound_m / cell->gdop_rmse_m, 2), 2)});
+  }
+}
+
+}  // namespace
+
+std::vector<Table> tracking_tables(const TrackingSummary& s) {
+  std::vector<Table> tables;
+  if (!s.views.empty()) {
+    tables.push_back(views_table(s, "joint", [](const ViewRow& row) { return row.group; }));
+    tables.push_back(views_table(s, "sensor", [](const ViewRow& row) { return row.sensor; }));
+  }
+  if (!s.exchanges.empty()) tables.push_back(exchanges_table(s));
+  if (!s.clocks.empty()) tables.push_back(clocks_table(s));
+  return tables;
+}
+
+std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
+  std::vector<Table> tables;
+  for (const std::string& condition : s.conditions) {
+    Table table;
+    table.id = usable_id("efficiency-" + condition);
+    table.title = "Efficiency against the bound (" + about(s, condition, kUnaligned) + ")";
+    table.columns = {{"joint", "joint", true},
+                     {"method", "method", true},
+                     {"range RMS error (cm)", "range_rms_cm"},
+                     {"of it mean (cm)", "range_mean_cm"},
+                     {"rms GDOP", "rms_gdop"},
+                     {"bound (cm)", "bound_cm"},
+                     {"RMSE (cm)", "rmse_cm"},
+                     {"efficiency", "efficiency"}};
+    for (const RangeRow& range : tracking.ranges)
+      if (range.condition == condition) add_rows(s, range, table);
+    if (table.rows.empty()) continue;
+    table.notes = {
+        "Bound: the root mean square error of the ranges times the root mean square GDOP of the geometry, "
+        "the "
+        "Cramér-Rao bound of unbiased estimates from ranges whose errors are independent, normal and without "
+        "a "
+        "mean. GDOP and RMSE are of the same samples: those answered where the GDOP is finite. The ranges "
+        "are those "
+        "of all sensors, also for a method that uses some.",
+        "Efficiency: the square of bound over RMSE. Trackers' errors are not independent: those of opposite "
+        "sensors "
+        "are anticorrelated along the line between them, which lets a method pass 1; so does answering only "
+        "samples "
+        "with small errors."};
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace trilat
