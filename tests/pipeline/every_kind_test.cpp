@@ -47,8 +47,8 @@ constexpr const char* kAccuracy =
     "methods": [{"method": "mean"}, {"method": "nonlinear"}]})";
 constexpr const char* kSimulation =
     R"({"format": "trilat.simulation", "version": 1, "name": "short", "seed": 3,
-    "participants": 2, "body_tracker": {},
-    "activities": [{"name": "walking", "duration_s": 0.3}, {"name": "arm_swing", "duration_s": 0.3}]})";
+    "participants": 3, "body_tracker": {},
+    "activities": [{"name": "walking", "duration_s": 0.3}]})";
 
 // Runs of the program, each in a folder of its own name.
 struct StudyFiles {
@@ -140,11 +140,16 @@ class EveryKind : public testing::TestWithParam<KindOfStudy> {
 
 TEST_P(EveryKind, MergesToTheBytesOfOneRun) {
   run_study(study(), path("whole"), {});
-  for (const std::uint64_t shards : {1u, 2u, 7u, 64u}) {
+  const auto merges = [&](std::uint64_t shards, const StudyOptions& options) {
     const std::string merged = fmt::format("merged{}", shards);
-    merge(parts(shards), merged);
+    merge(parts(shards, options), merged);
     expect_same_results(path("whole"), path(merged));
-  }
+  };
+  merges(1, {});
+  merges(2, {});
+  const StudyOptions known{.reuse = {path("part1of1")}};
+  merges(7, known);
+  merges(64, known);
 }
 
 TEST_P(EveryKind, GoesOnAfterAStopToTheSameBytes) {
@@ -172,21 +177,20 @@ TEST_P(EveryKind, FreshGoesOnWithNothing) {
 }
 
 TEST_P(EveryKind, AnItemThatWasTornOrIsOfOtherSettingsIsComputedAgain) {
-  run_study(study(), path("whole"), {});
-  for (const char* text : {"", "{\"format\": ", "{\"format\": \"trilat.item\", \"version\": 1}"}) {
-    stop_after_one("results");
-    write_file(first_item("results.partial"), text);
-    EXPECT_THAT(run_study(study(), path("results"), {}).continued, testing::IsEmpty());
-    expect_same_results(path("whole"), path("results"));
-    std::filesystem::remove_all(path("results"));
+  const auto part = parts(1)[0];
+  const auto unfinished = partial_name(part);
+  Json other = read_json(first_item(part.filename()));
+  other["key"] = "another";
+  for (const std::string& text : {std::string(), std::string("{\"format\": "),
+                                  std::string("{\"format\": \"trilat.item\", \"version\": 1}"),
+                                  json_text(other, -1)}) {
+    std::filesystem::rename(part, unfinished);
+    write_file(first_item(unfinished.filename()), text);
+    EXPECT_THAT(run_study(study(), part, {.shard = {1, 1}}).computed, testing::SizeIs(1)) << text;
   }
-  stop_after_one("results");
-  const auto item = first_item("results.partial");
-  Json json = read_json(item);
-  json["key"] = "another";
-  write_file(item, json_text(json, -1));
-  EXPECT_THAT(run_study(study(), path("results"), {}).continued, testing::IsEmpty());
-  expect_same_results(path("whole"), path("results"));
+  run_study(study(), path("whole"), {});
+  merge({part}, "merged");
+  expect_same_results(path("whole"), path("merged"));
 }
 
 TEST_P(EveryKind, AFinishedPartIsTakenOverAlsoWithoutThePartFile) {
