@@ -12,13 +12,14 @@
 
 namespace trilat {
 
-// Whether an unfinished output holds an item, while another process may be writing it.
-inline bool holds_an_item(const std::filesystem::path& output) {
+// How many items an unfinished output holds, while another process may be writing it.
+inline std::size_t finished_items(const std::filesystem::path& output) {
+  std::size_t count = 0;
   std::error_code changed;
   for (std::filesystem::recursive_directory_iterator entry(output / kItemsFolder, changed), end;
        !changed && entry != end; entry.increment(changed))
-    if (entry->path().filename() == kItemFile) return true;
-  return false;
+    count += entry->path().filename() == kItemFile;
+  return count;
 }
 
 // What equal runs need not have in common.

@@ -172,9 +172,9 @@ TEST(SweepStudy, AKilledProgramGoesOnToTheSameBytes) {
   const std::string results = (folder / "results").string();
   const fs::path unfinished = folder / "results.partial";
   const Process killed(folder, {"run", sweep, "-o", results, "--threads", "1"}, "killed-");
-  for (int i = 0; i < 60000 && !holds_an_item(unfinished); ++i)
+  for (int i = 0; i < 60000 && !finished_items(unfinished); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  ASSERT_TRUE(holds_an_item(unfinished));
+  ASSERT_TRUE(finished_items(unfinished));
   killed.kill_at_once();
   EXPECT_EQ(killed.wait().code, -1);
   EXPECT_FALSE(fs::exists(results));

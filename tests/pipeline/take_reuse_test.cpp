@@ -252,7 +252,7 @@ TEST(Reuse, ARunThatWasKilledGoesOn) {
         "--json"};
   };
   const Process killed(work.folder, command("results"));
-  while (!holds_an_item(work.folder / "results.partial"))
+  while (!finished_items(work.folder / "results.partial"))
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   killed.kill_at_once();
   killed.wait();

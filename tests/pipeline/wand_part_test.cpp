@@ -139,7 +139,7 @@ TEST(WandPart, AnExportIsNotNeededForMerging) {
 TEST(WandPart, AShardThatWasStoppedGoesOnAndEndsWithTheSameBytes) {
   DividedWand work;
   const std::string whole = text_of(calibrate_wand(work.sessions, work.options));
-  const auto is_begun = [&] { return holds_an_item(work.folder / "part.partial"); };
+  const auto is_begun = [&] { return finished_items(work.folder / "part.partial"); };
   EXPECT_THROW(work.part({1, 1}, "part", {.threads = 1, .stop_requested = is_begun}), Interrupted);
   EXPECT_FALSE(std::filesystem::exists(work.folder / "part"));
   EXPECT_THAT(message_of([&] { merged({work.folder / "part"}); }), HasSubstr("is not finished yet"));
