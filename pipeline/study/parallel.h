@@ -13,15 +13,15 @@
 #else
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #endif
+#include <tbb/task_arena.h>
 
 namespace trilat {
 
 // Calls body(i) for every i < count on the threads of the current arena, `grain` neighbours at a time; the
 // first exception of a body is passed on. The thread sanitizer cannot see into the library that hands out the
 // work and would report its every hand-over, so under it plain threads do the same, and what is reported is
-// ours.
+// ours; an arena of one thread stays one.
 template <class Body>
 void parallel_for_index(std::size_t count, std::size_t grain, const Body& body) {
 #ifdef __SANITIZE_THREAD__
@@ -39,7 +39,8 @@ void parallel_for_index(std::size_t count, std::size_t grain, const Body& body) 
     }
   };
   std::vector<std::thread> threads;
-  for (int t = 0; t < 3; ++t) threads.emplace_back(work);
+  if (tbb::this_task_arena::max_concurrency() > 1)
+    for (int t = 0; t < 3; ++t) threads.emplace_back(work);
   work();
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
