@@ -2,11 +2,8 @@
 #include "datasets/export/export_frame.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
 
 namespace trilat {
 
@@ -55,33 +52,6 @@ void for_each_body_frame(const SessionReader& session, std::size_t sensor,
     for (const BodyFrame& frame : session.body_frames(sensor, first, count)) visit(frame);
     if (progress) progress(static_cast<double>(first + count) / static_cast<double>(frames));
   }
-}
-
-TextOutput::TextOutput(const std::filesystem::path& path) : path_(path) {
-  check_output_file(path);
-  file_ = std::fopen(partial_name(path).c_str(), "wb");
-  if (!file_) throw OutputError(path.string(), std::string("cannot be written: ") + std::strerror(errno));
-}
-
-TextOutput::~TextOutput() {
-  if (!file_) return;
-  std::fclose(file_);
-  std::error_code ignored;
-  std::filesystem::remove(partial_name(path_), ignored);
-}
-
-void TextOutput::write_block() {
-  if (std::fwrite(text_.data(), 1, text_.size(), file_) != text_.size())
-    throw OutputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  text_.clear();
-}
-
-void TextOutput::publish() {
-  write_block();
-  std::FILE* const file = std::exchange(file_, nullptr);
-  if (std::fclose(file) != 0)
-    throw OutputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  publish_file(partial_name(path_), path_);
 }
 
 }  // namespace trilat

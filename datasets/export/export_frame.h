@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <optional>
 #include <string>
-#include <utility>
 
-#include <fmt/format.h>
-
+#include "datasets/base/text_output.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/session/session_reader.h"
@@ -37,30 +33,5 @@ double seconds_between(const FrameStamp& first, const FrameStamp& stamp, std::in
 void for_each_body_frame(const SessionReader& session, std::size_t sensor,
                          const std::function<void(const BodyFrame&)>& visit,
                          const std::function<void(double)>& progress);
-
-// A text file of any length that is written aside and gets its name by publish(); without that nothing is
-// left. OutputError with the path when the disk does not let us.
-class TextOutput {
- public:
-  explicit TextOutput(const std::filesystem::path& path);
-  ~TextOutput();
-  TextOutput(const TextOutput&) = delete;
-  TextOutput& operator=(const TextOutput&) = delete;
-
-  template <class... Values>
-  void add(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
-    if (text_.size() > kBlockBytes) write_block();
-  }
-  void publish();
-
- private:
-  static constexpr std::size_t kBlockBytes = 1u << 16;
-  void write_block();
-
-  std::filesystem::path path_;
-  std::FILE* file_ = nullptr;
-  std::string text_;
-};
 
 }  // namespace trilat

@@ -5,6 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/export/export_frame.h"
+#include "datasets/mocap/joint_files.h"
 
 namespace trilat {
 namespace {
@@ -43,21 +44,6 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
   return 0;
 }
 
-void add_header(TextOutput& text, const std::filesystem::path& path, double rate_hz, std::int64_t rows,
-                bool millimetres) {
-  text.add("PathFileType\t4\t(X/Y/Z)\t{}\n", path.filename().string());
-  text.add(
-      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames"
-      "\n");
-  text.add("{:g}\t{:g}\t{}\t{}\t{}\t{:g}\t1\t{}\n", rate_hz, rate_hz, rows, kJointCount,
-           millimetres ? "mm" : "m", rate_hz, rows);
-  text.add("Frame#\tTime");
-  for (int j = 0; j < kJointCount; ++j) text.add("\t{}\t\t", name_of(static_cast<Joint>(j)));
-  text.add("\n\t");
-  for (int j = 1; j <= kJointCount; ++j) text.add("\tX{}\tY{}\tZ{}", j, j, j);
-  text.add("\n\n");
-}
-
 void add_markers(TextOutput& text, const Body* body, const RigidTransform& from_sensor, bool millimetres) {
   const Body moved = body ? transformed(*body, from_sensor) : Body{};
   for (std::size_t j = 0; j < kJointCount; ++j) {
@@ -85,7 +71,10 @@ TrcFile export_body(const SessionReader& session, std::size_t sensor, std::uint6
   const RigidTransform from_sensor = export_from_sensor(options.frame, session, sensor);
   const std::int64_t rows = stretch.last - stretch.first + 1;
   TextOutput text(path);
-  add_header(text, path, description.nominal_rate_hz, rows, options.millimetres);
+  std::vector<std::string> joints;
+  for (int j = 0; j < kJointCount; ++j) joints.emplace_back(name_of(static_cast<Joint>(j)));
+  text.add_bytes(trc_header(path, joints, description.nominal_rate_hz, rows,
+                            options.millimetres ? LengthUnit::millimetre : LengthUnit::metre));
   std::optional<FrameStamp> first;
   std::int64_t row = 0;
   const auto visit = [&](const BodyFrame& frame) {

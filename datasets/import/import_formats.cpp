@@ -13,8 +13,8 @@
 #include "datasets/import/import_body_files.h"
 #include "datasets/import/import_png.h"
 #include "datasets/import/import_xef.h"
+#include "datasets/import/joint_row_reader.h"
 #include "datasets/import/kimore_reader.h"
-#include "datasets/import/labanotation_reader.h"
 #include "datasets/import/node_kinect2_reader.h"
 #include "datasets/import/ntu_reader.h"
 
@@ -32,15 +32,33 @@ void refuse_rate(const ImportOptions& options) {
   if (options.rate_hz) throw InputError("--rate-hz", "is not for this format, whose files have time stamps");
 }
 
-ImportReport import_labanotation(const Files& files, const std::filesystem::path& output,
-                                 const ImportOptions& options) {
+// One file of JointRowReader.
+ImportReport import_joint_rows(const char* name, const char* assumed, const JointRowFormat& rows,
+                               const Files& files, const std::filesystem::path& output,
+                               const ImportOptions& options) {
   need_one(files, "is a second file; these files share no clock, so each becomes a session of its own");
   refuse_rate(options);
-  const BodyFileFormat format{
-      "labanotation", 30.0,
-      "The file holds no body id (1 is written), no orientations and no hand states (zeros).", "",
-      [](const std::filesystem::path& path) { return std::make_unique<LabanotationReader>(path); }};
+  const BodyFileFormat format{name, 30.0, assumed, "", [&rows](const std::filesystem::path& path) {
+                                return std::make_unique<JointRowReader>(path, rows);
+                              }};
   return import_body_files(format, {{"k1", files[0]}}, output, options);
+}
+
+ImportReport import_labanotation(const Files& files, const std::filesystem::path& output,
+                                 const ImportOptions& options) {
+  return import_joint_rows("labanotation",
+                           "The file holds no body id (1 is written), no orientations and no hand states "
+                           "(zeros).",
+                           kLabanotationRows, files, output, options);
+}
+
+ImportReport import_umons_taichi(const Files& files, const std::filesystem::path& output,
+                                 const ImportOptions& options) {
+  return import_joint_rows("umons-taichi",
+                           "The file holds no tracking states (every joint is called tracked, inferred ones "
+                           "too), no body id (1 is written), no orientations and no hand states (zeros). "
+                           "This importer has not yet been run on a real file.",
+                           kUmonsTaichiRows, files, output, options);
 }
 
 std::string calendar_time(std::int64_t epoch_ms) {
@@ -151,6 +169,11 @@ constexpr std::array kFormats{
                  "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of "
                  "--rate-hz, --timestamps, --time-from-name",
                  import_png},
+    ImportFormat{
+        "umons-taichi",
+        "Kinect text file of the UMONS-TAICHI data set: milliseconds and 25 joints a line (not yet run "
+        "on a real file)",
+        import_umons_taichi},
     ImportFormat{"xef",
                  "Kinect Studio's .xef, plain or archived: depth and bodies (not yet run on a real file)",
                  import_xef},

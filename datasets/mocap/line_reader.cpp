@@ -120,6 +120,8 @@ void make_right_handed(MocapPose& pose) {
   pose.rotation.y() = -pose.rotation.y();
 }
 
+bool is_frame_rate(double rate_hz) { return rate_hz >= 1.0 && rate_hz <= 9000.0; }
+
 Duration duration_of_frames(std::int64_t frames, std::int64_t rate_uhz) {
   TRILAT_CHECK(rate_uhz >= kMicrohertz && rate_uhz <= kHighestRate_uhz, "the rate is in range");
   TRILAT_CHECK(frames >= 0 && frames <= kMostFrames, "the frame count is in range");

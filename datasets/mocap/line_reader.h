@@ -47,8 +47,13 @@ class LineReader {
   std::int64_t line_ = 0;
 };
 
-// Beyond a kilometre no number of a room-sized tracking system makes sense.
-inline constexpr double kFarthest_m = 1000.0;
+// Beyond 100 m no position of a room-sized tracking system makes sense: most often the header states
+// another unit than the numbers have.
+inline constexpr double kFarthest_m = 100.0;
+inline constexpr const char* kTooFar =
+    "is more than 100 m; have the numbers another unit than the header says?";
+// A frame number or count beyond it is none.
+inline constexpr std::int64_t kHighestFrame = 1'000'000'000;
 // 30 years: no clock of a take shows more.
 inline constexpr double kLatest_s = 1e9;
 
@@ -72,6 +77,9 @@ bool is_euler_order(std::string_view text);
 
 // Mirrors z: the right-handed pose of what a left-handed export describes.
 void make_right_handed(MocapPose& pose);
+
+// Whether it is in the range of motion capture systems, 1 Hz to 9 kHz.
+bool is_frame_rate(double rate_hz);
 
 // round(frames / rate), exact in integers; the rate in millionths of a hertz, 1 Hz to 9 kHz.
 Duration duration_of_frames(std::int64_t frames, std::int64_t rate_uhz);

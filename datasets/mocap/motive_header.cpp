@@ -10,6 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/header_keys.h"
 #include "datasets/mocap/line_reader.h"
 
 namespace trilat {
@@ -19,8 +20,6 @@ namespace {
 using Cells = std::vector<std::string>;
 
 constexpr std::size_t kMostHeaderRows = 64;
-constexpr double kLowestRate_hz = 1.0;
-constexpr double kHighestRate_hz = 9000.0;
 constexpr std::array<std::string_view, 12> kKeys{
     "Format Version",        "Take Name",          "Take Notes",          "Capture Frame Rate",
     "Export Frame Rate",     "Capture Start Time", "Capture Start Frame", "Total Frames in Take",
@@ -35,9 +34,9 @@ bool is_axis_row(const Cells& cells) {
 }
 
 // Free text may hold commas and runs to the next key; any other value is one cell.
-std::map<std::string, std::string, std::less<>> read_keys(const Cells& cells) {
+HeaderValues read_keys(const Cells& cells) {
   const auto is_key = [](const std::string& cell) { return std::ranges::find(kKeys, cell) != kKeys.end(); };
-  std::map<std::string, std::string, std::less<>> values;
+  HeaderValues values;
   for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
     if (!is_key(cells[i])) continue;
     const std::string& key = cells[i];
@@ -50,49 +49,7 @@ std::map<std::string, std::string, std::less<>> read_keys(const Cells& cells) {
   return values;
 }
 
-class KeyReader {
- public:
-  KeyReader(std::map<std::string, std::string, std::less<>> values, std::string place)
-      : values_(std::move(values)), place_(std::move(place)) {}
-
-  std::string text(std::string_view key) const {
-    const auto found = values_.find(key);
-    return found == values_.end() ? std::string() : found->second;
-  }
-  std::optional<std::int64_t> count(std::string_view key) const {
-    const std::string cell = text(key);
-    std::int64_t value = 0;
-    if (cell.empty()) return std::nullopt;
-    if (!parse_integer(cell, value)) refuse(key, cell, "an integer");
-    return value;
-  }
-  double rate_hz(std::string_view key) const {
-    const std::string cell = text(key);
-    double value = kMissing;
-    if (cell.empty()) return value;
-    if (parse_cell(cell, value) != CellKind::number || !(value >= kLowestRate_hz && value <= kHighestRate_hz))
-      refuse(key, cell, "a rate of 1 to 9000 Hz, such as 120.000000");
-    return value;
-  }
-  LengthUnit length_unit() const {
-    const std::string cell = text("Length Units");
-    const auto unit = length_unit_from_text(cell);
-    if (!unit) refuse("Length Units", cell, "Meters, Centimeters, Millimeters, Inches or Feet");
-    return *unit;
-  }
-
- private:
-  [[noreturn]] void refuse(std::string_view key, const std::string& cell, const std::string& right) const {
-    throw InputError(place_, "\"" + std::string(key) + "\" is " +
-                                 (cell.empty() ? "not stated" : "\"" + cell + "\"") + "; it must be " +
-                                 right);
-  }
-
-  std::map<std::string, std::string, std::less<>> values_;
-  std::string place_;
-};
-
-MocapHeader header_from(const KeyReader& keys) {
+MocapHeader header_from(const HeaderKeys& keys) {
   MocapHeader header;
   header.format = "Motive CSV " + keys.text("Format Version");
   header.take_name = keys.text("Take Name");
@@ -104,7 +61,7 @@ MocapHeader header_from(const KeyReader& keys) {
   header.capture_start_frame = keys.count("Capture Start Frame");
   header.total_frames_in_take = keys.count("Total Frames in Take");
   header.total_exported_frames = keys.count("Total Exported Frames");
-  header.length_unit = keys.length_unit();
+  header.length_unit = keys.length_unit("Length Units");
   const std::string rotation = keys.text("Rotation Type");
   if (!rotation.empty()) header.rotation_type = rotation;
   const std::string space = keys.text("Coordinate Space");
@@ -191,7 +148,7 @@ void check_columns(const MocapAsset& asset, const AssetColumns& columns, const M
 
 }  // namespace
 
-MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) {
+ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line) {
   const std::string first_place = lines.place();
   Cells keys = split_csv(first_line);
   std::vector<Cells> rows;
@@ -200,8 +157,8 @@ MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) 
   for (std::size_t count = 1; lines.next(line); ++count) {
     Cells cells = split_csv(line);
     if (is_axis_row(cells)) {
-      MotiveHeader result;
-      result.header = header_from(KeyReader(read_keys(keys), first_place));
+      ColumnHeader result;
+      result.header = header_from(HeaderKeys(read_keys(keys), first_place));
       result.layout = read_motive_columns(rows, cells, lines.place(), result.header);
       return result;
     }
@@ -219,10 +176,10 @@ MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line) 
       "no row starting with \"Frame,Time\" follows; export again from Motive with the header switched on");
 }
 
-MotiveLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& axes, const std::string& place,
+ColumnLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& axes, const std::string& place,
                                  MocapHeader& header) {
   const HeadingRows headings = identify(rows, place);
-  MotiveLayout layout;
+  ColumnLayout layout;
   layout.used_columns = width_of(headings, axes);
   layout.written_columns = std::max(axes.size(), layout.used_columns);
   std::size_t first = 0;

@@ -19,27 +19,30 @@ inline constexpr std::array<std::string_view, kSlotsPerAsset> kSlotNames{
     "rotation X", "rotation Y", "rotation Z", "rotation W", "position X", "position Y", "position Z"};
 using AssetColumns = std::array<std::size_t, kSlotsPerAsset>;
 
-struct MotiveLayout {
+struct ColumnLayout {
   std::vector<AssetColumns> columns;  // one per asset of the header
   std::size_t time_column = 1;
   std::size_t used_columns = 0;     // up to the last one that has any heading
   std::size_t written_columns = 0;  // with the empty ones a spreadsheet adds
+  // Tabs stand between the cells, and the header's count of frames is a promise.
+  bool tab_separated = false;
+  bool has_frame_and_time = true;  // false: rows begin with the first position and count from 1
 };
 
-struct MotiveHeader {
+struct ColumnHeader {
   MocapHeader header;  // all but the first frame
-  MotiveLayout layout;
+  ColumnLayout layout;
 };
 
 // Reads the header rows of Motive's column format (1.2 to 1.25), of which `first_line` has been
 // read already; the next line is the first of the data. Rows are known by what they say, never by
 // their number. InputError with the line where something is missing or contradictory.
-MotiveHeader read_motive_header(LineReader& lines, std::string_view first_line);
+ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line);
 
 // Fills the assets of `header` from the rows between the keys and the row of axes ("Frame,Time,X,
 // …"), which stands at `place`. Rows are known by the label in their second cell, or, without
 // labels, by their order: type, name, ID, kind.
-MotiveLayout read_motive_columns(const std::vector<std::vector<std::string>>& rows,
+ColumnLayout read_motive_columns(const std::vector<std::vector<std::string>>& rows,
                                  const std::vector<std::string>& axes, const std::string& place,
                                  MocapHeader& header);
 

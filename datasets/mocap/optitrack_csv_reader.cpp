@@ -4,10 +4,12 @@
 #include <string>
 
 #include "datasets/base/error.h"
+#include "datasets/mocap/c3d_rows.h"
+#include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/marker_header.h"
 #include "datasets/mocap/motive_header.h"
-#include "datasets/mocap/motive_rows.h"
 #include "datasets/mocap/trackable_header.h"
 #include "datasets/mocap/trackable_rows.h"
 
@@ -35,21 +37,32 @@ bool is_numbers_only(std::string_view line) {
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
   throw InputError(place,
-                   "this is no OptiTrack export, which begins with \"Format Version,1.2…\" (Motive) or "
-                   "\"comment,\" (Arena, Tracking Tools)");
+                   "this is no motion capture that can be read; known are Motive's CSV, which begins with "
+                   "\"Format Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\"), TRC "
+                   "(\"PathFileType\"), Qualisys' TSV (\"NO_OF_FRAMES\") and C3D");
 }
 
 }  // namespace
 
-OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options)
-    : lines_(std::make_unique<LineReader>(path, options.block_bytes)) {
+OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options) {
+  if (is_c3d(path)) {
+    rows_ = std::make_unique<C3dRows>(path, header_);
+    return;
+  }
+  lines_ = std::make_unique<LineReader>(path, options.block_bytes);
   std::string_view line;
   if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  const auto read_columns = [&](ColumnHeader columns) {
+    header_ = std::move(columns.header);
+    rows_ = std::make_unique<ColumnRows>(*lines_, header_, std::move(columns.layout));
+  };
   if (split_csv(line).front() == kMotiveStart) {
-    MotiveHeader motive = read_motive_header(*lines_, line);
-    header_ = std::move(motive.header);
-    rows_ = std::make_unique<MotiveRows>(*lines_, header_, std::move(motive.layout));
+    read_columns(read_motive_header(*lines_, line));
+  } else if (is_trc(line)) {
+    read_columns(read_trc_header(*lines_, line));
+  } else if (is_qualisys(line)) {
+    read_columns(read_qualisys_header(*lines_, line));
   } else if (is_known_row(line)) {
     TrackableHeader trackable = read_trackable_header(*lines_, line);
     header_ = trackable.header;

@@ -150,7 +150,7 @@ void TrackableRows::set_position(std::size_t asset, const Eigen::Vector3d& posit
   MocapPose* const pose = pose_of(asset, frame);
   if (!pose) return;
   if ((position_m.array().abs() > kFarthest_m).any())
-    throw InputError(lines_.place(), key_of(header_.header, asset) + " is more than a kilometre away");
+    throw InputError(lines_.place(), key_of(header_.header, asset) + " " + kTooFar);
   if (position_m.hasNaN()) {
     if (!position_m.array().isNaN().all()) ++anomalies.partial_poses;
     return;

@@ -163,9 +163,9 @@ TEST(MocapReader, ConvertsEveryUnitToMetres) {
   const std::vector<std::pair<std::string, double>> units{
       {"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}, {"Inches", 0.0254}, {"Feet", 0.3048}};
   for (const auto& [unit, metres] : units) {
-    const MocapTake take = read(keys("1.23", unit) + "\n" + kMarkerHeadings + "0,0,100,200,-50\n");
+    const MocapTake take = read(keys("1.23", unit) + "\n" + kMarkerHeadings + "0,0,10,20,-5\n");
     EXPECT_TRUE(
-        take.frames.at(0).poses.at(0).position_m.isApprox(Eigen::Vector3d(100, 200, -50) * metres, 1e-15))
+        take.frames.at(0).poses.at(0).position_m.isApprox(Eigen::Vector3d(10, 20, -5) * metres, 1e-15))
         << unit;
   }
 }
@@ -359,7 +359,7 @@ TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
               AllOf(HasSubstr("column 8"), HasSubstr("rigid_body:Wand, position Y"), HasSubstr("\"abc\"")));
   const Refusal far = csv_refusal(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,1,1,,4,5,1001\n");
   EXPECT_EQ(far.place, "F:8");
-  EXPECT_THAT(far.problem, AllOf(HasSubstr("marker:Wand, position Z"), HasSubstr("kilometre")));
+  EXPECT_THAT(far.problem, AllOf(HasSubstr("marker:Wand, position Z"), HasSubstr("100 m")));
   const Refusal frame = csv_refusal(keys("1.23") + "\n" + kHeadings + "0.5,0,0,0,0,1,1,1,1\n");
   EXPECT_EQ(frame.place, "F:8");
   EXPECT_THAT(frame.problem, HasSubstr("frame number"));
@@ -387,11 +387,10 @@ TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
 TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
   EXPECT_EQ(csv_refusal("").place, "F:1");
   EXPECT_THAT(csv_refusal("").problem, HasSubstr("empty"));
-  for (const std::string& text :
-       {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12), std::string(5000, '\0'),
-        std::string("PathFileType\t4\t(X/Y/Z)\tx.trc\n")}) {
+  for (const std::string& text : {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12),
+                                  std::string(5000, '\0'), std::string("HIERARCHY\nROOT Hips\n")}) {
     EXPECT_EQ(csv_refusal(text).place, "F:1");
-    EXPECT_THAT(csv_refusal(text).problem, HasSubstr("no OptiTrack export"));
+    EXPECT_THAT(csv_refusal(text).problem, HasSubstr("no motion capture"));
   }
   EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
   EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An OptiTrack export in any of its formats, read as it is inspected, as ground truth and as a motion.
+// A motion capture in any of its formats, read as it is inspected, as ground truth and as a motion.
 #include "datasets/base/error.h"
 #include "datasets/mocap/mocap_summary.h"
 #include "datasets/mocap/optitrack_csv_reader.h"

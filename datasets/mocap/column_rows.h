@@ -11,17 +11,21 @@
 
 namespace trilat {
 
-// Data rows of Motive's column format. Time is the frame index times the export rate; only when
-// the header states no rate it is the printed one.
-class MotiveRows : public RowSource {
+// Data rows of the formats with a frame a row and a number a column: Motive, TRC and Qualisys. Time is the
+// frame index times the export rate; only when the header states no rate it is the printed one.
+class ColumnRows : public RowSource {
  public:
   // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and
   // `header` must outlive the rows.
-  MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layout);
+  ColumnRows(LineReader& lines, MocapHeader& header, ColumnLayout layout);
   void read_only(const std::vector<std::size_t>& assets) override;
   bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
 
  private:
+  // The next row that is not blank, with commas between its cells, a frame number and a time.
+  bool next_row(std::string_view& line);
+  std::string_view with_commas(std::string_view line);
+  void check_promise() const;
   bool read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies);
   std::int64_t read_index(std::string_view line) const;
   const char* read_cells(const char* p, const char* end, std::size_t& fields);
@@ -33,13 +37,15 @@ class MotiveRows : public RowSource {
 
   LineReader& lines_;
   const MocapHeader& header_;
-  MotiveLayout layout_;
+  ColumnLayout layout_;
   std::vector<std::size_t> assets_;
   std::vector<std::size_t> target_;  // of each column in numbers_; kNoColumn to skip it
   std::vector<double> numbers_;      // of one row: kSlotsPerAsset an asset, and the printed time
   std::int64_t not_finite_cells_ = 0;
   double metres_ = 1.0;
   std::int64_t rate_uhz_ = 0;  // 0: not stated
+  std::string text_;           // of a row that had tabs
+  std::int64_t rows_ = 0;      // read so far
   bool started_ = false;
   std::int64_t last_index_ = 0;
   double first_printed_s_ = kMissing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/motive_rows.h"
+#include "datasets/mocap/column_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,6 @@
 namespace trilat {
 namespace {
 
-constexpr std::int64_t kHighestFrame = 1'000'000'000;
-
 bool is_blank(std::string_view line) { return line.find_first_not_of(", \t\"") == std::string_view::npos; }
 
 std::size_t count_fields(std::string_view line) {
@@ -22,7 +20,7 @@ std::size_t count_fields(std::string_view line) {
 
 }  // namespace
 
-MotiveRows::MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layout)
+ColumnRows::ColumnRows(LineReader& lines, MocapHeader& header, ColumnLayout layout)
     : lines_(lines), header_(header), layout_(std::move(layout)) {
   metres_ = metres_per(header.length_unit);
   if (!std::isnan(header.export_rate_hz)) rate_uhz_ = std::llround(header.export_rate_hz * 1e6);
@@ -30,16 +28,41 @@ MotiveRows::MotiveRows(LineReader& lines, MocapHeader& header, MotiveLayout layo
   std::iota(all.begin(), all.end(), std::size_t{0});
   read_only(all);
   std::string_view line;
-  while (lines_.next(line)) {
-    if (is_blank(line)) continue;
-    if (lines_.terminated() || count_fields(line) >= layout_.used_columns)
-      header.first_frame = read_index(line);
-    lines_.unread();
-    break;
-  }
+  if (!next_row(line)) return;
+  if (lines_.terminated() || count_fields(line) >= layout_.used_columns)
+    header.first_frame = read_index(line);
+  lines_.unread();
+  rows_ = 0;
 }
 
-void MotiveRows::read_only(const std::vector<std::size_t>& assets) {
+bool ColumnRows::next_row(std::string_view& line) {
+  while (lines_.next(line)) {
+    if (layout_.tab_separated && !line.empty()) line = with_commas(line);
+    if (is_blank(line)) continue;
+    ++rows_;
+    return true;
+  }
+  return false;
+}
+
+std::string_view ColumnRows::with_commas(std::string_view line) {
+  if (line.find(',') != std::string_view::npos)
+    throw InputError(lines_.place(),
+                     "the row has a comma; numbers are written with a decimal point, and tabs stand between");
+  text_ = layout_.has_frame_and_time ? "" : std::to_string(rows_ + 1) + ",,";
+  text_ += line;
+  std::ranges::replace(text_, '\t', ',');
+  return text_;
+}
+
+void ColumnRows::check_promise() const {
+  const std::int64_t promised = layout_.tab_separated ? header_.total_exported_frames.value_or(0) : 0;
+  if (rows_ < promised)
+    throw InputError(lines_.place(), "the file ends after " + std::to_string(rows_) +
+                                         " frames; its header promises " + std::to_string(promised));
+}
+
+void ColumnRows::read_only(const std::vector<std::size_t>& assets) {
   assets_ = assets;
   numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
   target_.assign(layout_.used_columns, kNoColumn);
@@ -55,22 +78,25 @@ void MotiveRows::read_only(const std::vector<std::size_t>& assets) {
   target_.resize(last + 1);
 }
 
-bool MotiveRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
+bool ColumnRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
   std::string_view line;
-  while (lines_.next(line)) {
-    if (is_blank(line)) continue;
-    if (!lines_.terminated()) {
+  while (next_row(line)) {
+    const bool is_short = count_fields(line) < layout_.used_columns;
+    // A whole row that the header promised needs no line end.
+    if (!lines_.terminated() && (is_short || !layout_.tab_separated)) {
       anomalies.truncated_last_row = true;
-      if (count_fields(line) < layout_.used_columns) return false;
+      rows_ -= is_short;
+      if (is_short) break;
       // Its last number may lack digits.
       line = line.substr(0, line.rfind(',') + 1);
     }
     if (read_row(line, frame, anomalies)) return true;
   }
+  check_promise();
   return false;
 }
 
-bool MotiveRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies) {
+bool ColumnRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies) {
   const std::int64_t index = read_index(line);
   std::ranges::fill(numbers_, kMissing);
   not_finite_cells_ = 0;
@@ -88,7 +114,7 @@ bool MotiveRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomali
   return true;
 }
 
-std::int64_t MotiveRows::read_index(std::string_view line) const {
+std::int64_t ColumnRows::read_index(std::string_view line) const {
   const auto cell = line.substr(
       0, static_cast<std::size_t>(end_of_cell(line.data(), line.data() + line.size()) - line.data()));
   std::int64_t index = 0;
@@ -98,7 +124,7 @@ std::int64_t MotiveRows::read_index(std::string_view line) const {
 }
 
 // Stands at the comma before each cell; ends behind the last wanted one.
-const char* MotiveRows::read_cells(const char* p, const char* end, std::size_t& fields) {
+const char* ColumnRows::read_cells(const char* p, const char* end, std::size_t& fields) {
   for (std::size_t column = 1; column < target_.size() && p != end; ++column) {
     ++p;
     ++fields;
@@ -107,7 +133,7 @@ const char* MotiveRows::read_cells(const char* p, const char* end, std::size_t& 
   return p;
 }
 
-const char* MotiveRows::read_number(const char* p, const char* end, std::size_t column) {
+const char* ColumnRows::read_number(const char* p, const char* end, std::size_t column) {
   if (p == end || *p == ',') return p;
   double& number = numbers_[target_[column]];
   if (const char* const behind = parse_plain_decimal(p, end, number)) return behind;
@@ -129,7 +155,7 @@ const char* MotiveRows::read_number(const char* p, const char* end, std::size_t 
   return behind;
 }
 
-bool MotiveRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
+bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
   const double printed_s = frame.printed_time_s;
   if (std::abs(printed_s) > kLatest_s)
     refuse_cell(layout_.time_column, std::to_string(printed_s), "is no time of a take");
@@ -159,15 +185,14 @@ bool MotiveRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
   return true;
 }
 
-void MotiveRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
+void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
   const double* const position = &numbers_[kSlotsPerAsset * number + 4];
   pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(pose.position_m[axis]) > kFarthest_m) {
       const auto slot = static_cast<std::size_t>(4 + axis);
       refuse_cell(layout_.columns[assets_[number]][slot],
-                  std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)),
-                  "is more than a kilometre");
+                  std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)), kTooFar);
     }
   if (pose.position_m.hasNaN()) {
     if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
@@ -176,7 +201,7 @@ void MotiveRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& a
   if (header_.assets[assets_[number]].has_rotation) set_rotation(number, pose, anomalies);
 }
 
-void MotiveRows::set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
+void ColumnRows::set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
   const double* const rotation = &numbers_[kSlotsPerAsset * number];
   const std::ptrdiff_t count = layout_.columns[assets_[number]][3] == kNoColumn ? 3 : 4;
   const auto missing =
@@ -191,13 +216,14 @@ void MotiveRows::set_rotation(std::size_t number, MocapPose& pose, MocapAnomalie
   if (!pose.has_rotation()) ++anomalies.invalid_rotations;
 }
 
-void MotiveRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
+void ColumnRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
   std::string who = column == 0 ? "frame" : column == layout_.time_column ? "time" : "";
   for (std::size_t i = 0; who.empty() && i < layout_.columns.size(); ++i)
     for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot)
       if (layout_.columns[i][slot] == column) who = key_of(header_, i) + ", " + std::string(kSlotNames[slot]);
-  throw InputError(lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
-                                       std::string(cell.substr(0, 40)) + "\" " + problem);
+  throw InputError(lines_.place(), "column " +
+                                       std::to_string(column + (layout_.has_frame_and_time ? 1 : -1)) + " (" +
+                                       who + "): \"" + std::string(cell.substr(0, 40)) + "\" " + problem);
 }
 
 }  // namespace trilat

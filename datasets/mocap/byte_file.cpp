@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/import/byte_file.h"
+#include "datasets/mocap/byte_file.h"
 
 #include <bit>
 #include <cerrno>

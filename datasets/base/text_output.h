@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace trilat {
+
+// A file of any length that is written aside and gets its name by publish(); without that nothing is
+// left. OutputError with the path when the disk does not let us.
+class TextOutput {
+ public:
+  explicit TextOutput(const std::filesystem::path& path);
+  ~TextOutput();
+  TextOutput(const TextOutput&) = delete;
+  TextOutput& operator=(const TextOutput&) = delete;
+
+  template <class... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    if (text_.size() > kBlockBytes) write_block();
+  }
+  // Bytes as they are.
+  void add_bytes(std::string_view bytes) {
+    text_ += bytes;
+    if (text_.size() > kBlockBytes) write_block();
+  }
+  void publish();
+
+ private:
+  static constexpr std::size_t kBlockBytes = 1u << 16;
+  void write_block();
+
+  std::filesystem::path path_;
+  std::FILE* file_ = nullptr;
+  std::string text_;
+};
+
+}  // namespace trilat

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/joint_files.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/mocap/byte_file.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const double kNan = std::nan("");
+
+// Two joints on curves; the second is missing in every third frame.
+JointFrame joint_frame(std::int64_t i) {
+  const double t = 0.04 * static_cast<double>(i);
+  JointFrame frame{
+      .time_s = t,
+      .position_m = {{std::sin(t), 1.0 + 0.1234567 * std::min(t, 1.0), -2.5}, {0.25, -std::cos(t), 3.0}},
+      .sigma_m = {0.0123, 0.4},
+      .status = {"estimated", "estimated"}};
+  if (i % 3 == 2) {
+    frame.position_m[1].setConstant(kNan);
+    frame.status[1] = "too_few";
+  }
+  return frame;
+}
+
+JointTrack track_of(std::int64_t frames) {
+  return {{"Head", "HandLeft"}, 25.0, frames, [i = std::int64_t{0}](JointFrame& frame) mutable {
+            frame = joint_frame(i++);
+          }};
+}
+
+void expect_read_back(const std::filesystem::path& path, std::int64_t frames, double within_m) {
+  const MocapTake take = read_optitrack_csv(path);
+  EXPECT_EQ(take.header.length_unit, LengthUnit::millimetre);
+  EXPECT_EQ(take.header.export_rate_hz, 25.0);
+  ASSERT_EQ(take.header.assets.size(), 2u);
+  EXPECT_EQ(take.header.assets[1].name, "HandLeft");
+  ASSERT_EQ(std::ssize(take.frames), frames);
+  for (std::int64_t i = 0; i < frames; ++i) {
+    const MocapFrame& read = take.frames[static_cast<std::size_t>(i)];
+    const JointFrame written = joint_frame(i);
+    ASSERT_EQ(read.time, MocapTime{40'000'000 * i});
+    ASSERT_EQ(read.index, i + 1);
+    ASSERT_LT((read.poses[0].position_m - written.position_m[0]).cwiseAbs().maxCoeff(), within_m);
+    ASSERT_EQ(read.poses[1].has_position(), i % 3 != 2);
+    if (i % 3 != 2) {
+      ASSERT_LT((read.poses[1].position_m - written.position_m[1]).cwiseAbs().maxCoeff(), within_m);
+    }
+  }
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields + take.anomalies.printed_time_differs, 0);
+}
+
+TEST(JointFiles, ATrcComesBackToItsMicrometre) {
+  const ScratchFolder folder;
+  write_trc(folder / "walk.trc", track_of(100));
+  expect_read_back(folder / "walk.trc", 100, 0.51e-6);
+}
+
+TEST(JointFiles, ATrcHasTheRowsThatOpenSimReads) {
+  const ScratchFolder folder;
+  write_trc(folder / "walk.trc", track_of(3));
+  EXPECT_EQ(
+      read_file(folder / "walk.trc"),
+      "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
+      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"
+      "25\t25\t3\t2\tmm\t25\t1\t3\n"
+      "Frame#\tTime\tHead\t\t\tHandLeft\t\t\n"
+      "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
+      "1\t0.000000\t0.000\t1000.000\t-2500.000\t250.000\t-1000.000\t3000.000\n"
+      "2\t0.040000\t39.989\t1004.938\t-2500.000\t250.000\t-999.200\t3000.000\n"
+      "3\t0.080000\t79.915\t1009.877\t-2500.000\t\t\t\n");
+}
+
+TEST(JointFiles, AC3dComesBackToSinglePrecision) {
+  const ScratchFolder folder;
+  write_c3d(folder / "walk.c3d", track_of(100));
+  expect_read_back(folder / "walk.c3d", 100, 2e-7);
+  EXPECT_EQ(std::filesystem::file_size(folder / "walk.c3d") % 512, 0u);
+}
+
+TEST(JointFiles, AC3dHoldsMoreFramesThanItsHeadersWord) {
+  const ScratchFolder folder;
+  write_c3d(folder / "long.c3d", track_of(70'000));
+  expect_read_back(folder / "long.c3d", 70'000, 2e-7);
+}
+
+TEST(JointFiles, AC3dHasTheUncertaintyAsResidualInMillimetres) {
+  const ScratchFolder folder;
+  write_c3d(folder / "walk.c3d", track_of(3));
+  const ByteFile file(folder / "walk.c3d");
+  std::vector<std::byte> bytes(file.size());
+  ASSERT_TRUE(file.read(0, bytes));
+  const std::size_t data = 512 * (static_cast<std::size_t>(value_at<std::uint16_t>(bytes, 16)) - 1);
+  std::vector<float> residuals;
+  for (std::size_t point = 0; point < 6; ++point)
+    residuals.push_back(value_at<float>(bytes, data + 16 * point + 12));
+  EXPECT_THAT(residuals, ElementsAre(12.0f, 255.0f, 12.0f, 255.0f, 12.0f, -1.0f));
+}
+
+TEST(JointFiles, ACsvHasARowAFrameAndJointWithBlanksForWhatIsMissing) {
+  const ScratchFolder folder;
+  JointTrack track = track_of(3);
+  write_joint_csv(folder / "walk.csv", track);
+  const std::string text = read_file(folder / "walk.csv");
+  EXPECT_THAT(text, HasSubstr("frame,time_s,joint,status,x_m,y_m,z_m,sigma_m\n"
+                              "1,0.000000,Head,estimated,0.000000,1.000000,-2.500000,0.012300\n"));
+  EXPECT_THAT(text, HasSubstr("\n3,0.080000,HandLeft,too_few,,,,\n"));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 7);
+}
+
+TEST(JointFiles, WhatIsNotKnownOfAJointIsLeftOut) {
+  const ScratchFolder folder;
+  const JointTrack track{{"Head"}, 25.0, 1, [](JointFrame& frame) {
+                           frame = {.time_s = 2.0, .position_m = {{1, 2, 3}}, .sigma_m = {}, .status = {}};
+                         }};
+  write_joint_csv(folder / "walk.csv", track);
+  EXPECT_THAT(read_file(folder / "walk.csv"), HasSubstr("\n1,2.000000,Head,,1.000000,2.000000,3.000000,\n"));
+}
+
+TEST(JointFiles, ATrackThatFailsLeavesNoFile) {
+  const ScratchFolder folder;
+  const JointTrack track{{"Head"}, 25.0, 1, [](JointFrame&) { throw InputError("x", "y"); }};
+  for (const auto write : {write_trc, write_c3d, write_joint_csv})
+    EXPECT_THROW(write(folder / "walk", track), InputError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace trilat

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// Truth that is nothing but markers: TRC and Qualisys' TSV.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/optitrack_csv_reader.h"
+#include "tests/datasets/temporary_file.h"
+#include "tests/support/paths.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+MocapTake marker_take(const std::string& text) { return read_optitrack_csv(TemporaryFile(text).path()); }
+std::string marker_refusal(const std::string& text) {
+  return message_of([&] { marker_take(text); });
+}
+
+std::string trc_text(const std::string& rows, const std::string& units = "mm",
+                     const std::string& frames = "3",
+                     const std::string& labels = "Frame#\tTime\ta\t\t\tb\t\t\n") {
+  return "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
+         "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames"
+         "\n"
+         "100\t200\t" +
+         frames + "\t2\t" + units + "\t100\t1\t3\n" + labels + "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n" + rows;
+}
+
+const std::string kTrcRows =
+    "1\t0.000\t1500\t250.5\t-1e2\t4\t5\t6\n"
+    "2\t0.010\t1501\t250.5\t-1e2\t\t\t\n"
+    "3\t0.020\tnan\tNaN\tNAN\t4\t5\t7\n";
+
+std::string tsv_text(const std::string& rows, const std::string& frames = "3", const std::string& more = "") {
+  return "NO_OF_FRAMES\t" + frames +
+         "\nNO_OF_CAMERAS\t8\nNO_OF_MARKERS\t2\nFREQUENCY\t100\nNO_OF_ANALOG\t0\nDESCRIPTION\t--\n"
+         "TIME_STAMP\t2017-02-20, 15:30:02\t123.45\nDATA_INCLUDED\t3D\nMARKER_NAMES\ta\tb\n" +
+         more + rows;
+}
+
+const std::string kTsvRows = "1500\t250.5\t-100\t4\t5\t6\n1501\t250.5\t-100\t\t\t\n\t\t\t4\t5\t7\n";
+
+void expect_two_markers(const MocapTake& take) {
+  EXPECT_EQ(take.header.export_rate_hz, 100.0);
+  EXPECT_EQ(take.header.length_unit, LengthUnit::millimetre);
+  EXPECT_EQ(take.header.total_exported_frames, 3);
+  ASSERT_EQ(take.header.assets.size(), 2u);
+  EXPECT_EQ(key_of(take.header, 0), "marker:a");
+  EXPECT_EQ(key_of(take.header, 1), "marker:b");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[2].time - take.frames[0].time, Duration{20'000'000});
+  EXPECT_TRUE(take.frames[0].poses[0].position_m.isApprox(Eigen::Vector3d(1.5, 0.2505, -0.1), 1e-15));
+  EXPECT_TRUE(take.frames[2].poses[1].position_m.isApprox(Eigen::Vector3d(0.004, 0.005, 0.007), 1e-15));
+  EXPECT_FALSE(take.frames[1].poses[1].has_position());
+  EXPECT_FALSE(take.frames[2].poses[0].has_position());
+  EXPECT_EQ(take.anomalies.repeated_frames, 0);
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
+}
+
+TEST(TrcReader, GivesMarkersInMetresWithTheirGaps) {
+  const MocapTake take = marker_take(trc_text(kTrcRows));
+  expect_two_markers(take);
+  EXPECT_EQ(take.header.format, "TRC");
+  EXPECT_EQ(take.header.capture_rate_hz, 200.0);
+  EXPECT_EQ(take.header.first_frame, 1);
+  EXPECT_EQ(take.anomalies.not_finite_cells, 3);
+}
+
+TEST(TrcReader, GoesByTheUnitOfTheHeader) {
+  const MocapTake take = marker_take(trc_text("1\t0\t1.5\t2\t3\t4\t5\t6\n", "m", "1"));
+  EXPECT_EQ(take.frames.at(0).poses[0].position_m, Eigen::Vector3d(1.5, 2.0, 3.0));
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "parsec")), AllOf(HasSubstr(":3"), HasSubstr("\"Units\"")));
+}
+
+TEST(TrcReader, RefusesMillimetresThatTheHeaderCallsMetres) {
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "m")),
+              AllOf(HasSubstr(":7"), HasSubstr("marker:a, position X"), HasSubstr("another unit")));
+}
+
+TEST(MarkerReaders, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
+  std::string rows = "1\t0\t1\t2\t3\t4\t5\t6\t\r\n2\t0.01\t1\t2\t3\t4\t5\t6.5";
+  const MocapTake take = marker_take(trc_text(rows, "mm", "2"));
+  ASSERT_EQ(take.frames.size(), 2u);
+  EXPECT_DOUBLE_EQ(take.frames[1].poses[1].position_m.z(), 0.0065);
+  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
+  EXPECT_FALSE(take.anomalies.truncated_last_row);
+}
+
+TEST(MarkerReaders, RefuseFewerFramesThanTheHeaderPromises) {
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "5")),
+              AllOf(HasSubstr("after 3"), HasSubstr("promises 5")));
+  EXPECT_THAT(marker_refusal(tsv_text(kTsvRows, "4")), AllOf(HasSubstr("after 3"), HasSubstr("promises 4")));
+  const std::string cut = kTrcRows.substr(0, kTrcRows.rfind('\t'));
+  EXPECT_THAT(marker_refusal(trc_text(cut)), AllOf(HasSubstr("after 2"), HasSubstr("promises 3")));
+}
+
+TEST(MarkerReaders, RefuseADecimalComma) {
+  EXPECT_THAT(marker_refusal(trc_text("1\t0,0\t1,5\t2\t3\t4\t5\t6\n", "mm", "1")),
+              AllOf(HasSubstr(":7"), HasSubstr("comma")));
+}
+
+TEST(TrcReader, RefusesHeadersThatContradictThemselves) {
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "3", "Frame#\tTime\ta\tb\n")),
+              AllOf(HasSubstr(":4"), HasSubstr("column 4 has \"b\"")));
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "3", "Frame#\tTime\ta\t\t\tb\t\t\tc\n")),
+              HasSubstr("NumMarkers says 2"));
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "3", "1\t0\t1\t2\t3\n")),
+              HasSubstr("\"Frame#, Time\""));
+  EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "-1")), HasSubstr("\"NumFrames\" is \"-1\""));
+  EXPECT_THAT(marker_refusal("PathFileType\t4\t(X/Z/Y)\tx\n"), HasSubstr("(X/Y/Z)"));
+  EXPECT_THAT(marker_refusal("PathFileType\t4\t(X/Y/Z)\tx\n"), HasSubstr("ends before"));
+}
+
+TEST(QualisysReader, GivesMarkersInMetresWithTheirGaps) {
+  const MocapTake take = marker_take(tsv_text(kTsvRows));
+  expect_two_markers(take);
+  EXPECT_EQ(take.header.format, "Qualisys TSV");
+  EXPECT_EQ(take.header.capture_start_text, "2017-02-20, 15:30:02");
+  EXPECT_EQ(take.frames[0].index, 1);
+}
+
+TEST(QualisysReader, TakesFrameTimeHeadingsTypesAndEventsWhereTheyAre) {
+  const std::string more =
+      "TRAJECTORY_TYPES\tMeasured\tMixed\nEVENT\tstep\t7\t0.07\n"
+      "Frame\tTime\ta X\ta Y\ta Z\tb X\tb Y\tb Z\n";
+  const MocapTake take = marker_take(tsv_text(
+      "11\t0.10\t1500\t250.5\t-100\t4\t5\t6\n12\t0.11\t1501\t250.5\t-100\t\t\t\n13\t0.12\t\t\t\t4\t5\t7\n",
+      "3", more));
+  expect_two_markers(take);
+  EXPECT_EQ(take.header.first_frame, 11);
+}
+
+TEST(QualisysReader, AFrameWithoutAnyMarkerIsAFrame) {
+  const MocapTake take = marker_take(tsv_text("1\t2\t3\t4\t5\t6\n\t\t\t\t\t\n1\t2\t3\t4\t5\t6\n"));
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[2].time, MocapTime{20'000'000});
+}
+
+TEST(QualisysReader, NamesTheColumnOfWhatIsNoNumber) {
+  EXPECT_THAT(marker_refusal(tsv_text("1\t2\t3\t4\tx\t6\n", "1")),
+              AllOf(HasSubstr(":10"), HasSubstr("column 5 (marker:b, position Y): \"x\"")));
+}
+
+TEST(QualisysReader, RefusesWhatIsNo3DExport) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = tsv_text(kTsvRows);
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_THAT(marker_refusal(with("\t3D", "\t6D")), HasSubstr("DATA_INCLUDED is \"6D\""));
+  EXPECT_THAT(marker_refusal(with("\ta\tb", "\ta")), HasSubstr("MARKER_NAMES has 1"));
+  EXPECT_THAT(marker_refusal(with("FREQUENCY\t100", "FREQUENCY\tEXT")),
+              HasSubstr("\"FREQUENCY\" is \"EXT\""));
+  EXPECT_THAT(marker_refusal(with("NO_OF_MARKERS\t2", "NO_OF_MARKERS\tx")), HasSubstr("NO_OF_MARKERS"));
+}
+
+// Files of other people's systems.
+const std::filesystem::path kMarkerFolder =
+    std::filesystem::path(kSourceDir) / ".." / "shared" / "data" / "markers-other" / "opensim-core";
+
+class MarkerRealFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kMarkerFolder))
+      GTEST_SKIP() << "the folder " << kMarkerFolder << " is not there";
+  }
+};
+
+TEST_F(MarkerRealFiles, TheC3dAndTheTrcOfARecordingAgree) {
+  const MocapTake points = read_optitrack_csv(kMarkerFolder / "test_walking.c3d");
+  const MocapTake rows = read_optitrack_csv(kMarkerFolder / "test_walking.trc");
+  ASSERT_EQ(points.header.assets.size(), 40u);
+  ASSERT_EQ(points.frames.size(), 806u);
+  ASSERT_EQ(rows.frames.size(), 806u);
+  std::int64_t seen = 0;
+  for (std::size_t a = 0; a < 40; ++a) EXPECT_EQ(key_of(points.header, a), key_of(rows.header, a));
+  for (std::size_t f = 0; f < 806; ++f) {
+    ASSERT_EQ(points.frames[f].time, rows.frames[f].time);
+    for (std::size_t a = 0; a < 40; ++a) {
+      // The TRC has zeros where the C3D says that the point is missing.
+      const Eigen::Vector3d& written = rows.frames[f].poses[a].position_m;
+      ASSERT_EQ(points.frames[f].poses[a].has_position(), !written.isZero(0.0)) << f << " " << a;
+      if (written.isZero(0.0)) continue;
+      ASSERT_LT((points.frames[f].poses[a].position_m - written).norm(), 1e-9) << f << " " << a;
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 10'000);
+}
+
+TEST_F(MarkerRealFiles, OddFilesAreReadAsTheyAre) {
+  struct Odd {
+    const char* name;
+    std::size_t markers, frames;
+    double last_x_m;  // of the last marker in the last frame
+    std::int64_t missing;
+  };
+  for (const Odd& odd :
+       {Odd{"exampleFormat.trc", 3, 5, -0.0517, 2}, Odd{"dataWithEformat.trc", 14, 5, -0.164, 0},
+        Odd{"dataWithBlanksForMissingMarkers.trc", 40, 464, 1.77061169, 15'005}}) {
+    const MocapTake take = read_optitrack_csv(kMarkerFolder / odd.name);
+    EXPECT_EQ(take.header.assets.size(), odd.markers) << odd.name;
+    ASSERT_EQ(take.frames.size(), odd.frames) << odd.name;
+    EXPECT_NEAR(take.frames.back().poses.back().position_m.x(), odd.last_x_m, 1e-9) << odd.name;
+    std::int64_t missing = 0;
+    for (const MocapFrame& frame : take.frames)
+      for (const MocapPose& pose : frame.poses) missing += !pose.has_position();
+    EXPECT_EQ(missing, odd.missing) << odd.name;
+  }
+  const MocapTake any_case = read_optitrack_csv(kMarkerFolder / "dataWithNaNsOfDifferentCases.trc");
+  EXPECT_EQ(any_case.frames.size(), 5u);
+  EXPECT_EQ(any_case.anomalies.not_finite_cells, 15);
+}
+
+}  // namespace
+}  // namespace trilat
