@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include "datasets/session/session_verify.h"
 #include "tests/datasets/import/import_fixtures.h"
 
 namespace trilat {
@@ -77,6 +78,34 @@ TEST(NtuImport, AllCamerasOfARecordingAreOneSession) {
   ASSERT_EQ(result.session.header().sensors.size(), 3u);
   EXPECT_EQ(result.session.header().sensors[2].name, "C003");
   EXPECT_EQ(result.session.counts(2).body_frames, 1u);
+}
+
+// Camera C002 has a torn frame.
+TEST(NtuImport, EqualFrameNumbersOfThreeCamerasAreTheSameMoment) {
+  const ScratchFolder folder;
+  std::vector<std::filesystem::path> files;
+  for (const char* camera : {"C003", "C001", "C002"}) {
+    std::string text = "20\n";
+    for (int i = 0; i < 20; ++i) {
+      std::string frame = frame_text({body_text(i)});
+      if (i == 7 && camera == std::string("C002")) frame.replace(frame.rfind(" 0.3 2\n"), 6, "");
+      text += frame;
+    }
+    files.push_back(text_file(folder, std::string("S001") + camera + "P003R002A013.skeleton", text));
+  }
+  const Imported result = imported(folder, "ntu", files);
+  ASSERT_EQ(result.session.header().sensors.size(), 3u);
+  EXPECT_EQ(result.session.header().sensors[0].name, "C003");
+  EXPECT_EQ(result.frames(0).size(), 20u);
+  EXPECT_EQ(result.frames(2).size(), 19u);
+  for (const BodyFrame& seen : result.frames(2)) {
+    const BodyFrame other = result.frames(0).at(static_cast<std::size_t>(seen.stamp.sequence));
+    EXPECT_EQ(other.stamp.arrival_ns, seen.stamp.arrival_ns);
+    EXPECT_EQ(other.bodies.at(0).position_m, seen.bodies.at(0).position_m);
+  }
+  EXPECT_EQ(result.report.sensors[2].gap_frames, 1);
+  for (const Finding& finding : verify_session(result.session, {}))
+    EXPECT_NE(finding.severity, Severity::error) << finding.text;
 }
 
 TEST(NtuImport, RefusesFilesOfDifferentRecordingsOrOneCameraTwice) {
