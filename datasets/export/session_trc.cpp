@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/export/export_frame.h"
-#include "datasets/mocap/joint_files.h"
+#include "datasets/markers/joint_files.h"
 
 namespace trilat {
 namespace {

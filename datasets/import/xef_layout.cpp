@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/byte_file.h"
 #include "datasets/import/import_types.h"
-#include "datasets/mocap/byte_file.h"
 
 namespace trilat::xef {
 namespace {

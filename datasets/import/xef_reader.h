@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "datasets/base/byte_file.h"
 #include "datasets/import/xef_layout.h"
-#include "datasets/mocap/byte_file.h"
 
 namespace trilat {
 

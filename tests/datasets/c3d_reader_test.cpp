@@ -88,6 +88,10 @@ TEST(C3dReader, RefusesMillimetresCalledMetresAndUnknownUnits) {
   EXPECT_THAT(c3d_refusal({.units = "V"}), HasSubstr("POINT:UNITS is \"V\""));
 }
 
+TEST(C3dReader, RefusesAScaleThatMakesNoNumber) {
+  EXPECT_THAT(c3d_refusal({.scale = 0.0f}), HasSubstr("POINT:SCALE is 0"));
+}
+
 TEST(C3dReader, AFileThatIsCutAnywhereIsRefusedWithOneError) {
   const std::string whole = MadeUpC3d{}.text();
   for (std::size_t size = 2; size < whole.size(); size += 7) {

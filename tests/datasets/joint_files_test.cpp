@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/joint_files.h"
+#include "datasets/markers/joint_files.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
 
+#include "datasets/base/byte_file.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/byte_file.h"
 #include "datasets/mocap/optitrack_csv_reader.h"
 #include "tests/support/scratch.h"
 

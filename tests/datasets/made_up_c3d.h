@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/mocap/c3d_parameters.h"
+#include "datasets/markers/c3d_parameters.h"
 
 namespace trilat {
 

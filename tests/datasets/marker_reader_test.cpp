@@ -67,7 +67,6 @@ TEST(TrcReader, GivesMarkersInMetresWithTheirGaps) {
   const MocapTake take = marker_take(trc_text(kTrcRows));
   expect_two_markers(take);
   EXPECT_EQ(take.header.format, "TRC");
-  EXPECT_EQ(take.header.capture_rate_hz, 200.0);
   EXPECT_EQ(take.header.first_frame, 1);
   EXPECT_EQ(take.anomalies.not_finite_cells, 3);
 }

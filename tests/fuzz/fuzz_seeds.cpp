@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
-#include "datasets/mocap/joint_files.h"
+#include "datasets/markers/joint_files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/network/wire.h"

@@ -95,14 +95,17 @@ TEST(NtuImport, EqualFrameNumbersOfThreeCamerasAreTheSameMoment) {
   }
   const Imported result = imported(folder, "ntu", files);
   ASSERT_EQ(result.session.header().sensors.size(), 3u);
-  EXPECT_EQ(result.session.header().sensors[0].name, "C003");
-  EXPECT_EQ(result.frames(0).size(), 20u);
-  EXPECT_EQ(result.frames(2).size(), 19u);
-  for (const BodyFrame& seen : result.frames(2)) {
-    const BodyFrame other = result.frames(0).at(static_cast<std::size_t>(seen.stamp.sequence));
+  EXPECT_EQ(result.session.header().sensors[1].name, "C002");
+  const auto first = result.frames(0), torn = result.frames(1);
+  EXPECT_EQ(first.size(), 20u);
+  EXPECT_EQ(torn.size(), 19u);
+  EXPECT_EQ(result.frames(2).size(), 20u);
+  for (const BodyFrame& seen : torn) {
+    const BodyFrame& other = first.at(static_cast<std::size_t>(seen.stamp.sequence));
     EXPECT_EQ(other.stamp.arrival_ns, seen.stamp.arrival_ns);
     EXPECT_EQ(other.bodies.at(0).position_m, seen.bodies.at(0).position_m);
   }
+  EXPECT_EQ(result.report.sensors[2].name, "C002");
   EXPECT_EQ(result.report.sensors[2].gap_frames, 1);
   for (const Finding& finding : verify_session(result.session, {}))
     EXPECT_NE(finding.severity, Severity::error) << finding.text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/joint_files.h"
+#include "datasets/markers/joint_files.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include "datasets/base/csv_field.h"
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
-#include "datasets/mocap/c3d_parameters.h"
+#include "datasets/markers/c3d_parameters.h"
 
 namespace trilat {
 namespace {

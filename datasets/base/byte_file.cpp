@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/byte_file.h"
+#include "datasets/base/byte_file.h"
 
 #include <bit>
 #include <cerrno>

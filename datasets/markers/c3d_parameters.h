@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/mocap/byte_file.h"
+#include "datasets/base/byte_file.h"
 
 namespace trilat {
 

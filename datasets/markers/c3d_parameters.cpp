@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/c3d_parameters.h"
+#include "datasets/markers/c3d_parameters.h"
 
 #include <algorithm>
 #include <array>

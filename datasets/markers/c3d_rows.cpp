@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/c3d_rows.h"
+#include "datasets/markers/c3d_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -14,17 +14,12 @@ namespace trilat {
 namespace {
 
 constexpr int kMagic = 0x50;
-constexpr double kHighestFrameField = 65535.0;  // a word of 16 bits
+constexpr double kHighestWord = 65535.0;
 
 std::vector<std::byte> first_block(const ByteFile& file) {
   std::vector<std::byte> block(kC3dBlock);
   if (!file.read(0, block)) throw InputError(file.path(), "the file ends within the header of a C3D file");
   return block;
-}
-
-// Words count from 1, as the format's guide does.
-double header_word(std::span<const std::byte> block, std::size_t word, C3dProcessor processor) {
-  return static_cast<std::uint16_t>(c3d_integer(block, 2 * (word - 1), processor));
 }
 
 }  // namespace
@@ -42,42 +37,56 @@ C3dRows::C3dRows(const std::filesystem::path& path, MocapHeader& header)
       header_(header),
       start_(first_block(file_)),
       parameters_(file_, std::to_integer<std::size_t>(start_[0])) {
-  const C3dProcessor processor = parameters_.processor();
-  const auto word = [&](std::size_t number) { return header_word(start_, number, processor); };
-  points_ = static_cast<std::size_t>(parameters_.number("POINT:USED").value_or(word(2)));
-  const double analog = word(3);
-  if (points_ == 0)
-    throw InputError(file_.path(),
-                     analog > 0.0 ? "holds analog channels only, and no points" : "holds no points");
-  const auto units = parameters_.texts("POINT:UNITS");
-  const auto unit = length_unit_from_text(units.empty() ? "" : units[0]);
-  if (!unit)
-    throw InputError(file_.path(), "POINT:UNITS is " +
-                                       (units.empty() ? "not stated" : "\"" + units[0] + "\"") +
-                                       "; it must be a unit of length such as mm");
-  const double rate_hz = parameters_.number("POINT:RATE").value_or(c3d_real(start_, 20, processor));
-  if (!is_frame_rate(rate_hz))
-    throw InputError(file_.path(), "POINT:RATE is " + std::to_string(rate_hz) + "; it must be 1 to 9000 Hz");
   header_.format = "C3D";
   header_.take_name = path.stem().string();
-  header_.length_unit = *unit;
-  header_.export_rate_hz = header_.capture_rate_hz = rate_hz;
-  const double scale = parameters_.number("POINT:SCALE").value_or(c3d_real(start_, 12, processor));
-  number_bytes_ = scale < 0.0 ? 4 : 2;
-  scale_m_ = metres_per(*unit) * (scale < 0.0 ? 1.0 : scale);
-  data_start_ =
-      kC3dBlock * static_cast<std::uint64_t>(
-                      std::max(1.0, parameters_.number("POINT:DATA_START").value_or(word(9))) - 1.0);
-  bytes_.resize(number_bytes_ * (4 * points_ + static_cast<std::size_t>(analog)));
+  points_ = count("POINT:USED", 2);
+  const auto analog = static_cast<std::size_t>(word(3));
+  if (points_ == 0) refuse(analog > 0 ? "holds analog channels only, and no points" : "holds no points");
+  read_unit_and_rate();
+  data_start_ = kC3dBlock * (std::max<std::uint64_t>(count("POINT:DATA_START", 9), 1) - 1);
+  bytes_.resize(number_bytes_ * (4 * points_ + analog));
   read_frame_range();
   check_size();
   name_points();
 }
 
+void C3dRows::refuse(const std::string& problem) const { throw InputError(file_.path(), problem); }
+
+// Words of the first block count from 1, as the format's guide does.
+double C3dRows::word(std::size_t number) const {
+  return static_cast<std::uint16_t>(c3d_integer(start_, 2 * (number - 1), parameters_.processor()));
+}
+
+// A parameter, or the header's word where it is not there; some programs write a count as a real number.
+std::uint64_t C3dRows::count(const char* name, std::size_t header_word) const {
+  const double value = parameters_.number(name).value_or(word(header_word));
+  if (!(value >= 0.0 && value <= kHighestWord)) refuse(std::string(name) + " is " + std::to_string(value));
+  return static_cast<std::uint64_t>(value);
+}
+
+void C3dRows::read_unit_and_rate() {
+  const auto units = parameters_.texts("POINT:UNITS");
+  const auto unit = length_unit_from_text(units.empty() ? "" : units[0]);
+  if (!unit)
+    refuse("POINT:UNITS is " + (units.empty() ? "not stated" : "\"" + units[0] + "\"") +
+           "; it must be a unit of length such as mm");
+  const auto real = [&](const char* name, std::size_t offset) {
+    return parameters_.number(name).value_or(c3d_real(start_, offset, parameters_.processor()));
+  };
+  const double rate_hz = real("POINT:RATE", 20), scale = real("POINT:SCALE", 12);
+  if (!is_frame_rate(rate_hz))
+    refuse("POINT:RATE is " + std::to_string(rate_hz) + "; it must be 1 to 9000 Hz");
+  if (!std::isfinite(scale) || scale == 0.0)
+    refuse("POINT:SCALE is " + std::to_string(scale) + "; it must be a number other than zero");
+  header_.length_unit = *unit;
+  header_.export_rate_hz = rate_hz;
+  number_bytes_ = scale < 0.0 ? 4 : 2;
+  scale_m_ = metres_per(*unit) * (scale < 0.0 ? 1.0 : scale);
+}
+
 // The header's words end at 65535; longer recordings have their frames in TRIAL, each as two words.
 void C3dRows::read_frame_range() {
-  double first = header_word(start_, 4, parameters_.processor());
-  double last = header_word(start_, 5, parameters_.processor());
+  double first = word(4), last = word(5);
   const auto long_field = [&](const char* name) -> std::optional<double> {
     const auto low = parameters_.number(name, 0);
     if (!low) return {};
@@ -88,13 +97,12 @@ void C3dRows::read_frame_range() {
   if (long_first && long_last) {
     first = *long_first;
     last = *long_last;
-  } else if (last == kHighestFrameField) {
-    last = std::max({last, first - 1.0 + parameters_.number("POINT:FRAMES").value_or(0.0),
-                     first - 1.0 + parameters_.number("POINT:LONG_FRAMES").value_or(0.0)});
+  } else if (last == kHighestWord) {
+    const auto frames = [&](const char* name) { return parameters_.number(name).value_or(0.0); };
+    last = std::max({last, first - 1.0 + frames("POINT:FRAMES"), first - 1.0 + frames("POINT:LONG_FRAMES")});
   }
   if (!(first >= 0.0 && last >= first - 1.0 && last <= static_cast<double>(kHighestFrame)))
-    throw InputError(file_.path(),
-                     "the frames go from " + std::to_string(first) + " to " + std::to_string(last));
+    refuse("the frames go from " + std::to_string(first) + " to " + std::to_string(last));
   header_.first_frame = static_cast<std::int64_t>(first);
   frames_ = static_cast<std::int64_t>(last - first) + 1;
   header_.total_exported_frames = frames_;
@@ -103,9 +111,8 @@ void C3dRows::read_frame_range() {
 void C3dRows::check_size() const {
   const std::uint64_t room = (file_.size() - std::min(file_.size(), data_start_)) / bytes_.size();
   if (static_cast<std::uint64_t>(frames_) > room)
-    throw InputError(file_.path(), "the header promises " + std::to_string(frames_) + " frames of " +
-                                       std::to_string(points_) + " points, but the file has room for " +
-                                       std::to_string(room));
+    refuse("the header promises " + std::to_string(frames_) + " frames of " + std::to_string(points_) +
+           " points, but the file has room for " + std::to_string(room));
 }
 
 // Labels beyond the 255th stand in LABELS2, and so on.
@@ -133,7 +140,7 @@ void C3dRows::name_points() {
 bool C3dRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
   if (frame_ == frames_) return false;
   if (!file_.read(data_start_ + static_cast<std::uint64_t>(frame_) * bytes_.size(), bytes_))
-    throw InputError(file_.path(), "the file became shorter while it was read");
+    refuse("the file became shorter while it was read");
   frame.index = header_.first_frame + frame_;
   frame.time = MocapTime{} + duration_of_frames(frame_, std::llround(header_.export_rate_hz * 1e6));
   frame.printed_time_s = kMissing;
@@ -159,8 +166,8 @@ MocapPose C3dRows::read_point(std::size_t point, MocapAnomalies& anomalies) cons
     return pose;
   }
   if ((position_m.array().abs() > kFarthest_m).any())
-    throw InputError(file_.path(), "frame " + std::to_string(header_.first_frame + frame_) + ", " +
-                                       key_of(header_, point) + " " + kTooFar);
+    refuse("frame " + std::to_string(header_.first_frame + frame_) + ", " + key_of(header_, point) + " " +
+           kTooFar);
   pose.position_m = position_m;
   return pose;
 }

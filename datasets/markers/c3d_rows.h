@@ -4,10 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
-#include "datasets/mocap/byte_file.h"
-#include "datasets/mocap/c3d_parameters.h"
+#include "datasets/base/byte_file.h"
+#include "datasets/markers/c3d_parameters.h"
 #include "datasets/mocap/line_reader.h"
 
 namespace trilat {
@@ -26,6 +27,10 @@ class C3dRows : public RowSource {
   bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
 
  private:
+  [[noreturn]] void refuse(const std::string& problem) const;
+  double word(std::size_t number) const;
+  std::uint64_t count(const char* name, std::size_t header_word) const;
+  void read_unit_and_rate();
   void read_frame_range();
   void name_points();
   void check_size() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/marker_header.h"
+#include "datasets/markers/marker_header.h"
 
 #include <algorithm>
 #include <array>
@@ -129,7 +129,6 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   result.header.format = "TRC";
   if (first.size() > 3) result.header.take_name = first[3];
   result.header.export_rate_hz = header.stated_rate_hz("DataRate");
-  result.header.capture_rate_hz = header.rate_hz("CameraRate");
   result.header.total_exported_frames = header.stated_count("NumFrames", kHighestFrame);
   result.header.length_unit = header.length_unit("Units");
   const auto markers = static_cast<std::size_t>(header.stated_count("NumMarkers", kMostMarkers));
@@ -160,7 +159,7 @@ ColumnHeader read_qualisys_header(LineReader& lines, std::string_view first_line
   ColumnHeader result;
   result.header.format = "Qualisys TSV";
   result.header.capture_start_text = header.text("TIME_STAMP");
-  result.header.export_rate_hz = result.header.capture_rate_hz = header.stated_rate_hz("FREQUENCY");
+  result.header.export_rate_hz = header.stated_rate_hz("FREQUENCY");
   result.header.total_exported_frames = header.stated_count("NO_OF_FRAMES", kHighestFrame);
   result.header.length_unit = LengthUnit::millimetre;
   // One more cell is only the tab that ends the row.
