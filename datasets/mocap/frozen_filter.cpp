@@ -15,7 +15,7 @@ bool same_bits(const MocapPose& a, const MocapPose& b) {
 
 }  // namespace
 
-FrozenFilter::FrozenFilter(OptitrackCsvReader& reader, FrozenOptions options)
+FrozenFilter::FrozenFilter(MocapReader& reader, FrozenOptions options)
     : reader_(reader),
       options_(options),
       stretches_(reader.header().assets.size()),

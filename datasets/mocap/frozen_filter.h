@@ -5,8 +5,8 @@
 #include <deque>
 #include <vector>
 
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_take.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
 
 namespace trilat {
 
@@ -36,7 +36,7 @@ class FrozenStretch {
 // holds, no more than one shortest stretch.
 class FrozenFilter {
  public:
-  explicit FrozenFilter(OptitrackCsvReader& reader, FrozenOptions options = {});
+  explicit FrozenFilter(MocapReader& reader, FrozenOptions options = {});
   bool next(MocapFrame& frame);
   // Poses taken out so far, for each asset of the header; a little ahead of the frames given.
   const std::vector<std::int64_t>& removed() const { return removed_; }
@@ -45,7 +45,7 @@ class FrozenFilter {
   bool is_decided() const;
   bool read_one();
 
-  OptitrackCsvReader& reader_;
+  MocapReader& reader_;
   FrozenOptions options_;
   std::vector<FrozenStretch> stretches_;
   std::vector<std::int64_t> removed_;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 
 namespace trilat {
 namespace {
@@ -94,7 +94,7 @@ void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, AssetSum
   }
 }
 
-MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options) {
+MocapSummary summarize_mocap(MocapReader& reader, MocapSummaryOptions options) {
   MocapSummarizer summarizer(reader.header(), options);
   MocapFrame frame;
   while (reader.next(frame)) summarizer.add(frame);

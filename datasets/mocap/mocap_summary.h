@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-class OptitrackCsvReader;
+class MocapReader;
 
 struct MocapSummaryOptions {
   FrozenOptions frozen;
@@ -70,6 +70,6 @@ class MocapSummarizer {
 };
 
 // Reads to the end.
-MocapSummary summarize_mocap(OptitrackCsvReader& reader, MocapSummaryOptions options = {});
+MocapSummary summarize_mocap(MocapReader& reader, MocapSummaryOptions options = {});
 
 }  // namespace trilat

@@ -8,7 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/take/campaign.h"
 
 namespace trilat {
@@ -61,7 +61,7 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
 
 RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
                                     const std::filesystem::path& mapping) {
-  OptitrackCsvReader reader(mocap);
+  MocapReader reader(mocap);
   const auto joints = resolve(reader.header(), mapping);
   auto tracks = std::make_shared<std::vector<JointTrack>>();
   for (const MappedJoint& mapped : joints) tracks->push_back({mapped.joint, {}, {}});

@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "evaluators/alignment/clock_offset.h"
 #include "evaluators/alignment/interpolation.h"
 #include "evaluators/fusion/baselines.h"
@@ -110,7 +110,7 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 }  // namespace
 
 struct TruthTrack::State {
-  OptitrackCsvReader reader;
+  MocapReader reader;
   FrozenFilter frames;
   Duration longest_gap;
   std::vector<std::vector<std::size_t>> assets_of_joint;

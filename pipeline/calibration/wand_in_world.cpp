@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/frozen_filter.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 
 namespace trilat {
 namespace {
@@ -39,7 +39,7 @@ struct Mean {
 }  // namespace
 
 WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset_name) {
-  OptitrackCsvReader reader(mocap);
+  MocapReader reader(mocap);
   const std::size_t asset = find_asset(reader.header(), asset_name, mocap.string());
   if (!reader.header().assets[asset].has_position)
     throw InputError(mocap.string(), "holds no position of \"" + asset_name + "\"");

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/strict_json.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
@@ -97,7 +97,7 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
 }  // namespace
 
 int mocap(const MocapArguments& arguments) {
-  OptitrackCsvReader reader(arguments.file);
+  MocapReader reader(arguments.file);
   const MocapSummary summary = summarize_mocap(reader);
   if (arguments.json)
     fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));

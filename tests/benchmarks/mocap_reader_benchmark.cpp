@@ -14,8 +14,8 @@
 
 #include <unistd.h>
 
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 
 namespace {
@@ -61,7 +61,7 @@ void write_take(const std::filesystem::path& path) {
 }
 
 double sum_of(const std::filesystem::path& path, const std::vector<std::size_t>& assets) {
-  OptitrackCsvReader reader(path);
+  MocapReader reader(path);
   reader.read_only(assets);
   MocapFrame frame;
   double sum_m = 0.0;
@@ -88,7 +88,7 @@ double naive_sum_of(const std::filesystem::path& path) {
 }
 
 double summary_of(const std::filesystem::path& path) {
-  OptitrackCsvReader reader(path);
+  MocapReader reader(path);
   return static_cast<double>(summarize_mocap(reader).frames);
 }
 

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/made_up_c3d.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/scratch.h"
@@ -14,7 +14,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-MocapTake c3d_take(const MadeUpC3d& file) { return read_optitrack_csv(TemporaryFile(file.text()).path()); }
+MocapTake c3d_take(const MadeUpC3d& file) { return read_mocap(TemporaryFile(file.text()).path()); }
 std::string c3d_refusal(const MadeUpC3d& file) {
   return message_of([&] { c3d_take(file); });
 }
@@ -50,7 +50,7 @@ TEST(C3dReader, ScalesIntegersAndGoesByTheUnit) {
 
 TEST(C3dReader, ReadsOnlyTheAssetsThatAreAskedFor) {
   const TemporaryFile file(MadeUpC3d{}.text());
-  OptitrackCsvReader reader(file.path());
+  MocapReader reader(file.path());
   reader.read_only({1});
   MocapFrame frame;
   ASSERT_TRUE(reader.next(frame));
@@ -96,7 +96,7 @@ TEST(C3dReader, AFileThatIsCutAnywhereIsRefusedWithOneError) {
   const std::string whole = MadeUpC3d{}.text();
   for (std::size_t size = 2; size < whole.size(); size += 7) {
     const TemporaryFile file(whole.substr(0, size));
-    EXPECT_THROW(read_optitrack_csv(file.path()), InputError) << size;
+    EXPECT_THROW(read_mocap(file.path()), InputError) << size;
   }
 }
 

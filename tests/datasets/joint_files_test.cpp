@@ -8,7 +8,7 @@
 
 #include "datasets/base/byte_file.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -41,7 +41,7 @@ JointTrack track_of(std::int64_t frames) {
 }
 
 void expect_read_back(const std::filesystem::path& path, std::int64_t frames, double within_m) {
-  const MocapTake take = read_optitrack_csv(path);
+  const MocapTake take = read_mocap(path);
   EXPECT_EQ(take.header.length_unit, LengthUnit::millimetre);
   EXPECT_EQ(take.header.export_rate_hz, 25.0);
   ASSERT_EQ(take.header.assets.size(), 2u);

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/paths.h"
 #include "tests/support/scratch.h"
@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-MocapTake marker_take(const std::string& text) { return read_optitrack_csv(TemporaryFile(text).path()); }
+MocapTake marker_take(const std::string& text) { return read_mocap(TemporaryFile(text).path()); }
 std::string marker_refusal(const std::string& text) {
   return message_of([&] { marker_take(text); });
 }
@@ -171,8 +171,8 @@ class MarkerRealFiles : public testing::Test {
 };
 
 TEST_F(MarkerRealFiles, TheC3dAndTheTrcOfARecordingAgree) {
-  const MocapTake points = read_optitrack_csv(kMarkerFolder / "test_walking.c3d");
-  const MocapTake rows = read_optitrack_csv(kMarkerFolder / "test_walking.trc");
+  const MocapTake points = read_mocap(kMarkerFolder / "test_walking.c3d");
+  const MocapTake rows = read_mocap(kMarkerFolder / "test_walking.trc");
   ASSERT_EQ(points.header.assets.size(), 40u);
   ASSERT_EQ(points.frames.size(), 806u);
   ASSERT_EQ(rows.frames.size(), 806u);
@@ -202,7 +202,7 @@ TEST_F(MarkerRealFiles, OddFilesAreReadAsTheyAre) {
   for (const Odd& odd :
        {Odd{"exampleFormat.trc", 3, 5, -0.0517, 2}, Odd{"dataWithEformat.trc", 14, 5, -0.164, 0},
         Odd{"dataWithBlanksForMissingMarkers.trc", 40, 464, 1.77061169, 15'005}}) {
-    const MocapTake take = read_optitrack_csv(kMarkerFolder / odd.name);
+    const MocapTake take = read_mocap(kMarkerFolder / odd.name);
     EXPECT_EQ(take.header.assets.size(), odd.markers) << odd.name;
     ASSERT_EQ(take.frames.size(), odd.frames) << odd.name;
     EXPECT_NEAR(take.frames.back().poses.back().position_m.x(), odd.last_x_m, 1e-9) << odd.name;
@@ -211,7 +211,7 @@ TEST_F(MarkerRealFiles, OddFilesAreReadAsTheyAre) {
       for (const MocapPose& pose : frame.poses) missing += !pose.has_position();
     EXPECT_EQ(missing, odd.missing) << odd.name;
   }
-  const MocapTake any_case = read_optitrack_csv(kMarkerFolder / "dataWithNaNsOfDifferentCases.trc");
+  const MocapTake any_case = read_mocap(kMarkerFolder / "dataWithNaNsOfDifferentCases.trc");
   EXPECT_EQ(any_case.frames.size(), 5u);
   EXPECT_EQ(any_case.anomalies.not_finite_cells, 15);
 }

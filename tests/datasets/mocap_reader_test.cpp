@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "datasets/mocap/mocap_reader.h"
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -8,7 +10,6 @@
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
 #include "tests/datasets/temporary_file.h"
 
 namespace trilat {
@@ -48,7 +49,7 @@ const std::string kMarkerHeadings =
     ",Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,\"1\",\"1\",\"1\"\n,,Position,Position,Position\n"
     "Frame,Time (Seconds),X,Y,Z\n";
 
-MocapTake read(const std::string& text) { return read_optitrack_csv(TemporaryFile(text).path()); }
+MocapTake read(const std::string& text) { return read_mocap(TemporaryFile(text).path()); }
 
 struct Refusal {
   std::string place;
@@ -58,7 +59,7 @@ struct Refusal {
 Refusal csv_refusal(const std::string& text) {
   const TemporaryFile file(text);
   try {
-    read_optitrack_csv(file.path());
+    read_mocap(file.path());
   } catch (const InputError& error) {
     const std::string& place = error.place();
     const std::size_t size = file.path().string().size();
@@ -342,7 +343,7 @@ TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
 
 TEST(MocapReader, ReadsOnlyWhatIsWanted) {
   const TemporaryFile file(keys("1.23") + "\n" + kHeadings + "0,0,x,x,x,x,x,x,x,x,4,5,6\n");
-  OptitrackCsvReader reader(file.path());
+  MocapReader reader(file.path());
   reader.read_only({1});
   MocapFrame frame;
   ASSERT_TRUE(reader.next(frame));
@@ -395,7 +396,7 @@ TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
   EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
   EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
   EXPECT_THAT(csv_refusal(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
-  EXPECT_THROW(OptitrackCsvReader("/nowhere/take.csv"), InputError);
+  EXPECT_THROW(MocapReader("/nowhere/take.csv"), InputError);
 }
 
 TEST(MocapReader, RefusesALineThatNeverEnds) {
@@ -438,7 +439,7 @@ void expect_same(const MocapTake& a, const MocapTake& b) {
 
 MocapTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
   const TemporaryFile file(text);
-  OptitrackCsvReader reader(file.path(), {.block_bytes = block_bytes});
+  MocapReader reader(file.path(), {.block_bytes = block_bytes});
   MocapTake take;
   for (MocapFrame frame; reader.next(frame);) take.frames.push_back(frame);
   take.header = reader.header();

@@ -7,8 +7,8 @@
 
 #include <gmock/gmock.h>
 
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
 #include "tests/support/paths.h"
 
 namespace trilat {
@@ -194,7 +194,7 @@ class MocapRealFile : public testing::TestWithParam<RealFile> {
 
 TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
   const RealFile& expected = GetParam();
-  OptitrackCsvReader reader(kMocapFolder / expected.path);
+  MocapReader reader(kMocapFolder / expected.path);
   const MocapHeader& header = reader.header();
   EXPECT_EQ(header.format, expected.format);
   EXPECT_EQ(header.take_name, expected.take_name);
@@ -221,7 +221,7 @@ TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
 }
 
 TEST_P(MocapRealFile, HoldsNothingOdd) {
-  const MocapAnomalies anomalies = read_optitrack_csv(kMocapFolder / GetParam().path).anomalies;
+  const MocapAnomalies anomalies = read_mocap(kMocapFolder / GetParam().path).anomalies;
   EXPECT_EQ(anomalies.repeated_frames, 0);
   EXPECT_EQ(anomalies.rows_with_extra_fields, 0);
   EXPECT_EQ(anomalies.not_finite_cells, 0);
@@ -238,7 +238,7 @@ INSTANTIATE_TEST_SUITE_P(Optitrack, MocapRealFile, testing::ValuesIn(real_files(
   return name;
 });
 
-MocapTake real_take(const char* path) { return read_optitrack_csv(kMocapFolder / path); }
+MocapTake real_take(const char* path) { return read_mocap(kMocapFolder / path); }
 
 TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
   if (!std::filesystem::exists(kMocapFolder))
@@ -260,7 +260,7 @@ TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
 TEST(MocapRealFiles, LongestGapsAreThoseInTheRows) {
   if (!std::filesystem::exists(kMocapFolder))
     GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
-  OptitrackCsvReader birds(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
+  MocapReader birds(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
   // From frame 76552 to 87499, and for the third body, which was lost before, from 72838.
   const MocapSummary summary = summarize_mocap(birds);
   EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 109.47, 1e-9);

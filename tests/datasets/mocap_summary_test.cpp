@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/mocap/frozen_filter.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/temporary_file.h"
 
 namespace trilat {
@@ -184,7 +184,7 @@ TEST(MocapSummary, AMarkerExactlyAtTheOriginIsASentinel) {
 
 std::vector<int> filtered(const std::vector<int>& x_mm, FrozenOptions options = {}) {
   const TemporaryFile file(take_of(x_mm));
-  OptitrackCsvReader reader(file.path());
+  MocapReader reader(file.path());
   FrozenFilter filter(reader, options);
   std::vector<int> result;
   for (MocapFrame frame; filter.next(frame);) {
@@ -212,7 +212,7 @@ TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
   const auto row = text.find("\n2,") + 1;
   text.replace(row, text.find('\n', row) - row, "2,0.02,0,0,0,2,5,0");
   const TemporaryFile file(text);
-  OptitrackCsvReader reader(file.path());
+  MocapReader reader(file.path());
   FrozenFilter filter(reader);
   std::vector<bool> present;
   for (MocapFrame frame; filter.next(frame);) present.push_back(frame.poses[0].has_position());
@@ -226,7 +226,7 @@ TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {
   const auto result = filtered(x_mm);
   const auto frozen = std::count(result.begin(), result.end(), -1);
   const TemporaryFile file(take_of(x_mm));
-  OptitrackCsvReader reader(file.path());
+  MocapReader reader(file.path());
   EXPECT_EQ(summarize_mocap(reader).assets.at(0).frozen, frozen);
   EXPECT_GT(frozen, 100);
   EXPECT_LT(frozen, 300);

@@ -6,7 +6,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "tests/datasets/temporary_file.h"
 
@@ -84,7 +84,7 @@ TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {
     writer.write(written_frame(12));
     writer.write(written_frame(20));
     writer.finish();
-    const MocapTake take = read_optitrack_csv(file.path());
+    const MocapTake take = read_mocap(file.path());
     EXPECT_EQ(take.header.format, "Motive CSV 1.25");
     EXPECT_EQ(take.header.take_name, header.take_name);
     EXPECT_EQ(take.header.take_notes, "first second");

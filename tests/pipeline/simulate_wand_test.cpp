@@ -11,7 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/depth/depth_image.h"
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "tests/pipeline/campaigns.h"
@@ -86,7 +86,7 @@ TEST(SimulateWand, TheMocapHasARigidBodyInTheBallsCentre) {
   SimulationSpec spec = wand_spec(4);
   spec.mocap.gap_share = 0.0;
   simulate_into(folder / "c", spec);
-  const MocapTake take = read_optitrack_csv(folder / "c/wand/mocap.csv");
+  const MocapTake take = read_mocap(folder / "c/wand/mocap.csv");
   const std::size_t wand = find_asset(take.header, "rigid_body:wand", "mocap.csv");
   const Json truth = read_json(folder / "c/wand/truth.json");
   for (const Json& position : truth["positions"]) {

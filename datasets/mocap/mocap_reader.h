@@ -13,7 +13,7 @@ namespace trilat {
 class LineReader;
 class RowSource;
 
-struct OptitrackReadOptions {
+struct MocapReadOptions {
   std::size_t block_bytes = 1 << 20;  // read from the disk at once
 };
 
@@ -23,13 +23,13 @@ struct OptitrackReadOptions {
 // converted, Euler angles become quaternions, and a left-handed file is mirrored in z. Lost bodies
 // that an export writes as a frozen pose or a sentinel are delivered as they stand; the summary
 // and the frozen filter find them.
-class OptitrackCsvReader {
+class MocapReader {
  public:
   // Reads the header. InputError when the file cannot be opened or is in none of these formats.
-  explicit OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options = {});
-  ~OptitrackCsvReader();
-  OptitrackCsvReader(const OptitrackCsvReader&) = delete;
-  OptitrackCsvReader& operator=(const OptitrackCsvReader&) = delete;
+  explicit MocapReader(const std::filesystem::path& path, MocapReadOptions options = {});
+  ~MocapReader();
+  MocapReader(const MocapReader&) = delete;
+  MocapReader& operator=(const MocapReader&) = delete;
 
   const MocapHeader& header() const { return header_; }
 
@@ -52,6 +52,6 @@ class OptitrackCsvReader {
 };
 
 // The whole file at once, for small ones.
-MocapTake read_optitrack_csv(const std::filesystem::path& path);
+MocapTake read_mocap(const std::filesystem::path& path);
 
 }  // namespace trilat

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/optitrack_csv_reader.h"
+#include "datasets/mocap/mocap_reader.h"
 
 #include <string>
 
@@ -44,7 +44,7 @@ bool is_numbers_only(std::string_view line) {
 
 }  // namespace
 
-OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, OptitrackReadOptions options) {
+MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions options) {
   if (is_c3d(path)) {
     rows_ = std::make_unique<C3dRows>(path, header_);
     return;
@@ -72,17 +72,17 @@ OptitrackCsvReader::OptitrackCsvReader(const std::filesystem::path& path, Optitr
   }
 }
 
-OptitrackCsvReader::~OptitrackCsvReader() = default;
+MocapReader::~MocapReader() = default;
 
-void OptitrackCsvReader::read_only(const std::vector<std::size_t>& assets) {
+void MocapReader::read_only(const std::vector<std::size_t>& assets) {
   for (const std::size_t asset : assets) TRILAT_CHECK(asset < header_.assets.size(), "the asset exists");
   rows_->read_only(assets);
 }
 
-bool OptitrackCsvReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
+bool MocapReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
 
-MocapTake read_optitrack_csv(const std::filesystem::path& path) {
-  OptitrackCsvReader reader(path);
+MocapTake read_mocap(const std::filesystem::path& path) {
+  MocapReader reader(path);
   MocapTake take;
   MocapFrame frame;
   while (reader.next(frame)) take.frames.push_back(frame);
