@@ -72,8 +72,7 @@ Declared read_declared() {
     JsonObject entry = groups.object(field.key);
     for (std::size_t g = 0; g < kTrackerGroups; ++g) {
       const std::string group(kGroupNames[g]);
-      entry.number(group);  // must be there
-      (declared.spec.*field.member)[g] = number_within(entry, group, 0.0, 0.0, field.most);
+      (declared.spec.*field.member)[g] = number_within(entry, group, 0.0, field.most);
     }
     describe(entry);
   }
@@ -81,8 +80,7 @@ Declared read_declared() {
   JsonObject values = object.object("values");
   for (const ValueField& field : kValueFields) {
     JsonObject entry = values.object(field.key);
-    entry.number("value");
-    declared.spec.*field.member = number_within(entry, "value", 0.0, 0.0, field.most);
+    declared.spec.*field.member = number_within(entry, "value", 0.0, field.most);
     describe(entry);
   }
   values.finish();
@@ -151,7 +149,7 @@ BodyTrackerSpec read_body_tracker(JsonObject object) {
     if (!object.has(field.key)) continue;
     BodyTrackerSpec::Groups& groups = spec.*field.member;
     if (!object.value(field.key).is_object()) {
-      groups.fill(number_within(object, field.key, 0.0, 0.0, field.most));
+      groups.fill(number_within(object, field.key, 0.0, field.most));
       continue;
     }
     JsonObject some = object.object(field.key);
@@ -161,6 +159,8 @@ BodyTrackerSpec read_body_tracker(JsonObject object) {
   }
   for (const ValueField& field : kValueFields)
     spec.*field.member = number_within(object, field.key, spec.*field.member, 0.0, field.most);
+  for (const TrackerParameter& parameter : tracker_parameters(default_body_tracker()))
+    object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
   object.finish();
   return spec;
 }

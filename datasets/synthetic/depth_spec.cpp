@@ -14,6 +14,10 @@ AxialNoise read_axial(JsonObject object) {
   axial.slope_mm = number_within(object, "slope_mm", axial.slope_mm, -100.0, 100.0);
   axial.square_mm = number_within(object, "square_mm", axial.square_mm, -100.0, 100.0);
   axial.angle_mm = number_within(object, "angle_mm", axial.angle_mm, -100.0, 100.0);
+  object.about({{"level_mm", "constant part"},
+                {"slope_mm", "for a metre of depth"},
+                {"square_mm", "for a square metre"},
+                {"angle_mm", "with the angle to the surface"}});
   object.finish();
   return axial;
 }
@@ -48,6 +52,21 @@ DepthSpec read_depth_spec(JsonObject object) {
   n.nearest_m = number_within(object, "nearest_m", n.nearest_m, 0.1, 65.0);
   n.farthest_m = number_within(object, "farthest_m", n.farthest_m, 0.1, 65.0);
   if (n.farthest_m <= n.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
+  object.about({{"takes", "whether takes have depth images"},
+                {"axial", "noise along the axis, one standard deviation"},
+                {"lateral_sigma_m", "jitter across the ray, at the surface"},
+                {"corner_noise_factor", "on axial noise in the image's corners"},
+                {"offset_limit_m", "constant offset of a unit, uniform in +-"},
+                {"wiggle_amplitude_low_m", "of a unit's error that is periodic in depth"},
+                {"wiggle_amplitude_high_m", "the other end"},
+                {"wiggle_length_low_m", "its period"},
+                {"wiggle_length_high_m", "the other end"},
+                {"edge_step_m", "neighbours farther apart make an edge"},
+                {"edge_dropped_share", "of pixels at edges"},
+                {"grazing_limit_rad", "from the surface's normal; beyond, a pixel is invalid"},
+                {"valid_radius", "of the image, normalised"},
+                {"nearest_m", "that is measured"},
+                {"farthest_m", "that is measured"}});
   object.finish();
   return depth;
 }
@@ -55,6 +74,7 @@ DepthSpec read_depth_spec(JsonObject object) {
 WandSpec read_wand_spec(JsonObject object) {
   WandSpec wand;
   wand.motion.positions = object.count("positions", wand.motion.positions);
+  object.range("positions", 3, 10'000);
   if (wand.motion.positions < 3 || wand.motion.positions > 10'000)
     object.refuse("positions", "must be 3 to 10000; the first three define the calibration's frame");
   wand.motion.hold_s = number_within(object, "hold_s", wand.motion.hold_s, 0.1, 3600.0);
@@ -64,6 +84,13 @@ WandSpec read_wand_spec(JsonObject object) {
       number_within(object, "stick_radius_m", wand.shape.stick_radius_m, 0.001, wand.shape.ball_radius_m);
   wand.shape.stick_length_m = number_within(object, "stick_length_m", wand.shape.stick_length_m, 0.1, 5.0);
   wand.person = object.boolean("person", wand.person);
+  object.about({{"positions", "where the wand is held"},
+                {"hold_s", "at each"},
+                {"move_s", "from one to the next"},
+                {"ball_radius_m", "of its ball"},
+                {"stick_radius_m", "of its stick"},
+                {"stick_length_m", "of its stick"},
+                {"person", "somebody holds it"}});
   object.finish();
   return wand;
 }
@@ -72,9 +99,10 @@ RoomSpec read_room(JsonObject object) {
   RoomSpec room;
   room.half_width_m = number_within(object, "half_width_m", room.half_width_m, 0.5, 100.0);
   room.half_depth_m = number_within(object, "half_depth_m", room.half_depth_m, 0.5, 100.0);
-  const std::uint64_t walls = object.count("walls", static_cast<std::uint64_t>(room.walls));
-  if (walls > 4) object.refuse("walls", "must be 0 to 4");
-  room.walls = static_cast<int>(walls);
+  room.walls = static_cast<int>(count_within(object, "walls", static_cast<std::uint64_t>(room.walls), 0, 4));
+  object.about({{"half_width_m", "from the centre to the side walls"},
+                {"half_depth_m", "from the centre to the other walls"},
+                {"walls", "that the room has"}});
   object.finish();
   return room;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "datasets/skeleton/skeleton.h"
+#include "pipeline/accuracy/method_kinds.h"
 
 namespace trilat {
 
@@ -84,7 +85,7 @@ std::optional<std::size_t> fallback_of(const Plan& plan, std::size_t method) {
   std::optional<std::size_t> of_all;
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
     const Method& mean = plan.methods[m];
-    if (mean.spec.kind != MethodKind::mean || mean.spec.occlusion != OcclusionRule::off) continue;
+    if (mean.spec.kind->name != "mean" || mean.spec.occlusion != OcclusionRule::off) continue;
     if (used(mean) == used(plan.methods[method])) return m;
     if (used(mean) == all && !of_all) of_all = m;
   }

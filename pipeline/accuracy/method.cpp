@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/bodies/occlusion.h"
+#include "pipeline/accuracy/method_kinds.h"
 #include "pipeline/accuracy/sensor_sets.h"
 
 namespace trilat {
@@ -31,25 +32,23 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
   }
   if (!spec.reference.empty())
     method.spec.linear.reference_sensor = rig_index(spec.reference, rig, spec.name);
-  if (spec.kind == MethodKind::geometric && indices.size() == 3)
-    method.geometric.sensors = {indices[0], indices[1], indices[2]};
-  if (spec.kind == MethodKind::geometric) {
-    // nothing of the other sensors, not even through the hint
-    method.allowed.reset();
-    for (int i : method.geometric.sensors) method.allowed.set(static_cast<std::size_t>(i));
-  }
-  if (spec.kind == MethodKind::single) {
-    if (indices.size() != 1)
-      throw InputError("method \"" + spec.name + '"',
-                       "of kind single uses one sensor, or names none for each in turn");
-    method.single.sensor = indices[0];
-  }
+  method.sensors = std::move(indices);
+  const std::size_t used = spec.kind->sensors;
+  if (used == 0) return method;
+  if (used == 1 && method.sensors.size() != 1)
+    throw InputError(
+        "method \"" + spec.name + '"',
+        fmt::format("of kind {} uses one sensor, or names none for each in turn", spec.kind->name));
+  if (method.sensors.empty())
+    for (std::size_t s = 0; s < used; ++s) method.sensors.push_back(static_cast<int>(s));
+  method.allowed.reset();  // nothing of the other sensors, not even through the hint
+  for (int i : method.sensors) method.allowed.set(static_cast<std::size_t>(i));
   return method;
 }
 
 // What an entry of the study stands for: itself, or one method for each set of sensors.
 std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std::string>& rig) {
-  const bool is_each_single = spec.kind == MethodKind::single && spec.sensors.empty();
+  const bool is_each_single = spec.kind->sensors == 1 && spec.sensors.empty();
   const std::size_t size = is_each_single ? 1 : spec.each;
   if (size == 0) return {spec};
   const std::vector<std::string>& pool = spec.sensors.empty() ? rig : spec.sensors;
@@ -71,21 +70,6 @@ std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std:
     methods.push_back(std::move(one));
   }
   return methods;
-}
-
-bool is_iterative(const Method& method) {
-  return method.spec.kind == MethodKind::nonlinear || method.spec.kind == MethodKind::newton;
-}
-
-RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
-  if (sensors == kAllSensors) return instant.ranges;
-  return ranges_of(instant.observations, instant.world_from_sensor, sensors);
-}
-
-template <class Options>
-Options among(Options options, SensorMask sensors) {
-  options.allowed = sensors;
-  return options;
 }
 
 }  // namespace
@@ -115,54 +99,16 @@ SensorMask sensors_of(const Method& method, const JointInstant& instant) {
   return select_unoccluded(std::span(counts).first(instant.observations.size()), seen, spec.fewest_sensors);
 }
 
-bool is_over_time(const Method& method) {
-  const MethodKind kind = method.spec.kind;
-  return kind == MethodKind::kalman || kind == MethodKind::rts || kind == MethodKind::window;
-}
+bool is_over_time(const Method& method) { return method.spec.kind->over_time != nullptr; }
 
 PointEstimate evaluate(const Method& method, const JointInstant& instant) {
-  const auto& seen = instant.observations;
-  const SensorMask sensors = sensors_of(method, instant);
-  switch (method.spec.kind) {
-    case MethodKind::linear:
-      return solve_linear(ranges_from(instant, sensors), method.spec.linear);
-    case MethodKind::geometric:
-      return solve_geometric(ranges_from(instant, sensors), method.geometric);
-    case MethodKind::ceres:
-      return solve_ceres(ranges_from(instant, sensors), method.spec.ceres);
-    case MethodKind::nonlinear:
-    case MethodKind::newton:
-      return solve_nonlinear(ranges_from(instant, sensors), method.spec.nonlinear);
-    case MethodKind::mean:
-      return solve_mean(seen, {.allowed = sensors});
-    case MethodKind::tracked_mean:
-      return solve_mean(seen, {.allowed = sensors, .prefer_tracked = true});
-    case MethodKind::single:
-      return solve_single_sensor(seen, method.single);
-    case MethodKind::weighted_mean:
-      return solve_weighted_mean(seen, among(method.spec.weighted, sensors));
-    case MethodKind::median:
-      return solve_median(seen, {.allowed = sensors});
-    case MethodKind::robust_mean:
-      return solve_robust_mean(seen, among(method.spec.robust, sensors));
-    case MethodKind::kalman:
-    case MethodKind::rts:
-    case MethodKind::window:
-      break;
-  }
-  TRILAT_CHECK(false, "methods over time need the whole path");
+  TRILAT_CHECK(method.spec.kind->evaluate, "methods over time need the whole path");
+  return method.spec.kind->evaluate(method, instant, sensors_of(method, instant));
 }
 
 void evaluate(const Method& method, std::span<const JointInstant> instants,
               std::span<PointEstimate> estimates) {
-  if (is_iterative(method)) {
-    std::vector<RangeProblem> problems;
-    problems.reserve(instants.size());
-    for (const JointInstant& instant : instants)
-      problems.push_back(ranges_from(instant, sensors_of(method, instant)));
-    solve_nonlinear(problems, method.spec.nonlinear, estimates);
-    return;
-  }
+  if (method.spec.kind->evaluate_many) return method.spec.kind->evaluate_many(method, instants, estimates);
   for (std::size_t i = 0; i < instants.size(); ++i) estimates[i] = evaluate(method, instants[i]);
 }
 

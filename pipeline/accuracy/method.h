@@ -17,8 +17,7 @@ namespace trilat {
 struct Method {
   MethodSpec spec;
   SensorMask allowed = kAllSensors;
-  GeometricOptions geometric;
-  SingleSensorOptions single;
+  std::vector<int> sensors;  // that the entry names, in its order; where the kind uses just so many, those
 };
 
 // An entry that names a size of sets (`single` without sensors: one) becomes one method a set. InputError

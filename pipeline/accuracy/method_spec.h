@@ -16,23 +16,7 @@
 
 namespace trilat {
 
-enum class MethodKind {
-  linear,
-  geometric,
-  nonlinear,
-  newton,
-  ceres,
-  mean,
-  tracked_mean,
-  single,
-  weighted_mean,
-  median,
-  robust_mean,
-  kalman,
-  rts,
-  window
-};
-const std::vector<std::string>& method_kind_names();
+struct MethodKind;
 
 // Which sensors a method leaves out because they see a joint occluded: by crossing limbs as the paper prints
 // it (eq. 8), by crossing limbs in the perspective image, or by the recorded depth.
@@ -43,7 +27,7 @@ const std::vector<std::string>& occlusion_rule_names();
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
 // kind count.
 struct MethodSpec {
-  MethodKind kind = MethodKind::nonlinear;
+  const MethodKind* kind = nullptr;  // one of method_kinds()
   std::string name;                  // of its rows; unique in the study
   std::vector<std::string> sensors;  // those it may use; empty: all. geometric uses the first three
   std::uint64_t each = 0;        // of these many sensors in turn, every set or most_sets of them; 0: of all

@@ -7,6 +7,7 @@
 #include "datasets/base/error.h"
 #include "evaluators/ceres/bone_window.h"
 #include "evaluators/fusion/kalman.h"
+#include "pipeline/accuracy/method_kinds.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
@@ -22,9 +23,23 @@ void observe_for(const Method& method, const PlannedTake& planned, const TakeDat
     if (!used[s]) observations[s] = {};
 }
 
-// Each joint of the plan by itself.
-void solve_joints(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                  std::span<const std::int64_t> time_ns, MethodPaths& paths) {
+// The joints of the plan, and those that bones join to them. Hands and feet follow their neighbours least and
+// are off most: they are left out unless the plan has them.
+std::vector<Joint> joints_with_bones(const std::vector<Joint>& plan_joints) {
+  constexpr std::array kEnds{Joint::hand_left,      Joint::hand_right, Joint::hand_tip_left,
+                             Joint::hand_tip_right, Joint::thumb_left, Joint::thumb_right,
+                             Joint::foot_left,      Joint::foot_right};
+  std::vector<Joint> joints = plan_joints;
+  for (const Joint joint : kJointsRootFirst)
+    if (std::ranges::find(kEnds, joint) == kEnds.end() && std::ranges::find(joints, joint) == joints.end())
+      joints.push_back(joint);
+  return joints;
+}
+
+}  // namespace
+
+void solve_joints(const TakeInTime& take, MethodPaths& paths) {
+  const auto& [plan, planned, data, time_ns, calls] = take;
   const Method& method = plan.methods[paths.method];
   const std::size_t sensors = planned.world_from_sensor.size();
   parallel_for_index(plan.joints.size(), 1, [&](std::size_t j) {
@@ -39,22 +54,8 @@ void solve_joints(const Plan& plan, const PlannedTake& planned, const TakeData& 
   });
 }
 
-// The joints of the plan, and those that bones join to them. Hands and feet follow their neighbours least and
-// are off most: they are left out unless the plan has them.
-std::vector<Joint> joints_with_bones(const std::vector<Joint>& plan_joints) {
-  constexpr std::array kEnds{Joint::hand_left,      Joint::hand_right, Joint::hand_tip_left,
-                             Joint::hand_tip_right, Joint::thumb_left, Joint::thumb_right,
-                             Joint::foot_left,      Joint::foot_right};
-  std::vector<Joint> joints = plan_joints;
-  for (const Joint joint : kJointsRootFirst)
-    if (std::ranges::find(kEnds, joint) == kEnds.end() && std::ranges::find(joints, joint) == joints.end())
-      joints.push_back(joint);
-  return joints;
-}
-
-// All joints together, window by window.
-void solve_windows(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                   std::span<const std::int64_t> time_ns, const OverTimeCalls& calls, MethodPaths& paths) {
+void solve_windows(const TakeInTime& take, MethodPaths& paths) {
+  const auto& [plan, planned, data, time_ns, calls] = take;
   const Method& method = plan.methods[paths.method];
   const BoneWindowOptions& options = method.spec.window;
   const std::vector<Joint> joints = joints_with_bones(plan.joints);
@@ -80,27 +81,22 @@ void solve_windows(const Plan& plan, const PlannedTake& planned, const TakeData&
     }
 }
 
-}  // namespace
-
 std::size_t windowed_methods(const Plan& plan) {
   return static_cast<std::size_t>(std::ranges::count_if(
-      plan.methods, [](const Method& method) { return method.spec.kind == MethodKind::window; }));
+      plan.methods, [](const Method& method) { return method.spec.kind->over_time == solve_windows; }));
 }
 
 std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                          const OverTimeCalls& calls) {
-  std::vector<std::int64_t> time_ns;
-  for (const HostTime t : data.time) time_ns.push_back(t.ns);
+  TakeInTime take{plan, planned, data, {}, calls};
+  for (const HostTime t : data.time) take.time_ns.push_back(t.ns);
   std::vector<MethodPaths> all;
   for (std::size_t m = 0; m < plan.methods.size(); ++m)
     if (is_over_time(plan.methods[m]))
-      all.push_back({m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size())});
-  parallel_for_index(all.size(), 1, [&](std::size_t k) {
-    if (plan.methods[all[k].method].spec.kind == MethodKind::window)
-      solve_windows(plan, planned, data, time_ns, calls, all[k]);
-    else
-      solve_joints(plan, planned, data, time_ns, all[k]);
-  });
+      all.push_back(
+          {m, plan.joints.size(), std::vector<PathPoint>(take.time_ns.size() * plan.joints.size())});
+  parallel_for_index(all.size(), 1,
+                     [&](std::size_t k) { plan.methods[all[k].method].spec.kind->over_time(take, all[k]); });
   return all;
 }
 

@@ -24,14 +24,28 @@ struct MethodPaths {
   }
 };
 
-// How many methods of the plan solve windows of all joints together, which takes long.
-std::size_t windowed_methods(const Plan& plan);
-
 // Both are called from any thread. `advanced` tells how many instants more of one windowed method are done.
 struct OverTimeCalls {
   std::function<void(std::size_t)> advanced;
   std::function<bool()> must_stop;
 };
+
+// A take as methods over time see it.
+struct TakeInTime {
+  const Plan& plan;
+  const PlannedTake& planned;
+  const TakeData& data;
+  std::vector<std::int64_t> time_ns;  // of the instants
+  const OverTimeCalls& calls;
+};
+using OverTimeSolver = void (*)(const TakeInTime& take, MethodPaths& paths);
+// Each joint of the plan by itself.
+void solve_joints(const TakeInTime& take, MethodPaths& paths);
+// All joints together, window by window.
+void solve_windows(const TakeInTime& take, MethodPaths& paths);
+
+// How many methods of the plan solve windows of all joints together, which takes long.
+std::size_t windowed_methods(const Plan& plan);
 
 // All methods of the plan that need whole paths. Throws Interrupted when asked to stop.
 std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/accuracy/method_kinds.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
@@ -127,7 +128,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
 
 const Method* checked_method(const Plan& plan) {
   for (const Method& m : plan.methods)
-    if (m.spec.kind == MethodKind::nonlinear && m.spec.nonlinear.damping == Damping::lm &&
+    if (m.spec.kind->name == "nonlinear" && m.spec.nonlinear.damping == Damping::lm &&
         m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares)
       return &m;
   return nullptr;

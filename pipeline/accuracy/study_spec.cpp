@@ -26,8 +26,15 @@ std::vector<AlignmentKind> read_alignments(JsonObject& object) {
                     "has \"" + word + "\"; known are: none, first, mean, rigid, held_out, joint_offset");
     result.push_back(*kind);
   }
+  object.words("alignments", {"none", "first", "mean", "rigid", "held_out", "joint_offset"});
   if (result.empty()) object.refuse("alignments", "must name at least one alignment");
   return result;
+}
+
+std::vector<std::string> joint_words() {
+  std::vector<std::string> words;
+  for (int j = 0; j < kJointCount; ++j) words.emplace_back(name_of(static_cast<Joint>(j)));
+  return words;
 }
 
 void check_names(JsonObject& object, const StudySpec& spec) {
@@ -44,8 +51,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 
 StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder) {
   StudySpec spec;
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.format(kFormat);
   spec.name = object.text("name");
   if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
     spec.campaign = folder / campaign;
@@ -74,6 +80,29 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   spec.clock_error_s = number_within(object, "clock_error_s", spec.clock_error_s, 0.0, 1.0);
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
+  object.words("joints", joint_words());
+  object.about(
+      {{"name", "of the study; stands in its tables"},
+       {"campaign", "folder of takes, relative to this file; `--campaign` goes first"},
+       {"sensors", "those that are used; empty: those of the take that has most"},
+       {"joints", "that are judged; empty: all that the mappings map"},
+       {"conditions", "activities whose takes are evaluated; empty: all"},
+       {"occluded_apart", "samples that a sensor sees occluded make conditions of their own"},
+       {"reference", "the method that the others are compared with; empty: the first"},
+       {"alignments", "how truth and estimates are brought together before they are compared"},
+       {"rate_hz", "of the instants that are evaluated"},
+       {"sensor_gap_s", "no sensor is interpolated across a longer gap"},
+       {"truth_gap_s", "nor is the truth"},
+       {"cross_check_limit_m", "`run --cross-check` fails beyond"},
+       {"clock",
+        "whether the stated start of the truth is taken as it is, checked by motion, or corrected by it"},
+       {"clock_search_s", "how far to both sides of the stated start motion is compared"},
+       {"repair_exchanges", "left and right that a sensor has exchanged are exchanged back"},
+       {"training_share", "of a take, at its start: what the alignment joint_offset learns from"},
+       {"block_s", "length of the time blocks that intervals are drawn from"},
+       {"resamples", "of the intervals; 0: none, else at least 200"},
+       {"clock_error_s", "between truth and sensors, one standard deviation"},
+       {"methods", "that are compared"}});
   check_names(object, spec);
   return spec;
 }
