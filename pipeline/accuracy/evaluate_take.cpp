@@ -9,12 +9,12 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/replay.h"
-#include "pipeline/accuracy/over_time.h"
-#include "pipeline/accuracy/replay_take.h"
-#include "pipeline/accuracy/solve_block.h"
-#include "pipeline/accuracy/take_data.h"
-#include "pipeline/accuracy/take_summary.h"
-#include "pipeline/accuracy/tracking_check.h"
+#include "pipeline/accuracy/statistics/take_summary.h"
+#include "pipeline/accuracy/take/replay_take.h"
+#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/take_paths.h"
+#include "pipeline/accuracy/take/tracking_check.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

@@ -9,8 +9,8 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/json_ranges.h"
-#include "pipeline/accuracy/method.h"
-#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/methods/method.h"
+#include "pipeline/accuracy/take/plan.h"
 
 namespace trilat {
 namespace {

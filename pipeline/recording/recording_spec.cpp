@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_ranges.h"
-#include "pipeline/accuracy/method_kinds.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 
 namespace trilat {
 namespace {

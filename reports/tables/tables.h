@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/budget_summary.h"
-#include "datasets/results/calibration_summary.h"
-#include "datasets/results/recording_summary.h"
-#include "datasets/results/stage_timings.h"
+#include "datasets/results/studies/budget_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/stage_timings.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
-#include "datasets/results/sweep_summary.h"
-#include "datasets/results/sweep_timings.h"
-#include "datasets/results/tracking_summary.h"
 #include "reports/tables/table.h"
 
 namespace trilat {

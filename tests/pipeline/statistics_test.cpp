@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/statistics.h"
+#include "pipeline/accuracy/statistics/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "datasets/base/files.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/method_kinds.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 
 #include <set>
 
@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "pipeline/accuracy/method_kinds.h"
-#include "pipeline/accuracy/sensor_sets.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/methods/sensor_sets.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
