@@ -102,7 +102,7 @@ struct Minimum {
 // Levenberg and Marquardt: undamped until a step does not lower the cost.
 Minimum descend(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& start_m) {
   constexpr double kFirstDamping = 1e-3, kLargestDamping = 1e12;
-  constexpr double kRounding = 1.0 + 1e-14;  // near the minimum only the gradient still tells where it is
+  constexpr double kRounding = 1.0 + 1e-12;  // near the minimum only the gradient still tells where it is
   Minimum minimum{start_m, 0.0, SolveStatus::iteration_limit, 0};
   Equations here = linearise(rays, options, start_m);
   double damping = 0.0;

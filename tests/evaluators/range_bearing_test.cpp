@@ -62,7 +62,8 @@ TEST(RangeBearing, WithoutBearingsIsTrilateration) {
     ASSERT_EQ(none.status, ranges.status);
     if (!is_usable(ranges.status)) continue;
     EXPECT_LT((none.position_m - ranges.position_m).norm(), 1e-9) << k;
-    EXPECT_LT((few.position_m - ranges.position_m).norm(), 1e-9) << k;
+    // solve_nonlinear() goes on while its cost falls, which rounding hides from it at some nanometres
+    EXPECT_LT((few.position_m - ranges.position_m).norm(), 5e-9) << k;
   }
 }
 
