@@ -109,6 +109,29 @@ void read_newton(JsonObject& object, MethodSpec& method) {
 
 void write_newton(const MethodSpec& m, Json& entry) { write_descent(m.nonlinear, entry); }
 
+void read_range_bearing(JsonObject& object, MethodSpec& method) {
+  RangeBearingOptions& o = method.range_bearing;
+  o.sigma.range_m = number_within(object, "range_sigma_m", o.sigma.range_m, 1e-6, 1e3);
+  o.sigma.bearing_m = number_within(object, "bearing_sigma_m", o.sigma.bearing_m, 1e-6, 1e3);
+  o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
+  o.loss = enum_choice(object, "loss", kLosses, o.loss);
+  o.loss_scale = number_within(object, "loss_scale", o.loss_scale, 1e-3, 1e3);
+  object.about({{"range_sigma_m", "standard deviation of a sensor's position along its ray"},
+                {"bearing_sigma_m", "and across it, in each of both directions"},
+                {"inferred_factor", "on both, of an inferred joint"},
+                {"loss", "of a sensor's residual in sigmas"},
+                {"loss_scale", "of huber and cauchy, in sigmas"}});
+}
+
+void write_range_bearing(const MethodSpec& m, Json& entry) {
+  const RangeBearingOptions& o = m.range_bearing;
+  entry["range_sigma_m"] = o.sigma.range_m;
+  entry["bearing_sigma_m"] = o.sigma.bearing_m;
+  entry["inferred_factor"] = o.inferred_factor;
+  entry["loss"] = word_of(kLosses, o.loss);
+  entry["loss_scale"] = o.loss_scale;
+}
+
 void read_weighted_mean(JsonObject& object, MethodSpec& method) {
   WeightedMeanOptions& o = method.weighted;
   o.inferred_weight = share_within(object, "inferred_weight", o.inferred_weight);
@@ -253,6 +276,18 @@ const std::vector<MethodKind>& method_kinds() {
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_ceres(ranges_from(instant, sensors), m.spec.ceres);
+           }},
+      {.name = "range_bearing",
+       .what = "the most likely place when both the distance from a sensor and the direction are known, each "
+               "as well as its sigma says: nonlinear, triangulation and the mean are its limits",
+       .source = "maximum likelihood; eq. 10 without its second term",
+       .needs_ranges = true,
+       .read = read_range_bearing,
+       .write = write_range_bearing,
+       .evaluate =
+           [](const Method& m, const JointInstant& instant, SensorMask sensors) {
+             return solve_range_bearing(instant.observations, instant.world_from_sensor,
+                                        among(m.spec.range_bearing, sensors));
            }},
       {.name = "mean",
        .what = "the mean of the sensors' positions of the joint",

@@ -9,6 +9,7 @@
 #include "evaluators/ceres/bone_window.h"
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/fusion/kalman.h"
+#include "evaluators/fusion/range_bearing.h"
 #include "evaluators/fusion/robust_fusion.h"
 #include "evaluators/solvers/geometric.h"
 #include "evaluators/solvers/linear.h"
@@ -40,6 +41,7 @@ struct MethodSpec {
   OcclusionRule occlusion = OcclusionRule::off;
   bool inferred_is_occluded = true;  // an inferred joint counts as one crossing more
   int fewest_sensors = 1;            // those with the fewest crossings come back until there are as many
+  RangeBearingOptions range_bearing;
   WeightedMeanOptions weighted;
   RobustMeanOptions robust;
   KalmanOptions kalman;  // of kalman and rts
