@@ -34,13 +34,15 @@ inline RaySigma sigmas_of(double ratio, double total_m) {
   return {ratio * bearing_m, bearing_m};
 }
 
+// A joint as a sensor sees it: `error` is standard normal along the ray and in two directions across it.
 inline JointObservation seen_from(const RigidTransform& sensor, const Eigen::Vector3d& joint_m,
-                                  const RaySigma& sigma, const RandomStream& random, std::uint32_t first) {
-  const Eigen::Vector3d u = (joint_m - sensor.translation_m).normalized();
-  const Eigen::Vector3d error = normal_vector_of(random, first);
-  const Eigen::Vector3d point_m =
-      joint_m + sigma.range_m * u.dot(error) * u + sigma.bearing_m * (error - u.dot(error) * u);
-  return {true, TrackingState::tracked, point_m, (point_m - sensor.translation_m).norm()};
+                                  const RaySigma& sigma, const Eigen::Vector3d& error) {
+  const Eigen::Vector3d ray_m = joint_m - sensor.translation_m, u = ray_m.normalized();
+  const Eigen::Vector3d side = u.unitOrthogonal(), up = u.cross(side);
+  const double range_m = ray_m.norm() + sigma.range_m * error[0];
+  const Eigen::Vector3d direction =
+      (ray_m + sigma.bearing_m * (error[1] * side + error[2] * up)).normalized();
+  return {true, TrackingState::tracked, sensor.translation_m + range_m * direction, range_m};
 }
 
 inline std::vector<JointObservation> seen_from(const std::vector<RigidTransform>& rig,
@@ -48,7 +50,8 @@ inline std::vector<JointObservation> seen_from(const std::vector<RigidTransform>
                                                const RandomStream& random) {
   std::vector<JointObservation> seen;
   for (std::size_t i = 0; i < rig.size(); ++i)
-    seen.push_back(seen_from(rig[i], joint_m, sigma, random, static_cast<std::uint32_t>(16 + 3 * i)));
+    seen.push_back(
+        seen_from(rig[i], joint_m, sigma, normal_vector_of(random, static_cast<std::uint32_t>(16 + 3 * i))));
   return seen;
 }
 
