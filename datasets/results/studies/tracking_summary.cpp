@@ -36,6 +36,8 @@ void write_tracking_summary(const std::filesystem::path& folder, const TrackingS
                               {"n", row.n},
                               {"mean_error_m", row.mean_error_m},
                               {"rms_error_m", row.rms_error_m}});
+  json["rays"] = Json::array();
+  for (const RayRow& row : s.rays) json["rays"].push_back(json_of(row));
   write_file(folder / "tracking.json", json_text(json, 1) + "\n");
 }
 
@@ -53,8 +55,33 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   for (JsonObject& row : object.objects("exchanges")) s.exchanges.push_back(read_exchange(row));
   for (JsonObject& row : object.objects("clocks")) s.clocks.push_back(read_clock(row));
   for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range_row(row));
+  if (object.has("rays"))  // earlier versions had none
+    for (JsonObject& row : object.objects("rays")) s.rays.push_back(read_ray(row));
   object.finish();
   return s;
+}
+
+namespace {
+
+constexpr std::pair<const char*, double RayRow::*> kRayNumbers[] = {
+    {"range_m", &RayRow::range_m},       {"bearing_m", &RayRow::bearing_m},
+    {"ratio", &RayRow::ratio},           {"ratio_low", &RayRow::ratio_low},
+    {"ratio_high", &RayRow::ratio_high}, {"mean_m", &RayRow::mean_m},
+    {"ranges_m", &RayRow::ranges_m},     {"range_bearing_m", &RayRow::range_bearing_m}};
+
+}  // namespace
+
+Json json_of(const RayRow& row) {
+  Json json{{"take", row.take}, {"rows", row.rows}, {"problem", row.problem}};
+  for (const auto& [key, member] : kRayNumbers) json[key] = row.*member;
+  return json;
+}
+
+RayRow read_ray(JsonObject& object) {
+  RayRow row{.take = object.text("take"), .rows = object.count("rows"), .problem = object.text("problem")};
+  for (const auto& [key, member] : kRayNumbers) row.*member = number_or_nan(object, key);
+  object.finish();
+  return row;
 }
 
 Json json_of(const ViewRow& row) {

@@ -58,6 +58,17 @@ struct RangeRow {
   double rms_error_m = kNoNumber;
 };
 
+// By how much the sensors of one take disagree along their rays and across, and the root mean square errors
+// that follow for methods, without what all sensors have in common. `problem` says why there are no numbers.
+struct RayRow {
+  std::string take;
+  std::uint64_t rows = 0;  // instants of single joints
+  std::string problem = {};
+  double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
+  double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
+  double mean_m = kNoNumber, ranges_m = kNoNumber, range_bearing_m = kNoNumber;
+};
+
 struct TrackingSummary {
   std::string study;
   bool simulated = false;
@@ -66,6 +77,7 @@ struct TrackingSummary {
   std::vector<ExchangeRow> exchanges;
   std::vector<ClockRow> clocks;
   std::vector<RangeRow> ranges = {};
+  std::vector<RayRow> rays = {};
 };
 
 // tracking.json, beside an accuracy study's summary.json. NaN is written as null.
@@ -77,8 +89,10 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
 Json json_of(const ViewRow& row);
 Json json_of(const ExchangeRow& row);
 Json json_of(const ClockRow& row);
+Json json_of(const RayRow& row);
 ViewRow read_view(JsonObject& object);
 ExchangeRow read_exchange(JsonObject& object);
 ClockRow read_clock(JsonObject& object);
+RayRow read_ray(JsonObject& object);
 
 }  // namespace trilat

@@ -33,6 +33,7 @@ struct JointInstant {
   std::span<const RigidTransform> world_from_sensor;
   JointOcclusions occlusions{};
   RangeProblem ranges;
+  RaySigma sigma{kNaN, kNaN};  // of methods whose sigma is estimated; NaN when that failed
 };
 
 // The sensors that the method uses for this joint at this instant.

@@ -2,6 +2,7 @@
 #include "pipeline/accuracy/methods/method_kinds.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,7 @@ const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
 const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
+const std::vector<std::string> kSigmas{"stated", "estimated"};
 const std::vector<std::string> kLosses{"squares", "huber", "cauchy"};
 
 template <class Enum>
@@ -111,12 +113,16 @@ void write_newton(const MethodSpec& m, Json& entry) { write_descent(m.nonlinear,
 
 void read_range_bearing(JsonObject& object, MethodSpec& method) {
   RangeBearingOptions& o = method.range_bearing;
+  method.sigma_is_estimated = object.choice("sigma", kSigmas, 0) == 1;
   o.sigma.range_m = number_within(object, "range_sigma_m", o.sigma.range_m, 1e-6, 1e3);
   o.sigma.bearing_m = number_within(object, "bearing_sigma_m", o.sigma.bearing_m, 1e-6, 1e3);
   o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
   o.loss = enum_choice(object, "loss", kLosses, o.loss);
   o.loss_scale = number_within(object, "loss_scale", o.loss_scale, 1e-3, 1e3);
-  object.about({{"range_sigma_m", "standard deviation of a sensor's position along its ray"},
+  object.about({{"sigma",
+                 "stated: the next two; estimated: from the disagreement of the sensors in the other half of "
+                 "the take, and stated where that tells nothing"},
+                {"range_sigma_m", "standard deviation of a sensor's position along its ray"},
                 {"bearing_sigma_m", "and across it, in each of both directions"},
                 {"inferred_factor", "on both, of an inferred joint"},
                 {"loss", "of a sensor's residual in sigmas"},
@@ -125,6 +131,7 @@ void read_range_bearing(JsonObject& object, MethodSpec& method) {
 
 void write_range_bearing(const MethodSpec& m, Json& entry) {
   const RangeBearingOptions& o = m.range_bearing;
+  entry["sigma"] = kSigmas[m.sigma_is_estimated ? 1 : 0];
   entry["range_sigma_m"] = o.sigma.range_m;
   entry["bearing_sigma_m"] = o.sigma.bearing_m;
   entry["inferred_factor"] = o.inferred_factor;
@@ -286,8 +293,10 @@ const std::vector<MethodKind>& method_kinds() {
        .write = write_range_bearing,
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
-             return solve_range_bearing(instant.observations, instant.world_from_sensor,
-                                        among(m.spec.range_bearing, sensors));
+             RangeBearingOptions options = among(m.spec.range_bearing, sensors);
+             if (m.spec.sigma_is_estimated && std::isfinite(instant.sigma.range_m))
+               options.sigma = instant.sigma;
+             return solve_range_bearing(instant.observations, instant.world_from_sensor, options);
            }},
       {.name = "mean",
        .what = "the mean of the sensors' positions of the joint",

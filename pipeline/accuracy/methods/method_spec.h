@@ -42,6 +42,7 @@ struct MethodSpec {
   bool inferred_is_occluded = true;  // an inferred joint counts as one crossing more
   int fewest_sensors = 1;            // those with the fewest crossings come back until there are as many
   RangeBearingOptions range_bearing;
+  bool sigma_is_estimated = false;  // range_bearing: from the rig itself, without truth
   WeightedMeanOptions weighted;
   RobustMeanOptions robust;
   KalmanOptions kalman;  // of kalman and rts

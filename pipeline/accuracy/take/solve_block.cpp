@@ -83,7 +83,8 @@ void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData
       const auto observations = seen.of(i, j);
       instants.push_back({observations, planned.world_from_sensor,
                           occlusions_of(data, block.first_instant + i, plan.joints[j]),
-                          ranges_of(observations, planned.world_from_sensor)});
+                          ranges_of(observations, planned.world_from_sensor),
+                          sigma_at(data, block.first_instant + i, j)});
       const std::uint64_t row = first_row + instants.size() - 1;
       block.ranges[row] = static_cast<std::uint8_t>(instants.back().ranges.count);
       block.occluded[row] = occluded_views(instants.back());

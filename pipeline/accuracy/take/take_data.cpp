@@ -212,6 +212,11 @@ void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
   }
 }
 
+RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint) {
+  if (data.sigma.empty()) return {kNaN, kNaN};
+  return data.sigma[2 * joint + (instant < data.time.size() / 2 ? 0 : 1)];
+}
+
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint) {
   JointOcclusions result{};
   for (std::size_t rule = 0; rule < kOcclusionRules; ++rule)

@@ -10,6 +10,7 @@
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
+#include "evaluators/fusion/range_bearing.h"
 #include "pipeline/accuracy/take/plan.h"
 
 namespace trilat {
@@ -43,6 +44,8 @@ struct TakeData {
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
   std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
   ClockRow clock;                                           // by motion, when the study asks
+  // Of methods whose sigma is estimated: by joint of the plan, for the take's first and second half.
+  std::vector<RaySigma> sigma;
   std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
@@ -58,6 +61,9 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::func
 void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
                    const std::vector<RigidTransform>& world_from_sensor,
                    std::span<JointObservation> observations);
+
+// The sigmas that are estimated for a joint of the plan at an instant; NaN without.
+RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint);
 
 // How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);

@@ -35,6 +35,7 @@ Json json_of(const TakeTracking& tracking) {
                               {"sum_m", sums.sum_m},
                               {"squares_m2", sums.squares_m2}});
   json["clock"] = json_of(tracking.clock);
+  json["rays"] = json_of(tracking.rays);
   return json;
 }
 
@@ -63,6 +64,8 @@ TakeTracking read_tracking(JsonObject object) {
   }
   JsonObject clock = object.object("clock");
   tracking.clock = read_clock(clock);
+  JsonObject rays = object.object("rays");
+  tracking.rays = read_ray(rays);
   object.finish();
   return tracking;
 }

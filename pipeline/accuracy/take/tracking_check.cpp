@@ -241,6 +241,7 @@ TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& 
           sum.squares_m2 += row.squares_m2;
         });
     if (!take.clock.status.empty()) summary.clocks.push_back(take.clock);
+    if (!take.rays.take.empty()) summary.rays.push_back(take.rays);
   }
   for (const RangeSums& r : ranges) {
     const double n = static_cast<double>(r.n);

@@ -18,6 +18,7 @@ struct TakeTracking {
   std::vector<ViewRow> views;
   std::vector<ExchangeRow> exchanges;
   ClockRow clock;
+  RayRow rays = {};
   std::vector<RangeSums> ranges;
 };
 
