@@ -43,34 +43,16 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
   return 0;
 }
 
-void add_header(TextOutput& text, const std::filesystem::path& path, double rate_hz, std::int64_t rows,
-                bool millimetres) {
-  text.add("PathFileType\t4\t(X/Y/Z)\t{}\n", path.filename().string());
-  text.add(
-      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames"
-      "\n");
-  text.add("{:g}\t{:g}\t{}\t{}\t{}\t{:g}\t1\t{}\n", rate_hz, rate_hz, rows, kJointCount,
-           millimetres ? "mm" : "m", rate_hz, rows);
-  text.add("Frame#\tTime");
-  for (int j = 0; j < kJointCount; ++j) text.add("\t{}\t\t", name_of(static_cast<Joint>(j)));
-  text.add("\n\t");
-  for (int j = 1; j <= kJointCount; ++j) text.add("\tX{}\tY{}\tZ{}", j, j, j);
-  text.add("\n\n");
+std::vector<Joint> every_joint() {
+  std::vector<Joint> joints;
+  for (int j = 0; j < kJointCount; ++j) joints.push_back(static_cast<Joint>(j));
+  return joints;
 }
 
 void add_markers(TextOutput& text, const Body* body, const RigidTransform& from_sensor, bool millimetres) {
   const Body moved = body ? transformed(*body, from_sensor) : Body{};
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    if (moved.tracking_state[j] == 0) {
-      text.add("\t\t\t");
-      continue;
-    }
-    for (const float x_m : moved.position_m[j])
-      if (millimetres)
-        text.add("\t{:.3f}", 1e3 * static_cast<double>(x_m));
-      else
-        text.add("\t{:.6f}", static_cast<double>(x_m));
-  }
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    add_trc_marker(text, moved.tracking_state[j] == 0 ? nullptr : moved.position_m[j].data(), millimetres);
 }
 
 const Body* body_with(const BodyFrame& frame, std::uint64_t id) {
@@ -85,7 +67,7 @@ TrcFile export_body(const SessionReader& session, std::size_t sensor, std::uint6
   const RigidTransform from_sensor = export_from_sensor(options.frame, session, sensor);
   const std::int64_t rows = stretch.last - stretch.first + 1;
   TextOutput text(path);
-  add_header(text, path, description.nominal_rate_hz, rows, options.millimetres);
+  add_trc_header(text, path, description.nominal_rate_hz, rows, every_joint(), options.millimetres);
   std::optional<FrameStamp> first;
   std::int64_t row = 0;
   const auto visit = [&](const BodyFrame& frame) {
@@ -103,6 +85,31 @@ TrcFile export_body(const SessionReader& session, std::size_t sensor, std::uint6
 }
 
 }  // namespace
+
+void add_trc_header(TextOutput& text, const std::filesystem::path& path, double rate_hz, std::int64_t rows,
+                    std::span<const Joint> joints, bool millimetres) {
+  text.add("PathFileType\t4\t(X/Y/Z)\t{}\n", path.filename().string());
+  text.add(
+      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames"
+      "\n");
+  text.add("{:g}\t{:g}\t{}\t{}\t{}\t{:g}\t1\t{}\n", rate_hz, rate_hz, rows, joints.size(),
+           millimetres ? "mm" : "m", rate_hz, rows);
+  text.add("Frame#\tTime");
+  for (const Joint joint : joints) text.add("\t{}\t\t", name_of(joint));
+  text.add("\n\t");
+  for (std::size_t j = 1; j <= joints.size(); ++j) text.add("\tX{}\tY{}\tZ{}", j, j, j);
+  text.add("\n\n");
+}
+
+void add_trc_marker(TextOutput& text, const float* position_m, bool millimetres) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!position_m)
+      text.add("\t");
+    else if (millimetres)
+      text.add("\t{:.3f}", 1e3 * static_cast<double>(position_m[axis]));
+    else
+      text.add("\t{:.6f}", static_cast<double>(position_m[axis]));
+}
 
 std::vector<TrcFile> export_session_trc(const SessionReader& session, const std::filesystem::path& output,
                                         const TrcOptions& options) {

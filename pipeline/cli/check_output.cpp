@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/export/fused_path.h"
 #include "datasets/export/samples_csv.h"
 #include "datasets/export/session_csv.h"
 #include "datasets/results/items.h"
@@ -120,6 +121,8 @@ const KindRow kKinds[] = {
     {OutputKind::session_table, false, [](const PlannedOutput& o) { return begins_with(o, kSessionCsvHead); },
      "exists and is no table of a session"},
     {OutputKind::samples_table, false, [](const PlannedOutput& o) { return begins_with(o, kSamplesCsvHead); },
+     "exists and is no table of results"},
+    {OutputKind::fused_table, false, [](const PlannedOutput& o) { return begins_with(o, kFusedCsvHead); },
      "exists and is no table of results"},
     {OutputKind::trc, false,
      [](const PlannedOutput& o) {

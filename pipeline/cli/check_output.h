@@ -11,6 +11,7 @@ namespace trilat {
 enum class OutputKind {
   session_table,
   samples_table,
+  fused_table,
   trc,
   calibration,
   junit,

@@ -149,6 +149,26 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
 
 }  // namespace
 
+namespace {
+
+// Person 0 has the most frames.
+std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const PersonMatch& match,
+                                             std::size_t sensors) {
+  if (match.persons < 2) return std::nullopt;
+  PersonChoice choice;
+  choice.tracking_ids.resize(sensors);
+  for (std::size_t k = 0; k < tracklets.all.size(); ++k)
+    if (match.person_of_tracklet[k] == 0)
+      choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
+  choice.note = fmt::format(
+      "matched across sensors, its bodies are {} persons, of whom the one with the most "
+      "frames was taken",
+      match.persons);
+  return choice;
+}
+
+}  // namespace
+
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
                                           const SessionReader& session, const TakeData& data,
                                           const std::function<bool()>& stop_requested) {
@@ -156,6 +176,7 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     read_tracklets(planned, session, s, stop_requested, tracklets);
   const PersonMatch match = match_persons(tracklets.all, {});
+  if (data.truth_m.empty()) return most_seen_person(tracklets, match, plan.rig.size());
   const std::vector<std::size_t>& persons = match.person_of_tracklet;
   std::vector<double> distance_m;
   for (std::size_t p = 0; p < match.persons; ++p)

@@ -20,9 +20,9 @@ struct PersonChoice {
 };
 
 // Matches the bodies across sensors and takes the person who is nearest to the ground truth in the median,
-// also before and after a long absence. Nothing when all bodies are that person's, or when no sensor ever
-// sees two at once and nobody is near the truth (which may be in another world). `data` has its times and
-// truth.
+// also before and after a long absence; without ground truth the one with the most frames. Nothing when all
+// bodies are that person's, or when no sensor ever sees two at once and nobody is near the truth (which may
+// be in another world). `data` has its times and truth.
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
                                           const SessionReader& session, const TakeData& data,
                                           const std::function<bool()>& stop_requested);

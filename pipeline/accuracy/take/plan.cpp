@@ -69,12 +69,20 @@ void check_world(const Calibration& calibration, const StudySpec& study, const s
                                               "[\"rigid\"] alone");
 }
 
+// Of a take without truth: nothing limits the joints.
+JointMapping every_joint() {
+  JointMapping mapping;
+  for (int j = 0; j < kJointCount; ++j) mapping.joints.push_back({static_cast<Joint>(j), {}});
+  return mapping;
+}
+
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
-  planned.mapping = read_mapping(planned.take.mapping);
+  const bool has_truth = !planned.take.mocap.empty();
+  planned.mapping = has_truth ? read_mapping(planned.take.mapping) : every_joint();
   const Calibration calibration = read_calibration(planned.take.calibration);
-  check_world(calibration, study, planned.take.calibration.string());
+  if (has_truth) check_world(calibration, study, planned.take.calibration.string());
   planned.in_mocap_world = calibration.world == "optitrack";
   planned.level =
       !calibration.world.starts_with("sensor ") || calibration.world.find("floor") != std::string::npos;
@@ -90,7 +98,8 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   plan_instants(planned, rig, spans, study.rate_hz);
   std::vector<Joint> mapped;
   for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
-  TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});  // assets exist
+  if (has_truth)  // its assets exist
+    TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});
   planned.ok = true;
 }
 

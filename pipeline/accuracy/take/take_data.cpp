@@ -192,11 +192,13 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
   if (!session.complete())
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
-  for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
-    data.notes.push_back(std::move(note));
+  const bool has_truth = !planned.take.mocap.empty();
+  if (has_truth)
+    for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
+      data.notes.push_back(std::move(note));
   read_bodies(plan, planned, session, stop_requested, data);
   repair(plan, planned, data);
-  check_clock(plan, planned, stop_requested, data);
+  if (has_truth) check_clock(plan, planned, stop_requested, data);
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   find_occlusions(plan, planned, session, stop_requested, data);
   return data;
