@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/depth/room_scene.h"
 #include "recorders/freenect2/freenect2_source.h"
 #include "recorders/replay_source.h"
 #include "recorders/synthetic_depth_source.h"

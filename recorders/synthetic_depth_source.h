@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 #include "recorders/synthetic_source.h"
 
 namespace trilat {

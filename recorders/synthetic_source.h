@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/synthetic/body_tracker.h"
+#include "datasets/synthetic/tracker/body_tracker.h"
 #include "recorders/frame_source.h"
 
 namespace trilat {

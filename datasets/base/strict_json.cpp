@@ -6,15 +6,21 @@
 #include <limits>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/json_schema.h"
 
 namespace trilat {
 namespace {
 
 constexpr int kMaxDepth = 64;
+
+// The document that is noted, of the thread that reads it.
+thread_local const Json* noted_document = nullptr;
+thread_local std::shared_ptr<JsonFields> noted_fields;
 
 std::string join(const std::vector<std::string>& words) {
   std::string text;
@@ -99,11 +105,77 @@ std::string first_repeated(const std::vector<std::string>& texts) {
   return {};
 }
 
+JsonNotes::JsonNotes(const Json& document, std::shared_ptr<JsonFields> fields) {
+  noted_document = &document;
+  noted_fields = std::move(fields);
+}
+
+JsonNotes::~JsonNotes() {
+  noted_document = nullptr;
+  noted_fields.reset();
+}
+
 JsonObject::JsonObject(const Json& value, std::string place, std::string pointer)
     : value_(&value), place_(std::move(place)), pointer_(std::move(pointer)) {
   if (!value.is_object())
     throw InputError(place_ + " " + (pointer_.empty() ? "/" : pointer_),
                      "must be an object, is " + type_of(value));
+  if (&value == noted_document) fields_ = noted_fields;
+}
+
+JsonField* JsonObject::noted(const std::string& key) { return fields_ ? &fields_->of(key) : nullptr; }
+
+void JsonObject::note_type(const std::string& key, const char* type) {
+  JsonField* field = noted(key);
+  if (!field) return;
+  Json& known = field->schema["type"];
+  if (known.is_string() && known != type) known = Json::array({known, type});
+  if (known.is_null()) known = type;
+}
+
+template <class Value>
+void JsonObject::note_default(const std::string& key, const Value& value) {
+  JsonField* field = noted(key);
+  if (!field || field->schema.contains("default")) return;
+  if constexpr (std::is_floating_point_v<Value>)
+    field->schema["default"] =
+        std::stod(fmt::format("{:.12g}", value));  // a unit's conversion leaves 9.99…e-05
+  else
+    field->schema["default"] = value;
+}
+
+void JsonObject::note_list(const std::string& key, const char* type, std::size_t size) {
+  JsonField* field = noted(key);
+  if (!field) return;
+  field->schema.update({{"type", "array"}, {"items", {{"type", type}}}});
+  if (!field->has_any_size) field->schema.update({{"minItems", size}, {"maxItems", size}});
+}
+
+void JsonObject::range(const std::string& key, double low, double high) {
+  JsonField* field = noted(key);
+  if (!field) return;
+  const bool is_integer = field->schema["type"] == "integer";
+  const auto limit = [&](double value) {
+    return is_integer ? Json(static_cast<std::int64_t>(value)) : Json(value);
+  };
+  field->schema["minimum"] = limit(low);
+  if (std::isfinite(high)) field->schema["maximum"] = limit(high);
+}
+
+void JsonObject::words(const std::string& key, const std::vector<std::string>& known) {
+  JsonField* field = noted(key);
+  if (!field) return;
+  Json& schema = field->schema.contains("items") ? field->schema["items"] : field->schema;
+  schema["enum"] = known;
+}
+
+void JsonObject::shape(const std::string& key, const char* schema) {
+  if (JsonField* field = noted(key)) field->schema.update(Json::parse(schema));
+}
+
+void JsonObject::about(std::initializer_list<std::pair<const char*, const char*>> meanings) {
+  for (const auto& [key, meaning] : meanings)
+    if (fields_ && known_.contains(key)) noted(key)->about = meaning;
 }
 
 std::string JsonObject::place_of(const std::string& key) const {
@@ -114,16 +186,29 @@ void JsonObject::refuse(const std::string& key, const std::string& problem) cons
   throw InputError(place_of(key), problem);
 }
 
-const Json* JsonObject::find(const std::string& key) {
-  known_.insert(key);
+const Json* JsonObject::find(const std::string& key, bool required) {
+  if (known_.insert(key).second && fields_) {
+    JsonField& field = fields_->of(key);
+    field.required = required && (field.required || !field.was_asked);
+    field.was_asked = true;
+  }
   const auto found = value_->find(key);
   return found == value_->end() ? nullptr : &*found;
 }
 
 const Json& JsonObject::need(const std::string& key) {
-  const Json* found = find(key);
+  const Json* found = find(key, true);
   if (!found) refuse(key, "is missing");
   return *found;
+}
+
+void JsonObject::format(const std::string& name, std::int64_t version) {
+  if (text("format") != name) refuse("format", "must be \"" + name + '"');
+  if (integer("version") != version)
+    refuse("version", "must be " + std::to_string(version) + ", the version that this program reads");
+  if (!fields_) return;
+  noted("format")->schema = {{"const", name}};
+  noted("version")->schema = {{"const", version}};
 }
 
 bool JsonObject::has(const std::string& key) { return find(key) != nullptr; }
@@ -135,25 +220,37 @@ double JsonObject::as_number(const std::string& key, const Json& value) const {
   return number;
 }
 
-double JsonObject::number(const std::string& key) { return as_number(key, need(key)); }
+double JsonObject::number(const std::string& key) {
+  const Json& value = need(key);
+  note_type(key, "number");
+  return as_number(key, value);
+}
 
 double JsonObject::number(const std::string& key, double fallback) {
   const Json* found = find(key);
+  note_type(key, "number");
+  note_default(key, fallback);
   return found ? as_number(key, *found) : fallback;
 }
 
 double JsonObject::positive(const std::string& key) {
   const double number = this->number(key);
+  if (JsonField* field = noted(key)) field->schema["exclusiveMinimum"] = 0;
   if (!(number > 0.0)) refuse(key, "must be greater than 0, is " + need(key).dump());
   return number;
 }
 
 double JsonObject::positive(const std::string& key, double fallback) {
-  return has(key) ? positive(key) : fallback;
+  const bool is_there = has(key);
+  note_type(key, "number");
+  note_default(key, fallback);
+  if (JsonField* field = noted(key)) field->schema["exclusiveMinimum"] = 0;
+  return is_there ? positive(key) : fallback;
 }
 
 std::int64_t JsonObject::integer(const std::string& key) {
   const Json& value = need(key);
+  note_type(key, "integer");
   if (!value.is_number_integer()) refuse(key, "must be an integer, is " + type_of(value));
   if (value.is_number_unsigned() &&
       value.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
@@ -167,16 +264,24 @@ std::int64_t JsonObject::integer(const std::string& key, std::int64_t fallback) 
 
 std::uint64_t JsonObject::count(const std::string& key) {
   const Json& value = need(key);
+  note_type(key, "integer");
+  range(key, 0.0, std::numeric_limits<double>::infinity());
   if (!value.is_number_unsigned()) refuse(key, "must be an integer of 0 or more, is " + type_of(value));
   return value.get<std::uint64_t>();
 }
 
 std::uint64_t JsonObject::count(const std::string& key, std::uint64_t fallback) {
-  return has(key) ? count(key) : fallback;
+  const bool is_there = has(key);
+  note_type(key, "integer");
+  note_default(key, fallback);
+  range(key, 0.0, std::numeric_limits<double>::infinity());
+  return is_there ? count(key) : fallback;
 }
 
 bool JsonObject::boolean(const std::string& key, bool fallback) {
   const Json* found = find(key);
+  note_type(key, "boolean");
+  note_default(key, fallback);
   if (!found) return fallback;
   if (!found->is_boolean()) refuse(key, "must be true or false, is " + type_of(*found));
   return found->get<bool>();
@@ -184,16 +289,21 @@ bool JsonObject::boolean(const std::string& key, bool fallback) {
 
 std::string JsonObject::text(const std::string& key) {
   const Json& value = need(key);
+  note_type(key, "string");
   if (!value.is_string()) refuse(key, "must be a text, is " + type_of(value));
   return value.get<std::string>();
 }
 
 std::string JsonObject::text(const std::string& key, std::string fallback) {
-  return has(key) ? text(key) : std::move(fallback);
+  const bool is_there = has(key);
+  note_type(key, "string");
+  note_default(key, fallback);
+  return is_there ? text(key) : std::move(fallback);
 }
 
 std::size_t JsonObject::choice(const std::string& key, const std::vector<std::string>& known) {
   const std::string word = text(key);
+  words(key, known);
   const auto found = std::find(known.begin(), known.end(), word);
   if (found == known.end()) refuse(key, "is \"" + word + "\", which is unknown; known are: " + join(known));
   return static_cast<std::size_t>(found - known.begin());
@@ -201,7 +311,26 @@ std::size_t JsonObject::choice(const std::string& key, const std::vector<std::st
 
 std::size_t JsonObject::choice(const std::string& key, const std::vector<std::string>& known,
                                std::size_t fallback) {
-  return has(key) ? choice(key, known) : fallback;
+  const bool is_there = has(key);
+  note_type(key, "string");
+  words(key, known);
+  note_default(key, known[fallback]);
+  return is_there ? choice(key, known) : fallback;
+}
+
+std::size_t JsonObject::branch(const std::string& key, const std::vector<std::string>& known) {
+  const std::size_t chosen = choice(key, known);
+  if (!fields_) return chosen;
+  auto& branches = fields_->branches;
+  auto found =
+      std::ranges::find(branches, known[chosen], &std::pair<std::string, std::shared_ptr<JsonFields>>::first);
+  if (found == branches.end())
+    found = branches.insert(branches.end(), {known[chosen], std::make_shared<JsonFields>()});
+  fields_ = found->second;
+  JsonField& field = fields_->of(key);
+  field.required = true;
+  field.schema = {{"const", known[chosen]}};
+  return chosen;
 }
 
 const Json& JsonObject::need_array(const std::string& key, std::size_t size, const char* what) {
@@ -213,6 +342,7 @@ const Json& JsonObject::need_array(const std::string& key, std::size_t size, con
 
 std::vector<double> JsonObject::numbers(const std::string& key, std::size_t size) {
   std::vector<double> result;
+  note_list(key, "number", size);
   for (const Json& element : need_array(key, size, "numbers")) result.push_back(as_number(key, element));
   return result;
 }
@@ -226,6 +356,7 @@ std::vector<double> JsonObject::numbers_or_none(const std::string& key, std::siz
 
 std::vector<std::int64_t> JsonObject::integers(const std::string& key, std::size_t size) {
   std::vector<std::int64_t> result;
+  note_list(key, "integer", size);
   for (const Json& element : need_array(key, size, "integers")) {
     if (!element.is_number_integer() ||
         (element.is_number_unsigned() &&
@@ -238,6 +369,7 @@ std::vector<std::int64_t> JsonObject::integers(const std::string& key, std::size
 
 std::vector<std::uint64_t> JsonObject::counts(const std::string& key, std::size_t size) {
   std::vector<std::uint64_t> result;
+  note_list(key, "integer", size);
   for (const Json& element : need_array(key, size, "counts")) {
     if (!element.is_number_unsigned()) refuse(key, "must hold integers >= 0, has " + type_of(element));
     result.push_back(element.get<std::uint64_t>());
@@ -247,6 +379,8 @@ std::vector<std::uint64_t> JsonObject::counts(const std::string& key, std::size_
 
 std::vector<std::string> JsonObject::texts(const std::string& key) {
   const Json& value = need(key);
+  if (JsonField* field = noted(key)) field->has_any_size = true;
+  note_list(key, "string", 0);
   if (!value.is_array()) refuse(key, "must be an array of texts, is " + type_of(value));
   std::vector<std::string> result;
   for (const Json& element : value) {
@@ -257,25 +391,48 @@ std::vector<std::string> JsonObject::texts(const std::string& key) {
 }
 
 std::vector<std::string> JsonObject::texts(const std::string& key, std::vector<std::string> fallback) {
-  return has(key) ? texts(key) : std::move(fallback);
+  const bool is_there = has(key);
+  if (JsonField* field = noted(key)) field->has_any_size = true;
+  note_list(key, "string", 0);
+  note_default(key, fallback);
+  return is_there ? texts(key) : std::move(fallback);
 }
 
 JsonObject JsonObject::object(const std::string& key) {
-  return JsonObject(need(key), place_, pointer_ + "/" + escaped(key));
+  JsonObject member(need(key), place_, pointer_ + "/" + escaped(key));
+  note_type(key, "object");
+  member.fields_ = members_of(key);
+  return member;
 }
 
 std::vector<JsonObject> JsonObject::objects(const std::string& key) {
   const Json& value = need(key);
   if (!value.is_array()) refuse(key, "must be an array of objects, is " + type_of(value));
+  note_type(key, "array");
+  if (JsonField* field = noted(key)) field->schema["items"] = Json::object();
   std::vector<JsonObject> result;
-  for (std::size_t i = 0; i < value.size(); ++i)
+  for (std::size_t i = 0; i < value.size(); ++i) {
     result.emplace_back(value[i], place_, pointer_ + "/" + escaped(key) + "/" + std::to_string(i));
+    result.back().fields_ = members_of(key);
+  }
   return result;
 }
 
-const Json& JsonObject::value(const std::string& key) { return need(key); }
+std::shared_ptr<JsonFields> JsonObject::members_of(const std::string& key) {
+  JsonField* field = noted(key);
+  if (!field) return nullptr;
+  if (!field->members) field->members = std::make_shared<JsonFields>();
+  return field->members;
+}
+
+const Json& JsonObject::value(const std::string& key) {
+  const Json& value = need(key);
+  if (JsonField* field = noted(key)) field->has_any_size = true;
+  return value;
+}
 
 std::vector<std::string> JsonObject::keys() const {
+  if (fields_) fields_->are_data = true;
   std::vector<std::string> result;
   for (const auto& item : value_->items()) result.push_back(item.key());
   return result;
@@ -283,7 +440,7 @@ std::vector<std::string> JsonObject::keys() const {
 
 void JsonObject::finish() {
   for (const auto& item : value_->items())
-    if (!known_.contains(item.key()))
+    if (!known_.contains(item.key()) && !(pointer_.empty() && item.key() == "$schema"))
       refuse(item.key(),
              "is an unknown key; known are: " + join(std::vector<std::string>(known_.begin(), known_.end())));
 }

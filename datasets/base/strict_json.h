@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
@@ -32,14 +33,28 @@ Json numbers_json(std::span<const double> numbers);
 // The first text that an earlier one equals; empty when all differ.
 std::string first_repeated(const std::vector<std::string>& texts);
 
+struct JsonField;
+struct JsonFields;
+
+// While it lives, what readers ask the document for is noted in `fields`; see json_schema.h.
+class JsonNotes {
+ public:
+  JsonNotes(const Json& document, std::shared_ptr<JsonFields> fields);
+  ~JsonNotes();
+  JsonNotes(const JsonNotes&) = delete;
+  JsonNotes& operator=(const JsonNotes&) = delete;
+};
+
 // Walks one JSON object strictly: every key has to be asked for, of the right type, or finish()
-// names it and lists the known ones. A number 1.7 is no integer, -1 is not unsigned, infinity is
-// not a number.
+// names it and lists the known ones; but a document may name its "$schema". A number 1.7 is no integer, -1 is
+// not unsigned, infinity is not a number.
 class JsonObject {
  public:
   // `place` and `pointer` say where `value` stands; it must outlive the reader.
   JsonObject(const Json& value, std::string place, std::string pointer);
 
+  // The keys "format" and "version", which must be these.
+  void format(const std::string& name, std::int64_t version = 1);
   bool has(const std::string& key);
   double number(const std::string& key);
   double number(const std::string& key, double fallback);
@@ -55,6 +70,8 @@ class JsonObject {
   // The position of the text under `key` in `known`; an unknown word is refused with the list.
   std::size_t choice(const std::string& key, const std::vector<std::string>& known);
   std::size_t choice(const std::string& key, const std::vector<std::string>& known, std::size_t fallback);
+  // The same for a word that decides which other keys there are.
+  std::size_t branch(const std::string& key, const std::vector<std::string>& known);
   std::vector<double> numbers(const std::string& key, std::size_t size);
   // The same with null for what is not finite, which JSON has no number for; it comes back as NaN.
   std::vector<double> numbers_or_none(const std::string& key, std::size_t size);
@@ -68,6 +85,13 @@ class JsonObject {
   const Json& value(const std::string& key);
   std::vector<std::string> keys() const;
 
+  // What a schema says of a key that was asked for, beside what the asking told: in which range or of which
+  // words its reader wants it, what it looks like (as JSON Schema), what keys mean.
+  void range(const std::string& key, double low, double high);
+  void words(const std::string& key, const std::vector<std::string>& known);
+  void shape(const std::string& key, const char* schema);
+  void about(std::initializer_list<std::pair<const char*, const char*>> meanings);
+
   // Refuses keys nobody asked for.
   void finish();
 
@@ -77,15 +101,23 @@ class JsonObject {
   const std::string& file() const { return place_; }
 
  private:
-  const Json* find(const std::string& key);
+  const Json* find(const std::string& key, bool required = false);
   const Json& need(const std::string& key);
   const Json& need_array(const std::string& key, std::size_t size, const char* what);
   double as_number(const std::string& key, const Json& value) const;
+  // The field of a key that was asked for; null when nothing is noted.
+  JsonField* noted(const std::string& key);
+  void note_type(const std::string& key, const char* type);
+  template <class Value>
+  void note_default(const std::string& key, const Value& value);
+  std::shared_ptr<JsonFields> members_of(const std::string& key);
+  void note_list(const std::string& key, const char* type, std::size_t size);
 
   const Json* value_;
   std::string place_;
   std::string pointer_;
   std::set<std::string> known_;
+  std::shared_ptr<JsonFields> fields_;
 };
 
 }  // namespace trilat

@@ -68,6 +68,17 @@ SensorPose read_pose(JsonObject& entry) {
   pose.residual_rms_m = not_negative(entry, "residual_rms_m");
   pose.used = entry.count("used", 0);
   pose.left_out = entry.count("left_out", 0);
+  entry.about({{"name", "of the sensor"},
+               {"position_m", "in the world"},
+               {"rotation_xyzw", "world from sensor, unit quaternion"},
+               {"position_sigma_m", "one standard deviation"},
+               {"rotation_sigma_rad", "one standard deviation"},
+               {"covariance", "lower triangle, row by row: position, then rotation"},
+               {"depth_offset_m", "of the unit, subtracted from depth"},
+               {"depth_offset_sigma_m", "one standard deviation"},
+               {"residual_rms_m", "of the sightings used"},
+               {"used", "sightings"},
+               {"left_out", "sightings"}});
   entry.finish();
   return pose;
 }
@@ -84,12 +95,17 @@ void check_places(JsonObject& object, const std::vector<SensorPose>& sensors) {
 RejectedSighting read_rejected(JsonObject& entry) {
   const RejectedSighting result{entry.text("sensor"), entry.count("position"), entry.number("time_s"),
                                 not_negative(entry, "off_by_m")};
+  entry.about({{"sensor", "that saw the wand"},
+               {"position", "number of the place"},
+               {"time_s", "in the session"},
+               {"off_by_m", "from where the others put it"}});
   entry.finish();
   return result;
 }
 
 CalibrationSource read_source(JsonObject& entry) {
   const CalibrationSource result{entry.text("file"), entry.text("sha256")};
+  entry.about({{"file", "session or other input"}, {"sha256", "of its content"}});
   entry.finish();
   return result;
 }
@@ -115,10 +131,12 @@ Json pose_json(const SensorPose& pose) {
 }  // namespace
 
 Calibration read_calibration(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  return parse_calibration(read_json(path), path.string());
+}
+
+Calibration parse_calibration(const Json& json, const std::string& place) {
+  JsonObject object(json, place, "");
+  object.format(kFormat);
   Calibration calibration;
   calibration.method = object.text("method");
   calibration.world = object.text("world", calibration.world);
@@ -137,6 +155,15 @@ Calibration read_calibration(const std::filesystem::path& path) {
     for (JsonObject& entry : object.objects("rejected")) calibration.rejected.push_back(read_rejected(entry));
   if (object.has("sources"))
     for (JsonObject& entry : object.objects("sources")) calibration.sources.push_back(read_source(entry));
+  object.about({{"method", "how the sensors were calibrated"},
+                {"world", "whose frame the positions are in"},
+                {"simulated", "every table says so"},
+                {"positions", "of the wand"},
+                {"reduced_chi2", "of the refinement"},
+                {"program", "version that wrote it"},
+                {"sensors", "with their poses"},
+                {"rejected", "sightings"},
+                {"sources", "what it was computed from"}});
   object.finish();
   return calibration;
 }

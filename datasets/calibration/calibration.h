@@ -68,6 +68,7 @@ inline constexpr const char* kWithoutTranslation = "two positions, as printed";
 // Refuses what cannot be: sensors named twice or in one place (unless kWithoutTranslation), quaternions that
 // are not unit (beyond 1e-3), positions beyond 100 m, covariances that are none.
 Calibration read_calibration(const std::filesystem::path& path);
+Calibration parse_calibration(const Json& json, const std::string& place);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Json calibration_json(const Calibration& calibration);
 

@@ -183,7 +183,7 @@ void write_c3d(const std::filesystem::path& path, const JointTrack& track) {
 
 void write_joint_csv(const std::filesystem::path& path, const JointTrack& track) {
   TextOutput text(path);
-  text.add("frame,time_s,joint,status,x_m,y_m,z_m,sigma_m\n");
+  text.add("{}", kJointCsvHead);
   for_each_frame(track, [&](std::int64_t number, const JointFrame& frame) {
     for (std::size_t j = 0; j < track.joints.size(); ++j) {
       text.add("{},{:.6f},{},{}", number, frame.time_s, csv_field(track.joints[j]),

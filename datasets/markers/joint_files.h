@@ -40,8 +40,9 @@ void write_trc(const std::filesystem::path& path, const JointTrack& track);
 // when it is not known and -1 for a missing joint. At most 255 joints; times count from the first frame.
 void write_c3d(const std::filesystem::path& path, const JointTrack& track);
 
-// frame, time_s, joint, status, x_m, y_m, z_m, sigma_m: a row a frame and joint, blank where nothing is
-// known.
+inline constexpr const char* kJointCsvHead = "frame,time_s,joint,status,x_m,y_m,z_m,sigma_m\n";
+
+// A row a frame and joint, blank where nothing is known.
 void write_joint_csv(const std::filesystem::path& path, const JointTrack& track);
 
 // The header rows of a TRC file.

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/calibration_summary.h"
-#include "datasets/results/recording_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/summary.h"
-#include "datasets/results/sweep_summary.h"
 
 namespace trilat {
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/arrival_lag.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/arrival_lag.h"
+#include "datasets/session/clock/session_clock.h"
 
 namespace trilat {
 namespace {

@@ -17,7 +17,7 @@
 //
 #include <hwy/highway.h>
 
-#include "datasets/synthetic/random_lanes-inl.h"
+#include "datasets/synthetic/depth/random_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace trilat {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "datasets/base/time.h"
-#include "datasets/session/agent_clock.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/session_types.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulation_spec.h"

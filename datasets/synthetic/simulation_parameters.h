@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "datasets/synthetic/body_tracker_spec.h"
 #include "datasets/synthetic/simulation_spec.h"
+#include "datasets/synthetic/tracker/body_tracker_spec.h"
 
 namespace trilat {
 

@@ -29,6 +29,9 @@ RigSpec read_rig(JsonObject object) {
     const auto c = object.numbers("centre_m", 3);
     rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
   }
+  object.about({{"radius_m", "of the circle on which the sensors stand"},
+                {"heights_m", "one a sensor"},
+                {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
   object.finish();
   return rig;
 }
@@ -52,6 +55,24 @@ SensorSpec read_sensor(JsonObject object) {
   s.free_running = object.boolean("free_running", s.free_running);
   s.focal_spread_px = number_within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
   s.centre_spread_px = number_within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
+  object.about(
+      {{"rate_hz", "of frames"},
+       {"nearest_m", "at which a joint is seen"},
+       {"farthest_m", "at which a joint is seen"},
+       {"joint_bias_sigma_m",
+        "an axis, fixed per participant, sensor and joint; without body_tracker only, as the next four"},
+       {"joint_noise_sigma_m", "an axis and frame"},
+       {"inferred_share", "of half-second stretches in which a joint is only inferred"},
+       {"inferred_noise_factor", "on the noise of inferred joints"},
+       {"dropped_share", "of frames"},
+       {"clock_drift_ppm", "uniform in +-, of sensor and machine"},
+       {"latency_s", "exposure to arrival, the constant part"},
+       {"arrival_jitter_s", "mean of the exponential part"},
+       {"exchange_period_s", "between two exchanges of clock messages"},
+       {"exchange_jitter_s", "mean of the exponential part of their delay"},
+       {"free_running", "each sensor has its own phase, clock origin and drift"},
+       {"focal_spread_px", "uniform in +-, between units"},
+       {"centre_spread_px", "uniform in +-, between units"}});
   object.finish();
   return s;
 }
@@ -63,6 +84,11 @@ MocapSpec read_mocap_spec(JsonObject object) {
   m.marker_offset_m = not_negative(object, "marker_offset_m", m.marker_offset_m);
   m.gap_share = share_within(object, "gap_share", m.gap_share);
   m.clock_error_s = number_within(object, "clock_error_s", m.clock_error_s, 0.0, 10.0);
+  object.about({{"rate_hz", "of OptiTrack"},
+                {"marker_noise_sigma_m", "an axis"},
+                {"marker_offset_m", "of each of a joint's four markers from the joint"},
+                {"gap_share", "of 0.2 s stretches in which a marker is lost"},
+                {"clock_error_s", "uniform in +-, between the stated and the true start"}});
   object.finish();
   return m;
 }
@@ -99,6 +125,9 @@ ActivitySpec read_activity(JsonObject& object) {
     }
     if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
   }
+  object.about({{"name", "what the person does"},
+                {"duration_s", "of the take"},
+                {"marker_joints", "joints that carry markers; without it the paper's of the activity"}});
   object.finish();
   return activity;
 }
@@ -109,19 +138,17 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
                                 const std::filesystem::path& folder, OutsidePaths outside) {
   JsonObject object(json, place, "");
   SimulationSpec spec;
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.format(kFormat);
   spec.name = object.text("name", spec.name);
   spec.seed = object.count("seed", spec.seed);
-  spec.participants = object.count("participants", spec.participants);
-  if (spec.participants < 1 || spec.participants > 10'000)
-    object.refuse("participants", "must be 1 to 10000");
+  spec.participants = count_within(object, "participants", spec.participants, 1, 10'000);
   if (object.has("stature_m")) {
     JsonObject stature = object.object("stature_m");
     spec.stature_mean_m = number_within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
     spec.stature_half_range_m = number_within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
     if (spec.stature_mean_m - spec.stature_half_range_m < 0.5)
       stature.refuse("half_range", "must leave everybody at least 0.5 m tall");
+    stature.about({{"mean", "of the persons"}, {"half_range", "to both sides, uniform"}});
     stature.finish();
   }
   if (object.has("recorded")) {
@@ -129,6 +156,9 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     spec.recorded = RecordedSpec{path_within(recorded, "mocap", folder, outside),
                                  path_within(recorded, "mapping", folder, outside)};
     spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
+    recorded.about({{"mocap", "its export, relative to this file"},
+                    {"mapping", "of its assets to joints"},
+                    {"activity", "what studies call it"}});
     recorded.finish();
   }
   if (object.has("activities"))
@@ -151,6 +181,20 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     object.refuse("depth", "says nothing without \"takes\": true in it or \"wand\" beside it");
   if (object.has("room") && !spec.depth.takes && !spec.wand)
     object.refuse("room", "is seen by nobody without depth: \"takes\": true in \"depth\", or \"wand\"");
+  object.about({{"name", "of the campaign"},
+                {"seed", "of every random number"},
+                {"participants", "persons"},
+                {"stature_m", "of the persons"},
+                {"recorded", "an OptiTrack take that is watched instead of generated persons"},
+                {"activities", "of every person; without it walking"},
+                {"rig", "where the virtual sensors stand"},
+                {"sensor", "the virtual sensor"},
+                {"body_tracker", "errors of its body tracker; without it those of sensor"},
+                {"bystanders", "who walk through the room"},
+                {"mocap", "the virtual OptiTrack"},
+                {"room", "what depth sees besides persons"},
+                {"depth", "errors of depth"},
+                {"wand", "a calibration recording beside the takes"}});
   object.finish();
   if (spec.recorded) spec.participants = 1;
   if (spec.participants * std::max<std::size_t>(1, spec.activities.size()) > 16'000)

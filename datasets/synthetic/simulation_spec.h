@@ -13,9 +13,9 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"
-#include "datasets/synthetic/body_tracker_spec.h"
-#include "datasets/synthetic/depth_spec.h"
+#include "datasets/synthetic/depth/depth_spec.h"
 #include "datasets/synthetic/generated_person.h"
+#include "datasets/synthetic/tracker/body_tracker_spec.h"
 
 namespace trilat {
 

@@ -16,12 +16,6 @@ namespace {
 constexpr const char* kCampaignFormat = "trilat.campaign";
 constexpr const char* kMappingFormat = "trilat.mapping";
 
-void check_format(JsonObject& object, const char* format) {
-  if (object.text("format") != format) object.refuse("format", std::string("must be \"") + format + '"');
-  if (object.integer("version") != 1)
-    object.refuse("version", "is another version; this program reads version 1");
-}
-
 Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePaths outside) {
   Take take;
   take.id = entry.text("id");
@@ -37,6 +31,16 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
   if (entry.has("tracker_truth")) take.tracker_truth = path_within(entry, "tracker_truth", folder, outside);
+  entry.about(
+      {{"id", "of the take; names its files"},
+       {"participant", "who is seen"},
+       {"activity", "what the person does: the condition"},
+       {"session", "recording, relative to this file"},
+       {"calibration", "of the sensors"},
+       {"mocap", "the truth"},
+       {"mapping", "of the truth's assets to joints"},
+       {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
+       {"tracker_truth", "of a simulated take: what its body tracker did"}});
   entry.finish();
   return take;
 }
@@ -44,9 +48,12 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
 }  // namespace
 
 JointMapping read_mapping(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  check_format(object, kMappingFormat);
+  return parse_mapping(read_json(path), path.string());
+}
+
+JointMapping parse_mapping(const Json& json, const std::string& place) {
+  JsonObject object(json, place, "");
+  object.format(kMappingFormat);
   JointMapping mapping;
   JsonObject joints = object.object("joints");
   for (const std::string& key : joints.keys()) {
@@ -64,6 +71,7 @@ JointMapping read_mapping(const std::filesystem::path& path) {
     mapping.joints.push_back({*joint, std::move(assets)});
   }
   if (mapping.joints.empty()) object.refuse("joints", "must map at least one joint");
+  object.about({{"joints", "each with the assets whose mean it is"}});
   object.finish();
   return mapping;
 }
@@ -76,9 +84,12 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
 
 Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "campaign.json" : path;
-  const Json json = read_json(file);
+  return parse_campaign(read_json(file), file, outside);
+}
+
+Campaign parse_campaign(const Json& json, const std::filesystem::path& file, OutsidePaths outside) {
   JsonObject object(json, file.string(), "");
-  check_format(object, kCampaignFormat);
+  object.format(kCampaignFormat);
   Campaign campaign;
   campaign.name = object.text("name");
   campaign.folder = file.parent_path();
@@ -90,6 +101,8 @@ Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside) 
       entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
   }
   if (campaign.takes.empty()) object.refuse("takes", "must hold at least one take");
+  object.about(
+      {{"name", "of the campaign"}, {"simulated", "every table says so"}, {"takes", "what was recorded"}});
   object.finish();
   return campaign;
 }

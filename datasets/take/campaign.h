@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/base/files.h"
+#include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
@@ -25,6 +26,7 @@ struct JointMapping {
 // mapping.json, format 1: {"joints": {"head": ["head_1", …], …}}. Unknown joints are refused with
 // those known.
 JointMapping read_mapping(const std::filesystem::path& path);
+JointMapping parse_mapping(const Json& json, const std::string& place);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
 // One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is
@@ -56,6 +58,7 @@ struct Campaign {
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names; files must lie in
 // the folder unless others are allowed.
 Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside = OutsidePaths::refused);
+Campaign parse_campaign(const Json& json, const std::filesystem::path& file, OutsidePaths outside);
 // Writes paths relative to `folder`, whatever they are.
 void write_campaign(const std::filesystem::path& folder, const Campaign& campaign);
 

@@ -11,8 +11,8 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/gather_takes.h"
 #include "pipeline/accuracy/planned_work.h"
-#include "pipeline/accuracy/rig_gdop.h"
-#include "pipeline/accuracy/solve_block.h"
+#include "pipeline/accuracy/take/rig_gdop.h"
+#include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_folder.h"
 

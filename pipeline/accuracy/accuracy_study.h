@@ -10,7 +10,7 @@
 #include "datasets/results/summary.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/accuracy/memory_budget.h"
-#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/take/plan.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

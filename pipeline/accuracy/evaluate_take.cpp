@@ -9,12 +9,13 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/replay.h"
-#include "pipeline/accuracy/over_time.h"
-#include "pipeline/accuracy/replay_take.h"
-#include "pipeline/accuracy/solve_block.h"
-#include "pipeline/accuracy/take_data.h"
-#include "pipeline/accuracy/take_summary.h"
-#include "pipeline/accuracy/tracking_check.h"
+#include "pipeline/accuracy/statistics/take_summary.h"
+#include "pipeline/accuracy/take/replay_take.h"
+#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/take_paths.h"
+#include "pipeline/accuracy/take/take_rays.h"
+#include "pipeline/accuracy/take/tracking_check.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
@@ -106,12 +107,14 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
   const PlannedTake& planned = plan.takes[take];
   TakeProgress progress(plan, take, watch);
   TakeData data = load(plan, planned, clocks, watch);
+  estimate_sigmas(plan, planned, data);
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));
   TakeResult result;
   result.check = solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress);
   samples.finish();
   result.tracking = check_tracking(plan, planned, data);
+  result.tracking.rays = rays_of(plan, planned, data);
   if (is_replayed(plan, take)) write_replay(folder, std::array{replay_of(plan, take, data)});
   result.notes = std::move(data.notes);
   result.evaluated = true;

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "datasets/results/samples.h"
-#include "pipeline/accuracy/plan.h"
-#include "pipeline/accuracy/take_result.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

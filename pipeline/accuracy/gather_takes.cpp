@@ -11,8 +11,8 @@
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/evaluate_take.h"
-#include "pipeline/accuracy/replay_take.h"
-#include "pipeline/accuracy/summarise.h"
+#include "pipeline/accuracy/statistics/summarise.h"
+#include "pipeline/accuracy/take/replay_take.h"
 
 namespace trilat {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "pipeline/accuracy/plan.h"
-#include "pipeline/accuracy/take_result.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

@@ -13,7 +13,7 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/bodies/observed_body.h"
-#include "pipeline/accuracy/over_time.h"
+#include "pipeline/accuracy/methods/over_time.h"
 
 namespace trilat {
 namespace {

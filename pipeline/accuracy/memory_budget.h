@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/take/plan.h"
 
 namespace trilat {
 

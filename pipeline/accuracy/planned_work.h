@@ -9,8 +9,8 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/results/declared_parameters.h"
-#include "pipeline/accuracy/plan.h"
-#include "pipeline/accuracy/take_result.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/watch.h"
 

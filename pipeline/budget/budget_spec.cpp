@@ -9,8 +9,8 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/json_ranges.h"
-#include "pipeline/accuracy/method.h"
-#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/methods/method.h"
+#include "pipeline/accuracy/take/plan.h"
 
 namespace trilat {
 namespace {
@@ -79,6 +79,11 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
   spec.calibration_sigma_m = number_within(object, "calibration_sigma_m", spec.calibration_sigma_m, 0.0, 1.0);
   spec.calibration_sigma_deg =
       number_within(object, "calibration_sigma_deg", spec.calibration_sigma_deg, 0.0, 45.0);
+  object.about({{"simulation", "simulation.json, relative to this file; without it the paper's campaign"},
+                {"seed", "instead of the simulation's"},
+                {"participants", "instead of the simulation's"},
+                {"calibration_sigma_m", "error of a sensor's position, an axis"},
+                {"calibration_sigma_deg", "and of its rotation"}});
   object.finish();
   check_fits(object, spec.study, spec.simulation);
   if (!spec.study.conditions.empty())  // nobody looks at the others

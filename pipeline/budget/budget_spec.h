@@ -4,7 +4,7 @@
 #include <string>
 
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/hash_cache.h"
 
 namespace trilat {

@@ -7,8 +7,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
-#include "datasets/results/budget_summary.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/budget_summary.h"
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/simulate/campaign_study.h"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {

@@ -34,6 +34,7 @@ void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
       if (sensors < 2 || sensors > 8) rig.refuse("heights_m", "must hold 2 to 8 heights, one a sensor");
       spec.rig.heights_m = rig.numbers("heights_m", sensors);
     }
+    rig.about({{"radius_m", "of the circle of sensors"}, {"heights_m", "one a sensor"}});
     rig.finish();
   }
   spec.runs = count_within(object, "runs", spec.runs, 0, 10'000);
@@ -48,8 +49,7 @@ void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
 CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place) {
   JsonObject object(json, place, "");
   CalibrationSpec spec;
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.format(kFormat);
   object.choice("kind", {"calibration"});
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
@@ -70,6 +70,27 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
   spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 10'000'000);
   spec.range_sigma_m = number_within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
   read_sigmas(object, spec.sensor_sigmas_m);
+  object.about({{"name", "of the study"},
+                {"seed", "of every random number"},
+                {"ball_radius_m", "of the wand's ball"},
+                {"units", "sensors, each with its own depth offset, wiggle and optics"},
+                {"samples", "wand positions a unit"},
+                {"near_samples", "of them nearer than 0.5 m"},
+                {"frames", "whose mean is a sample"},
+                {"distances_m", "of samples: from, to"},
+                {"largest_angle_deg", "of samples, from the central line"},
+                {"distortion_units", "that look at a flat wall"},
+                {"distortion_frames", "of the wall, a unit"},
+                {"wall_m", "distance of the wall"},
+                {"rig", "of the calibrated rigs"},
+                {"runs", "rigs that are calibrated"},
+                {"positions", "of the wand, a rig"},
+                {"position_frames", "whose mean is a position"},
+                {"bodies_s", "of walking, for the calibration from bodies"},
+                {"bodies_instants", "at which the bodies are compared"},
+                {"effect_joints", "that are found with uncertain sensors"},
+                {"range_sigma_m", "of their ranges"},
+                {"sensor_sigmas_m", "of the sensors' positions"}});
   object.finish();
   return spec;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/calibration_study.h"
 
-#include "datasets/results/calibration_summary.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/distortion.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"

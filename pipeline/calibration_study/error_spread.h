@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "datasets/results/calibration_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
 
 namespace trilat {
 

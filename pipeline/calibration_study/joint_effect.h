@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/geometry/rigid_transform.h"
-#include "datasets/results/calibration_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/study/watch.h"
 

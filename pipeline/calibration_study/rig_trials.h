@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/results/calibration_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/study_units.h"

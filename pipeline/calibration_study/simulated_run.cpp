@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/wand_motion.h"

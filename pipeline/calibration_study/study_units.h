@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "datasets/depth/depth_rays.h"
-#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 
 namespace trilat {
 

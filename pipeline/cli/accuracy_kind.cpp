@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
@@ -172,6 +173,8 @@ int print_accuracy(const std::filesystem::path& results, Json document, bool jso
     fmt::print("{}\n", json_text(document, 2));
   } else {
     for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
+    if (const auto tracking = read_tracking_summary(results))
+      for (const RayRow& row : tracking->rays) fmt::print("{}: {}\n", row.take, ray_text(row));
     fmt::print("results: {}\n", results.string());
   }
   return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;

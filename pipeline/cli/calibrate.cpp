@@ -7,10 +7,10 @@
 #include "datasets/base/error.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/wand_study.h"
-#include "pipeline/cli/calibration_text.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
+#include "pipeline/cli/terminal/calibration_text.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/results_folder.h"
 

@@ -11,7 +11,9 @@ namespace trilat {
 enum class OutputKind {
   session_table,
   samples_table,
+  joint_table,
   trc,
+  c3d,
   calibration,
   junit,
   history,

@@ -70,11 +70,37 @@ void add_export(CLI::App& app, ExportArguments& e, int& code) {
   });
 }
 
+void add_fuse(CLI::App& app, FuseArguments& f, int& code) {
+  auto* verb =
+      app.add_subcommand("fuse", "one person's joints from all sensors of a session, without OptiTrack");
+  verb->add_option("session", f.session, "session.h5 of several calibrated sensors")->required();
+  verb->add_option("--calibration", f.calibration, "calibration.json of its sensors")->required();
+  verb->add_option("-o,--output", f.output,
+                   "walk.trc (OpenSim's markers), walk.c3d or walk.csv (with statuses and sigmas)")
+      ->required();
+  verb->add_option("--method", f.method,
+                   "any method of a study, with its default settings; range_bearing takes "
+                   "its sigmas from the disagreement of the sensors")
+      ->capture_default_str();
+  verb->add_option("--sensor", f.sensor, "single: which one");
+  verb->add_option("--rate-hz", f.rate_hz, "instants a second")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  add_force(*verb, f.force);
+  add_json(*verb, f.json);
+  verb->footer("Example: trilat fuse session.h5 --calibration calibration.json -o walk.trc");
+  verb->callback([&] {
+    end_in_order();
+    code = fuse(f);
+  });
+}
+
 }  // namespace
 
 void add_exchange_verbs(CLI::App& app, ExchangeArguments& arguments, int& code) {
   add_import(app, arguments.import, code);
   add_export(app, arguments.output, code);
+  add_fuse(app, arguments.fuse, code);
 }
 
 }  // namespace trilat

@@ -39,8 +39,19 @@ struct ExportArguments {
 };
 int export_recording(const ExportArguments& arguments);
 
+struct FuseArguments {
+  std::filesystem::path session, calibration, output;
+  std::string method = "range_bearing";
+  std::string sensor;  // of single
+  double rate_hz = 30.0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+int fuse(const FuseArguments& arguments);
+
 struct ExchangeArguments {
   ImportArguments import;
+  FuseArguments fuse;
   ExportArguments output;
 };
 

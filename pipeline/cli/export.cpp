@@ -9,7 +9,7 @@
 #include "datasets/export/session_trc.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/exchange_verbs.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

@@ -7,7 +7,7 @@
 #include "datasets/import/import_formats.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/exchange_verbs.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

@@ -10,12 +10,12 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

@@ -90,13 +90,13 @@ const std::vector<Kind>& kinds() {
          return accuracy_of_parts(
              work, place, arguments.memory_mb ? *arguments.memory_mb * 1'000'000 : half_of_memory_bytes());
        },
-       print_accuracy},
+       print_accuracy, accuracy_schema},
       {StudyKind::threshold_sweep, "items",
        "a threshold sweep makes its own trials and places its own sensors", false, open_sweep,
        [](const Json& work, const std::string& place, const MergeArguments&) {
          return sweep_study(plan_of_work(work, place));
        },
-       print_sweep},
+       print_sweep, sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", false, open_calibration,
        [](const Json& work, const std::string& place, const MergeArguments&) {
          return calibration_study(parse_calibration_spec(work, place));
@@ -104,7 +104,8 @@ const std::vector<Kind>& kinds() {
        [](const std::filesystem::path& results, Json document, bool json) {
          return print_tables(results, calibration_tables(read_calibration_summary(results)),
                              std::move(document), json);
-       }},
+       },
+       calibration_study_schema},
       {StudyKind::error_budget, "sources of error",
        "an error budget simulates its own campaigns; name their simulation.json in the study, as "
        "\"simulation\"",
@@ -114,7 +115,8 @@ const std::vector<Kind>& kinds() {
        },
        [](const std::filesystem::path& results, Json document, bool json) {
          return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document), json);
-       }},
+       },
+       budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
        [](const Json& work, const std::string& place, const MergeArguments&) {
          return recording_study(parse_recording_spec(work, place));
@@ -122,7 +124,8 @@ const std::vector<Kind>& kinds() {
        [](const std::filesystem::path& results, Json document, bool json) {
          return print_tables(results, table4(read_recording_summary(results), read_stage_timings(results)),
                              std::move(document), json);
-       }}};
+       },
+       recording_schema}};
   return kinds;
 }
 

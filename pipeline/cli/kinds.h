@@ -38,6 +38,7 @@ struct Kind {
   Study (*of_parts)(const Json& work, const std::string& place, const MergeArguments& arguments);
   // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
   int (*print)(const std::filesystem::path& results, Json document, bool json);
+  Json (*schema)();  // JSON Schema of its study.json
 };
 
 // All of them; adding one is a row.
@@ -49,5 +50,11 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
 int print_accuracy(const std::filesystem::path& results, Json document, bool json);
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study);
 int print_sweep(const std::filesystem::path& results, Json document, bool json);
+
+Json accuracy_schema();
+Json sweep_schema();
+Json calibration_study_schema();
+Json budget_schema();
+Json recording_schema();
 
 }  // namespace trilat

@@ -31,6 +31,7 @@ void on_signal(int number) {
 
 struct AllArguments {
   MocapArguments mocap;
+  SchemaArguments schema;
   SimulateArguments simulate;
   CalibrateArguments calibrate;
   RunArguments run;
@@ -53,6 +54,13 @@ void add_inspection(CLI::App& app, AllArguments& a, int& code) {
   mocap_verb->add_option("file", a.mocap.file, "CSV export of Motive, Arena or Tracking Tools")->required();
   add_json(*mocap_verb, a.mocap.json);
   mocap_verb->callback([&] { code = mocap(a.mocap); });
+
+  auto* schema_verb = app.add_subcommand(
+      "schema", "JSON Schema of a document that users write, for editors that complete and check it");
+  schema_verb->add_option("document", a.schema.document,
+                          "study, simulation, campaign, mapping or calibration");
+  schema_verb->add_flag("--markdown", a.schema.markdown, "the keys of all documents as tables");
+  schema_verb->callback([&] { code = schema(a.schema); });
 }
 
 void add_calibrate(CLI::App& app, AllArguments& a, int& code) {

@@ -7,7 +7,7 @@
 #include "datasets/base/strict_json.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/claims/claims.h"
 #include "reports/render/render.h"

@@ -14,7 +14,7 @@
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/embedded_studies.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/simulate/campaign_study.h"

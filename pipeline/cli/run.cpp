@@ -7,11 +7,11 @@
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "pipeline/calibration/wand_study.h"
-#include "pipeline/cli/calibration_text.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/progress.h"
 #include "pipeline/cli/reused_results.h"
+#include "pipeline/cli/terminal/calibration_text.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/results_folder.h"
 

@@ -69,6 +69,12 @@ struct MocapArguments {
 };
 int mocap(const MocapArguments& arguments);
 
+struct SchemaArguments {
+  std::string document;
+  bool markdown = false;  // of all documents
+};
+int schema(const SchemaArguments& arguments);
+
 struct SimulateArguments {
   std::filesystem::path spec;
   std::filesystem::path output;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/results/recording_summary.h"
+#include "datasets/results/studies/recording_summary.h"
 #include "pipeline/recording/clock_methods.h"
 #include "pipeline/recording/recording_spec.h"
 #include "pipeline/study/study.h"

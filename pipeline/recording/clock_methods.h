@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "pipeline/recording/recording_spec.h"
 
 namespace trilat {

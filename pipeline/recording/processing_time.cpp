@@ -10,7 +10,7 @@
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "evaluators/metrics/quantile_selection.h"
-#include "pipeline/accuracy/method.h"
+#include "pipeline/accuracy/methods/method.h"
 
 namespace trilat {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_ranges.h"
-#include "pipeline/accuracy/method.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 
 namespace trilat {
 namespace {
@@ -28,6 +28,12 @@ NetworkSpec read_network(JsonObject& object) {
   if (object.has("jitter_back_s"))
     network.jitter_back_s = number_within(object, "jitter_back_s", network.jitter_s, 0.0, 1.0);
   network.lost_share = share_within(object, "lost_share", network.lost_share);
+  object.about({{"name", "of the network"},
+                {"wire_s", "constant delay of a message"},
+                {"asymmetry_s", "more on the way to the sensor's machine"},
+                {"jitter_s", "mean of the exponential part of the delay"},
+                {"jitter_back_s", "the same of messages to the server; without it jitter_s"},
+                {"lost_share", "of exchanges"}});
   object.finish();
   return network;
 }
@@ -49,9 +55,7 @@ void read_methods(JsonObject& object, std::vector<MethodSpec>& methods) {
   if (!object.has("methods")) return;
   for (JsonObject& entry : object.objects("methods")) {
     MethodSpec method = read_method(entry);
-    const bool over_time = method.kind == MethodKind::kalman || method.kind == MethodKind::rts ||
-                           method.kind == MethodKind::window;
-    if (over_time) entry.refuse("method", "must be one that takes a frame by itself");
+    if (method.kind->over_time) entry.refuse("method", "must be one that takes a frame by itself");
     if (method.occlusion != OcclusionRule::off)
       entry.refuse("occlusion", "is of no use: occlusion is not looked for in this kind of study");
     for (const MethodSpec& other : methods)
@@ -90,8 +94,7 @@ std::string delays_text(const NetworkSpec& n) {
 RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   JsonObject object(json, place, "");
   RecordingSpec spec;
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.format(kFormat);
   object.choice("kind", {"recording"});
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
@@ -112,6 +115,23 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   spec.capture_s = number_within(object, "capture_s", spec.capture_s, 0.0, 86'400.0);
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
+  object.about({{"name", "of the study"},
+                {"seed", "of every random number"},
+                {"frames", "of a recording"},
+                {"rate_hz", "of frames"},
+                {"sensors", "each with a machine of its own"},
+                {"runs", "recordings, each with other clocks"},
+                {"clock_offset_s", "uniform in +-, of a machine's clock at the start"},
+                {"clock_drift_ppm", "uniform in +-, of a machine and of a sensor"},
+                {"exchange_period_s", "between two exchanges of clock messages"},
+                {"latency_s", "exposure to arrival, known"},
+                {"arrival_jitter_s", "mean of the exponential part"},
+                {"late_s", "the most by which a frame may be late for the paper's queue"},
+                {"body_tracking_s", "of a depth image"},
+                {"body_tracking_jitter_s", "mean of the exponential part"},
+                {"capture_s", "of recording in real time, to time it; 0: not timed"},
+                {"networks", "over which clocks are compared"},
+                {"methods", "that are timed, frame by frame"}});
   object.finish();
   check_methods(spec);
   return spec;

@@ -8,7 +8,7 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/results/declared_parameters.h"
-#include "pipeline/accuracy/method_spec.h"
+#include "pipeline/accuracy/methods/method_spec.h"
 
 namespace trilat {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "datasets/results/recording_summary.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/recording_summary.h"
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
 #include "pipeline/recording/time_capture.h"

@@ -14,8 +14,8 @@
 #include "recorders/looped_source.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/agent_link.h"
+#include "recorders/network/link/tls_keys.h"
 #include "recorders/network/network_source.h"
-#include "recorders/network/tls_keys.h"
 #include "recorders/open_source.h"
 #include "recorders/steady_time.h"
 

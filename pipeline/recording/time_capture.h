@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "datasets/results/stage_timings.h"
+#include "datasets/results/studies/stage_timings.h"
 #include "pipeline/recording/recording_spec.h"
 #include "pipeline/study/watch.h"
 

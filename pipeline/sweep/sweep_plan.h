@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "pipeline/sweep/sweep_spec.h"
 

@@ -36,6 +36,8 @@ std::vector<std::array<double, 3>> read_circle(JsonObject& object) {
 
 std::vector<std::array<double, 3>> read_positions(JsonObject& object) {
   const Json& value = object.value("sensors_m");
+  object.shape("sensors_m", R"({"type": "array", "items": {"type": "array", "items": {"type": "number"},
+      "minItems": 3, "maxItems": 3}})");
   if (!value.is_array()) object.refuse("sensors_m", "must be an array of positions [x, y, z]");
   std::vector<std::array<double, 3>> sensors_m;
   for (const Json& position : value) {
@@ -85,6 +87,10 @@ SweepRig read_rig(JsonObject& object) {
                   "a rig has either heights_m on a circle or sensors_m, and one of them");
   rig.sensors_m = circle ? read_circle(object) : read_positions(object);
   check_sensors(object, circle ? "heights_m" : "sensors_m", rig.sensors_m);
+  object.about({{"name", "of the rig"},
+                {"heights_m", "of sensors on a circle, spread evenly"},
+                {"radius_m", "of that circle"},
+                {"sensors_m", "positions, instead of heights"}});
   object.finish();
   return rig;
 }

@@ -59,6 +59,7 @@ void read_choices(JsonObject& object, const std::string& key, const Words& known
   if (const std::string twice = first_repeated(words); !twice.empty())
     object.refuse(key, "has \"" + twice + "\" twice");
   choices.clear();
+  object.words(key, known);
   for (const std::string& word : words) {
     const auto found = std::find(known.begin(), known.end(), word);
     if (found == known.end())
@@ -99,6 +100,8 @@ void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& rang
   const char* key = "error_ranges_cm";
   if (!object.has(key)) return;
   const Json& values = object.value(key);
+  object.shape(key, R"({"type": "array", "items": {"type": "array", "items": {"type": "number"},
+      "minItems": 2, "maxItems": 2}, "minItems": 1})");
   if (!values.is_array() || values.empty()) object.refuse(key, "must hold at least one [low, high]");
   ranges.clear();
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -141,8 +144,7 @@ std::string word_of(SweepStart start) { return word(kStarts, start); }
 SweepSpec parse_sweep(const Json& json, const std::string& place) {
   JsonObject object(json, place, "");
   SweepSpec spec;
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (object.integer("version") != 1) object.refuse("version", "must be 1");
+  object.format(kFormat);
   object.choice("kind", {"threshold_sweep"});
   spec.name = object.text("name");
   if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
@@ -165,6 +167,25 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   spec.time_repeats = count_within(object, "time_repeats", spec.time_repeats, 1, 1000);
   spec.search = object.boolean("search", spec.search);
   check_search(object, spec);
+  object.about({{"name", "of the study"},
+                {"rigs", "each with its sensors"},
+                {"joints", "at the centre of the rig, or anywhere in it"},
+                {"error_models", "of ranges, or of the joint as a sensor sees it"},
+                {"threshold_units", "in which C is counted"},
+                {"gradients", "as printed (eq. 12) or corrected"},
+                {"curvatures", "of the step"},
+                {"stops", "the rule: as printed (eq. 18), of the objective, or of the step"},
+                {"dampings", "of the step"},
+                {"starts", "of the descent"},
+                {"thresholds", "C, in each unit"},
+                {"error_ranges_cm", "[low, high] of the errors"},
+                {"trials", "of each cell"},
+                {"seed", "of every random number"},
+                {"max_iterations", "of a descent"},
+                {"digits_trials", "the first of the trials, compared with the exact minimum"},
+                {"time_problems", "that are timed; 0: none"},
+                {"time_repeats", "of the timing"},
+                {"search", "rank all readings by their distance from the printed Table I"}});
   object.finish();
   return spec;
 }

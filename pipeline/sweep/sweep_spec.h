@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "datasets/synthetic/range_trials.h"
 #include "evaluators/solvers/descent.h"
 

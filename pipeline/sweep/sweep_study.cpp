@@ -9,8 +9,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/sweep_summary.h"
-#include "datasets/results/sweep_timings.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/sweep_timings.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/sweep/interpretation_search.h"
 #include "pipeline/sweep/sweep_block.h"

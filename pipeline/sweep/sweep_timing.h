@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "datasets/results/sweep_timings.h"
+#include "datasets/results/studies/sweep_timings.h"
 #include "pipeline/sweep/sweep_plan.h"
 
 namespace trilat {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "datasets/base/strict_json.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/sweep/sweep_sums.h"
 

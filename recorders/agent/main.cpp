@@ -10,7 +10,7 @@
 #include "recorders/agent/agent_arguments.h"
 #include "recorders/agent/run_agent.h"
 #include "recorders/network/agent_connect.h"
-#include "recorders/network/tls_keys.h"
+#include "recorders/network/link/tls_keys.h"
 #include "recorders/open_source.h"
 
 namespace trilat {

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "recorders/network/wire.h"
+#include "recorders/network/link/wire.h"
 
 namespace trilat {
 

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "recorders/network/byte_link.h"
-#include "recorders/network/socket_link.h"
-#include "recorders/network/tls_link.h"
+#include "recorders/network/link/byte_link.h"
+#include "recorders/network/link/socket_link.h"
+#include "recorders/network/link/tls_link.h"
 
 namespace trilat {
 

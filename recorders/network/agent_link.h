@@ -7,7 +7,7 @@
 
 #include "recorders/frame_source.h"
 #include "recorders/network/agent_options.h"
-#include "recorders/network/byte_link.h"
+#include "recorders/network/link/byte_link.h"
 
 namespace trilat {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "recorders/network/agent_options.h"
-#include "recorders/network/message_link.h"
+#include "recorders/network/link/message_link.h"
 #include "recorders/network/resend_ring.h"
 
 namespace trilat {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "datasets/hdf5/chunk_codec.h"
-#include "recorders/network/socket_link.h"
-#include "recorders/network/tls_link.h"
+#include "recorders/network/link/socket_link.h"
+#include "recorders/network/link/tls_link.h"
 
 namespace trilat {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "recorders/network/socket_link.h"
+#include "recorders/network/link/socket_link.h"
 
 namespace trilat {
 

@@ -2,7 +2,7 @@
 #include "recorders/network/plain_connect.h"
 
 #include "datasets/base/error.h"
-#include "recorders/network/socket_link.h"
+#include "recorders/network/link/socket_link.h"
 
 namespace trilat {
 

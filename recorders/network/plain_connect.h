@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "recorders/network/byte_link.h"
-#include "recorders/network/socket_address.h"
+#include "recorders/network/link/byte_link.h"
+#include "recorders/network/link/socket_address.h"
 
 namespace trilat {
 

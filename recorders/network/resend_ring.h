@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "recorders/frame_source.h"
-#include "recorders/network/wire.h"
+#include "recorders/network/link/wire.h"
 
 namespace trilat {
 

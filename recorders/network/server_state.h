@@ -5,8 +5,8 @@
 
 #include "recorders/network/agent_book.h"
 #include "recorders/network/event_queue.h"
+#include "recorders/network/link/message_link.h"
 #include "recorders/network/listen_options.h"
-#include "recorders/network/message_link.h"
 #include "recorders/network/pending_strangers.h"
 
 namespace trilat {

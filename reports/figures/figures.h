@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/budget_summary.h"
-#include "datasets/results/calibration_summary.h"
 #include "datasets/results/gdop_map.h"
-#include "datasets/results/recording_summary.h"
+#include "datasets/results/studies/budget_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/sweep_timings.h"
 #include "datasets/results/summary.h"
-#include "datasets/results/sweep_summary.h"
-#include "datasets/results/sweep_timings.h"
 #include "reports/figures/figure.h"
 
 namespace trilat {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "datasets/results/budget_summary.h"
+#include "datasets/results/studies/budget_summary.h"
 
 namespace trilat {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/calibration_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
 
 namespace trilat {
 

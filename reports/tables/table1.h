@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 
 namespace trilat {
 

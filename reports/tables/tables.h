@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/budget_summary.h"
-#include "datasets/results/calibration_summary.h"
-#include "datasets/results/recording_summary.h"
-#include "datasets/results/stage_timings.h"
+#include "datasets/results/studies/budget_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/stage_timings.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
-#include "datasets/results/sweep_summary.h"
-#include "datasets/results/sweep_timings.h"
-#include "datasets/results/tracking_summary.h"
 #include "reports/tables/table.h"
 
 namespace trilat {
@@ -60,6 +60,8 @@ Table calibration_effect_table(const CalibrationSummary& summary);
 // What a run says of how its sensors tracked: which views each rule rejects and how often rightly, by joint
 // and by sensor; exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
+// One take's disagreement along and across the rays, and what follows for methods, in one line.
+std::string ray_text(const RayRow& row);
 
 // One table a condition: how near the methods that use ranges come to the Cramer-Rao bound of the ranges they
 // get. Only of errors before any alignment; without them, or without ranges, there is none.

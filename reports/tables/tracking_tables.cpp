@@ -123,6 +123,34 @@ Table clocks_table(const TrackingSummary& s) {
   return table;
 }
 
+double percent_above(double value, double reference) { return 100.0 * (value / reference - 1.0); }
+
+Table rays_table(const TrackingSummary& s) {
+  Table table;
+  table.id = usable_id("rays-" + s.study);
+  table.title = fmt::format("How sensors disagree along and across their rays ({})", data_text(s));
+  table.columns = {{"take", "take", true},
+                   {"along (cm)", "range_cm"},
+                   {"across (cm)", "bearing_cm"},
+                   {"along / across", "ratio"},
+                   {"95 % from", "ratio_low"},
+                   {"to", "ratio_high"},
+                   {"mean, expected (cm)", "mean_cm"},
+                   {"ranges alone (cm)", "ranges_cm"},
+                   {"range_bearing (cm)", "range_bearing_cm"},
+                   {"", "problem", true}};
+  for (const RayRow& row : s.rays)
+    table.rows.push_back({TableValue::of(row.take), cm_cell(row.range_m), cm_cell(row.bearing_m),
+                          TableValue::of(row.ratio, 2), TableValue::of(row.ratio_low, 2),
+                          TableValue::of(row.ratio_high, 2), cm_cell(row.mean_m), cm_cell(row.ranges_m),
+                          cm_cell(row.range_bearing_m), TableValue::of(row.problem)});
+  table.notes = {
+      "Estimated without truth, by restricted maximum likelihood. What all sensors have in common, such as a "
+      "bias of the body model, makes no disagreement and is in none of these numbers. Expected errors are "
+      "root mean squares for independent errors of these sizes."};
+  return table;
+}
+
 constexpr const char* kUnaligned = "none";
 
 void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
@@ -147,7 +175,18 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   }
   if (!s.exchanges.empty()) tables.push_back(exchanges_table(s));
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
+  if (!s.rays.empty()) tables.push_back(rays_table(s));
   return tables;
+}
+
+std::string ray_text(const RayRow& row) {
+  if (!row.problem.empty()) return fmt::format("along/across the rays: not known, {}", row.problem);
+  return fmt::format(
+      "along/across the rays {:.2f} ({:.2f} to {:.2f}): trilateration would {} {:.0f} %, range_bearing gains "
+      "{:.0f} % on the mean",
+      row.ratio, row.ratio_low, row.ratio_high, row.ranges_m > row.mean_m ? "cost" : "gain",
+      std::abs(percent_above(row.ranges_m, row.mean_m)),
+      std::max(0.0, -percent_above(row.range_bearing_m, row.mean_m)));
 }
 
 std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {

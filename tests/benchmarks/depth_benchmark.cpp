@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/wand_motion.h"
 #include "tests/support/plain_depth_renderer.h"

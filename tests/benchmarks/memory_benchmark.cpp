@@ -14,7 +14,7 @@
 
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/memory_budget.h"
-#include "pipeline/accuracy/plan.h"
+#include "pipeline/accuracy/take/plan.h"
 #include "tests/pipeline/campaigns.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/synthetic/body_tracker_spec.h"
+#include "datasets/synthetic/tracker/body_tracker_spec.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 #include "datasets/base/files.h"
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "datasets/synthetic/tracker_truth.h"
+#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/synthetic/body_tracker.h"
+#include "datasets/synthetic/tracker/body_tracker.h"
 
 #include <cmath>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/budget_summary.h"
+#include "datasets/results/studies/budget_summary.h"
 
 #include <cmath>
 

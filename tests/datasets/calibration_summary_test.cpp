@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/calibration_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

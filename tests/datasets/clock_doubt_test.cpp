@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/session/arrival_lag.h"
+#include "datasets/session/clock/arrival_lag.h"
 #include "tests/datasets/simulated_clocks.h"
 
 namespace trilat {

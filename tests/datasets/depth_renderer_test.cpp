@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <hwy/highway.h>
 
-#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/wand_motion.h"
 #include "tests/support/plain_depth_renderer.h"
 

@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
-#include "datasets/synthetic/body_tracker.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/simulated_markers.h"
+#include "datasets/synthetic/tracker/body_tracker.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

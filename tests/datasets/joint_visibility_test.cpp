@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/synthetic/joint_visibility.h"
+#include "datasets/synthetic/depth/joint_visibility.h"
 
 #include <cmath>
 #include <limits>
@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 
 #include "datasets/session/session_types.h"
-#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
+#include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/generated_person.h"
-#include "datasets/synthetic/room_scene.h"
 #include "datasets/synthetic/simulated_sensor.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/recording_summary.h"
+#include "datasets/results/studies/recording_summary.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/stage_timings.h"
+#include "datasets/results/studies/stage_timings.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -11,7 +11,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
 #include "datasets/hdf5/hdf5_file.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/base/philox.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 
 namespace trilat {
 

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/json_ranges.h"
+#include "datasets/base/json_schema.h"
 
 namespace trilat {
 namespace {
@@ -89,6 +91,63 @@ TEST(StrictJson, ListsHaveTheirLengthAndKindAndNullIsNoNumber) {
   EXPECT_THAT(message_of([&] { object.integers("d", 1); }), testing::HasSubstr("integers below 2^63"));
   EXPECT_THAT(message_of([&] { object.counts("c", 2); }),
               testing::HasSubstr("f.json /c: must hold integers"));
+}
+
+TEST(StrictJson, OnlyADocumentMayNameItsSchema) {
+  const Json json = parse_json(R"({"$schema": "study.schema.json", "rig": {"$schema": "x"}})", "a.json");
+  EXPECT_THAT(message_of([&] {
+                JsonObject document(json, "a.json", "");
+                JsonObject rig = document.object("rig");
+                document.finish();
+                rig.finish();
+              }),
+              HasSubstr("/rig/$schema: is an unknown key"));
+}
+
+// Reads what each of the two shapes has, and more when there is more.
+void read_shape(const Json& json) {
+  JsonObject object(json, "a.json", "");
+  object.format("shapes");
+  for (JsonObject& shape : object.objects("shapes")) {
+    if (shape.branch("kind", {"circle", "box"}) == 0)
+      number_within(shape, "radius_m", 1.0, 0.5, 2.0);
+    else
+      shape.numbers("corner_m", 3);
+    shape.about({{"radius_m", "of the circle"}, {"corner_m", "of the box"}});
+    shape.finish();
+  }
+  if (object.has("more")) object.object("more").count("seed", 7);
+  object.finish();
+}
+
+TEST(JsonSchema, SaysWhatAReaderAsksFor) {
+  const Json first = parse_json(R"({"format": "shapes", "version": 1, "shapes": [{"kind": "circle"}]})", "");
+  const Json second = parse_json(R"({"format": "shapes", "version": 1, "more": {},
+      "shapes": [{"kind": "box", "corner_m": [1, 2, 3]}]})",
+                                 "");
+  const Json expected = parse_json(R"({
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "type": "object",
+    "properties": {
+      "format": {"const": "shapes"},
+      "version": {"const": 1},
+      "shapes": {"type": "array", "items": {"oneOf": [
+        {"type": "object", "properties": {
+           "kind": {"const": "circle"},
+           "radius_m": {"type": "number", "default": 1.0, "minimum": 0.5, "maximum": 2.0,
+                        "description": "of the circle"}},
+         "required": ["kind"], "additionalProperties": false},
+        {"type": "object", "properties": {
+           "kind": {"const": "box"},
+           "corner_m": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3,
+                        "description": "of the box"}},
+         "required": ["kind", "corner_m"], "additionalProperties": false}]}},
+      "more": {"type": "object", "properties": {"seed": {"type": "integer", "default": 7, "minimum": 0}},
+               "required": [], "additionalProperties": false},
+      "$schema": {"type": "string", "description": "for editors; not read"}},
+    "required": ["format", "version", "shapes"], "additionalProperties": false})",
+                                   "");
+  EXPECT_EQ(json_text(schema_of({first, second}, read_shape), 1), json_text(expected, 1));
 }
 
 }  // namespace

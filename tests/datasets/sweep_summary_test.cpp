@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 
 #include <cmath>
 
@@ -7,8 +7,8 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/sweep_timings.h"
 #include "datasets/results/summary.h"
-#include "datasets/results/sweep_timings.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

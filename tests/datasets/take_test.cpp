@@ -136,7 +136,8 @@ TEST(CampaignFile, ErrorsNameThePlaceAndWhatWouldBeRight) {
   EXPECT_THAT(refusal(take("a", "1.5")), HasSubstr("/takes/0/mocap_start_host_ns: must be an integer"));
   EXPECT_THAT(message_of([&] { read_campaign(folder / "absent"); }), HasSubstr("absent"));
   write_file(folder / "campaign.json", R"({"format": "trilat.campaign", "version": 2})");
-  EXPECT_THAT(message_of([&] { read_campaign(folder.path()); }), HasSubstr("/version: is another version"));
+  EXPECT_THAT(message_of([&] { read_campaign(folder.path()); }),
+              HasSubstr("/version: must be 1, the version that this program reads"));
 }
 
 TEST(MappingFile, WhatIsWrittenIsReadBack) {

@@ -5,7 +5,7 @@
 #include "datasets/base/error.h"
 #include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
-#include "datasets/synthetic/tracker_truth.h"
+#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
 

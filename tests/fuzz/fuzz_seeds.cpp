@@ -11,7 +11,7 @@
 #include "datasets/markers/joint_files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
-#include "recorders/network/wire.h"
+#include "recorders/network/link/wire.h"
 #include "tests/datasets/import/made_up_xef.h"
 #include "tests/fuzz/chosen_seeds.h"
 

@@ -10,7 +10,7 @@
 #include "datasets/results/results_file.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/recording/recording_spec.h"

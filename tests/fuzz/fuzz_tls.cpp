@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "datasets/base/error.h"
-#include "recorders/network/socket_address.h"
-#include "recorders/network/tls_keys.h"
-#include "recorders/network/tls_link.h"
+#include "recorders/network/link/socket_address.h"
+#include "recorders/network/link/tls_keys.h"
+#include "recorders/network/link/tls_link.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
 

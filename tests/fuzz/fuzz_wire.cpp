@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/network/message_link.h"
+#include "recorders/network/link/message_link.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(data, size));

@@ -2,8 +2,8 @@
 #include "tests/fuzz/sound_results.h"
 
 #include "datasets/base/files.h"
-#include "datasets/results/budget_summary.h"
 #include "datasets/results/gate_history.h"
+#include "datasets/results/studies/budget_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/recording/recording_study.h"

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/results/budget_summary.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/studies/budget_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/budget/budget_study.h"

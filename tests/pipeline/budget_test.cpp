@@ -8,8 +8,8 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "datasets/results/budget_summary.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/studies/budget_summary.h"
 #include "datasets/synthetic/error_sources.h"
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/budget/budget_study.h"

@@ -13,8 +13,8 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "datasets/results/calibration_summary.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/calibration_study/joint_effect.h"

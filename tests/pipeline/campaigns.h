@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/simulate/campaign_study.h"
 
 namespace trilat {

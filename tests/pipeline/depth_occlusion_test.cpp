@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/depth_occlusion.h"
+#include "pipeline/accuracy/take/depth_occlusion.h"
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/results/tracking_summary.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"

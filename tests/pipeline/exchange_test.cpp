@@ -64,7 +64,7 @@ TEST(Exchange, WhatCannotBeMeantIsRefusedAndLeavesNothing) {
 TEST(Exchange, HelpListsEveryFormat) {
   const ScratchFolder folder;
   const Ended help = run_trilat(folder, {"import", "--help"});
-  for (const char* format : {"kimore", "labanotation", "node-kinect2", "ntu", "png", "xef"})
+  for (const char* format : {"kimore", "labanotation", "node-kinect2", "ntu", "png", "umons-taichi", "xef"})
     EXPECT_THAT(help.out, HasSubstr(std::string("  ") + format + "  "));
   EXPECT_THAT(help.out, HasSubstr("Example: trilat import"));
 }

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "pipeline/gate/judge_numbers.h"
 #include "pipeline/gate/number_meaning.h"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/results/gate_history.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"

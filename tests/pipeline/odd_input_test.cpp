@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/results/tracking_summary.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/over_time.h"
+#include "pipeline/accuracy/methods/over_time.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/person_choice.h"
+#include "pipeline/accuracy/take/person_choice.h"
 
 #include <gmock/gmock.h>
 

@@ -8,7 +8,7 @@
 
 #include "datasets/session/session_reader.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/cli/skeleton_preview.h"
+#include "pipeline/cli/terminal/skeleton_preview.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/paths.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/rig_gdop.h"
+#include "pipeline/accuracy/take/rig_gdop.h"
 
 #include <cmath>
 

@@ -14,7 +14,7 @@
 #include "datasets/session/session_writer.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/evaluate_take.h"
-#include "pipeline/accuracy/summarise.h"
+#include "pipeline/accuracy/statistics/summarise.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
 #include "tests/pipeline/campaigns.h"

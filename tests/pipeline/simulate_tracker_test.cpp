@@ -4,7 +4,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/synthetic/tracker_truth.h"
+#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

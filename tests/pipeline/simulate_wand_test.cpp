@@ -12,7 +12,7 @@
 #include "datasets/base/files.h"
 #include "datasets/depth/depth_image.h"
 #include "datasets/mocap/mocap_reader.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"

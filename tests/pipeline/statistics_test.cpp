@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/statistics.h"
+#include "pipeline/accuracy/statistics/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "datasets/base/files.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
@@ -201,6 +202,7 @@ TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
 TEST(Statistics, BlocksGrowUntilTheirSumsFit) {
   Plan plan;
   plan.methods.resize(25);
+  for (Method& method : plan.methods) method.spec.kind = &method_kind("nonlinear");
   plan.study.rate_hz = 30.0;
   plan.study.occluded_apart = true;
   plan.study.alignments.assign(5, AlignmentKind::none);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 
 #include <set>
 
@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "pipeline/accuracy/method.h"
-#include "pipeline/accuracy/sensor_sets.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/methods/sensor_sets.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
@@ -64,7 +64,7 @@ TEST(Study, AnEntryOfSetsBecomesOneMethodForEachSetOfSensors) {
               testing::ElementsAre("mean"));
   const auto methods =
       resolve_methods(study_of(R"("methods": [{"method": "geometric", "each": 3, "name": "triples"}])"), rig);
-  EXPECT_EQ(methods[3].geometric.sensors, (std::array{1, 2, 3}));
+  EXPECT_EQ(methods[3].sensors, (std::vector{1, 2, 3}));
   EXPECT_EQ(methods[3].spec.family, "triples");
 }
 
@@ -91,14 +91,25 @@ TEST(Study, SetsThatCannotBeAreRefused) {
               HasSubstr("asks for sets of 3 of 2 sensors"));
 }
 
+TEST(Study, EveryKindOfMethodIsAWholeRow) {
+  std::set<std::string_view> names;
+  for (const MethodKind& kind : method_kinds()) {
+    EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
+    EXPECT_EQ(&method_kind(kind.name), &kind);
+    EXPECT_FALSE(kind.what.empty() || kind.source.empty()) << kind.name;
+    EXPECT_NE(kind.evaluate == nullptr, kind.over_time == nullptr) << kind.name;
+    EXPECT_EQ(kind.read == nullptr, kind.write == nullptr) << kind.name;
+  }
+}
+
 TEST(Study, WhatIsWrittenOutIsReadAsTheSameForEveryKindOfMethod) {
   std::string methods;
-  for (const std::string& kind : method_kind_names())
+  for (const MethodKind& row : method_kinds())
     for (const char* more : {"", R"(, "occlusion": "corrected", "fewest_sensors": 2)"})
-      if (kind != "single" || *more == '\0')
+      if (row.sensors != 1 || *more == '\0')
         methods +=
-            (methods.empty() ? "" : ", ") + fmt::format(R"({{"method": "{}", "name": "{}{}"{}}})", kind, kind,
-                                                        *more == '\0' ? "" : " occluded", more);
+            (methods.empty() ? "" : ", ") + fmt::format(R"({{"method": "{}", "name": "{}{}"{}}})", row.name,
+                                                        row.name, *more == '\0' ? "" : " occluded", more);
   methods += R"(, {"method": "nonlinear", "name": "paper", "gradient": "printed", "damping": "none",
       "threshold_cm2": 0.3, "max_iterations": 7, "start": "linear", "printed_unit_m": 0.01},
       {"method": "linear", "name": "pairs", "reference": "all_pairs"},
@@ -129,7 +140,7 @@ TEST(Study, ErrorsOfAMethodNameItsPlaceInTheList) {
        "study.json /methods/1/max_iterations: must be 1 to 1000000"},
       {R"("method": "nonlinear", "start": "point")", "study.json /methods/1/start: is \"point\", which is"},
       {R"("method": "geometric", "sensors": ["k1", "k2"])",
-       "study.json /methods/1/sensors: must name the three sensors"},
+       "study.json /methods/1/sensors: must name the 3 sensors that geometric uses"},
       {R"("method": "geometric", "sensors": ["k1", "k2", "k1"])",
        "study.json /methods/1/sensors: has \"k1\" twice"},
       {R"("method": "window", "window_s": 0.01)", "study.json /methods/1/window_s: must lie between "},
@@ -166,7 +177,7 @@ TEST(Methods, SingleWithoutSensorsBecomesOneMethodASensor) {
   ASSERT_EQ(methods.size(), 2u);
   EXPECT_EQ(methods[0].spec.name, "single left");
   EXPECT_EQ(methods[1].spec.name, "single right");
-  EXPECT_EQ(methods[1].single.sensor, 1);
+  EXPECT_EQ(methods[1].sensors, std::vector{1});
 }
 
 TEST(Methods, ASensorTheRigDoesNotHaveIsNamedWithThoseItHas) {

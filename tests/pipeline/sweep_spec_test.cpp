@@ -7,7 +7,7 @@
 
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/results_file.h"
-#include "pipeline/accuracy/study_spec.h"
+#include "pipeline/accuracy/methods/study_spec.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/paths.h"
 #include "tests/support/scratch.h"

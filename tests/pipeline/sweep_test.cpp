@@ -6,8 +6,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/sweep_summary.h"
-#include "datasets/results/sweep_timings.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/sweep_timings.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_totals.h"
 #include "tests/pipeline/swept_folders.h"

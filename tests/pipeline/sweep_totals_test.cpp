@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/philox.h"
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "datasets/results/sweep_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/scratch.h"

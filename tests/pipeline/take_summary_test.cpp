@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take_summary.h"
+#include "pipeline/accuracy/statistics/take_summary.h"
 
 #include <algorithm>
 #include <array>

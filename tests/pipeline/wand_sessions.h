@@ -11,8 +11,8 @@
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/synthetic/depth_renderer.h"
-#include "datasets/synthetic/room_scene.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
+#include "datasets/synthetic/depth/room_scene.h"
 
 namespace trilat {
 

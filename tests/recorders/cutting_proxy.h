@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "recorders/network/socket_link.h"
+#include "recorders/network/link/socket_link.h"
 
 namespace trilat {
 

@@ -14,8 +14,8 @@
 #include "datasets/base/error.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/agent_link.h"
+#include "recorders/network/link/tls_keys.h"
 #include "recorders/network/network_source.h"
-#include "recorders/network/tls_keys.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

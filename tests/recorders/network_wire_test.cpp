@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/philox.h"
-#include "recorders/network/message_link.h"
-#include "recorders/network/wire.h"
+#include "recorders/network/link/message_link.h"
+#include "recorders/network/link/wire.h"
 #include "tests/recorders/network_rig.h"
 
 namespace trilat {

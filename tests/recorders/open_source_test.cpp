@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "recorders/capture.h"
 #include "recorders/freenect2/freenect2_source.h"

@@ -8,7 +8,7 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/files.h"
-#include "datasets/session/session_clock.h"
+#include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
 #include "recorders/synthetic_source.h"

@@ -6,7 +6,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
-#include "datasets/results/tracking_summary.h"
+#include "datasets/results/studies/tracking_summary.h"
 #include "reports/write_report.h"
 #include "tests/reports/summaries.h"
 #include "tests/reports/written_samples.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/depth/depth_rays.h"
-#include "datasets/synthetic/depth_renderer.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 
 namespace trilat {
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/studies/stage_timings.h"
+
+namespace trilat {
+
+// One sensor's clock in one run: frames asked for, with an answer, and with an error below 2 and 4 ms. Runs
+// and sensors are independent of each other, frames of one clock are not.
+struct ClockUnit {
+  std::uint64_t asked = 0, answered = 0, below_2ms = 0, below_4ms = 0;
+  bool operator==(const ClockUnit&) const = default;
+};
+
+// One way to put a sensor's machine on the server's clock, over one kind of network.
+struct ClockErrorRow {
+  std::string network;
+  std::string method;  // "none", "one exchange at the start", "as printed", …
+  std::uint64_t asked = 0;
+  TimeSpread error;  // absolute; n of those that got an answer
+  // Share of answers below 2 ms, with its 95 % interval over sensors and runs.
+  double below_2ms = TimeSpread::kNone;
+  double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
+  std::vector<ClockUnit> units;  // one a run and sensor, all sensors of the first run first
+};
+
+// What became of a client's frames in the paper's queue at the server.
+struct QueueCounts {
+  std::uint64_t came = 0;
+  std::uint64_t untimed = 0;  // no exchange yet, so no time of sending
+  std::uint64_t too_early = 0,
+                too_late = 0;  // stated time of sending too far from the server's time: dropped
+  std::uint64_t taken = 0;
+  bool operator==(const QueueCounts&) const = default;
+};
+
+// Of all runs and sensors, by one way to give a frame its time, over one kind of network.
+struct QueueRow {
+  std::string network, method;
+  std::string server;  // when it takes frames out: "as they come", "once a frame of its own"
+  QueueCounts counts;
+  // Of the share that is taken, 95 % over sensors and runs.
+  double taken_low = TimeSpread::kNone, taken_high = TimeSpread::kNone;
+};
+
+// What the corrected fit says of itself, over one kind of network: means over sensors and runs.
+struct ClockFitRow {
+  std::string network;
+  double offset_sigma_s = TimeSpread::kNone;      // its standard deviation
+  double offset_bound_s = TimeSpread::kNone;      // what unlike delays can add, at most
+  double within_bound_share = TimeSpread::kNone;  // of frames whose error the bound and 4 sigma hold
+  double exchanges_used_share = TimeSpread::kNone;
+};
+
+// summary.json of a study of kind "recording". All of it is simulated.
+struct RecordingSummary {
+  std::string study;
+  std::uint64_t seed = 0;
+  bool interrupted = false;
+  std::uint64_t frames = 0, sensors = 0, runs = 0;
+  std::vector<ClockErrorRow> clocks;
+  std::vector<ClockFitRow> fits;
+  double late_s = 0.0;  // the queue's limit
+  std::vector<QueueRow> queues;
+};
+
+// Its rows.
+Json json_of(const ClockErrorRow& row);
+Json json_of(const ClockFitRow& row);
+Json json_of(const QueueRow& row);
+ClockErrorRow read_clock_error(JsonObject object);
+ClockFitRow read_clock_fit(JsonObject object);
+QueueRow read_queue(JsonObject object);
+
+void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& summary);
+// InputError with file and pointer when it is not one of these.
+RecordingSummary read_recording_summary(const std::filesystem::path& folder);
+
+}  // namespace trilat

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/summary.h"
+
+namespace trilat {
+
+// How one sensor's views of one joint group fared under one rule, over all takes of a condition. `rule` is
+// "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", "hidden in depth", or
+// "method: " and the name of a method, whose rejections among the sensors it may use are counted then. What
+// is truly hidden only a simulation knows.
+struct ViewRow {
+  std::string condition, sensor, group, rule;
+  std::uint64_t views = 0;     // instants and joints that the sensor gives a position for
+  std::uint64_t rejected = 0;  // of them
+  bool truth_known = false;    // the next two are counts of something
+  std::uint64_t hidden = 0;    // truly
+  std::uint64_t rightly = 0;   // rejected and truly hidden
+};
+
+// Left and right exchanged by one sensor: what was found, and what a simulation knows.
+struct ExchangeRow {
+  std::string condition, sensor;
+  std::uint64_t instants = 0;  // with a body
+  std::uint64_t found = 0;     // of them, said to be exchanged
+  std::uint64_t stretches = 0;
+  bool truth_known = false;
+  std::uint64_t exchanged = 0;        // truly
+  std::uint64_t rightly = 0;          // found and truly exchanged
+  std::uint64_t true_stretches = 0;   // runs of truly exchanged bodies
+  std::uint64_t stretches_found = 0;  // of them, found in at least 95 % of their instants
+};
+
+// The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
+// contains the trackers' lag.
+struct ClockRow {
+  std::string take;
+  std::string status;
+  double offset_s = kNoNumber, low_s = kNoNumber, high_s = kNoNumber;  // 95 %
+  double drift_ppm = kNoNumber, drift_sigma_ppm = kNoNumber;
+  double peak = kNoNumber, second = kNoNumber;  // correlation of speeds; the next peak as a share of it
+  bool applied = false;
+};
+
+// How far the ranges of one joint group are off, over all sensors and takes of a condition: what
+// trilateration has to work with.
+struct RangeRow {
+  std::string condition, group;
+  std::uint64_t n = 0;
+  double mean_error_m = kNoNumber;  // range - true distance
+  double rms_error_m = kNoNumber;
+};
+
+// By how much the sensors of one take disagree along their rays and across, and the root mean square errors
+// that follow for methods, without what all sensors have in common. `problem` says why there are no numbers.
+struct RayRow {
+  std::string take;
+  std::uint64_t rows = 0;  // instants of single joints
+  std::string problem = {};
+  double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
+  double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
+  double mean_m = kNoNumber, ranges_m = kNoNumber, range_bearing_m = kNoNumber;
+};
+
+struct TrackingSummary {
+  std::string study;
+  bool simulated = false;
+  bool repaired = false;  // exchanges that were found were undone
+  std::vector<ViewRow> views;
+  std::vector<ExchangeRow> exchanges;
+  std::vector<ClockRow> clocks;
+  std::vector<RangeRow> ranges = {};
+  std::vector<RayRow> rays = {};
+};
+
+// tracking.json, beside an accuracy study's summary.json. NaN is written as null.
+void write_tracking_summary(const std::filesystem::path& folder, const TrackingSummary& summary);
+// Nothing when there is none; InputError when the file is not one of these.
+std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path& folder);
+
+// The rows of tracking.json. Readers refuse counts that contradict each other.
+Json json_of(const ViewRow& row);
+Json json_of(const ExchangeRow& row);
+Json json_of(const ClockRow& row);
+Json json_of(const RayRow& row);
+ViewRow read_view(JsonObject& object);
+ExchangeRow read_exchange(JsonObject& object);
+ClockRow read_clock(JsonObject& object);
+RayRow read_ray(JsonObject& object);
+
+}  // namespace trilat

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+
+#include "datasets/base/philox.h"
+#include "datasets/synthetic/motion.h"
+#include "datasets/synthetic/tracker/body_tracker_spec.h"
+
+namespace trilat {
+
+// Whom which sensor tracks in which take: the keys of a tracker's random numbers. Person 0 is the
+// participant, the others stand by.
+struct TrackerKey {
+  std::uint64_t seed = 1;
+  std::uint64_t take = 0;
+  std::uint64_t participant = 0;
+  std::uint64_t sensor = 0;  // below 64
+  std::uint64_t person = 0;  // below 16
+
+  RandomStream stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const;
+  // The same for all sensors, and for a participant in all takes.
+  RandomStream body_stream(Purpose purpose, std::uint64_t joint) const;
+};
+
+// How a person stands to a sensor: the way that the body faces (as SkeletonPose) and the direction in which
+// it sees the sensor, from its forward towards its left, horizontally.
+struct BodyView {
+  double heading_rad = 0.0;
+  double azimuth_rad = 0.0;  // within +-pi
+};
+// A pose without heading (0) has that of its shoulders, else of its hips, else 0.
+BodyView body_view(const SkeletonPose& pose, const Eigen::Vector3d& sensor_in_world_m);
+
+// Where one sensor's tracker puts a person's joints, frame by frame: the truth with lag, systematic error,
+// wander, jitter, jumps, and what is added while a joint is hidden.
+class JointErrors {
+ public:
+  JointErrors(const BodyTrackerSpec& spec, double rate_hz, const TrackerKey& key);
+
+  // Frames in rising order, each once; in the world's frame. Joints that are not present are left at zero.
+  std::array<Eigen::Vector3d, kJointCount> step(std::uint64_t frame, const SkeletonPose& pose,
+                                                const BodyView& view, const std::bitset<kJointCount>& hidden);
+  // Hidden in the last frame, but said to be tracked.
+  bool said_to_be_tracked(std::size_t joint) const { return joints_[joint].said_to_be_tracked; }
+
+ private:
+  struct JointState {
+    Eigen::Vector3d landmark_m, facing_m, beside_m;  // bias in the body's frame: x left, y up, z forward
+    Eigen::Vector3d wander{0.0, 0.0, 0.0};           // of sigma 1
+    Eigen::Vector3d lagged_m, truth_m;
+    Eigen::Vector3d jump_m, hidden_error_m;
+    std::uint64_t jump_end = 0;  // the first frame without
+    bool has_wander = false, has_truth = false, hidden = false, said_to_be_tracked = false;
+  };
+  Eigen::Vector3d follow(JointState& state, const Eigen::Vector3d& truth_m) const;
+  Eigen::Vector3d random_part(JointState& state, std::size_t joint, std::uint64_t frame) const;
+  Eigen::Vector3d jump(JointState& state, std::size_t joint, std::uint64_t frame) const;
+  void note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const;
+
+  BodyTrackerSpec spec_;
+  double rate_hz_;
+  TrackerKey key_;
+  std::array<JointState, kJointCount> joints_;
+};
+
+}  // namespace trilat

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/fusion/range_bearing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "datasets/base/error.h"
+#include "evaluators/solvers/nonlinear.h"
+#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/symmetric3.h"
+
+namespace trilat {
+namespace {
+
+// A joint as the sensors see it whose views count, in sigmas.
+struct Rays {
+  int count = 0;
+  std::array<Eigen::Vector3d, kMaxSensors> sensor_m, point_m, direction;
+  std::array<double, kMaxSensors> range_m, range_weight, bearing_weight;  // inverse variances in 1/m^2
+};
+
+Rays rays_of(std::span<const JointObservation> observations,
+             std::span<const RigidTransform> world_from_sensor, const RangeBearingOptions& options) {
+  Rays rays;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const JointObservation& o = observations[i];
+    if (!options.allowed[i] || !o.seen) continue;
+    const int k = rays.count++;
+    const double factor = o.state == TrackingState::inferred ? options.inferred_factor : 1.0;
+    const double range_sigma_m = factor * options.sigma.range_m,
+                 bearing_sigma_m = factor * options.sigma.bearing_m;
+    rays.sensor_m[k] = world_from_sensor[i].translation_m;
+    rays.point_m[k] = o.point_in_world_m;
+    rays.range_m[k] = o.range_m;
+    rays.direction[k] =
+        (o.point_in_world_m - rays.sensor_m[k]) / std::max(o.range_m, kOnSensor_m);  // 0 on the sensor
+    rays.range_weight[k] = 1.0 / (range_sigma_m * range_sigma_m);
+    rays.bearing_weight[k] = 1.0 / (bearing_sigma_m * bearing_sigma_m);
+  }
+  return rays;
+}
+
+bool is_finite(const Rays& rays) {
+  for (int i = 0; i < rays.count; ++i)
+    if (!rays.sensor_m[i].allFinite() || !rays.point_m[i].allFinite() || !std::isfinite(rays.range_m[i]))
+      return false;
+  return true;
+}
+
+// What a sensor's squared residual costs, and the weight with which it enters the normal equations.
+struct Cost {
+  double value, weight;
+};
+Cost cost_of(double square, const RangeBearingOptions& o) {
+  const double limit = o.loss_scale * o.loss_scale;
+  if (o.loss == Loss::cauchy) return {limit * std::log1p(square / limit), 1.0 / (1.0 + square / limit)};
+  if (o.loss == Loss::huber && square > limit) {
+    const double length = std::sqrt(square);
+    return {2.0 * o.loss_scale * length - limit, o.loss_scale / length};
+  }
+  return {square, 1.0};
+}
+
+struct Equations {
+  Symmetric3 normal;
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  // half the derivative
+  double cost = 0.0;
+};
+
+void add_projection(Symmetric3& matrix, double weight, const Eigen::Vector3d& direction) {
+  matrix.add_to_diagonal(weight);
+  matrix.add_outer(-weight, direction);
+}
+
+Equations linearise(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
+  Equations result;
+  for (int i = 0; i < rays.count; ++i) {
+    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
+    const double distance_m = v.norm();
+    const Eigen::Vector3d e = v / std::max(distance_m, kOnSensor_m);
+    const double along_m = distance_m - rays.range_m[i];
+    const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
+    const double range_weight = rays.range_weight[i], bearing_weight = rays.bearing_weight[i];
+    const Cost cost =
+        cost_of(range_weight * along_m * along_m + bearing_weight * across_m.squaredNorm(), options);
+    result.cost += cost.value;
+    result.normal.add_outer(cost.weight * range_weight, e);
+    add_projection(result.normal, cost.weight * bearing_weight, rays.direction[i]);
+    result.gradient += cost.weight * (range_weight * along_m * e + bearing_weight * across_m);
+  }
+  return result;
+}
+
+struct Minimum {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
+  double cost = std::numeric_limits<double>::infinity();
+  SolveStatus status = SolveStatus::diverged;
+  int iterations = 0;
+};
+
+// Levenberg and Marquardt: undamped until a step does not lower the cost.
+Minimum descend(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& start_m) {
+  constexpr double kFirstDamping = 1e-3, kLargestDamping = 1e12;
+  constexpr double kRounding = 1.0 + 1e-12;  // near the minimum only the gradient still tells where it is
+  Minimum minimum{start_m, 0.0, SolveStatus::iteration_limit, 0};
+  Equations here = linearise(rays, options, start_m);
+  double damping = 0.0;
+  while (minimum.iterations < options.max_iterations) {
+    ++minimum.iterations;
+    Symmetric3 damped = here.normal;
+    damped.add_to_diagonal(damping * here.normal.trace());
+    const Symmetric3 adjugate = damped.adjugate();
+    const Eigen::Vector3d step_m = adjugate * here.gradient / -damped.determinant(adjugate);
+    const Eigen::Vector3d next_m = minimum.position_m + step_m;
+    const Equations there = linearise(rays, options, next_m);
+    if (!std::isfinite(there.cost) && damping >= kLargestDamping) break;
+    const bool is_small = step_m.norm() < options.step_tolerance_m;
+    if (there.cost <= here.cost * kRounding) {
+      minimum.position_m = next_m;
+      here = there;
+      damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
+    } else {
+      damping = std::max(kFirstDamping, 10.0 * damping);
+    }
+    if (is_small || damping > kLargestDamping) {
+      minimum.status = SolveStatus::converged;
+      break;
+    }
+  }
+  minimum.cost = here.cost;
+  if (!std::isfinite(minimum.cost)) minimum.status = SolveStatus::diverged;
+  return minimum;
+}
+
+// The minimum of the bearings' terms alone; false when the rays are parallel.
+bool triangulate(const Rays& rays, Eigen::Vector3d& x_m) {
+  Symmetric3 normal;
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (int i = 0; i < rays.count; ++i) {
+    const double weight = std::isfinite(rays.bearing_weight[i]) ? rays.bearing_weight[i] : 1.0;
+    const Eigen::Vector3d& u = rays.direction[i];
+    add_projection(normal, weight, u);
+    right += weight * (rays.point_m[i] - u.dot(rays.point_m[i]) * u);
+  }
+  const Symmetric3 adjugate = normal.adjugate();
+  const double determinant = normal.determinant(adjugate);
+  if (is_rank_deficient(normal, adjugate, determinant)) return false;
+  x_m = adjugate * right / determinant;
+  return true;
+}
+
+RangeProblem ranges_of(const Rays& rays) {
+  RangeProblem problem;
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  problem.count = rays.count;
+  for (int i = 0; i < rays.count; ++i) {
+    problem.sensor_m[i] = rays.sensor_m[i];
+    problem.range_m[i] = rays.range_m[i];
+    problem.weight[i] = rays.range_weight[i];
+    sum_m += rays.point_m[i];
+  }
+  problem.hint_m = sum_m / rays.count;
+  return problem;
+}
+
+// Eq. 10 with the same weights and loss; a range's sigma in metres is 1 / sqrt(weight).
+PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
+  RangeProblem problem = ranges_of(rays);
+  for (int i = 0; i < rays.count; ++i) problem.weight[i] *= o.sigma.range_m * o.sigma.range_m;
+  NonlinearOptions options;
+  options.loss = o.loss;
+  options.loss_scale_m = o.loss_scale * o.sigma.range_m;
+  options.range_sigma_m = o.sigma.range_m;
+  options.step_tolerance_m = o.step_tolerance_m;
+  options.max_iterations = std::max(options.max_iterations, o.max_iterations);
+  PointEstimate estimate = solve_nonlinear(problem, options);
+  estimate.covariance *= o.sigma.range_m * o.sigma.range_m;
+  return estimate;
+}
+
+// The lowest of the minima that the descents find: from the mean and, where ranges count more than bearings,
+// from both sides of the ranges' own minimum.
+Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
+  const RangeProblem problem = ranges_of(rays);
+  Minimum best;
+  int iterations = 0;
+  const auto try_from = [&](const Eigen::Vector3d& start_m) {
+    const Minimum found = descend(rays, options, start_m);
+    iterations += found.iterations;
+    if (found.cost < best.cost) best = found;
+  };
+  try_from(*problem.hint_m);
+  if (rays.count >= 3 && options.sigma.range_m < options.sigma.bearing_m) {
+    const SensorPlane plane = plane_of(problem);
+    if (!plane.collinear) {
+      const Eigen::Vector3d start_m = squared_range_position_m(problem, plane);
+      try_from(start_m);
+      try_from(plane.mirrored(start_m));
+    }
+  }
+  best.iterations = iterations;
+  return best;
+}
+
+PointEstimate estimate_of(const Rays& rays, const Eigen::Vector3d& x_m, SolveStatus status, int iterations) {
+  PointEstimate estimate = estimate_at(ranges_of(rays), x_m, status, iterations);
+  Symmetric3 information;
+  double range_cost = 0.0;
+  for (int i = 0; i < rays.count; ++i) {
+    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
+    const double distance_m = v.norm();
+    const Eigen::Vector3d e = v / std::max(distance_m, kOnSensor_m);
+    information.add_outer(rays.range_weight[i], e);
+    add_projection(information, rays.bearing_weight[i], e);
+    range_cost += std::pow(distance_m - rays.range_m[i], 2);
+  }
+  estimate.cost_m2 = range_cost;
+  const Symmetric3 inverse = information.adjugate();
+  estimate.covariance = inverse.matrix() / information.determinant(inverse);
+  return estimate;
+}
+
+}  // namespace
+
+std::string contradiction_in(const RangeBearingOptions& o) {
+  if (!(o.sigma.range_m > 0.0) || !(o.sigma.bearing_m > 0.0)) return "both sigmas must be greater than 0";
+  if (std::isinf(o.sigma.range_m) && std::isinf(o.sigma.bearing_m)) return "one sigma must be finite";
+  if (!(o.inferred_factor > 0.0)) return "the factor of inferred joints must be greater than 0";
+  if (!(o.loss_scale > 0.0)) return "the scale of the loss must be greater than 0";
+  return {};
+}
+
+PointEstimate solve_range_bearing(std::span<const JointObservation> observations,
+                                  std::span<const RigidTransform> world_from_sensor,
+                                  const RangeBearingOptions& options) {
+  TRILAT_CHECK(observations.size() == world_from_sensor.size() && observations.size() <= kMaxSensors,
+               "every sensor has one observation and one pose");
+  TRILAT_CHECK(contradiction_in(options).empty(), "the options fit each other");
+  const Rays rays = rays_of(observations, world_from_sensor, options);
+  if (rays.count == 0) return failed_estimate(SolveStatus::no_observation);
+  if (!is_finite(rays)) return failed_estimate(SolveStatus::non_finite_input);
+  if (std::isinf(options.sigma.bearing_m)) return solve_ranges(rays, options);
+  if (std::isinf(options.sigma.range_m) && options.loss == Loss::squares) {
+    Eigen::Vector3d crossing_m;
+    if (!triangulate(rays, crossing_m)) return failed_estimate(SolveStatus::rank_deficient);
+    return estimate_of(rays, crossing_m, SolveStatus::closed_form, 0);
+  }
+  const Minimum minimum = global_minimum(rays, options);
+  if (!is_usable(minimum.status) && minimum.status != SolveStatus::iteration_limit)
+    return failed_estimate(minimum.status);
+  return estimate_of(rays, minimum.position_m, minimum.status, minimum.iterations);
+}
+
+double range_bearing_cost(std::span<const JointObservation> observations,
+                          std::span<const RigidTransform> world_from_sensor,
+                          const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
+  return linearise(rays_of(observations, world_from_sensor, options), options, x_m).cost;
+}
+
+}  // namespace trilat

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/fuse_session.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "datasets/base/error.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/take/take_paths.h"
+#include "pipeline/accuracy/take/take_rays.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kTogether = 64;  // instants
+
+Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& calibration,
+             const MethodSpec& method, double rate_hz) {
+  StudySpec study;
+  study.name = "fuse";
+  study.rate_hz = rate_hz;
+  study.methods = {method};
+  const SessionReader reader(session);
+  for (const SensorDescription& sensor : reader.header().sensors) study.sensors.push_back(sensor.name);
+  Take take;
+  take.id = session.filename().string();
+  take.session = session;
+  take.calibration = calibration;
+  Plan plan = make_plan(study, {.name = "fuse", .takes = {take}});
+  if (!plan.takes[0].ok) throw InputError(plan.takes[0].place, plan.takes[0].problem);
+  std::ranges::sort(plan.joints);  // as in every other file of bodies
+  return plan;
+}
+
+FusedPoint point_of(SolveStatus status, const Eigen::Vector3d& position_m) {
+  FusedPoint point{.status = status};
+  if (is_usable(status)) point.position_m = position_m;
+  return point;
+}
+
+void solve_instants(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
+  const PlannedTake& planned = plan.takes[0];
+  const Method& method = plan.methods[0];
+  const bool has_sigma = method.spec.kind == &method_kind("range_bearing");
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(fused.instants(), kTogether, [&](std::size_t i) {
+    if (i % kTogether == 0) watch.check();
+    std::vector<JointObservation> seen(plan.rig.size());
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      observe_joint(data, i, plan.joints[j], planned.world_from_sensor, seen);
+      const PointEstimate estimate =
+          evaluate(method, {seen, planned.world_from_sensor, occlusions_of(data, i, plan.joints[j]),
+                            ranges_of(seen, planned.world_from_sensor), sigma_at(data, i, j)});
+      FusedPoint& point = fused.points[i * plan.joints.size() + j];
+      point = point_of(estimate.status, estimate.position_m);
+      if (has_sigma) point.sigma_m = std::sqrt(estimate.covariance.trace() / 3.0);
+    }
+    watch.tell(static_cast<double>(++done) / static_cast<double>(fused.instants()));
+  });
+}
+
+void solve_paths(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
+  std::atomic<std::size_t> done{0};
+  const auto advanced = [&](std::size_t instants) {
+    watch.tell(static_cast<double>(done += instants) / static_cast<double>(fused.instants()));
+  };
+  const MethodPaths paths =
+      solve_over_time(plan, plan.takes[0], data, {advanced, [&] { return watch.stopped(); }}).front();
+  for (std::size_t k = 0; k < fused.points.size(); ++k)
+    fused.points[k] = point_of(paths.points[k].status, paths.points[k].position_m);
+}
+
+}  // namespace
+
+FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
+                          const MethodSpec& method, double rate_hz, const Watch& watch) {
+  const Plan plan = plan_of(session, calibration, method, rate_hz);
+  TakeData data = load_take(plan, plan.takes[0], watch.stop_requested);
+  estimate_sigmas(plan, plan.takes[0], data);
+  FusedSession fused{.rate_hz = rate_hz,
+                     .start_host_ns = data.time.front().ns,
+                     .joints = plan.joints,
+                     .points = std::vector<FusedPoint>(data.time.size() * plan.joints.size()),
+                     .sensors = plan.rig,
+                     .rays = rays_of(plan, plan.takes[0], data),
+                     .notes = data.notes};
+  if (is_over_time(plan.methods[0]))
+    solve_paths(plan, data, watch, fused);
+  else
+    solve_instants(plan, data, watch, fused);
+  for (const FusedPoint& point : fused.points)
+    fused.answered += is_usable(point.status) ? 1.0 / static_cast<double>(fused.points.size()) : 0.0;
+  return fused;
+}
+
+JointTrack track_of(const FusedSession& fused) {
+  JointTrack track{.rate_hz = fused.rate_hz, .frames = static_cast<std::int64_t>(fused.instants())};
+  for (const Joint joint : fused.joints) track.joints.emplace_back(name_of(joint));
+  track.next = [&fused, at = std::size_t{0}](JointFrame& frame) mutable {
+    frame = {.time_s = static_cast<double>(at) / fused.rate_hz};
+    const FusedPoint* points = fused.points.data() + at++ * fused.joints.size();
+    for (const FusedPoint& point : std::span(points, fused.joints.size())) {
+      frame.position_m.push_back(point.position_m);
+      frame.sigma_m.push_back(point.sigma_m);
+      frame.status.push_back(name_of(point.status));
+    }
+  };
+  return track;
+}
+
+}  // namespace trilat

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/markers/joint_files.h"
+#include "datasets/results/studies/tracking_summary.h"
+#include "datasets/results/summary.h"
+#include "pipeline/accuracy/methods/method_spec.h"
+#include "pipeline/study/watch.h"
+
+namespace trilat {
+
+struct FusedPoint {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  double sigma_m = std::numeric_limits<double>::quiet_NaN();  // an axis, of the method's own model
+  SolveStatus status = SolveStatus::not_computed;
+};
+
+struct FusedSession {
+  double rate_hz = 30.0;
+  std::int64_t start_host_ns = 0;  // of the first instant
+  std::vector<Joint> joints;
+  std::vector<FusedPoint> points;  // instants times joints; a position that no sensor gives is NaN
+  std::vector<std::string> sensors;
+  RayRow rays;
+  std::vector<TakeNote> notes;
+  double answered = 0.0;  // share of instants and joints
+
+  std::size_t instants() const { return joints.empty() ? 0 : points.size() / joints.size(); }
+};
+
+// One person of a session by one method, without any ground truth: the one whom its sensors see most. All
+// joints, from the first to the last body frame of any sensor. InputError as a study's take; Interrupted when
+// asked to stop.
+FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
+                          const MethodSpec& method, double rate_hz, const Watch& watch);
+
+// As the writers of marker files take it; refers to `fused`.
+JointTrack track_of(const FusedSession& fused);
+
+}  // namespace trilat

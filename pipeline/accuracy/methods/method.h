@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "evaluators/fusion/baselines.h"
+#include "evaluators/fusion/joint_observation.h"
+#include "pipeline/accuracy/methods/study_spec.h"
+
+namespace trilat {
+
+// A method whose sensors are numbers of the rig: ready to be asked.
+struct Method {
+  MethodSpec spec;
+  SensorMask allowed = kAllSensors;
+  std::vector<int> sensors;  // that the entry names, in its order; where the kind uses just so many, those
+};
+
+// An entry that names a size of sets (`single` without sensors: one) becomes one method a set. InputError
+// naming a sensor that the rig does not have.
+std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig);
+
+// How often each sensor's view of a joint is occluded, by each rule.
+using JointOcclusions = std::array<std::array<std::uint8_t, kMaxSensors>, kOcclusionRules>;
+
+// One joint at one instant, as the whole rig sees it. `ranges` is made from all sensors.
+struct JointInstant {
+  std::span<const JointObservation> observations;
+  std::span<const RigidTransform> world_from_sensor;
+  JointOcclusions occlusions{};
+  RangeProblem ranges;
+  RaySigma sigma{kNaN, kNaN};  // of methods whose sigma is estimated; NaN when that failed
+};
+
+// The sensors that the method uses for this joint at this instant.
+SensorMask sensors_of(const Method& method, const JointInstant& instant);
+
+// Methods that need whole paths; the others take every instant by itself.
+bool is_over_time(const Method& method);
+
+[[nodiscard]] PointEstimate evaluate(const Method& method, const JointInstant& instant);
+
+// The same for many: iterative methods solve them side by side. `estimates` has one slot an instant.
+// InternalError for a method over time.
+void evaluate(const Method& method, std::span<const JointInstant> instants,
+              std::span<PointEstimate> estimates);
+
+}  // namespace trilat

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/accuracy/methods/method.h"
+#include "pipeline/accuracy/methods/over_time.h"
+
+namespace trilat {
+
+// A kind of method: a row of the table. Adding one takes its solver and a row; its settings are a member of
+// MethodSpec.
+struct MethodKind {
+  std::string_view name;  // in studies
+  std::string_view what;
+  std::string_view source;  // equation or paper
+  bool needs_ranges;        // it sees the joint's distances; else its positions in the world
+  std::size_t sensors = 0;  // it uses just so many; 0: any number
+  // Its own settings; null when it has none.
+  void (*read)(JsonObject& object, MethodSpec& spec) = nullptr;
+  void (*write)(const MethodSpec& spec, Json& entry) = nullptr;
+  // One of both: an instant by itself, seen by some sensors; or whole paths.
+  PointEstimate (*evaluate)(const Method& method, const JointInstant& instant, SensorMask sensors) = nullptr;
+  OverTimeSolver over_time = nullptr;
+  // Many instants side by side, where that is faster.
+  void (*evaluate_many)(const Method& method, std::span<const JointInstant> instants,
+                        std::span<PointEstimate> estimates) = nullptr;
+};
+
+const std::vector<MethodKind>& method_kinds();
+// InternalError when there is none of that name.
+const MethodKind& method_kind(std::string_view name);
+
+}  // namespace trilat

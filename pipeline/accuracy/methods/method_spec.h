@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "evaluators/ceres/bone_window.h"
+#include "evaluators/ceres/ceres_trilateration.h"
+#include "evaluators/fusion/kalman.h"
+#include "evaluators/fusion/range_bearing.h"
+#include "evaluators/fusion/robust_fusion.h"
+#include "evaluators/solvers/geometric.h"
+#include "evaluators/solvers/linear.h"
+#include "evaluators/solvers/nonlinear.h"
+
+namespace trilat {
+
+struct MethodKind;
+
+// Which sensors a method leaves out because they see a joint occluded: by crossing limbs as the paper prints
+// it (eq. 8), by crossing limbs in the perspective image, or by the recorded depth.
+enum class OcclusionRule : std::uint8_t { off, printed, corrected, depth };
+inline constexpr std::size_t kOcclusionRules = 4;
+const std::vector<std::string>& occlusion_rule_names();
+
+// One method with its settings, before it is known which sensors the rig has. Only the options of its own
+// kind count.
+struct MethodSpec {
+  const MethodKind* kind = nullptr;  // one of method_kinds()
+  std::string name;                  // of its rows; unique in the study
+  std::vector<std::string> sensors;  // those it may use; empty: all. geometric uses the first three
+  std::uint64_t each = 0;        // of these many sensors in turn, every set or most_sets of them; 0: of all
+  std::uint64_t most_sets = 12;  // sets of one size are first parts of the same orders of all sensors
+  std::string family;            // of a method that stands for one set: the name of the study's entry
+  std::string reference;         // linear: the reference sensor; empty: the first
+  LinearOptions linear;
+  NonlinearOptions nonlinear;  // of nonlinear and newton
+  CeresOptions ceres;
+  OcclusionRule occlusion = OcclusionRule::off;
+  bool inferred_is_occluded = true;  // an inferred joint counts as one crossing more
+  int fewest_sensors = 1;            // those with the fewest crossings come back until there are as many
+  RangeBearingOptions range_bearing;
+  bool sigma_is_estimated = false;  // range_bearing: from the rig itself, without truth
+  WeightedMeanOptions weighted;
+  RobustMeanOptions robust;
+  KalmanOptions kalman;  // of kalman and rts
+  BoneWindowOptions window;
+};
+
+// One entry of a study's "methods".
+MethodSpec read_method(JsonObject& object);
+// Every setting of the method written out.
+Json resolved_json(const MethodSpec& method);
+
+// The texts under `key`; refuses one that stands there twice.
+std::vector<std::string> different_texts(JsonObject& object, const std::string& key);
+
+}  // namespace trilat

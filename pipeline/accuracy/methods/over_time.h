@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "pipeline/accuracy/methods/method.h"
+
+namespace trilat {
+
+struct PathPoint {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
+  SolveStatus status = SolveStatus::not_solved;
+  int iterations = 0;
+};
+
+// What one method over time gives for one take: by instant and joint.
+struct MethodPaths {
+  std::size_t method = 0;
+  std::size_t joints = 0;
+  std::vector<PathPoint> points;
+  const PathPoint& at(std::size_t instant, std::size_t joint) const {
+    return points[instant * joints + joint];
+  }
+};
+
+// Both are called from any thread. `advanced` tells how many instants more of one windowed method are done.
+struct OverTimeCalls {
+  std::function<void(std::size_t)> advanced;
+  std::function<bool()> must_stop;
+};
+
+// A take as a method over time sees it.
+struct SeenInTime {
+  std::span<const std::int64_t> time_ns;  // of the instants
+  std::size_t sensors = 0;
+  std::span<const Joint> joints;  // that are asked for
+  // One joint at one instant, as the method's sensors see it; from any thread.
+  std::function<void(std::size_t instant, Joint joint, std::span<JointObservation> observations)> observe;
+};
+
+using OverTimeSolver = void (*)(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
+                                MethodPaths& paths);
+// Each joint by itself.
+void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
+                  MethodPaths& paths);
+// All joints together, window by window, which takes long. Throws Interrupted when asked to stop.
+void solve_windows(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
+                   MethodPaths& paths);
+
+}  // namespace trilat

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/base/time.h"
+#include "evaluators/alignment/alignment.h"
+#include "pipeline/accuracy/methods/method_spec.h"
+
+namespace trilat {
+
+enum class ClockSource : std::uint8_t { stated, check, motion };
+
+// study.json, format 1, kind "accuracy": takes x methods -> errors.
+struct StudySpec {
+  std::string name;
+  std::filesystem::path campaign;    // relative to the study's file; may be given on the command line instead
+  std::vector<std::string> sensors;  // empty: those of the take that has most, the first of equals
+  std::vector<std::string> joints;   // empty: all that the mappings map
+  std::vector<std::string> conditions;  // activities whose takes are evaluated; empty: all
+  bool occluded_apart = false;          // samples that a sensor sees occluded make conditions of their own
+  std::string reference;                // the method that others are compared with; empty: the first
+  std::vector<AlignmentKind> alignments{AlignmentKind::mean};
+  double rate_hz = 30.0;  // of the instants that are evaluated
+  // A sensor, and the ground truth, are not interpolated across a longer gap. No limit here is a multiple of
+  // 1/30, 1/100 or 1/120 s: drift or rounding would decide whether a gap of as many frames is within it.
+  double sensor_gap_s = 0.11;
+  double truth_gap_s = 0.055;
+  double cross_check_limit_m = 1e-7;  // `run --cross-check` fails beyond
+  // Whether the start of the mocap is taken as stated, also checked by motion, or corrected by it.
+  ClockSource clock = ClockSource::check;
+  double clock_search_s = 3.0;     // to both sides of the stated start
+  bool repair_exchanges = true;    // left and right that a sensor has exchanged are put right
+  double training_share = 0.5;     // of a take, at its start: what joint_offset learns from
+  double block_s = 1.0;            // of the time blocks that intervals are drawn from
+  std::uint64_t resamples = 2000;  // of the intervals; 0: none
+  double clock_error_s = 0.005;    // between truth and sensors, as the paper states it; of the truth's floor
+  std::vector<MethodSpec> methods;
+};
+
+// What a study of accuracy and one that holds one have in common; `kind` and finish() are the caller's.
+StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder);
+StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
+StudySpec read_study(const std::filesystem::path& path);
+
+// Every setting written out, defaults included: what goes into the manifest and its hash.
+Json resolved_json(const StudySpec& spec);
+
+}  // namespace trilat

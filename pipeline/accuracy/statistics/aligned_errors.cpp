@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/statistics/aligned_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/skeleton/skeleton.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+
+namespace trilat {
+
+namespace {
+
+// What the alignments of one joint and method are made from.
+struct AlignedSums {
+  AlignmentSums whole;
+  JointOffset trained;
+  void add(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+           std::uint64_t training_end) {
+    whole.add(view.estimate(slot), view.truth(i, j));
+    if (view.block.first_instant + i < training_end && std::isfinite(view.heading_rad(i)))
+      trained.add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
+  }
+};
+using SumTable = std::vector<AlignedSums>;  // joints x methods
+
+AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind kind,
+                           std::uint64_t training_end) {
+  AlignmentTable solved(axes.joints * axes.methods);
+  for (std::size_t m = 0; m < axes.methods; ++m) {
+    AlignmentSums whole;
+    for (std::size_t j = 0; j < axes.joints; ++j) whole.merge(sums[j * axes.methods + m].whole);
+    for (std::size_t j = 0; j < axes.joints; ++j) {
+      const std::size_t k = j * axes.methods + m;
+      solved[k].kind = kind;
+      if (is_trained(kind)) solved[k].first_instant = training_end;
+      if (kind == AlignmentKind::joint_offset)
+        solved[k].offset = sums[k].trained;
+      else
+        solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums[k].whole, kind);
+      const Eigen::Quaterniond& rotation = solved[k].alignment.truth_from_estimate.rotation;
+      solved[k].turns = rotation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
+    }
+  }
+  return solved;
+}
+
+Axes axes_of(const Plan& plan) {
+  const std::vector<std::string> groups = groups_of(plan);
+  Axes axes;
+  axes.joints = plan.joints.size();
+  axes.methods = plan.methods.size();
+  axes.alignments = plan.study.alignments.size();
+  axes.groups = groups.size();
+  axes.sets = plan.study.occluded_apart ? 2 : 1;
+  for (const Joint joint : plan.joints) {
+    const auto group = std::find(groups.begin(), groups.end(), table_group(joint));
+    axes.group_of_joint.push_back(static_cast<std::size_t>(group - groups.begin()));
+  }
+  return axes;
+}
+
+// How many instants make one block: as the study wants it, or longer until all blocks fit into the memory.
+std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
+  const std::uint64_t row_bytes =
+      sizeof(double) * (axes.cells() * CellColumns::count + axes.methods * BodySumColumns::count);
+  const std::uint64_t fit = std::max<std::uint64_t>({kBlockSumBytes / row_bytes, plan.takes.size(), 1});
+  const std::uint64_t most = std::min(fit, std::max<std::uint64_t>(kMostBlocks, plan.takes.size()));
+  StatisticsLayout layout;
+  layout.block_instants =
+      static_cast<std::uint64_t>(std::max(1LL, std::llround(plan.study.block_s * plan.study.rate_hz)));
+  const auto rows = [&] {
+    std::uint64_t sum = 0;
+    for (const PlannedTake& take : plan.takes) sum += layout.blocks(take.instants);
+    return sum;
+  };
+  while (rows() > most) layout.block_instants *= 2;
+  return layout.block_instants;
+}
+
+// The plain mean of the same sensors, or else of all; none where the study has neither.
+std::optional<std::size_t> fallback_of(const Plan& plan, std::size_t method) {
+  const SensorMask all = SensorMask(~0ULL >> (kMaxSensors - plan.rig.size()));
+  const auto used = [&](const Method& m) { return m.allowed & all; };
+  std::optional<std::size_t> of_all;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const Method& mean = plan.methods[m];
+    if (mean.spec.kind->name != "mean" || mean.spec.occlusion != OcclusionRule::off) continue;
+    if (used(mean) == used(plan.methods[method])) return m;
+    if (used(mean) == all && !of_all) of_all = m;
+  }
+  return of_all;
+}
+
+}  // namespace
+
+TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
+  const Axes& axes = layout.axes;
+  const std::vector<AlignmentKind>& kinds = layout.alignments;
+  const bool any_is_trained = std::any_of(kinds.begin(), kinds.end(), is_trained);
+  const auto instants = static_cast<double>(samples.header().takes[take].instants);
+  const auto training_end =
+      any_is_trained ? static_cast<std::uint64_t>(std::llround(layout.training_share * instants)) : 0;
+  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own, complete = own,
+                                            reference_complete = own;
+  stream_take(
+      samples, take, axes, SampleColumns::positions,
+      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
+        const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
+        const std::size_t completed = view.completed_slot(i, j, m, layout),
+                          reference = view.completed_slot(i, j, layout.reference, layout);
+        if (is_usable(view.status(completed)) && is_usable(view.status(reference))) {
+          complete[k].add(view, i, j, completed, training_end);
+          reference_complete[k].add(view, i, j, reference, training_end);
+        }
+        if (!is_usable(view.status(slot))) return;
+        own[k].add(view, i, j, slot, training_end);
+        if (!is_usable(view.status(reference_slot))) return;
+        on_both[k].add(view, i, j, slot, training_end);
+        reference_on_both[k].add(view, i, j, reference_slot, training_end);
+      },
+      [](const SampleBlock&) {});
+  TakeAlignments result;
+  for (AlignmentKind kind : kinds)
+    result.push_back({solve_table(own, axes, kind, training_end),
+                      solve_table(on_both, axes, kind, training_end),
+                      solve_table(reference_on_both, axes, kind, training_end),
+                      {},
+                      {}});
+  result.front().complete = solve_table(complete, axes, kinds.front(), training_end);
+  result.front().reference_complete = solve_table(reference_complete, axes, kinds.front(), training_end);
+  return result;
+}
+
+std::vector<std::string> groups_of(const Plan& plan) {
+  std::vector<std::string> groups;
+  for (const Joint joint : plan.joints)
+    if (const std::string group = table_group(joint);
+        std::find(groups.begin(), groups.end(), group) == groups.end())
+      groups.push_back(group);
+  return groups;
+}
+
+StatisticsLayout statistics_layout(const Plan& plan) {
+  StatisticsLayout layout;
+  layout.axes = axes_of(plan);
+  layout.alignments = plan.study.alignments;
+  layout.training_share = plan.study.training_share;
+  layout.reference = plan.reference;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) layout.fallback.push_back(fallback_of(plan, m));
+  const auto& kinds = layout.alignments;
+  const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
+  if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());
+  layout.rate_hz = plan.study.rate_hz;
+  layout.block_instants = block_instants_of(plan, layout.axes);
+  for (const Bone& bone : kBones) {
+    const auto from = std::find(plan.joints.begin(), plan.joints.end(), bone.parent);
+    const auto to = std::find(plan.joints.begin(), plan.joints.end(), bone.child);
+    if (from != plan.joints.end() && to != plan.joints.end())
+      layout.bones.emplace_back(from - plan.joints.begin(), to - plan.joints.begin());
+  }
+  return layout;
+}
+
+}  // namespace trilat

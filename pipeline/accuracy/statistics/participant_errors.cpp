@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/statistics/participant_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace trilat {
+namespace {
+
+constexpr std::string_view kBestOf = "best of ";
+
+// A mean over nothing is NaN and adds nothing.
+void add(double& sum, std::uint64_t n, double mean) {
+  if (n > 0) sum += static_cast<double>(n) * mean;
+}
+
+template <class Of>
+WeightedRatio ratio_of(const auto& participants, double weight, const Of& numerator_and_denominator) {
+  WeightedRatio ratio;
+  ratio.weight = weight;
+  for (const auto& sums : participants) {
+    const auto [numerator, denominator] = numerator_and_denominator(sums);
+    ratio.numerator.push_back(numerator);
+    ratio.denominator.push_back(denominator);
+  }
+  return ratio;
+}
+
+}  // namespace
+
+void ParticipantErrors::Sums::Paired::add(const PairedErrors& paired) {
+  n += static_cast<double>(paired.n);
+  trilat::add(method_m, paired.n, paired.mae_m);
+  trilat::add(reference_m, paired.n, paired.reference_mae_m);
+}
+
+ParticipantErrors::ParticipantErrors(const ResultsSummary& summary) : summary_(summary) {
+  for (const TakeJointRow& row : summary.by_take)
+    if (std::find(participants_.begin(), participants_.end(), row.participant) == participants_.end())
+      participants_.push_back(row.participant);
+  for (const TakeJointRow& row : summary.by_take) {
+    ByParticipant& of = sums_[row.condition][row.group][row.method];
+    of.resize(participants_.size());
+    Sums& sums = of[static_cast<std::size_t>(
+        std::find(participants_.begin(), participants_.end(), row.participant) - participants_.begin())];
+    sums.answered += static_cast<double>(row.answered);
+    add(sums.error_m, row.answered, row.mae_m);
+    sums.both.add(row.both);
+    sums.complete.add(row.complete);
+  }
+}
+
+std::vector<std::string> ParticipantErrors::groups_of(const std::string& condition) const {
+  std::vector<std::string> groups;
+  const auto found = sums_.find(condition);
+  for (const std::string& group : summary_.groups)
+    if (found != sums_.end() && found->second.contains(group)) groups.push_back(group);
+  return groups;
+}
+
+std::vector<std::string> ParticipantErrors::methods_of(const std::string& name) const {
+  if (name.starts_with(kBestOf)) return methods_of(name.substr(kBestOf.size()));
+  for (const MethodFamily& family : summary_.families)
+    if (family.name == name) return family.methods;
+  const bool known =
+      std::find(summary_.methods.begin(), summary_.methods.end(), name) != summary_.methods.end();
+  return known ? std::vector{name} : std::vector<std::string>{};
+}
+
+std::vector<std::string> ParticipantErrors::best_on_others(const std::vector<std::string>& methods,
+                                                           const std::string& condition) const {
+  std::vector<std::string> best;
+  const std::vector<std::string> groups = groups_of(condition);
+  for (std::size_t p = 0; participants_.size() > 1 && p < participants_.size(); ++p) {
+    double least_m = kNaN;
+    for (const std::string& method : methods) {
+      double error_m = 0.0;
+      for (const std::string& group : groups) {
+        double n = 0.0, sum_m = 0.0;
+        const ByParticipant all = sums_of(method, condition, group);
+        for (std::size_t other = 0; other < all.size(); ++other) {
+          if (other == p) continue;
+          n += all[other].complete.n;
+          sum_m += all[other].complete.method_m;
+        }
+        error_m += sum_m / n;
+      }
+      if (error_m >= least_m || std::isnan(error_m)) continue;
+      if (best.size() <= p) best.emplace_back();
+      best.back() = method;
+      least_m = error_m;
+    }
+    if (best.size() <= p) return {};
+  }
+  return best;
+}
+
+ParticipantErrors::ByParticipant ParticipantErrors::sums_of(const std::string& name,
+                                                            const std::string& condition,
+                                                            const std::string& group) const {
+  ByParticipant sums(participants_.size());
+  const std::vector<std::string> methods = methods_of(name);
+  const bool is_best = name.starts_with(kBestOf);
+  const std::vector<std::string> best =
+      is_best ? best_on_others(methods, condition) : std::vector<std::string>{};
+  if (is_best && best.empty()) return sums;
+  for (const std::string& method : methods) {
+    const auto in_condition = sums_.find(condition);
+    if (in_condition == sums_.end()) break;
+    const auto in_group = in_condition->second.find(group);
+    if (in_group == in_condition->second.end()) break;
+    const auto of = in_group->second.find(method);
+    if (of == in_group->second.end()) continue;
+    for (std::size_t p = 0; p < sums.size(); ++p) {
+      if (is_best && best[p] != method) continue;
+      const Sums& more = of->second[p];
+      sums[p].answered += more.answered;
+      sums[p].error_m += more.error_m;
+      for (auto [to, from] :
+           {std::pair{&sums[p].both, &more.both}, std::pair{&sums[p].complete, &more.complete}}) {
+        to->n += from->n;
+        to->method_m += from->method_m;
+        to->reference_m += from->reference_m;
+      }
+    }
+  }
+  return sums;
+}
+
+WeightedRatio ParticipantErrors::error_m(const std::string& name, const std::string& condition,
+                                         const std::string& group) const {
+  return ratio_of(sums_of(name, condition, group), 1.0, [](const Sums& s) {
+    return std::pair{s.error_m, s.answered};
+  });
+}
+
+WeightedRatio ParticipantErrors::complete_error_m(const std::string& name, const std::string& condition,
+                                                  const std::string& group) const {
+  return ratio_of(sums_of(name, condition, group), 1.0, [](const Sums& s) {
+    return std::pair{s.complete.method_m, s.complete.n};
+  });
+}
+
+Contrast ParticipantErrors::difference(const std::string& of, const std::string& against,
+                                       const std::string& condition, const std::vector<std::string>& groups,
+                                       ComparedSamples samples) const {
+  const auto pick = [&](const Sums& s) { return samples == ComparedSamples::both ? s.both : s.complete; };
+  const double weight = 1.0 / static_cast<double>(groups.size());
+  const bool of_is_reference = of == summary_.reference, against_is_reference = against == summary_.reference;
+  Contrast contrast;
+  for (const std::string& group : groups) {
+    if (of_is_reference || against_is_reference) {
+      const ByParticipant sums = sums_of(of_is_reference ? against : of, condition, group);
+      const double sign = of_is_reference ? -1.0 : 1.0;
+      contrast.value.push_back(ratio_of(sums, sign * weight, [&](const Sums& s) {
+        return std::pair{pick(s).method_m - pick(s).reference_m, pick(s).n};
+      }));
+      contrast.base.push_back(ratio_of(sums, weight, [&](const Sums& s) {
+        return std::pair{of_is_reference ? pick(s).method_m : pick(s).reference_m, pick(s).n};
+      }));
+    } else if (samples == ComparedSamples::complete) {
+      contrast.value.push_back(complete_error_m(of, condition, group));
+      contrast.value.back().weight = weight;
+      contrast.value.push_back(complete_error_m(against, condition, group));
+      contrast.base.push_back(contrast.value.back());
+      contrast.value.back().weight = -weight;
+      contrast.base.back().weight = weight;
+    }
+  }
+  return contrast;
+}
+
+}  // namespace trilat

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/statistics/summarise.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <span>
+#include <tuple>
+
+#include <tbb/task_arena.h>
+
+#include "datasets/base/error.h"
+#include "evaluators/metrics/error_statistics.h"
+#include "pipeline/accuracy/statistics/aligned_errors.h"
+#include "pipeline/accuracy/statistics/participant_errors.h"
+#include "pipeline/accuracy/statistics/spilled_values.h"
+#include "pipeline/accuracy/statistics/statistics.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at the end of each
+
+// Of the answered samples of a cell.
+struct Distances {
+  CompensatedSum sum_m;
+  std::int64_t count = 0;
+};
+
+// Writes the error column of the first alignment and gives away the distances of answered samples: to the
+// groups of its condition, which begin at `first_group` with a cell each. What they are in all, by cell.
+std::vector<Distances> write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
+                                    const std::vector<AlignmentTable>& alignments,
+                                    SpilledValues::Writer distances_m, std::size_t first_group) {
+  std::vector<Distances> all(axes.cells());
+  std::vector<float> errors;
+  const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
+                         const SampleView& view) {
+    errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t a = 0; a < axes.alignments; ++a) {
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
+      if (!e.asked || !is_usable(e.status)) continue;
+      const double distance_m = e.error_m.norm();
+      for (std::size_t set = 0; set < view.sets(i, j); ++set) {
+        const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
+        distances_m.add(first_group + cell, distance_m);
+        all[cell].sum_m.add(distance_m);
+        ++all[cell].count;
+      }
+      for (int axis = 0; a == 0 && axis < 3; ++axis)
+        errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
+    }
+  };
+  stream_take(samples, take, axes, SampleColumns::positions, visit, [&](const SampleBlock& block) {
+    errors.resize(block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    samples.write_errors(take, block.first_instant, errors);
+    errors.clear();
+  });
+  distances_m.finish();
+  return all;
+}
+
+// The same distances were added in the same order when the take was summarised, so the sums are equal to the
+// bit.
+bool is_of_samples(const TakeSummary& summary, const std::vector<Distances>& distances) {
+  for (std::size_t cell = 0; cell < distances.size(); ++cell) {
+    const ErrorSums& errors = summary.statistics.sums[cell].errors;
+    if (errors.distance_m().value() != distances[cell].sum_m.value() ||
+        errors.answered() != distances[cell].count)
+      return false;
+  }
+  return true;
+}
+
+std::vector<QuantileSelection> quantiles_of(const SpilledValues& distances_m, std::size_t first_group,
+                                            std::size_t cells) {
+  std::vector<QuantileSelection> selections(cells, QuantileSelection(kErrorQuantiles));
+  parallel_for_index(cells, 1, [&](std::size_t cell) {
+    while (!selections[cell].done()) {
+      distances_m.visit(first_group + cell, [&](std::span<const double> values_m) {
+        for (double distance_m : values_m) selections[cell].add(distance_m);
+      });
+      selections[cell].end_pass();
+    }
+  });
+  return selections;
+}
+
+SummaryCell cell_of(const CellSums& sums, const QuantileSelection& quantiles) {
+  const ErrorStatistics s = ErrorStatistics::of(sums.errors, quantiles);
+  SummaryCell result;
+  result.asked = static_cast<std::uint64_t>(s.asked);
+  result.answered = static_cast<std::uint64_t>(s.answered);
+  for (std::size_t status = 0; status < s.status_counts.size(); ++status)
+    if (s.status_counts[status] > 0)
+      result.statuses[std::string(name_of(static_cast<SolveStatus>(status)))] =
+          static_cast<std::uint64_t>(s.status_counts[status]);
+  result.mae_m = s.mae_m;
+  result.axis_mae_m = {s.axis_mae_m.x(), s.axis_mae_m.y(), s.axis_mae_m.z()};
+  result.rmse_m = s.rmse_m;
+  result.p05_m = s.p05_m;
+  result.p25_m = s.p25_m;
+  result.median_m = s.median_m;
+  result.p75_m = s.p75_m;
+  result.p90_m = s.p90_m;
+  result.p95_m = s.p95_m;
+  result.max_m = s.max_m;
+  if (const auto n = static_cast<double>(sums.with_gdop); n > 0.0) {
+    result.mean_gdop = sums.gdop.value() / n;
+    result.rms_gdop = std::sqrt(sums.square_gdop.value() / n);
+    result.gdop_rmse_m = std::sqrt(sums.square_error_m2.value() / n);
+  }
+  if (result.answered > 0)
+    result.mean_iterations = sums.iterations.value() / static_cast<double>(result.answered);
+  return result;
+}
+
+void add_condition(const std::vector<QuantileSelection>& quantiles, const std::vector<std::size_t>& takes,
+                   const Axes& axes, const std::vector<TakeSummary>& by_take, const std::string& activity,
+                   ResultsSummary& summary) {
+  for (std::size_t c = 0; c < axes.cells(); ++c) {
+    CellSums sums;
+    for (std::size_t t : takes) sums.merge(by_take[t].statistics.sums[c]);
+    SummaryCell cell = cell_of(sums, quantiles[c]);
+    if (cell.asked == 0) continue;
+    cell.alignment = summary.alignments[c % axes.alignments];
+    cell.method = summary.methods[c / axes.alignments % axes.methods];
+    cell.group = summary.groups[c / (axes.alignments * axes.methods) % axes.groups];
+    const bool all = c < axes.cells() / axes.sets;
+    cell.condition = all ? activity : occluded_condition(activity);
+    summary.cells.push_back(std::move(cell));
+  }
+}
+
+PairedErrors errors_of(const PairedSums& sums) {
+  return {sums.method_m.n, sums.method_m.value(), sums.reference_m.value()};
+}
+
+void add_take_rows(const Plan& plan, const StatisticsLayout& layout, std::size_t take,
+                   const TakeStatistics& statistics, ResultsSummary& summary) {
+  const Take& of = plan.takes[take].take;
+  const Axes& axes = layout.axes;
+  for (std::size_t k = 0; k < statistics.of_joint.size(); ++k) {
+    const JointSums& sums = statistics.of_joint[k];
+    if (sums.asked == 0) continue;
+    const std::size_t j = k / axes.methods % axes.joints;
+    const bool all = k < axes.joints * axes.methods;
+    summary.by_take.push_back({of.id, of.participant, all ? of.activity : occluded_condition(of.activity),
+                               summary.groups[axes.group_of_joint[j]], std::string(name_of(plan.joints[j])),
+                               summary.methods[k % axes.methods], sums.asked, sums.distance_m.n,
+                               sums.distance_m.value(), errors_of(sums.both), errors_of(sums.complete)});
+  }
+}
+
+void add_families(const Plan& plan, const StatisticsLayout& layout, ResultsSummary& summary) {
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const MethodSpec& spec = plan.methods[m].spec;
+    if (layout.fallback[m]) summary.fallbacks[spec.name] = summary.methods[*layout.fallback[m]];
+    if (spec.family.empty()) continue;
+    if (summary.families.empty() || summary.families.back().name != spec.family)
+      summary.families.push_back({spec.family, spec.sensors.size(), {}});
+    summary.families.back().methods.push_back(spec.name);
+  }
+}
+
+// The plain mean of a name's errors over the groups.
+ContrastEstimate mean_error_m(const ParticipantErrors& errors, const std::string& name,
+                              const std::string& condition, bool complete) {
+  Contrast mean;
+  const std::vector<std::string> groups = errors.groups_of(condition);
+  for (const std::string& group : groups) {
+    mean.value.push_back(complete ? errors.complete_error_m(name, condition, group)
+                                  : errors.error_m(name, condition, group));
+    mean.value.back().weight = 1.0 / static_cast<double>(groups.size());
+  }
+  return solve_contrast(mean);
+}
+
+void complete_differences(const ParticipantErrors& errors, ResultsSummary& summary) {
+  for (DifferenceCell& cell : summary.differences) {
+    if (cell.alignment != summary.alignments.front()) continue;
+    const auto groups =
+        cell.group == kAverageGroup ? errors.groups_of(cell.condition) : std::vector<std::string>{cell.group};
+    const ContrastEstimate e = solve_contrast(
+        errors.difference(cell.method, summary.reference, cell.condition, groups, ComparedSamples::complete));
+    cell.complete_percent = 100.0 * e.value;
+    cell.complete_percent_low = 100.0 * e.low();
+    cell.complete_percent_high = 100.0 * e.high();
+  }
+}
+
+void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) {
+  for (const std::string& condition : summary.conditions)
+    for (const MethodFamily& family : summary.families) {
+      const ContrastEstimate own = mean_error_m(errors, family.name, condition, false),
+                             complete = mean_error_m(errors, family.name, condition, true);
+      FamilyCell cell{family.name,    condition,      own.value,       own.low(), own.high(),
+                      complete.value, complete.low(), complete.high(), {},        {}};
+      for (const std::string& method : family.methods) {
+        const double error_m = mean_error_m(errors, method, condition, true).value;
+        if (!(error_m >= cell.best_m)) std::tie(cell.best, cell.best_m) = std::tie(method, error_m);
+        if (!(error_m <= cell.worst_m)) std::tie(cell.worst, cell.worst_m) = std::tie(method, error_m);
+      }
+      summary.family_cells.push_back(std::move(cell));
+    }
+}
+
+ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
+  ResultsSummary summary;
+  summary.study = plan.study.name;
+  summary.campaign = plan.campaign.name;
+  summary.simulated = plan.simulated;
+  summary.takes = plan.takes.size();
+  summary.takes_failed =
+      static_cast<std::uint64_t>(std::count(outcome.evaluated.begin(), outcome.evaluated.end(), false));
+  std::set<std::string> participants;
+  for (const PlannedTake& take : plan.takes) participants.insert(take.take.participant);
+  for (const std::string& activity : activities_of(plan)) {
+    summary.conditions.push_back(activity);
+    if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
+  }
+  summary.participants = participants.size();
+  summary.groups = groups_of(plan);
+  for (const Method& method : plan.methods) summary.methods.push_back(method.spec.name);
+  summary.reference = plan.methods[plan.reference].spec.name;
+  for (AlignmentKind kind : plan.study.alignments) summary.alignments.emplace_back(name_of(kind));
+  summary.notes = outcome.notes;
+  summary.cross_check = outcome.cross_check;
+  return summary;
+}
+
+}  // namespace
+
+ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
+                         const BringTake& bring, std::uint64_t budget_bytes,
+                         const std::function<void(double)>& progress) {
+  ResultsSummary summary = empty_summary(plan, outcome);
+  const StatisticsLayout layout = statistics_layout(plan);
+  const Axes& axes = layout.axes;
+  add_families(plan, layout, summary);
+  const std::vector<std::string> activities = activities_of(plan);
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,
+                            threads);
+  std::vector<TakeSummary> takes(plan.takes.size());
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
+    const Take& take = plan.takes[t].take;
+    const auto activity = std::find(activities.begin(), activities.end(), take.activity);
+    const auto first_group = static_cast<std::size_t>(activity - activities.begin()) * axes.cells();
+    std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
+    takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
+    const std::vector<Distances> distances =
+        write_errors(samples, t, axes, takes[t].alignments, SpilledValues::Writer(distances_m), first_group);
+    if (known && !is_of_samples(takes[t], distances))
+      throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
+    takes[t].alignments = {};
+    if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
+  });
+  for (std::size_t a = 0; a < activities.size(); ++a) {
+    std::vector<std::size_t> of_activity;
+    for (std::size_t t = 0; t < plan.takes.size(); ++t)
+      if (plan.takes[t].take.activity == activities[a]) of_activity.push_back(t);
+    add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), of_activity, axes, takes,
+                  activities[a], summary);
+  }
+  for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, layout, t, takes[t].statistics, summary);
+  if (progress) progress(kCellsShare);
+  add_statistics(plan, outcome, layout, takes, summary);
+  const ParticipantErrors errors(summary);
+  add_family_cells(errors, summary);
+  complete_differences(errors, summary);
+  if (progress) progress(1.0);
+  return summary;
+}
+
+}  // namespace trilat

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/statistics/take_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "evaluators/metrics/body_metrics.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kWindow = 512;  // instants that are read together
+constexpr std::uint64_t kMargin = 2;    // and on either side, for differences in time
+
+// The squares of the truth's fourth differences, by block.
+using GroupNoise = std::vector<Mean>;
+
+class TakeGatherer {
+ public:
+  TakeGatherer(const StatisticsLayout& layout, const TakeAlignments& alignments, std::uint64_t instants)
+      : layout_(layout),
+        axes_(layout.axes),
+        alignments_(alignments),
+        result_(empty_statistics(layout, instants)),
+        noise_m2_(axes_.groups, GroupNoise(layout.blocks(instants))),
+        lengths_(axes_.methods * layout.bones.size()) {}
+
+  // The instants [first, end) of the view; those around them are only looked at.
+  void add(const SampleView& view, std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t i = first; i < end; ++i) {
+      block_ = (view.block.first_instant + i) / layout_.block_instants;
+      for (std::size_t j = 0; j < axes_.joints; ++j) {
+        if (!view.truth(i, j).allFinite()) continue;
+        add_truth(view, i, j);
+        for (std::size_t a = 0; a < axes_.alignments; ++a) add_errors(view, i, j, a);
+      }
+      for (std::size_t m = 0; m < axes_.methods; ++m) add_body(view, i, m);
+    }
+  }
+
+  TakeStatistics finish() {
+    for (std::size_t k = 0; k < lengths_.size(); ++k) {
+      if (lengths_[k].count() < 2) continue;
+      TakeBodies& bodies = result_.of_method[k / layout_.bones.size()];
+      ++bodies.bones;
+      bodies.bone_sd_m.add(lengths_[k].standard_deviation_m());
+    }
+    for (std::size_t g = 0; g < axes_.groups; ++g)
+      for (const Mean& squares_m2 : noise_m2_[g])
+        if (squares_m2.n > 0)
+          result_.of_group[g].noise_sigma_m.push_back(
+              std::sqrt(squares_m2.value() / (3.0 * kFourthDifferenceVariance)));
+    return std::move(result_);
+  }
+
+ private:
+  // Whether the truth is known at the instants from i - before to i + behind.
+  bool has_truth(const SampleView& view, std::uint64_t i, std::size_t j, std::uint64_t before,
+                 std::uint64_t behind) const {
+    if (i < before || i + behind >= view.block.instants) return false;
+    for (std::uint64_t k = i - before; k <= i + behind; ++k)
+      if (!view.truth(k, j).allFinite()) return false;
+    return true;
+  }
+
+  void add_truth(const SampleView& view, std::uint64_t i, std::size_t j) {
+    const auto truth_m = [&](std::uint64_t k) { return view.truth(k, j); };
+    const std::size_t group = axes_.group_of_joint[j];
+    if (has_truth(view, i, j, 1, 1))
+      result_.of_group[group].speed_m_s.add((truth_m(i + 1) - truth_m(i - 1)).norm() * layout_.rate_hz / 2.0);
+    if (has_truth(view, i, j, 1, 2))
+      result_.truth_jerk_m_s3.add(
+          jerk_m_s3(truth_m(i - 1), truth_m(i), truth_m(i + 1), truth_m(i + 2), layout_.rate_hz));
+    if (has_truth(view, i, j, 2, 2))
+      noise_m2_[group][block_].add(
+          fourth_difference_m(truth_m(i - 2), truth_m(i - 1), truth_m(i), truth_m(i + 1), truth_m(i + 2))
+              .squaredNorm());
+  }
+
+  void add_errors(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t a) {
+    const std::size_t sets = view.sets(i, j);
+    const bool has_later = has_truth(view, i, j, 0, 1), has_earlier = has_truth(view, i, j, 1, 0);
+    for (std::size_t m = 0; m < axes_.methods; ++m) {
+      const std::size_t slot = view.slot(i, j, m);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
+      if (!e.asked) return;
+      const Pair pair = pair_of(view, i, j, m, a);
+      if (a == 0) add_joint(e, pair, completed_pair(view, i, j, m), sets, j * axes_.methods + m);
+      for (std::size_t set = 0; set < sets; ++set)
+        add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
+      if (!is_usable(e.status)) continue;
+      const double distance_m = e.error_m.norm();
+      const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
+      const double later_m = has_later ? (aligned_m - view.truth(i + 1, j)).norm() - distance_m : 0.0;
+      const double earlier_m = has_earlier ? (aligned_m - view.truth(i - 1, j)).norm() - distance_m : 0.0;
+      for (std::size_t set = 0; set < sets; ++set) {
+        const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
+        double* sums = &result_.cells(static_cast<Eigen::Index>(block_),
+                                      static_cast<Eigen::Index>(cell * CellColumns::count));
+        sums[CellColumns::distance] += distance_m;
+        sums[CellColumns::answered] += 1.0;
+        if (pair.both) {
+          sums[CellColumns::difference] += pair.method_m - pair.reference_m;
+          sums[CellColumns::both] += 1.0;
+          sums[CellColumns::reference] += pair.reference_m;
+        }
+        if (has_later) result_.one_frame[cell].later_m.add(later_m);
+        if (has_earlier) result_.one_frame[cell].earlier_m.add(earlier_m);
+      }
+    }
+  }
+
+  // The distances of a method and the reference where both answer, aligned on such samples.
+  struct Pair {
+    bool both = false;
+    double method_m = 0.0, reference_m = 0.0;
+    void add_to(PairedSums& sums) const {
+      if (!both) return;
+      sums.method_m.add(method_m);
+      sums.reference_m.add(reference_m);
+    }
+  };
+
+  void add_joint(const AlignedError& e, const Pair& both, const Pair& complete, std::size_t sets,
+                 std::size_t joint_and_method) {
+    for (std::size_t set = 0; set < sets; ++set) {
+      JointSums& sums = result_.of_joint[set * axes_.joints * axes_.methods + joint_and_method];
+      ++sums.asked;
+      if (is_usable(e.status)) sums.distance_m.add(e.error_m.norm());
+      both.add_to(sums.both);
+      complete.add_to(sums.complete);
+    }
+  }
+
+  static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
+    sums.errors.add(e.status, e.error_m);
+    if (!is_usable(e.status)) return;
+    sums.iterations.add(block.iterations[slot]);
+    const float gdop = block.gdop[slot];
+    if (!std::isfinite(gdop)) return;
+    sums.gdop.add(static_cast<double>(gdop));
+    sums.square_gdop.add(static_cast<double>(gdop) * static_cast<double>(gdop));
+    sums.square_error_m2.add(e.error_m.squaredNorm());
+    ++sums.with_gdop;
+  }
+
+  Pair pair_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t a) const {
+    const std::size_t k = j * axes_.methods + m;
+    return pair_of(
+        error_of(view, i, j, view.slot(i, j, m), alignments_[a].on_both[k]),
+        error_of(view, i, j, view.slot(i, j, layout_.reference), alignments_[a].reference_on_both[k]));
+  }
+  // The same of their answers completed by their fallbacks, under the first alignment.
+  Pair completed_pair(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m) const {
+    const std::size_t k = j * axes_.methods + m;
+    return pair_of(error_of(view, i, j, view.completed_slot(i, j, m, layout_), alignments_[0].complete[k]),
+                   error_of(view, i, j, view.completed_slot(i, j, layout_.reference, layout_),
+                            alignments_[0].reference_complete[k]));
+  }
+  static Pair pair_of(const AlignedError& method, const AlignedError& reference) {
+    if (!is_usable(method.status) || !is_usable(reference.status)) return {};
+    return {true, method.error_m.norm(), reference.error_m.norm()};
+  }
+
+  void add_body(const SampleView& view, std::uint64_t i, std::size_t m) {
+    estimate_m_.clear();
+    aligned_m_.clear();
+    truth_m_.clear();
+    TakeBodies& bodies = result_.of_method[m];
+    std::size_t asked = 0;
+    for (std::size_t j = 0; j < axes_.joints; ++j) {
+      if (!view.truth(i, j).allFinite()) continue;
+      const std::size_t slot = view.slot(i, j, m);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments_[layout_.body_alignment].own);
+      if (!e.asked) return;
+      ++asked;
+      if (is_usable(view.status(slot))) add_jerk(view, i, j, m);
+      if (!is_usable(e.status)) continue;
+      for (std::size_t r = 0; r < kPckRadii_m.size(); ++r)
+        bodies.within[r] += e.error_m.norm() <= kPckRadii_m[r];
+      estimate_m_.push_back(view.estimate(slot));
+      truth_m_.push_back(view.truth(i, j));
+      aligned_m_.push_back(e.error_m + view.truth(i, j));
+    }
+    bodies.joints += asked;
+    add_bones(view, i, m);
+    if (asked == 0 || truth_m_.size() < asked) return;
+    double* sums = &result_.bodies(static_cast<Eigen::Index>(block_),
+                                   static_cast<Eigen::Index>(m * BodySumColumns::count));
+    sums[BodySumColumns::mpjpe] += mpjpe_m(aligned_m_, truth_m_);
+    sums[BodySumColumns::whole] += 1.0;
+    const double pa_m = pa_mpjpe_m(estimate_m_, truth_m_);
+    if (!std::isfinite(pa_m)) return;
+    sums[BodySumColumns::pa_mpjpe] += pa_m;
+    sums[BodySumColumns::pa_whole] += 1.0;
+  }
+
+  void add_jerk(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m) {
+    if (i < 1 || i + 2 >= view.block.instants) return;
+    for (std::uint64_t k = i - 1; k <= i + 2; ++k)
+      if (!is_usable(view.status(view.slot(k, j, m)))) return;
+    const auto at = [&](std::uint64_t k) { return view.estimate(view.slot(k, j, m)); };
+    result_.of_method[m].jerk_m_s3.add(jerk_m_s3(at(i - 1), at(i), at(i + 1), at(i + 2), layout_.rate_hz));
+  }
+
+  void add_bones(const SampleView& view, std::uint64_t i, std::size_t m) {
+    for (std::size_t b = 0; b < layout_.bones.size(); ++b) {
+      const auto [from, to] = layout_.bones[b];
+      const std::size_t from_slot = view.slot(i, from, m), to_slot = view.slot(i, to, m);
+      if (!view.truth(i, from).allFinite() || !view.truth(i, to).allFinite()) continue;
+      if (!is_usable(view.status(from_slot)) || !is_usable(view.status(to_slot))) continue;
+      lengths_[m * layout_.bones.size() + b].add((view.estimate(from_slot) - view.estimate(to_slot)).norm());
+    }
+  }
+
+  const StatisticsLayout& layout_;
+  const Axes& axes_;
+  const TakeAlignments& alignments_;
+  TakeStatistics result_;
+  std::uint64_t block_ = 0;
+  std::vector<GroupNoise> noise_m2_;                               // by group
+  std::vector<LengthSpread> lengths_;                              // by method and bone
+  std::vector<Eigen::Vector3d> estimate_m_, aligned_m_, truth_m_;  // of one body
+};
+
+}  // namespace
+
+void CellSums::merge(const CellSums& later) {
+  errors.merge(later.errors);
+  gdop.merge(later.gdop);
+  iterations.merge(later.iterations);
+  square_gdop.merge(later.square_gdop);
+  square_error_m2.merge(later.square_error_m2);
+  with_gdop += later.with_gdop;
+}
+
+TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants) {
+  const Axes& axes = layout.axes;
+  const auto rows = static_cast<Eigen::Index>(layout.blocks(instants));
+  TakeStatistics empty;
+  empty.sums.resize(axes.cells());
+  empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
+  empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
+  empty.one_frame.resize(axes.cells());
+  empty.of_joint.resize(axes.sets * axes.joints * axes.methods);
+  empty.of_method.resize(axes.methods);
+  empty.of_group.resize(axes.groups);
+  return empty;
+}
+
+TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout,
+                           const TakeAlignments& alignments) {
+  const std::uint64_t instants = samples.header().takes[take].instants;
+  TakeGatherer gatherer(layout, alignments, instants);
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < instants; first += kWindow) {
+    const std::uint64_t end = std::min(first + kWindow, instants);
+    const std::uint64_t from = first - std::min(first, kMargin), to = std::min(end + kMargin, instants);
+    samples.read(take, from, to - from, SampleColumns::all, block);
+    gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
+  }
+  return gatherer.finish();
+}
+
+}  // namespace trilat

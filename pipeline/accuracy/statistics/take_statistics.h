@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/error_statistics.h"
+#include "pipeline/accuracy/statistics/aligned_errors.h"
+
+namespace trilat {
+
+struct Mean {
+  double sum = 0.0;
+  std::uint64_t n = 0;
+  void add(double value) {
+    sum += value;
+    ++n;
+  }
+  void merge(const Mean& later) {
+    sum += later.sum;
+    n += later.n;
+  }
+  double value() const { return n == 0 ? kNaN : sum / static_cast<double>(n); }
+};
+
+// How much a cell's distances change when the truth is that of the next or the previous instant.
+struct OneFrame {
+  Mean later_m, earlier_m;
+};
+
+struct TakeBodies {
+  std::array<std::uint64_t, 3> within{};  // of kPckRadii_m
+  std::uint64_t joints = 0;               // asked
+  std::uint64_t bones = 0;                // with both ends in this take
+  Mean bone_sd_m, jerk_m_s3;
+};
+
+// The truth of one group.
+struct TakeTruth {
+  Mean speed_m_s;
+  std::vector<double> noise_sigma_m;  // an axis, by block that has any
+};
+
+// Everything one take adds to one cell of its condition.
+struct CellSums {
+  ErrorSums errors;
+  CompensatedSum gdop, iterations;
+  CompensatedSum square_gdop, square_error_m2;  // of the samples that have a finite GDOP
+  std::uint64_t with_gdop = 0;
+  // As if `later`'s samples had been added after what is here.
+  void merge(const CellSums& later);
+};
+
+// A method and the reference on the same samples.
+struct PairedSums {
+  Mean method_m, reference_m;
+};
+
+// Of one joint and method under the first alignment, in one set of samples.
+struct JointSums {
+  std::uint64_t asked = 0;
+  Mean distance_m;      // of what was answered
+  PairedSums both;      // where both answer
+  PairedSums complete;  // where both answer, or their fallbacks do
+};
+
+struct TakeStatistics {
+  std::vector<CellSums> sums;       // by cell
+  RowMatrix cells;                  // blocks x (cells of the axes x CellColumns)
+  RowMatrix bodies;                 // blocks x (methods x BodySumColumns)
+  std::vector<OneFrame> one_frame;  // by cell
+  std::vector<JointSums> of_joint;  // (set * joints + joint) * methods + method
+  std::vector<TakeBodies> of_method;
+  std::vector<TakeTruth> of_group;
+  Mean truth_jerk_m_s3;
+};
+
+// Of the right sizes, without any samples.
+TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants);
+
+// Streams one take's samples once.
+TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout,
+                           const TakeAlignments& alignments);
+
+}  // namespace trilat

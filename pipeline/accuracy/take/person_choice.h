@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/take/take_data.h"
+
+namespace trilat {
+
+// Which bodies of each sensor are the person whom the mocap measured.
+struct PersonChoice {
+  std::vector<std::set<std::uint64_t>> tracking_ids;  // by rig sensor
+  std::string note;
+};
+
+// Matches the bodies across sensors and takes the person who is nearest to the ground truth in the median,
+// also before and after a long absence; without ground truth the one with the most frames. Nothing when all
+// bodies are that person's, or when no sensor ever sees two at once and nobody is near the truth (which may
+// be in another world). `data` has its times and truth.
+std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
+                                          const SessionReader& session, const TakeData& data,
+                                          const std::function<bool()>& stop_requested);
+
+}  // namespace trilat

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/plan.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/take/truth_track.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
+
+struct HostSpan {
+  HostTime first, last;
+};
+
+HostSpan span_of(const SessionReader& session, std::size_t sensor, const SensorClockMap& map) {
+  const SensorDescription& description = session.header().sensors[sensor];
+  const std::uint64_t frames = session.counts(sensor).body_frames;
+  const std::string place = session.path().string() + ":/sensors/" + description.name + "/body_frames";
+  if (frames == 0) throw InputError(place, "holds no body frames, so there is nothing to trilaterate");
+  const auto first = session.stamps(sensor, FrameStream::bodies, 0, 1);
+  const auto last = session.stamps(sensor, FrameStream::bodies, frames - 1, 1);
+  return {map(first[0]), map(last[0])};
+}
+
+// The instants at which any sensor of the rig was recording.
+void plan_instants(PlannedTake& planned, const std::vector<std::string>& rig,
+                   const std::vector<HostSpan>& spans, double rate_hz) {
+  HostTime first = spans[0].first, last = spans[0].last;
+  for (const HostSpan& span : spans) {
+    first = std::min(first, span.first);
+    last = std::max(last, span.last);
+  }
+  for (std::size_t s = 0; s < rig.size(); ++s) {
+    const double recorded_s = (spans[s].last - spans[s].first).seconds();
+    if ((last - first).seconds() > recorded_s + kShortSpan_s)
+      planned.span_note +=
+          fmt::format("{}{} recorded only {:.1f} s of {:.1f} s", planned.span_note.empty() ? "" : ", ",
+                      rig[s], recorded_s, (last - first).seconds());
+  }
+  if (!planned.span_note.empty())
+    planned.span_note += "; what cannot be answered without it counts against a method's coverage";
+  planned.start = first;
+  planned.instants = static_cast<std::uint64_t>(std::floor((last - first).seconds() * rate_hz)) + 1;
+  constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
+  if (planned.instants > kMost)
+    throw InputError(planned.take.session.string(),
+                     fmt::format("covers {:.0f} s, more than can be evaluated at {} Hz",
+                                 (last - first).seconds(), rate_hz));
+}
+
+// The ground truth is in OptiTrack's world; only a rigid alignment forgives poses in another.
+void check_world(const Calibration& calibration, const StudySpec& study, const std::string& place) {
+  for (AlignmentKind kind : study.alignments)
+    if (calibration.world != "optitrack" && kind != AlignmentKind::rigid)
+      throw InputError(place + " /world", "is \"" + calibration.world +
+                                              "\", but the ground truth is in OptiTrack's world; calibrate "
+                                              "with --mocap, or evaluate with \"alignments\": "
+                                              "[\"rigid\"] alone");
+}
+
+// Of a take without truth: nothing limits the joints.
+JointMapping every_joint() {
+  JointMapping mapping;
+  for (int j = 0; j < kJointCount; ++j) mapping.joints.push_back({static_cast<Joint>(j), {}});
+  return mapping;
+}
+
+void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
+  const SessionReader session(planned.take.session);
+  planned.simulated = session.header().simulated;
+  const bool has_truth = !planned.take.mocap.empty();
+  planned.mapping = has_truth ? read_mapping(planned.take.mapping) : every_joint();
+  const Calibration calibration = read_calibration(planned.take.calibration);
+  if (has_truth) check_world(calibration, study, planned.take.calibration.string());
+  planned.in_mocap_world = calibration.world == "optitrack";
+  planned.level =
+      !calibration.world.starts_with("sensor ") || calibration.world.find("floor") != std::string::npos;
+  std::vector<HostSpan> spans;
+  for (const std::string& name : rig) {
+    const std::size_t sensor = session.sensor_index(name);
+    planned.session_sensor.push_back(sensor);
+    planned.world_from_sensor.push_back(
+        pose_of(calibration, name, planned.take.calibration.string()).world_from_sensor);
+    planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
+    spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
+  }
+  plan_instants(planned, rig, spans, study.rate_hz);
+  std::vector<Joint> mapped;
+  for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
+  if (has_truth)  // its assets exist
+    TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});
+  planned.ok = true;
+}
+
+std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign) {
+  std::vector<std::string> rig = study.sensors;
+  std::string reason;
+  const std::size_t takes = rig.empty() ? campaign.takes.size() : 0;
+  for (std::size_t t = 0; t < takes; ++t) {
+    try {
+      const SessionReader session(campaign.takes[t].session);
+      if (session.header().sensors.size() <= rig.size()) continue;
+      rig.clear();
+      for (const SensorDescription& sensor : session.header().sensors) rig.push_back(sensor.name);
+    } catch (const InputError& error) {
+      if (reason.empty()) reason = error.what();
+    }
+  }
+  if (rig.empty())
+    throw InputError("campaign \"" + campaign.name + '"', "has no take that can be opened: " + reason);
+  if (rig.size() > kMaxSensors)
+    throw InputError("study \"" + study.name + '"',
+                     fmt::format("would use {} sensors, the limit is {}; name those to use under \"sensors\"",
+                                 rig.size(), kMaxSensors));
+  return rig;
+}
+
+// All joints that any take maps, in the order of the tables.
+std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
+  std::set<Joint> mapped;
+  for (const PlannedTake& take : takes)
+    for (const auto& entry : take.mapping.joints)
+      if (study.joints.empty() ||
+          std::find(study.joints.begin(), study.joints.end(), name_of(entry.joint)) != study.joints.end())
+        mapped.insert(entry.joint);
+  std::vector<Joint> joints;
+  for (const JointGroup& group : joint_groups())
+    for (Joint joint : group.joints)
+      if (mapped.erase(joint) > 0) joints.push_back(joint);
+  joints.insert(joints.end(), mapped.begin(), mapped.end());
+  return joints;
+}
+
+}  // namespace
+
+Campaign takes_of(const StudySpec& study, Campaign campaign) {
+  if (study.conditions.empty()) return campaign;
+  std::string known;
+  for (const Take& take : campaign.takes)
+    if (known.find('"' + take.activity + '"') == std::string::npos)
+      known += (known.empty() ? "\"" : ", \"") + take.activity + '"';
+  for (const std::string& condition : study.conditions)
+    if (known.find('"' + condition + '"') == std::string::npos)
+      throw InputError(
+          "study \"" + study.name + "\" /conditions",
+          "has \"" + condition + "\", which no take of the campaign is; its activities are " + known);
+  std::erase_if(campaign.takes, [&](const Take& take) {
+    return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
+           study.conditions.end();
+  });
+  return campaign;
+}
+
+std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
+  if (study.reference.empty()) return 0;
+  std::string known;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (methods[m].spec.name == study.reference) return m;
+    known += (known.empty() ? "\"" : ", \"") + methods[m].spec.name + '"';
+  }
+  throw InputError("study \"" + study.name + "\" /reference",
+                   "is \"" + study.reference + "\", which is none of its methods: " + known);
+}
+
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch) {
+  Plan plan;
+  plan.study = study;
+  plan.campaign = takes_of(study, campaign);
+  plan.rig = rig_of(study, plan.campaign);
+  plan.methods = resolve_methods(study, plan.rig);
+  plan.reference = reference_of(study, plan.methods);
+  plan.takes.resize(plan.campaign.takes.size());
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
+    watch.check();
+    PlannedTake& planned = plan.takes[t];
+    planned.take = plan.campaign.takes[t];
+    try {
+      look_into(planned, plan.rig, study);
+    } catch (const InputError& error) {
+      planned.place = error.place();
+      planned.problem = error.problem();
+    }
+    watch.tell(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
+  });
+  plan.joints = joints_of(study, plan.takes);
+  const bool any =
+      std::any_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
+  if (any && plan.joints.empty())
+    throw InputError("study \"" + study.name + '"', "asks for joints that no take's mapping maps");
+  plan.simulated = campaign.simulated;
+  for (const PlannedTake& take : plan.takes) plan.simulated |= take.simulated;
+  return plan;
+}
+
+bool judges_places(const StudySpec& study) { return study.alignments != std::vector{AlignmentKind::rigid}; }
+
+std::vector<std::string> activities_of(const Plan& plan) {
+  std::vector<std::string> activities;
+  for (const PlannedTake& planned : plan.takes)
+    if (std::find(activities.begin(), activities.end(), planned.take.activity) == activities.end())
+      activities.push_back(planned.take.activity);
+  return activities;
+}
+
+std::string table_group(Joint joint) {
+  const auto group = group_of(joint);
+  return std::string(group ? *group : name_of(joint));
+}
+
+}  // namespace trilat

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "datasets/base/time.h"
+#include "datasets/geometry/rigid_transform.h"
+#include "datasets/results/summary.h"
+#include "datasets/session/clock/session_clock.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/accuracy/methods/method.h"
+#include "pipeline/accuracy/methods/study_spec.h"
+#include "pipeline/study/watch.h"
+
+namespace trilat {
+
+// One take, looked into: which sensor of its session is which of the rig, where they stand, how their clocks
+// run, and the instants to evaluate: start + i / rate_hz for i < instants, from the first to the last body
+// frame of any sensor of the rig. A take that cannot be evaluated says why.
+struct PlannedTake {
+  Take take;
+  bool ok = false;
+  std::string place, problem;
+  bool simulated = false;
+  bool level = true;  // the calibration's world has y up, as far as its label says
+  bool in_mocap_world = false;
+  JointMapping mapping;
+  std::vector<std::size_t> session_sensor;        // by rig sensor
+  std::vector<RigidTransform> world_from_sensor;  // by rig sensor
+  std::vector<SensorClockMap> host_from_sensor;
+  HostTime start;
+  std::uint64_t instants = 0;
+  std::string span_note;  // names sensors that recorded only a part of it
+};
+
+// What a run will do, in an order that does not depend on threads. The id of a work item is the id of its
+// take.
+struct Plan {
+  StudySpec study;
+  Campaign campaign;
+  std::vector<std::string> rig;  // names of the sensors
+  std::vector<Method> methods;
+  std::size_t reference = 0;  // the method that the others are compared with
+  std::vector<Joint> joints;  // skeleton groups first, in the tables' order
+  std::vector<PlannedTake> takes;
+  bool simulated = false;
+
+  Duration instant(std::uint64_t i) const { return duration_from_s(static_cast<double>(i) / study.rate_hz); }
+};
+
+// The number of the method that the study compares others with; InputError listing the methods when it is
+// none.
+std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
+
+// The takes of the conditions that the study asks for; InputError when it asks for one that no take is.
+Campaign takes_of(const StudySpec& study, Campaign campaign);
+
+// Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
+// study that fits no rig, no joint mapped.
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch = {});
+
+// Whether an error in the study's world counts: some alignment is not of shapes alone.
+bool judges_places(const StudySpec& study);
+
+// Each once, in the order of the takes.
+std::vector<std::string> activities_of(const Plan& plan);
+
+// The row a joint belongs to in the tables: its group, or its own name.
+std::string table_group(Joint joint);
+
+}  // namespace trilat

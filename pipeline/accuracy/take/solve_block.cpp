@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/solve_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kSideBySide = 16;  // instants that one thread solves side by side
+
+// What the rig saw during a block: per instant and joint, one observation a sensor.
+struct Observations {
+  std::size_t sensors = 0, joints = 0;
+  std::vector<JointObservation> values;
+  std::span<const JointObservation> of(std::uint64_t instant, std::size_t joint) const {
+    return {&values[(instant * joints + joint) * sensors], sensors};
+  }
+};
+
+void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, SampleBlock& block,
+            Observations& seen) {
+  for (std::uint64_t i = 0; i < block.instants; ++i) {
+    const std::uint64_t instant = block.first_instant + i;
+    block.time_ns[i] = data.time[instant].ns;
+    block.heading_rad[i] = data.heading_rad[instant];
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      observe_joint(data, instant, plan.joints[j], planned.world_from_sensor,
+                    std::span(seen.values).subspan((i * seen.joints + j) * seen.sensors, seen.sensors));
+      const Eigen::Vector3d& truth = data.truth(instant, j, plan.joints.size());
+      for (int axis = 0; axis < 3; ++axis)
+        block.truth_m[(i * plan.joints.size() + j) * 3 + static_cast<std::size_t>(axis)] = truth[axis];
+    }
+  }
+}
+
+void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) {
+  for (int axis = 0; axis < 3; ++axis)
+    block.estimate_m[slot * 3 + static_cast<std::size_t>(axis)] = estimate.position_m[axis];
+  block.status[slot] = static_cast<std::uint8_t>(estimate.status);
+  block.iterations[slot] = static_cast<std::uint32_t>(std::max(0, estimate.iterations));
+  block.cost_m2[slot] = estimate.cost_m2;
+  block.gdop[slot] = static_cast<float>(estimate.gdop);
+}
+
+// What a method over time gave, ready to be stored.
+void store(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
+  for (std::uint64_t i = 0; i < block.instants; ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const PathPoint& point = paths.at(block.first_instant + i, j);
+      PointEstimate estimate = failed_estimate(point.status);
+      estimate.position_m = point.position_m;
+      estimate.iterations = point.iterations;
+      store(block, (i * plan.joints.size() + j) * plan.methods.size() + paths.method, estimate);
+    }
+}
+
+// How many sensors see the joint occluded: inferred, or crossed by a limb in front.
+std::uint8_t occluded_views(const JointInstant& instant) {
+  const auto& crossings = instant.occlusions[static_cast<std::size_t>(OcclusionRule::corrected)];
+  std::uint8_t count = 0;
+  for (std::size_t s = 0; s < instant.observations.size(); ++s)
+    if (instant.observations[s].seen &&
+        (instant.observations[s].state == TrackingState::inferred || crossings[s] > 0))
+      ++count;
+  return count;
+}
+
+// Every method that takes instants by themselves on a few of them, which are few enough to stay in the cache.
+void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                    const Observations& seen, std::uint64_t first, std::uint64_t last, SampleBlock& block) {
+  std::vector<JointInstant> instants;
+  instants.reserve((last - first) * plan.joints.size());
+  const std::uint64_t first_row = first * plan.joints.size();
+  for (std::uint64_t i = first; i < last; ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const auto observations = seen.of(i, j);
+      instants.push_back({observations, planned.world_from_sensor,
+                          occlusions_of(data, block.first_instant + i, plan.joints[j]),
+                          ranges_of(observations, planned.world_from_sensor),
+                          sigma_at(data, block.first_instant + i, j)});
+      const std::uint64_t row = first_row + instants.size() - 1;
+      block.ranges[row] = static_cast<std::uint8_t>(instants.back().ranges.count);
+      block.occluded[row] = occluded_views(instants.back());
+    }
+  std::vector<PointEstimate> estimates(instants.size());
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    if (is_over_time(plan.methods[m])) continue;
+    evaluate(plan.methods[m], instants, estimates);
+    for (std::size_t k = 0; k < estimates.size(); ++k)
+      store(block, (first_row + k) * plan.methods.size() + m, estimates[k]);
+  }
+}
+
+TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                              const Observations& seen, std::uint64_t i, const Method& method,
+                              std::uint64_t number) {
+  TakeCheck check;
+  for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+    const auto observations = seen.of(i, j);
+    const SensorMask sensors = sensors_of(
+        method, {observations, planned.world_from_sensor, occlusions_of(data, number, plan.joints[j]), {}});
+    const RangeProblem ranges = ranges_of(observations, planned.world_from_sensor, sensors);
+    const PointEstimate ours = solve_nonlinear(ranges, method.spec.nonlinear);
+    CeresOptions same = method.spec.ceres;
+    same.range_sigma_m = method.spec.nonlinear.range_sigma_m;
+    const PointEstimate theirs = solve_ceres(ranges, same);
+    TakeCheck one;
+    one.worst_at = fmt::format("{} instant {} {}", planned.take.id, number, name_of(plan.joints[j]));
+    if (is_usable(ours.status) && is_usable(theirs.status)) {
+      one.samples = 1;
+      one.worst_m = (ours.position_m - theirs.position_m).norm();
+    } else if (is_usable(ours.status) != is_usable(theirs.status)) {
+      one.disagreements = 1;
+      one.disagreed_at = one.worst_at;
+    }
+    check.merge(one);
+  }
+  return check;
+}
+
+}  // namespace
+
+const Method* checked_method(const Plan& plan) {
+  for (const Method& m : plan.methods)
+    if (m.spec.kind->name == "nonlinear" && m.spec.nonlinear.damping == Damping::lm &&
+        m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares)
+      return &m;
+  return nullptr;
+}
+
+TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                      const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block) {
+  const Method* checked = cross_check ? checked_method(plan) : nullptr;
+  const std::uint64_t count = block.instants;
+  Observations seen{plan.rig.size(), plan.joints.size(), {}};
+  seen.values.resize(count * seen.joints * seen.sensors);
+  std::vector<TakeCheck> checks(checked ? count : 0);
+  gather(plan, planned, data, block, seen);
+  parallel_for_index((count + kSideBySide - 1) / kSideBySide, 1, [&](std::size_t part) {
+    const std::uint64_t from = part * kSideBySide, to = std::min(count, from + kSideBySide);
+    solve_instants(plan, planned, data, seen, from, to, block);
+    for (std::uint64_t i = from; checked && i < to; ++i)
+      checks[i] = cross_check_instant(plan, planned, data, seen, i, *checked, block.first_instant + i);
+  });
+  for (const MethodPaths& path : paths) store(plan, path, block);
+  TakeCheck check;
+  for (const TakeCheck& one : checks) check.merge(one);
+  return check;
+}
+
+}  // namespace trilat

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "datasets/results/samples.h"
+#include "pipeline/accuracy/methods/over_time.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/take_result.h"
+
+namespace trilat {
+
+// The method that is held against Ceres: the first nonlinear one with damping lm and the step rule; null
+// without one.
+const Method* checked_method(const Plan& plan);
+
+// Sends every instant of a block, which has its size already, through every method on the threads of the
+// current arena; `paths` is what the methods over time have found. The result is how Ceres compares, where
+// that is asked for.
+TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                      const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block);
+
+}  // namespace trilat

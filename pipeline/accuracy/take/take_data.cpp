@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/take_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "evaluators/bodies/exchange_repair.h"
+#include "evaluators/bodies/occlusion.h"
+#include "pipeline/accuracy/take/depth_occlusion.h"
+#include "pipeline/accuracy/take/person_choice.h"
+#include "pipeline/accuracy/take/sensor_track.h"
+#include "pipeline/accuracy/take/truth_track.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kStopPeriod = 256;  // instants between two looks at stop_requested
+constexpr std::size_t kTogether = 64;     // instants that one thread looks at for occlusions
+
+void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
+  if (i % kStopPeriod == 0 && stop_requested && stop_requested()) throw Interrupted();
+}
+
+[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth) {
+  const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
+  throw InputError(
+      planned.take.mocap.string(),
+      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session "
+                  "runs from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s "
+                  "(mocap_start_host_ns is {})",
+                  start_s, start_s + plan.instant(planned.instants - 1).seconds(),
+                  static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
+}
+
+// Fills in the truth and returns what there is to know of it.
+std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
+                                 const std::function<bool()>& stop_requested, TakeData& data) {
+  TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
+                   duration_from_s(plan.study.truth_gap_s));
+  const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
+  const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
+  data.truth_m.resize(data.time.size() * plan.joints.size());
+  for (std::size_t i = 0; i < data.time.size(); ++i) {
+    check_stop(i, stop_requested);
+    truth.at({(data.time[i] - mocap_start).ns},
+             std::span(data.truth_m).subspan(i * plan.joints.size(), plan.joints.size()));
+  }
+  if (std::none_of(data.truth_m.begin(), data.truth_m.end(), [](const auto& p) { return p.allFinite(); }))
+    refuse_without_truth(plan, planned, truth);
+  std::vector<TakeNote> notes;
+  const auto note = [&](std::string text) {
+    notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+  };
+  if (truth.samples_frozen() > 0)
+    note(
+        fmt::format("{} samples stand still to the last digit or lie exactly at the origin and were not "
+                    "used as ground truth",
+                    truth.samples_frozen()));
+  const MocapAnomalies& odd = truth.anomalies();
+  if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
+    note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
+                     odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
+                     odd.partial_poses));
+  if (odd.printed_time_differs > 0)
+    note(
+        fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
+                    "export's frame rate right?",
+                    odd.printed_time_differs));
+  return notes;
+}
+
+void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
+                 const std::function<bool()>& stop_requested, TakeData& data) {
+  const std::size_t sensors = plan.rig.size();
+  std::vector<SensorTrack> tracks;
+  for (std::size_t s = 0; s < sensors; ++s)
+    tracks.emplace_back(session, planned.session_sensor[s], planned.host_from_sensor[s],
+                        duration_from_s(plan.study.sensor_gap_s));
+  if (const auto person = choose_person(plan, planned, session, data, stop_requested)) {
+    for (std::size_t s = 0; s < sensors; ++s) tracks[s].choose(person->tracking_ids[s]);
+    data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
+  }
+  data.bodies = BodyTracks(data.time.size(), sensors);
+  bool any_seen = false;
+  for (std::size_t i = 0; i < data.time.size(); ++i) {
+    check_stop(i, stop_requested);
+    for (std::size_t s = 0; s < sensors; ++s) {
+      ObservedBody& body = data.bodies.at(i, s);
+      tracks[s].observe(data.time[i], body);
+      for (const Joint joint : plan.joints) any_seen |= body.has(joint);
+    }
+  }
+  if (!any_seen)
+    throw InputError(
+        planned.take.session.string(),
+        "no sensor ever sees a joint that is asked for: there are no bodies, or all positions are "
+        "untracked or not finite");
+}
+
+void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
+  if (planned.level) {
+    data.exchanges =
+        find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
+    if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+    return;
+  }
+  data.exchanges = {plan.rig.size(), std::vector<std::uint8_t>(data.time.size() * plan.rig.size(), 0),
+                    std::vector<std::size_t>(plan.rig.size(), 0)};
+  data.notes.push_back({planned.take.id, false, planned.take.calibration.string(),
+                        "has a world that is not level, so exchanges of left and right are not looked for"});
+}
+
+// A take whose motion does not say anything about the clock keeps the stated one, with a note.
+void check_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
+                 TakeData& data) {
+  if (plan.study.clock == ClockSource::stated) return;
+  MotionClock clock = clock_by_motion(plan, planned, data, stop_requested);
+  data.clock = clock.row;
+  if (!clock.warning.empty())
+    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
+  if (plan.study.clock != ClockSource::motion) return;
+  data.clock.applied = std::isfinite(data.clock.offset_s);
+  if (data.clock.applied)
+    read_truth(plan, planned, stop_requested, data);
+  else
+    data.notes.push_back(
+        {planned.take.id, false, planned.take.mocap.string(),
+         "keeps its stated start: by motion the clocks' offset is not known (" + data.clock.status + ")"});
+}
+
+// Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
+std::vector<float> headings_of(const BodyTracks& bodies,
+                               const std::vector<RigidTransform>& world_from_sensor) {
+  std::vector<float> headings(bodies.instants(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < bodies.instants(); ++i) {
+    Eigen::Vector3d left = Eigen::Vector3d::Zero();
+    for (const Joint joint : {Joint::shoulder_left, Joint::hip_left})
+      for (std::size_t s = 0; s < bodies.sensors(); ++s) {
+        const ObservedBody& body = bodies.at(i, s);
+        if (body.has(joint) && body.has(mirror_of(joint)))
+          left += world_from_sensor[s].rotation * (body.at(joint) - body.at(mirror_of(joint)));
+      }
+    if (std::hypot(left.x(), left.z()) > 0.0)
+      headings[i] = static_cast<float>(std::atan2(-left.z(), left.x()));
+  }
+  return headings;
+}
+
+OcclusionCounts count_crossings(const BodyTracks& bodies, OcclusionVariant variant) {
+  OcclusionCounts counts(bodies.instants(), bodies.sensors());
+  parallel_for_index(bodies.instants(), kTogether, [&](std::size_t i) {
+    for (std::size_t s = 0; s < bodies.sensors(); ++s) {
+      const auto of_joint = count_occlusions(bodies.at(i, s), variant);
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        counts.at(i, s, j) = static_cast<std::uint8_t>(std::min(of_joint[j], 255));
+    }
+  });
+  return counts;
+}
+
+void find_occlusions(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
+                     const std::function<bool()>& stop_requested, TakeData& data) {
+  const auto asked = [&](OcclusionRule rule) {
+    return std::any_of(plan.methods.begin(), plan.methods.end(),
+                       [&](const Method& m) { return m.spec.occlusion == rule; });
+  };
+  const auto slot = [&](OcclusionRule rule) -> OcclusionCounts& {
+    return data.occlusions[static_cast<std::size_t>(rule)];
+  };
+  if (asked(OcclusionRule::printed))
+    slot(OcclusionRule::printed) = count_crossings(data.bodies, OcclusionVariant::printed);
+  slot(OcclusionRule::corrected) = count_crossings(data.bodies, OcclusionVariant::corrected);
+  if (asked(OcclusionRule::depth))
+    slot(OcclusionRule::depth) = find_hidden(plan, planned, session, stop_requested, data);
+}
+
+}  // namespace
+
+TakeData load_take(const Plan& plan, const PlannedTake& planned,
+                   const std::function<bool()>& stop_requested) {
+  const SessionReader session(planned.take.session);
+  TakeData data;
+  data.time.reserve(planned.instants);
+  for (std::uint64_t i = 0; i < planned.instants; ++i) data.time.push_back(planned.start + plan.instant(i));
+  if (!planned.span_note.empty())
+    data.notes.push_back({planned.take.id, false, planned.take.session.string(), planned.span_note});
+  if (!session.complete())
+    data.notes.push_back(
+        {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
+  const bool has_truth = !planned.take.mocap.empty();
+  if (has_truth)
+    for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
+      data.notes.push_back(std::move(note));
+  read_bodies(plan, planned, session, stop_requested, data);
+  repair(plan, planned, data);
+  if (has_truth) check_clock(plan, planned, stop_requested, data);
+  data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
+  find_occlusions(plan, planned, session, stop_requested, data);
+  return data;
+}
+
+void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
+                   const std::vector<RigidTransform>& world_from_sensor,
+                   std::span<JointObservation> observations) {
+  for (std::size_t s = 0; s < observations.size(); ++s) {
+    const ObservedBody& body = data.bodies.at(instant, s);
+    observations[s] =
+        observe(body.at(joint), body.state[static_cast<std::size_t>(joint)], world_from_sensor[s]);
+  }
+}
+
+RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint) {
+  if (data.sigma.empty()) return {kNaN, kNaN};
+  return data.sigma[2 * joint + (instant < data.time.size() / 2 ? 0 : 1)];
+}
+
+JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint) {
+  JointOcclusions result{};
+  for (std::size_t rule = 0; rule < kOcclusionRules; ++rule)
+    for (std::size_t s = 0; !data.occlusions[rule].empty() && s < data.bodies.sensors(); ++s)
+      result[rule][s] = data.occlusions[rule].at(instant, s, static_cast<std::size_t>(joint));
+  return result;
+}
+
+}  // namespace trilat

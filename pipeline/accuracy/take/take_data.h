@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "datasets/results/studies/tracking_summary.h"
+#include "evaluators/bodies/exchange_repair.h"
+#include "evaluators/bodies/observed_body.h"
+#include "evaluators/fusion/joint_observation.h"
+#include "evaluators/fusion/range_bearing.h"
+#include "pipeline/accuracy/take/plan.h"
+
+namespace trilat {
+
+// How often each sensor's view of each joint is occluded: by instant, sensor and joint. Empty when no method
+// asks.
+class OcclusionCounts {
+ public:
+  OcclusionCounts() = default;
+  OcclusionCounts(std::size_t instants, std::size_t sensors)
+      : sensors_(sensors), counts_(instants * sensors * kJointCount, 0) {}
+  bool empty() const { return counts_.empty(); }
+  std::uint8_t& at(std::size_t instant, std::size_t sensor, std::size_t joint) {
+    return counts_[(instant * sensors_ + sensor) * kJointCount + joint];
+  }
+  std::uint8_t at(std::size_t instant, std::size_t sensor, std::size_t joint) const {
+    return counts_[(instant * sensors_ + sensor) * kJointCount + joint];
+  }
+
+ private:
+  std::size_t sensors_ = 0;
+  std::vector<std::uint8_t> counts_;
+};
+
+// All of one take at the instants to evaluate, repaired as the study asks.
+struct TakeData {
+  std::vector<HostTime> time;
+  BodyTracks bodies{0, 0};
+  ExchangeRepair exchanges;              // what was found, whether undone or not
+  std::vector<float> heading_rad;        // by instant, NaN when not known
+  std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
+  std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
+  ClockRow clock;                                           // by motion, when the study asks
+  // Of methods whose sigma is estimated: by joint of the plan, for the take's first and second half.
+  std::vector<RaySigma> sigma;
+  std::vector<TakeNote> notes;
+
+  const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
+    return truth_m[instant * joints + joint];
+  }
+};
+
+// Reads one take; one without mocap has no truth. InputError when it cannot be evaluated at all: no ground
+// truth for its time, no sensor that ever sees a joint that is asked for. Throws Interrupted when asked to
+// stop.
+TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested);
+
+// One joint at one instant as every sensor sees it.
+void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
+                   const std::vector<RigidTransform>& world_from_sensor,
+                   std::span<JointObservation> observations);
+
+// The sigmas that are estimated for a joint of the plan at an instant; NaN without.
+RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint);
+
+// How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
+JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);
+
+}  // namespace trilat

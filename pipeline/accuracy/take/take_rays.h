@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "datasets/results/studies/tracking_summary.h"
+#include "pipeline/accuracy/take/take_data.h"
+
+namespace trilat {
+
+// What the sensors of a take disagree by along and across their rays, all joints of the plan together, and
+// what methods lose and gain by it. Looks at some instants, spread evenly.
+RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+// For methods whose sigma is "estimated": each half of the take gets the sigmas that the other half shows,
+// joint by joint, left and right together. Does nothing when no method asks.
+void estimate_sigmas(const Plan& plan, const PlannedTake& planned, TakeData& data);
+
+}  // namespace trilat

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/results/studies/tracking_summary.h"
+#include "datasets/results/summary.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/tracking_check.h"
+
+namespace trilat {
+
+// A file that a take is made of.
+struct TakeInput {
+  std::string role, file;  // what it is, its name
+  std::uintmax_t bytes = 0;
+  std::string sha256;  // empty when it could not be read
+};
+
+// How far the own solver and Ceres were apart in one take.
+struct TakeCheck {
+  std::uint64_t samples = 0, disagreements = 0;
+  double worst_m = 0.0;
+  std::string worst_at, disagreed_at;  // the first
+  void merge(const TakeCheck& later);
+};
+
+// All that evaluating one take gives besides its samples and its replay.
+struct TakeResult {
+  std::vector<TakeInput> inputs;
+  std::vector<TakeNote> notes;  // places are given from the campaign's folder
+  TakeCheck check;
+  TakeTracking tracking;
+  bool evaluated = false;
+};
+
+Json json_of(const TakeResult& result);
+TakeResult read_take_result(const Json& json, const std::string& place);
+
+// Where the samples of a take are: `folder`/samples.h5 and, when it is shown, `folder`/replay.h5, under its
+// id.
+struct EvaluatedTake {
+  std::filesystem::path folder;
+  TakeResult result;
+};
+
+// What the takes of a plan say together.
+struct RunOutcome {
+  std::vector<TakeNote> notes;  // in the order of the takes
+  std::vector<bool> evaluated;  // by take
+  std::optional<CrossCheck> cross_check;
+  TrackingSummary tracking;
+};
+RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check);
+
+}  // namespace trilat

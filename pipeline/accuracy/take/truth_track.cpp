@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/truth_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/mocap_reader.h"
+#include "evaluators/alignment/clock_offset.h"
+#include "evaluators/alignment/interpolation.h"
+#include "evaluators/fusion/baselines.h"
+#include "pipeline/study/parallel.h"
+
+namespace trilat {
+
+namespace {
+
+constexpr double kNaNumber = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<std::size_t> resolve(const JointMapping::Entry& entry, const MocapHeader& header,
+                                 const std::filesystem::path& mapping_file) {
+  const std::string place = mapping_file.string() + " /joints/" + std::string(name_of(entry.joint));
+  std::vector<std::size_t> assets;
+  for (const std::string& key : entry.assets) {
+    assets.push_back(find_asset(header, key, place));
+    const MocapAsset& asset = header.assets[assets.back()];
+    if (header.coordinate_space == "Local" &&
+        (asset.type == AssetType::bone || asset.type == AssetType::bone_marker))
+      throw InputError(place, "names \"" + key +
+                                  "\", whose positions are relative to its parent; export again with the "
+                                  "coordinate space Global");
+    if (!asset.has_position)
+      throw InputError(place, "names the asset \"" + key + "\", of which the export holds no position");
+  }
+  return assets;
+}
+
+constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
+constexpr double kGrid_hz = 120.0;
+// Of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
+constexpr double kLongestLag_s = 0.1;
+constexpr double kNoticeable_m = 0.005;  // mean speed times what the lag does not explain
+
+// Seconds since the first instant, on the host clock.
+std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  std::vector<PointPath> paths(plan.joints.size());
+  std::vector<JointObservation> seen(plan.rig.size());
+  for (std::size_t i = 0; i < data.time.size(); ++i)
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      observe_joint(data, i, plan.joints[j], planned.world_from_sensor, seen);
+      paths[j].time_s.push_back((data.time[i] - data.time.front()).seconds());
+      paths[j].position_m.push_back(solve_mean(seen, {}).position_m);
+    }
+  return paths;
+}
+
+std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                  double margin_s, const std::function<bool()>& stop_requested) {
+  TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
+                   duration_from_s(plan.study.truth_gap_s));
+  std::vector<PointPath> paths(plan.joints.size());
+  std::vector<Eigen::Vector3d> joints(plan.joints.size());
+  const double length_s = (data.time.back() - data.time.front()).seconds() + 2.0 * margin_s;
+  const auto count = static_cast<std::size_t>(length_s * kTruthRate_hz) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
+    const double since_s = static_cast<double>(k) / kTruthRate_hz - margin_s;
+    const HostTime t = data.time.front() + duration_from_s(since_s);
+    truth.at({(t - HostTime{planned.take.mocap_start_host_ns}).ns}, joints);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      paths[j].time_s.push_back(since_s);
+      paths[j].position_m.push_back(joints[j]);
+    }
+  }
+  return paths;
+}
+
+// What a user has to know of a clock that the trackers' lag does not explain; empty when there is nothing.
+std::string warning_of(const ClockOffset& found, const StudySpec& study) {
+  if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.misfit_m))
+    return fmt::format(
+        "lies {:.1f} m from where the sensors see the joints, at every start within {:g} s of the stated one "
+        "that fits "
+        "their speeds; is the calibration in its world, and mocap_start_host_ns right?",
+        found.misfit_m, study.clock_search_s);
+  if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
+    return fmt::format(
+        "does not move as the sensors see the person move, at any start within {:g} s of the stated "
+        "one; is it the same take, and mocap_start_host_ns right?",
+        study.clock_search_s);
+  if (found.status != ClockOffsetStatus::found) return {};
+  const double lowest_s = -(kLongestLag_s + study.clock_error_s), highest_s = study.clock_error_s;
+  const double beyond_s = std::max({0.0, lowest_s - found.high_s, found.low_s - highest_s});
+  if (beyond_s * found.speed_m_s < kNoticeable_m) return {};
+  return fmt::format(
+      "starts {:.4f} s ({:.4f} to {:.4f}) {} than stated, by the motion: more than trackers lag. {}",
+      std::abs(found.offset_s), std::min(std::abs(found.low_s), std::abs(found.high_s)),
+      std::max(std::abs(found.low_s), std::abs(found.high_s)), found.offset_s > 0.0 ? "earlier" : "later",
+      study.clock == ClockSource::motion
+          ? std::string("That offset was applied")
+          : fmt::format("At the joints' mean speed of {:.2f} m/s that makes errors of {:.0f} cm; mend "
+                        "mocap_start_host_ns, or say \"clock\": \"motion\" in the study",
+                        found.speed_m_s, 100.0 * std::abs(found.offset_s) * found.speed_m_s));
+}
+
+}  // namespace
+
+struct TruthTrack::State {
+  MocapReader reader;
+  FrozenFilter frames;
+  Duration longest_gap;
+  std::vector<std::vector<std::size_t>> assets_of_joint;
+  std::deque<MocapFrame> window;  // around the time last asked for, longest_gap to both sides
+  MocapTime last_read;
+  bool ended = false;
+
+  State(const std::filesystem::path& mocap, Duration gap) : reader(mocap), frames(reader), longest_gap(gap) {}
+
+  void move_to(MocapTime t) {
+    while (!ended && (window.empty() || window.back().time < t + longest_gap)) {
+      MocapFrame frame;
+      if (!frames.next(frame)) {
+        ended = true;
+        break;
+      }
+      last_read = frame.time;
+      window.push_back(std::move(frame));
+    }
+    while (!window.empty() && window.front().time < t - longest_gap) window.pop_front();
+  }
+
+  Eigen::Vector3d asset_at(std::size_t asset, MocapTime t) const {
+    const auto later = std::lower_bound(window.begin(), window.end(), t,
+                                        [](const MocapFrame& f, MocapTime when) { return f.time < when; });
+    auto after = later;
+    while (after != window.end() && !after->poses[asset].has_position()) ++after;
+    auto before = later;
+    while (before != window.begin() && !(before - 1)->poses[asset].has_position()) --before;
+    const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNaNumber);
+    if (after == window.end()) return none;
+    if (after->time == t) return after->poses[asset].position_m;
+    if (before == window.begin()) return none;
+    --before;
+    return interpolate(t, before->time, before->poses[asset].position_m, after->time,
+                       after->poses[asset].position_m, longest_gap)
+        .value_or(none);
+  }
+};
+
+TruthTrack::TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
+                       const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
+                       Duration longest_gap)
+    : state_(std::make_unique<State>(mocap, longest_gap)) {
+  std::vector<std::size_t> wanted;
+  for (Joint joint : joints) {
+    std::vector<std::size_t> assets;
+    for (const auto& entry : mapping.joints)
+      if (entry.joint == joint) assets = resolve(entry, state_->reader.header(), mapping_file);
+    wanted.insert(wanted.end(), assets.begin(), assets.end());
+    state_->assets_of_joint.push_back(std::move(assets));
+  }
+  state_->reader.read_only(wanted);
+}
+
+TruthTrack::~TruthTrack() = default;
+TruthTrack::TruthTrack(TruthTrack&&) noexcept = default;
+
+void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
+  state_->move_to(t);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto& assets = state_->assets_of_joint[j];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t asset : assets) sum += state_->asset_at(asset, t);
+    joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaNumber)
+                               : Eigen::Vector3d(sum / static_cast<double>(assets.size()));
+  }
+}
+
+MocapTime TruthTrack::read_to_end() {
+  while (!state_->ended) state_->move_to(state_->last_read + state_->longest_gap);
+  return state_->last_read;
+}
+
+std::uint64_t TruthTrack::samples_frozen() const {
+  std::uint64_t sum = 0;
+  for (const std::int64_t removed : state_->frames.removed()) sum += static_cast<std::uint64_t>(removed);
+  return sum;
+}
+
+const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }
+
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                            const std::function<bool()>& stop_requested) {
+  ClockOffsetOptions options;
+  options.grid_hz = kGrid_hz;
+  options.search_s = plan.study.clock_search_s;
+  options.one_frame = planned.in_mocap_world && judges_places(plan.study);
+  const ClockOffset found = find_clock_offset(
+      estimated_paths(plan, planned, data),
+      true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);
+  ClockRow row;
+  row.status = name_of(found.status);
+  row.offset_s = found.offset_s;
+  row.low_s = found.low_s;
+  row.high_s = found.high_s;
+  row.drift_ppm = found.drift_ppm;
+  row.drift_sigma_ppm = found.drift_sigma_ppm;
+  row.peak = found.peak;
+  row.second = found.second;
+  return {row, warning_of(found, plan.study)};
+}
+
+}  // namespace trilat

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/base/time.h"
+#include "datasets/mocap/mocap_take.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/accuracy/take/take_data.h"
+
+namespace trilat {
+
+// The mapped joints of an OptiTrack export as a function of mocap time, streamed. Each asset is interpolated
+// by itself between its two nearest samples, never across more than `longest_gap`; frozen stretches are no
+// samples. A joint is the mean of its assets and is there only when all of them are: the mean of the rest
+// would be another point.
+class TruthTrack {
+ public:
+  // `joints` in the order wanted; those that the mapping does not map are never there. InputError for an
+  // asset that does not exist, has no position, or is a bone in local coordinates.
+  TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
+             const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
+             Duration longest_gap);
+  ~TruthTrack();
+  TruthTrack(TruthTrack&&) noexcept;
+
+  // One point a joint in the world, metres, NaN where there is none; `t` must not go back from call to call.
+  void at(MocapTime t, std::span<Eigen::Vector3d> joints);
+  // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
+  MocapTime read_to_end();
+  std::uint64_t samples_frozen() const;
+  // Of what has been read so far.
+  const MocapAnomalies& anomalies() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+struct MotionClock {
+  ClockRow row;
+  std::string warning;  // what the trackers' lag does not explain, for the take's notes; empty when it does
+};
+
+// By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
+// against the ground truth. `data` has its times and bodies.
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                            const std::function<bool()>& stop_requested);
+
+}  // namespace trilat

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// `trilat fuse`.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/markers/joint_files.h"
+#include "pipeline/accuracy/fuse_session.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/cli/check_output.h"
+#include "pipeline/cli/exchange_verbs.h"
+#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/verbs.h"
+#include "reports/tables/tables.h"
+
+namespace trilat {
+namespace {
+
+// With the settings that a study gives it by default; sigmas come from the rig where they can.
+MethodSpec method_of(const FuseArguments& a) {
+  Json json{{"method", a.method}};
+  if (a.method == "range_bearing") json["sigma"] = "estimated";
+  if (!a.sensor.empty()) json["sensors"] = {a.sensor};
+  JsonObject object(json, "--method", "");
+  return read_method(object);
+}
+
+struct JointFormat {
+  const char* extension;
+  OutputKind output;
+  void (*write)(const std::filesystem::path&, const JointTrack&);
+};
+
+constexpr JointFormat kJointFormats[] = {{".trc", OutputKind::trc, write_trc},
+                                         {".c3d", OutputKind::c3d, write_c3d},
+                                         {".csv", OutputKind::joint_table, write_joint_csv}};
+
+const JointFormat& joint_format_of(const std::filesystem::path& output) {
+  for (const JointFormat& format : kJointFormats)
+    if (output.extension() == format.extension) return format;
+  throw InputError(output.string(), "must end in .trc, .c3d or .csv, which say the format");
+}
+
+}  // namespace
+
+int fuse(const FuseArguments& a) {
+  const JointFormat& format = joint_format_of(a.output);
+  const MethodSpec method = method_of(a);
+  check_output({a.output, format.output, {a.session, a.calibration}, a.force});
+  const FusedSession fused = [&] {
+    Progress progress("fusing " + a.session.filename().string());
+    return fuse_session(a.session, a.calibration, method, a.rate_hz,
+                        {stop_requested, [&](double share) { progress.set(share); }});
+  }();
+  format.write(a.output, track_of(fused));
+  if (a.json) {
+    fmt::print("{}\n", json_text(Json{{"file", a.output.string()},
+                                      {"instants", fused.instants()},
+                                      {"start_host_ns", fused.start_host_ns},
+                                      {"sensors", fused.sensors},
+                                      {"answered", fused.answered},
+                                      {"rays", json_of(fused.rays)}},
+                                 2));
+    return kDone;
+  }
+  for (const TakeNote& note : fused.notes) fmt::print(stderr, "note: {}: {}\n", note.place, note.text);
+  fmt::print("{}: {} joints at {} instants ({:g} Hz) by {} from {}; {:.1f} % answered\n{}\n",
+             a.output.string(), fused.joints.size(), fused.instants(), fused.rate_hz, a.method,
+             fmt::join(fused.sensors, ", "), 100.0 * fused.answered, ray_text(fused.rays));
+  return kDone;
+}
+
+}  // namespace trilat

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/terminal/skeleton_preview.h"
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+namespace trilat {
+namespace {
+
+constexpr int kColumns = 38;  // two sensors on a terminal of 80
+constexpr int kDotsWide = 2, kDotsHigh = 4;
+
+// The bit of a dot in its character, column by column (Unicode, Braille patterns).
+constexpr int kBits[kDotsWide][kDotsHigh] = {{0, 1, 2, 6}, {3, 4, 5, 7}};
+
+std::string utf8(unsigned code) {  // of U+2800 to U+28FF
+  return {static_cast<char>(0xe2), static_cast<char>(0xa0 | (code >> 6 & 0x03)),
+          static_cast<char>(0x80 | (code & 0x3f))};
+}
+
+void draw_body(cv::Mat& image, const Body& body, const DepthIntrinsics& intrinsics, double dots_per_px) {
+  const auto dot_of = [&](std::size_t joint) {
+    const auto& p = body.position_m[joint];
+    const double z = static_cast<double>(p[2]);
+    return cv::Point(
+        static_cast<int>((intrinsics.cx_px + intrinsics.fx_px * static_cast<double>(p[0]) / z) * dots_per_px),
+        static_cast<int>((intrinsics.cy_px - intrinsics.fy_px * static_cast<double>(p[1]) / z) *
+                         dots_per_px));
+  };
+  const auto visible = [&](std::size_t joint) {
+    return body.tracking_state[joint] > 0 && body.position_m[joint][2] > 0.1f;
+  };
+  for (const Bone& bone : kBones) {
+    const auto a = static_cast<std::size_t>(bone.parent), b = static_cast<std::size_t>(bone.child);
+    if (visible(a) && visible(b)) cv::line(image, dot_of(a), dot_of(b), 1);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> skeleton_text(const BodyFrame& frame, const DepthIntrinsics& intrinsics,
+                                       int columns) {
+  const double dots_per_px = static_cast<double>(columns * kDotsWide) / intrinsics.width_px;
+  const int rows = static_cast<int>(intrinsics.height_px * dots_per_px) / kDotsHigh;
+  cv::Mat image = cv::Mat::zeros(rows * kDotsHigh, columns * kDotsWide, CV_8UC1);
+  for (const Body& body : frame.bodies) draw_body(image, body, intrinsics, dots_per_px);
+  std::vector<std::string> text(static_cast<std::size_t>(rows));
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      unsigned code = 0;
+      for (int x = 0; x < kDotsWide; ++x)
+        for (int y = 0; y < kDotsHigh; ++y)
+          if (image.at<unsigned char>(row * kDotsHigh + y, column * kDotsWide + x) != 0)
+            code |= 1u << kBits[x][y];
+      text[static_cast<std::size_t>(row)] += utf8(code);
+    }
+  return text;
+}
+
+SkeletonPreview::SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources) {
+  for (const auto& source : sources)
+    for (const SensorDescription& sensor : source->header().sensors)
+      views_.emplace(sensor.name, View{sensor.intrinsics, {}});
+}
+
+void SkeletonPreview::see(const std::string& sensor, const BodyFrame& frame) {
+  views_.at(sensor).frame = frame;
+}
+
+std::string SkeletonPreview::picture() const {
+  std::string picture = "\033[H\033[J";  // from the upper left corner of an empty screen
+  for (auto left = views_.begin(); left != views_.end();) {
+    const auto right = std::next(left);
+    const auto a = skeleton_text(left->second.frame, left->second.intrinsics, kColumns);
+    std::vector<std::string> b;
+    if (right != views_.end()) b = skeleton_text(right->second.frame, right->second.intrinsics, kColumns);
+    picture += fmt::format("{:<{}}  {}\n", left->first, kColumns, right != views_.end() ? right->first : "");
+    for (std::size_t row = 0; row < a.size(); ++row)
+      picture += a[row] + "  " + (row < b.size() ? b[row] : "") + "\n";
+    left = right == views_.end() ? right : std::next(right);
+  }
+  return picture;
+}
+
+}  // namespace trilat

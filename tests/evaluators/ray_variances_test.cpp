@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/fusion/ray_variances.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/evaluators/ray_data.h"
+
+namespace trilat {
+namespace {
+
+TEST(RayVariances, RatiosAreFoundFromDisagreementAlone) {
+  for (const double ratio : {0.05, 0.1, 0.3, 1.0, 2.0, 5.0}) {
+    const RayData data = ray_data({.ratio = ratio, .instants = 3000}, 21);
+    const RaySigmaEstimate estimate = data.estimate();
+    ASSERT_EQ(estimate.problem, "") << ratio;
+    EXPECT_NEAR(estimate.ratio_of() / ratio, 1.0, 0.06) << ratio;
+    EXPECT_NEAR(estimate.sigma.bearing_m / sigmas_of(ratio, kTotal_m).bearing_m, 1.0, 0.03) << ratio;
+    EXPECT_LT(estimate.ratio.low, ratio);
+    EXPECT_GT(estimate.ratio.high, ratio);
+  }
+}
+
+TEST(RayVariances, WhatAllSensorsShareIsNotSeen) {
+  RayDataSpec spec{.ratio = 0.5, .instants = 3000};
+  const double alone = ray_data(spec, 22).estimate().ratio_of();
+  spec.shared_m = kTotal_m;
+  const RaySigmaEstimate shared = ray_data(spec, 22).estimate();
+  EXPECT_NEAR(shared.ratio_of() / alone, 1.0, 0.02);
+  EXPECT_NEAR(shared.sigma.range_m / sigmas_of(0.5, kTotal_m).range_m, 1.0, 0.03);
+}
+
+TEST(RayVariances, IntervalsCoverAlsoWhenErrorsAreCorrelatedInTime) {
+  const Coverage coverage = coverage_of_intervals({.ratio = 0.8, .instants = 600, .correlation = 0.8}, 40);
+  EXPECT_EQ(coverage.estimated, 40u);
+  EXPECT_GT(coverage.ratio, 0.87);
+  EXPECT_GT(coverage.range, 0.87);
+  EXPECT_GT(coverage.bearing, 0.87);
+}
+
+TEST(RayVariances, TwoSensorsAtRightAnglesAreEnoughAndOneIsNot) {
+  const RaySigmaEstimate two =
+      ray_data({.ratio = 0.5, .instants = 3000, .rig = circle_rig({1.0, 1.4}, 2.0, 180.0)}, 23).estimate();
+  ASSERT_EQ(two.problem, "");
+  EXPECT_NEAR(two.ratio_of(), 0.5, 0.05);
+  const RaySigmaEstimate one = ray_data({.instants = 300, .rig = circle_rig({1.0})}, 24).estimate();
+  EXPECT_THAT(one.problem, testing::HasSubstr("two sensors"));
+}
+
+TEST(RayVariances, InferredJointsAndTooFewStretchesSayNothing) {
+  RayData data = ray_data({.instants = 100}, 25);
+  for (std::uint32_t& cluster : data.cluster) cluster %= 4;
+  EXPECT_THAT(data.estimate().problem, testing::HasSubstr("fewer than 5 stretches"));
+  for (JointObservation& o : data.observations) o.state = TrackingState::inferred;
+  EXPECT_EQ(data.estimate().instants, 0u);
+}
+
+TEST(RayVariances, PredictedErrorsAreThoseThatSimulationHas) {
+  const auto rig = circle_rig({0.6, 2.2, 0.9, 1.9});
+  for (const double ratio : {0.2, 1.0, 3.0}) {
+    const RayData data = ray_data({.ratio = ratio, .instants = 4000, .total_m = 0.03}, 26);
+    const RaySigma sigma = sigmas_of(ratio, 0.03);
+    const PredictedErrors predicted = predicted_errors(data.observations, rig, sigma);
+    double mean = 0.0, both = 0.0;
+    for (std::size_t i = 0; i < data.truth_m.size(); ++i) {
+      const auto seen = std::span<const JointObservation>(data.observations).subspan(4 * i, 4);
+      Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+      for (const JointObservation& o : seen) sum_m += o.point_in_world_m;
+      mean += (sum_m / 4.0 - data.truth_m[i]).squaredNorm();
+      both += (solve_range_bearing(seen, rig, {.sigma = sigma}).position_m - data.truth_m[i]).squaredNorm();
+    }
+    const auto n = static_cast<double>(data.truth_m.size());
+    EXPECT_NEAR(predicted.mean_m / std::sqrt(mean / n), 1.0, 0.03) << ratio;
+    EXPECT_NEAR(predicted.range_bearing_m / std::sqrt(both / n), 1.0, 0.03) << ratio;
+    EXPECT_LT(predicted.range_bearing_m, 1.0001 * std::min(predicted.mean_m, predicted.ranges_m));
+  }
+}
+
+}  // namespace
+}  // namespace trilat

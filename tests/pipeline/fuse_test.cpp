@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// `trilat fuse`: joints of all sensors together, without ground truth.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/accuracy/fuse_session.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+MethodSpec method_named(const std::string& name) {
+  const Json json{{"method", name}};
+  JsonObject object(json, "method", "");
+  return read_method(object);
+}
+
+std::size_t index_of(const FusedSession& path, Joint joint) {
+  return static_cast<std::size_t>(std::ranges::find(path.joints, joint) - path.joints.begin());
+}
+
+TEST(Fuse, ExactSensorsGiveOnePersonWhateverTheMethod) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder.path() / "campaign", without_noise(walking_spec(1)));
+  const Take& take = campaign.takes[0];
+  const FusedSession mean = fuse_session(take.session, take.calibration, method_named("mean"), 30.0, {});
+  ASSERT_EQ(mean.joints.size(), std::size_t{kJointCount});
+  for (const char* name : {"nonlinear", "range_bearing", "rts"}) {
+    const FusedSession other = fuse_session(take.session, take.calibration, method_named(name), 30.0, {});
+    ASSERT_EQ(other.points.size(), mean.points.size()) << name;
+    EXPECT_GT(other.answered, 0.9) << name;
+    double largest_m = 0.0;
+    for (std::size_t k = 0; k < mean.points.size(); ++k)
+      if (is_usable(mean.points[k].status) && is_usable(other.points[k].status))
+        largest_m = std::max(largest_m, (mean.points[k].position_m - other.points[k].position_m).norm());
+    EXPECT_LT(largest_m, 0.02) << name;
+  }
+  const std::size_t head = index_of(mean, Joint::head), foot = index_of(mean, Joint::foot_left);
+  EXPECT_GT(mean.points[head].position_m.y(), mean.points[foot].position_m.y() + 1.0);
+}
+
+TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder.path() / "campaign", walking_spec(1));
+  const std::string session = campaign.takes[0].session.string();
+  const std::string calibration = campaign.takes[0].calibration.string();
+  const std::string trc = (folder.path() / "walk.trc").string(), csv = (folder.path() / "walk.csv").string();
+  const Ended markers =
+      run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", trc, "--rate-hz", "15"});
+  EXPECT_EQ(markers.code, 0) << markers.err;
+  EXPECT_THAT(markers.out, HasSubstr("along/across the rays"));
+  EXPECT_THAT(read_file(trc), HasSubstr("15\t15\t"));
+  EXPECT_THAT(read_file(trc), HasSubstr("Frame#\tTime\tspine_base\t"));
+  EXPECT_EQ(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv}).code, 0);
+  EXPECT_THAT(read_file(csv), HasSubstr("head,converged,"));
+  const std::string c3d = (folder.path() / "walk.c3d").string();
+  for (int again = 0; again < 2; ++again)
+    EXPECT_EQ(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", c3d}).code, 0);
+  EXPECT_THAT(run_trilat(folder, {"mocap", c3d}).out, HasSubstr("spine_base"));
+  const auto refused = [&](std::vector<std::string> more, const char* message) {
+    std::vector<std::string> arguments{"fuse", session, "--calibration", calibration};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_refused(run_trilat(folder, arguments), message);
+  };
+  refused({"-o", "walk.bvh"}, "must end in .trc, .c3d or .csv");
+  refused({"-o", csv, "--method", "psychic"}, "known are: linear");
+  refused({"-o", session}, "must end in .trc, .c3d or .csv");
+  expect_refused(run_trilat(folder, {"fuse", "absent.h5", "--calibration", calibration, "-o", trc}),
+                 "absent.h5");
+}
+
+}  // namespace
+}  // namespace trilat

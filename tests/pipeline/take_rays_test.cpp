@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/take_rays.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "datasets/results/studies/tracking_summary.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kEstimated =
+    R"("methods": [{"method": "mean"}, {"method": "range_bearing", "sigma": "estimated"}])";
+
+// One simulated take with white errors, equal in all directions, as methods see it.
+struct SeenTake {
+  explicit SeenTake(double bias_m = 0.0) {
+    SimulationSpec spec = walking_spec(1, 8.0);
+    spec.sensor.joint_bias_sigma_m = bias_m;
+    spec.sensor.joint_noise_sigma_m = 0.03;
+    spec.sensor.inferred_share = 0.0;
+    campaign = simulate_into(folder.path() / "campaign", spec);
+    plan = make_plan(study_of(kEstimated), campaign);
+    data = load_take(plan, plan.takes[0], {});
+  }
+  ScratchFolder folder;
+  Campaign campaign;
+  Plan plan;
+  TakeData data;
+};
+
+TEST(TakeRays, EqualErrorsInAllDirectionsAreFoundAsSuch) {
+  const SeenTake take;
+  const RayRow row = rays_of(take.plan, take.plan.takes[0], take.data);
+  ASSERT_EQ(row.problem, "");
+  EXPECT_NEAR(row.ratio, 1.0, 0.1);
+  EXPECT_GT(row.bearing_m, 0.02);  // between two frames the mean of their noise
+  EXPECT_LT(row.bearing_m, 0.03);
+  EXPECT_LT(row.ratio_low, row.ratio);
+  EXPECT_GT(row.ratio_high, row.ratio);
+  EXPECT_GT(row.ranges_m, 1.5 * row.mean_m);
+  EXPECT_NEAR(row.range_bearing_m / row.mean_m, 1.0, 0.02);
+}
+
+TEST(TakeRays, AnInstantIsJudgedWithTheSigmasOfTheOtherHalf) {
+  SeenTake take;
+  const std::size_t instants = take.data.time.size();
+  estimate_sigmas(take.plan, take.plan.takes[0], take.data);
+  const RaySigma first = sigma_at(take.data, 0, 0), second = sigma_at(take.data, instants - 1, 0);
+  EXPECT_NEAR(first.range_m, 0.025, 0.01);
+  for (std::size_t i = 0; i < instants / 2; ++i)  // the first sensor errs by a metre along its z axis
+    for (Eigen::Vector3f& joint_m : take.data.bodies.at(i, 0).joint_in_sensor_m)
+      joint_m.z() += i % 2 == 0 ? 1.0f : -1.0f;
+  take.data.sigma.clear();
+  estimate_sigmas(take.plan, take.plan.takes[0], take.data);
+  EXPECT_EQ(sigma_at(take.data, 0, 0).range_m, first.range_m);
+  EXPECT_GT(sigma_at(take.data, instants - 1, 0).range_m, 5.0 * second.range_m);
+}
+
+TEST(TakeRays, AreToldOfEveryTake) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder.path() / "campaign", walking_spec(2, 4.0));
+  run_accuracy(study_of(kEstimated), campaign, folder.path() / "results", {});
+  const auto tracking = read_tracking_summary(folder.path() / "results");
+  ASSERT_TRUE(tracking);
+  ASSERT_EQ(tracking->rays.size(), 2u);
+  for (const RayRow& row : tracking->rays) EXPECT_TRUE(std::isfinite(row.ratio)) << row.problem;
+}
+
+}  // namespace
+}  // namespace trilat
