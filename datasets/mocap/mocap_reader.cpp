@@ -4,11 +4,11 @@
 #include <string>
 
 #include "datasets/base/error.h"
-#include "datasets/markers/c3d_rows.h"
-#include "datasets/markers/marker_header.h"
+#include "datasets/mocap/c3d_rows.h"
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/marker_header.h"
 #include "datasets/mocap/motive_header.h"
 #include "datasets/mocap/trackable_header.h"
 #include "datasets/mocap/trackable_rows.h"

@@ -96,10 +96,13 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
 }
 
 JointTrack track_of(const FusedSession& fused) {
-  JointTrack track{.rate_hz = fused.rate_hz, .frames = static_cast<std::int64_t>(fused.instants())};
+  JointTrack track;
+  track.rate_hz = fused.rate_hz;
+  track.frames = static_cast<std::int64_t>(fused.instants());
   for (const Joint joint : fused.joints) track.joints.emplace_back(name_of(joint));
   track.next = [&fused, at = std::size_t{0}](JointFrame& frame) mutable {
-    frame = {.time_s = static_cast<double>(at) / fused.rate_hz};
+    frame = {};
+    frame.time_s = static_cast<double>(at) / fused.rate_hz;
     const FusedPoint* points = fused.points.data() + at++ * fused.joints.size();
     for (const FusedPoint& point : std::span(points, fused.joints.size())) {
       frame.position_m.push_back(point.position_m);

@@ -19,7 +19,7 @@ namespace trilat {
 struct FusedPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   double sigma_m = std::numeric_limits<double>::quiet_NaN();  // an axis, of the method's own model
-  SolveStatus status = SolveStatus::not_computed;
+  SolveStatus status = SolveStatus::not_solved;
 };
 
 struct FusedSession {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/markers/c3d_rows.h"
+#include "datasets/mocap/c3d_rows.h"
 
 #include <algorithm>
 #include <array>

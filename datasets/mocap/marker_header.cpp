@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/markers/marker_header.h"
+#include "datasets/mocap/marker_header.h"
 
 #include <algorithm>
 #include <array>
