@@ -182,6 +182,7 @@ PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
 // The lowest of the minima that the descents find: from the mean and, where ranges count more than bearings,
 // from both sides of the ranges' own minimum.
 Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
+  if (options.start_m) return descend(rays, options, *options.start_m);
   const RangeProblem problem = ranges_of(rays);
   Minimum best;
   int iterations = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -27,6 +28,8 @@ struct RangeBearingOptions {
   Loss loss = Loss::squares;
   double loss_scale = 3.0;
   double step_tolerance_m = 1e-10;
+  // Where the one descent begins, for whoever knows the place already; otherwise all that may end lowest.
+  std::optional<Eigen::Vector3d> start_m = {};
   int max_iterations = 100;  // of each descent
 };
 

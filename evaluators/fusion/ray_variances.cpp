@@ -27,6 +27,7 @@ struct Instants {
   std::vector<JointObservation> observations;  // tracked ones only
   std::span<const RigidTransform> rig;
   std::vector<std::uint32_t> cluster;
+  std::vector<std::optional<Eigen::Vector3d>> position_m;  // with the sigmas last tried, near the next
   std::size_t size() const { return cluster.size(); }
   std::span<const JointObservation> of(std::size_t i) const {
     return std::span(observations).subspan(i * rig.size(), rig.size());
@@ -35,7 +36,7 @@ struct Instants {
 
 Instants useful_instants(std::span<const JointObservation> observations, std::span<const RigidTransform> rig,
                          std::span<const std::uint32_t> cluster) {
-  Instants instants{{}, rig, {}};
+  Instants instants{{}, rig, {}, {}};
   for (std::size_t i = 0; i < cluster.size(); ++i) {
     std::vector<JointObservation> seen(rig.size());
     std::size_t count = 0;
@@ -49,14 +50,19 @@ Instants useful_instants(std::span<const JointObservation> observations, std::sp
     instants.observations.insert(instants.observations.end(), seen.begin(), seen.end());
     instants.cluster.push_back(cluster[i]);
   }
+  instants.position_m.resize(instants.size());
   return instants;
 }
 
-Disagreement disagreement_at(std::span<const JointObservation> seen, std::span<const RigidTransform> rig,
-                             const RaySigma& sigma) {
-  const PointEstimate estimate = solve_range_bearing(seen, rig, {.sigma = sigma});
+Disagreement disagreement_at(Instants& instants, std::size_t i, const RaySigma& sigma) {
+  constexpr double kTolerance_m = 1e-6;  // changes squares of centimetres by less than a part in a million
+  const std::span<const JointObservation> seen = instants.of(i);
+  const std::span<const RigidTransform> rig = instants.rig;
+  const PointEstimate estimate = solve_range_bearing(
+      seen, rig, {.sigma = sigma, .step_tolerance_m = kTolerance_m, .start_m = instants.position_m[i]});
   Disagreement result;
   if (!is_usable(estimate.status)) return result;
+  instants.position_m[i] = estimate.position_m;
   Eigen::Matrix3d along = Eigen::Matrix3d::Zero(), across = along;
   for (std::size_t s = 0; s < rig.size(); ++s) {
     if (!seen[s].seen) continue;
@@ -76,10 +82,10 @@ Disagreement disagreement_at(std::span<const JointObservation> seen, std::span<c
 }
 
 // The derivatives of -log likelihood by log sigma, of each cluster.
-std::vector<Eigen::Vector2d> scores(const Instants& instants, const RaySigma& sigma) {
+std::vector<Eigen::Vector2d> scores(Instants& instants, const RaySigma& sigma) {
   std::map<std::uint32_t, Eigen::Vector2d> of_cluster;
   for (std::size_t i = 0; i < instants.size(); ++i) {
-    const Disagreement d = disagreement_at(instants.of(i), instants.rig, sigma);
+    const Disagreement d = disagreement_at(instants, i, sigma);
     of_cluster.try_emplace(instants.cluster[i], Eigen::Vector2d::Zero()).first->second +=
         (d.freedom - d.square).matrix();
   }
@@ -99,13 +105,13 @@ RaySigma scaled(const RaySigma& sigma, const Eigen::Array2d& factor) {
 }
 
 // Each variance is scaled by its squares over their freedom until both agree. False without an end.
-bool converge(const Instants& instants, RaySigma& sigma) {
+bool converge(Instants& instants, RaySigma& sigma) {
   constexpr int kMostIterations = 200;
   constexpr double kTolerance = 1e-5;
   for (int k = 0; k < kMostIterations; ++k) {
     Disagreement sum;
     for (std::size_t i = 0; i < instants.size(); ++i) {
-      const Disagreement d = disagreement_at(instants.of(i), instants.rig, sigma);
+      const Disagreement d = disagreement_at(instants, i, sigma);
       sum.square += d.square;
       sum.freedom += d.freedom;
     }
@@ -118,7 +124,7 @@ bool converge(const Instants& instants, RaySigma& sigma) {
 }
 
 // Covariance of log sigma, robust against correlation within clusters.
-Eigen::Matrix2d sandwich(const Instants& instants, const RaySigma& sigma) {
+Eigen::Matrix2d sandwich(Instants& instants, const RaySigma& sigma) {
   constexpr double kStep = 0.01;
   Eigen::Matrix2d slope;
   for (int c = 0; c < 2; ++c) {
@@ -153,7 +159,7 @@ RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observatio
                                     std::span<const std::uint32_t> cluster) {
   TRILAT_CHECK(observations.size() == world_from_sensor.size() * cluster.size(),
                "every instant has an observation of every sensor");
-  const Instants instants = useful_instants(observations, world_from_sensor, cluster);
+  Instants instants = useful_instants(observations, world_from_sensor, cluster);
   RaySigmaEstimate result;
   result.instants = instants.size();
   result.clusters = clusters_of(instants.cluster);

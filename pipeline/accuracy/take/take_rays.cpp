@@ -2,6 +2,7 @@
 #include "pipeline/accuracy/take/take_rays.h"
 
 #include <algorithm>
+#include <map>
 
 #include "evaluators/fusion/ray_variances.h"
 #include "pipeline/study/parallel.h"
@@ -32,17 +33,22 @@ Rows rows_of(const PlannedTake& planned, const TakeData& data, std::span<const J
   return rows;
 }
 
-RaySigma sigma_of(const PlannedTake& planned, const Rows& rows) {
-  return estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster).sigma;
+// The numbers of the joints that are estimated together: those of a group.
+std::vector<std::vector<std::size_t>> joints_by_group(const Plan& plan) {
+  std::map<std::string, std::vector<std::size_t>> groups;
+  for (std::size_t j = 0; j < plan.joints.size(); ++j) groups[table_group(plan.joints[j])].push_back(j);
+  std::vector<std::vector<std::size_t>> list;
+  for (auto& [name, joints] : groups) list.push_back(std::move(joints));
+  return list;
 }
 
-// The joints of the plan that are estimated together with this one.
-std::vector<Joint> fellows_of(const Plan& plan, Joint joint) {
-  std::vector<Joint> fellows;
-  std::ranges::copy_if(plan.joints, std::back_inserter(fellows), [&](Joint other) {
-    return other == joint || (group_of(joint) && group_of(other) == group_of(joint));
-  });
-  return fellows;
+// Of the joints with these numbers, as they show from instant `first` to `last`.
+RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                  const std::vector<std::size_t>& numbers, std::size_t first, std::size_t last) {
+  std::vector<Joint> joints;
+  for (const std::size_t j : numbers) joints.push_back(plan.joints[j]);
+  const Rows rows = rows_of(planned, data, joints, first, last);
+  return estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster).sigma;
 }
 
 }  // namespace
@@ -69,11 +75,13 @@ void estimate_sigmas(const Plan& plan, const PlannedTake& planned, TakeData& dat
   if (std::ranges::none_of(plan.methods, [](const Method& m) { return m.spec.sigma_is_estimated; })) return;
   const std::size_t half = data.time.size() / 2;
   data.sigma.resize(2 * plan.joints.size());
-  parallel_for_index(data.sigma.size(), 1, [&](std::size_t k) {
-    const std::vector<Joint> joints = fellows_of(plan, plan.joints[k / 2]);
+  const std::vector<std::vector<std::size_t>> groups = joints_by_group(plan);
+  parallel_for_index(2 * groups.size(), 1, [&](std::size_t k) {
+    const std::vector<std::size_t>& joints = groups[k / 2];
     const bool is_first = k % 2 == 0;  // judged; the other one is looked at
-    data.sigma[k] = sigma_of(planned, is_first ? rows_of(planned, data, joints, half, data.time.size())
-                                               : rows_of(planned, data, joints, 0, half));
+    const RaySigma sigma = is_first ? sigma_of(plan, planned, data, joints, half, data.time.size())
+                                    : sigma_of(plan, planned, data, joints, 0, half);
+    for (const std::size_t j : joints) data.sigma[2 * j + k % 2] = sigma;
   });
 }
 
