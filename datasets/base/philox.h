@@ -44,6 +44,7 @@ enum class Purpose : std::uint32_t {
   bystander = 26,
   bootstrap = 27,
   calibration_error = 28,
+  tracker_own_bias = 29,
 };
 
 // Random numbers as a pure function of (seed, purpose, item, index): no state, no order, no thread.

@@ -15,13 +15,14 @@ struct Named {
   const char* description;
 };
 
-constexpr std::array<Named, 13> kSources{{
+constexpr std::array<Named, 14> kSources{{
     {ErrorSource::none, "none",
      "everything exact; what interpolation between frames that are not taken at one time leaves"},
     {ErrorSource::jitter, "jitter", "the tracker's white noise"},
     {ErrorSource::wander, "wander", "the tracker's slow wander"},
     {ErrorSource::jumps, "jumps", "the tracker's jumps"},
     {ErrorSource::bias, "bias", "what the tracker systematically puts elsewhere, by joint and viewpoint"},
+    {ErrorSource::unit_depth, "depth", "depth that is off by what the sensor's unit is"},
     {ErrorSource::lag, "lag", "the tracker's delay"},
     {ErrorSource::hidden, "hidden",
      "what the tracker makes of joints that the body hides (that their wander and jitter double shows in all "
@@ -39,7 +40,20 @@ constexpr double kHardlyAny_m = 1e-6;
 
 const Named& named(ErrorSource source) { return kSources.at(static_cast<std::size_t>(source)); }
 
+// How errors split between sensors, joints and directions says nothing of their size.
+void copy_split(const BodyTrackerSpec& from, BodyTrackerSpec& to) {
+  to.viewpoint_share = from.viewpoint_share;
+  to.viewpoint_harmonic = from.viewpoint_harmonic;
+  to.own_bias_share = from.own_bias_share;
+  to.shared_wander_share = from.shared_wander_share;
+  to.limb_correlation = from.limb_correlation;
+  to.ray_ratio = from.ray_ratio;
+  to.azimuth_growth = from.azimuth_growth;
+  to.range_growth_per_m = from.range_growth_per_m;
+}
+
 void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSpec& to) {
+  copy_split(from, to);
   switch (source) {
     case ErrorSource::jitter:
       to.jitter_sigma_m = from.jitter_sigma_m;
@@ -55,7 +69,9 @@ void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSp
       break;
     case ErrorSource::bias:
       to.bias_sigma_m = from.bias_sigma_m;
-      to.viewpoint_share = from.viewpoint_share;
+      break;
+    case ErrorSource::unit_depth:
+      to.unit_depth_share = from.unit_depth_share;
       break;
     case ErrorSource::lag:
       to.lag_s = from.lag_s;

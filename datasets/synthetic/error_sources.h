@@ -17,6 +17,7 @@ enum class ErrorSource {
   wander,       // its slow wander
   jumps,        // its jumps
   bias,         // what is systematic in a joint, viewpoint included
+  unit_depth,   // of the sensors' units: offset and wiggle of their depth
   lag,          // its delay
   hidden,       // what it makes of hidden joints
   exchange,     // left and right exchanged from behind

@@ -6,6 +6,7 @@
 #include "datasets/base/time.h"
 #include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/session_types.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulation_spec.h"
 
@@ -26,6 +27,7 @@ struct SimulatedSensor {
   ClockMap<HostClock, SensorClock> host_from_sensor;
   ClockMap<AgentTag, HostClock> agent_from_host;
   SensorTime first_exposure;
+  DepthUnit unit = {};
 };
 
 // The motion starts at this reading of the recording's host clock in every simulated take.

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/units.h"
+
 namespace trilat {
 namespace {
 
@@ -31,6 +33,11 @@ void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
   for (double height_m : rig.heights_m) heights += (heights.empty() ? "" : ", ") + text(height_m);
   list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
   list.push_back({"sensor heights", heights, "m", "assumption: the paper does not say"});
+  list.push_back({"arc of the rig", text(rig.arc_rad / kRadPerDegree), "degrees", kAssumption});
+  list.push_back(
+      {"error of the calibration",
+       text(rig.position_sigma_m) + " m, " + text(rig.rotation_sigma_rad / kRadPerDegree) + " degrees",
+       "sigma an axis", kAssumption});
 }
 
 void add_sensor(const SensorSpec& s, std::vector<TrackerParameter>& list) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -17,20 +18,64 @@ namespace {
 
 constexpr const char* kFormat = "trilat.simulation";
 
+// The permutation of 0 to n - 1 at `share` of all of them, in their lexical order.
+std::vector<std::size_t> permutation_at(double share, std::size_t n) {
+  std::vector<std::size_t> left(n), order;
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  while (!left.empty()) {
+    share *= static_cast<double>(left.size());
+    const std::size_t k = std::min(static_cast<std::size_t>(share), left.size() - 1);
+    order.push_back(left[k]);
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+    share -= static_cast<double>(k);
+  }
+  return order;
+}
+
+// Heights at equal steps, in one of their orders around the circle.
+std::vector<double> read_height_range(JsonObject object) {
+  const std::uint64_t sensors = count_within(object, "sensors", 4, 1, 8);
+  const double mean_m = number_within(object, "mean_m", 1.4, 0.1, 5.0);
+  const double spread_m = number_within(object, "spread_m", 1.6, 0.0, 5.0);
+  const double order = share_within(object, "order", 0.0);
+  object.about({{"sensors", "how many"},
+                {"mean_m", "height"},
+                {"spread_m", "between the lowest and the highest"},
+                {"order", "share of all orders around the circle, from rising to falling heights"}});
+  object.finish();
+  std::vector<double> heights_m;
+  for (const std::size_t k : permutation_at(order, sensors)) {
+    const double step = sensors == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(sensors - 1);
+    heights_m.push_back(mean_m + (step - 0.5) * spread_m);
+  }
+  return heights_m;
+}
+
 RigSpec read_rig(JsonObject object) {
   RigSpec rig;
   rig.radius_m = number_within(object, "radius_m", rig.radius_m, 0.3, 20.0);
   if (object.has("heights_m")) {
-    const std::size_t sensors = object.value("heights_m").size();
-    if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
-    rig.heights_m = object.numbers("heights_m", sensors);
+    if (object.value("heights_m").is_object()) {
+      rig.heights_m = read_height_range(object.object("heights_m"));
+    } else {
+      const std::size_t sensors = object.value("heights_m").size();
+      if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
+      rig.heights_m = object.numbers("heights_m", sensors);
+    }
   }
+  rig.arc_rad = kRadPerDegree * number_within(object, "arc_deg", rig.arc_rad / kRadPerDegree, 1.0, 360.0);
+  rig.position_sigma_m = number_within(object, "position_sigma_m", rig.position_sigma_m, 0.0, 1.0);
+  rig.rotation_sigma_rad = kRadPerDegree * number_within(object, "rotation_sigma_deg",
+                                                         rig.rotation_sigma_rad / kRadPerDegree, 0.0, 45.0);
   if (object.has("centre_m")) {
     const auto c = object.numbers("centre_m", 3);
     rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
   }
   object.about({{"radius_m", "of the circle on which the sensors stand"},
-                {"heights_m", "one a sensor"},
+                {"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
+                {"arc_deg", "of the circle, in equal parts: a sensor stands in the middle of each"},
+                {"position_sigma_m", "error of the calibration that is written, an axis"},
+                {"rotation_sigma_deg", "and of its rotations"},
                 {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
   object.finish();
   return rig;
@@ -209,7 +254,7 @@ SimulationSpec read_simulation(const std::filesystem::path& path, OutsidePaths o
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m) {
   const Eigen::Vector3d centre = rig.centre_m.value_or(default_centre_m);
   std::vector<SensorPose> poses;
-  const double step = 2.0 * std::numbers::pi / static_cast<double>(rig.heights_m.size());
+  const double step = rig.arc_rad / static_cast<double>(rig.heights_m.size());
   for (std::size_t i = 0; i < rig.heights_m.size(); ++i) {
     const double angle = step * (static_cast<double>(i) + 0.5);
     const Eigen::Vector3d position(centre.x() + rig.radius_m * std::sin(angle), rig.heights_m[i],

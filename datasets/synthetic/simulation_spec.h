@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +26,11 @@ namespace trilat {
 struct RigSpec {
   double radius_m = 2.0;
   std::vector<double> heights_m{0.6, 2.2, 0.9, 1.9};
-  std::optional<Eigen::Vector3d> centre_m;  // default: (0, 1, 0), or the middle of a real take's assets
+  double arc_rad =
+      2.0 * std::numbers::pi;  // of the circle; each sensor has an equal part, and stands in its middle
+  // Errors of the calibration, an axis: sensors stand elsewhere, and turned otherwise, than it says.
+  double position_sigma_m = 0.0, rotation_sigma_rad = 0.0;
+  std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
 };
 
 // The virtual sensor and, where there is no BodyTrackerSpec, its body tracker. Every value is a declared

@@ -6,6 +6,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/synthetic/error_sources.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulated_markers.h"
@@ -109,8 +110,10 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
                    const std::filesystem::path& folder, const Watch& watch) {
   make_folder(folder);
   std::vector<SimulatedSensor> sensors;
-  for (const SensorPose& pose : rig.poses)
+  for (const SensorPose& pose : rig.poses) {
     sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
+    sensors.back().unit = draw_depth_unit(spec.depth.noise, plan.item.seed, sensors.back().index);
+  }
   const std::filesystem::path tracker_truth = spec.body_tracker ? folder / "tracker_truth.h5" : "";
   record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
   if (plan.recorded_mocap.empty()) {
@@ -171,9 +174,11 @@ std::optional<Take> simulate_recording(const SimulationSpec& spec, const Simulat
 
 void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
   write_declared_parameters(folder, declared_parameters(spec));  // first: by it a simulation is known
-  Calibration truth{kSimulatedTruth, rig.poses};
-  truth.simulated = true;
-  write_calibration(folder / "calibration.json", truth);
+  Calibration calibration{kSimulatedTruth, rig.poses};
+  if (spec.rig.position_sigma_m > 0.0 || spec.rig.rotation_sigma_rad > 0.0)
+    calibration = perturbed(calibration, spec.rig.position_sigma_m, spec.rig.rotation_sigma_rad, spec.seed);
+  calibration.simulated = true;
+  write_calibration(folder / "calibration.json", calibration);
 }
 
 }  // namespace trilat

@@ -52,7 +52,7 @@ TEST(BodyTrackerSpec, AnyValueCanBeSetForAllGroupsOrSome) {
 TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
   BodyTrackerSpec spec = default_body_tracker();
   const auto declared = tracker_parameters(spec);
-  EXPECT_EQ(declared.size(), 17u);
+  EXPECT_EQ(declared.size(), 25u);
   for (const TrackerParameter& parameter : declared) {
     EXPECT_FALSE(parameter.unit.empty()) << parameter.name;
     EXPECT_THAT(parameter.source, testing::AnyOf(HasSubstr("arXiv"), HasSubstr("PMC"), HasSubstr("NTU RGB+D"),
@@ -89,6 +89,11 @@ TEST(BodyTrackerSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
       {R"(, "body_tracker": {"lag_s": -1})", "sim.json /body_tracker/lag_s: must lie between 0"},
       {R"(, "body_tracker": {"exchanged_share": 2})",
        "sim.json /body_tracker/exchanged_share: must lie between 0"},
+      {R"(, "body_tracker": {"viewpoint_harmonic": 1.5})",
+       "sim.json /body_tracker/viewpoint_harmonic: must be a whole number"},
+      {R"(, "body_tracker": {"own_bias_share": 0.8})",
+       "sim.json /body_tracker/own_bias_share: must not be more"},
+      {R"(, "body_tracker": {"ray_ratio": 0})", "sim.json /body_tracker/ray_ratio: must lie between 0.01"},
       {R"(, "body_tracker": {"bias_sigma_m": "big"})", "sim.json /body_tracker/bias_sigma_m: must be"},
       {R"(, "body_tracker": {"bias_sigma_m": {"nose": 1}})",
        "sim.json /body_tracker/bias_sigma_m/nose: is an unknown key"},

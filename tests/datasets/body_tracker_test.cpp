@@ -192,6 +192,111 @@ TEST(BodyTracker, OnlyTheDeclaredShareOfTheBiasDependsOnTheViewpoint) {
   EXPECT_NEAR(viewpoint / n / (0.03 * 0.03), 0.3, 0.02);
 }
 
+// Sums over participants and joints of products of what two sensors make of one person.
+struct TwoViews {
+  Eigen::Matrix3d first = Eigen::Matrix3d::Zero(), product = Eigen::Matrix3d::Zero();  // e1 e1^T, e1 e2^T
+  double along = 0.0;  // the square of e1 along the first sensor's ray
+  double n = 0.0;
+};
+TwoViews two_views(const BodyTrackerSpec& spec, const Vector3d& one_m, const Vector3d& other_m) {
+  const SkeletonPose pose = standing();
+  TwoViews sums;
+  for (std::uint64_t p = 0; p < 400; ++p) {
+    const SimulatedSensor s1 = sensor_at(one_m, 0), s2 = sensor_at(other_m, 1);
+    BodyTracker a = tracker_of(spec, s1, {1, p, p}), b = tracker_of(spec, s2, {1, p, p});
+    const TrackedFrame f1 = observe(a, 0, pose), f2 = observe(b, 0, pose);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const Vector3d e1 = error_of(s1, f1.bodies.at(0), j, pose), e2 = error_of(s2, f2.bodies.at(0), j, pose);
+      sums.first += e1 * e1.transpose();
+      sums.along += std::pow(e1.dot((pose.joint_in_world_m[j] - one_m).normalized()), 2);
+      sums.product += e1 * e2.transpose();
+      sums.n += 1.0;
+    }
+  }
+  return sums;
+}
+
+TEST(BodyTracker, ErrorsSplitAlongAndAcrossTheRayAsDeclaredAndKeepTheirSum) {
+  for (const double ratio : {0.2, 1.0, 4.0}) {
+    BodyTrackerSpec spec = exact_body_tracker();
+    spec.wander_sigma_m = all_groups(0.03);
+    spec.ray_ratio = ratio;
+    const TwoViews views = two_views(spec, kFront, kLeft);
+    EXPECT_NEAR(views.first.trace() / views.n / 3.0, 0.03 * 0.03, 0.03 * 0.03 * 0.05) << ratio;
+    const double across = 0.5 * (views.first.trace() - views.along);
+    EXPECT_NEAR(std::sqrt(views.along / across), ratio, 0.05 * ratio) << ratio;
+  }
+}
+
+TEST(BodyTracker, SensorsShareTheDeclaredPartOfTheirErrors) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.wander_sigma_m = all_groups(0.03);
+  spec.shared_wander_share = 0.4;
+  TwoViews views = two_views(spec, kFront, kLeft);
+  EXPECT_NEAR(views.product.trace() / views.first.trace(), 0.4, 0.03);
+  spec = exact_body_tracker();
+  spec.bias_sigma_m = all_groups(0.03);
+  spec.own_bias_share = 0.25;
+  views = two_views(spec, kFront, kLeft);
+  EXPECT_NEAR(views.product.trace() / views.first.trace(), 0.75, 0.03);
+  EXPECT_NEAR(views.first.trace() / views.n / 3.0, 0.03 * 0.03, 0.03 * 0.03 * 0.05);
+}
+
+// A second harmonic is the same from opposite sides, which a first one turns round.
+TEST(BodyTracker, TheViewpointPartHasItsHarmonic) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.bias_sigma_m = all_groups(0.03);
+  spec.viewpoint_share = 1.0;
+  for (const double harmonic : {1.0, 2.0, 3.0}) {
+    spec.viewpoint_harmonic = harmonic;
+    const TwoViews views = two_views(spec, kFront, kBack);
+    EXPECT_NEAR(views.product.trace() / views.first.trace(), harmonic == 2.0 ? 1.0 : -1.0, 1e-3);
+  }
+}
+
+TEST(BodyTracker, JointsOfALimbWanderTogetherAsDeclared) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.wander_sigma_m = all_groups(0.03);
+  spec.limb_correlation = 0.6;
+  double together = 0.0, apart = 0.0, square = 0.0;
+  for (std::uint64_t p = 0; p < 400; ++p) {
+    const auto e = errors_of(spec, 1, {1, p, p}).front();
+    const auto at = [&](Joint joint) { return e[static_cast<std::size_t>(joint)]; };
+    together += at(Joint::elbow_left).dot(at(Joint::wrist_left));
+    apart += at(Joint::elbow_left).dot(at(Joint::wrist_right));
+    square += at(Joint::elbow_left).squaredNorm();
+  }
+  EXPECT_NEAR(together / square, 0.6, 0.1);
+  EXPECT_NEAR(apart / square, 0.0, 0.1);
+}
+
+TEST(BodyTracker, NoiseGrowsTowardsTheBackAndWithRange) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.wander_sigma_m = all_groups(0.03);
+  spec.azimuth_growth = 1.0;
+  const double front = two_views(spec, kFront, kLeft).first.trace();
+  EXPECT_NEAR(std::sqrt(two_views(spec, kBack, kLeft).first.trace() / front), 2.0, 0.1);
+  EXPECT_NEAR(std::sqrt(two_views(spec, kLeft, kFront).first.trace() / front), 1.5, 0.1);
+  spec.azimuth_growth = 0.0;
+  const double far = two_views(spec, {0.0, 1.0, 3.5}, kLeft).first.trace();
+  spec.range_growth_per_m = 1.0;
+  EXPECT_NEAR(std::sqrt(two_views(spec, {0.0, 1.0, 3.5}, kLeft).first.trace() / far), 2.5, 0.1);
+}
+
+TEST(BodyTracker, BodiesLieWhereTheUnitsDepthIsOff) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.unit_depth_share = 0.5;
+  SimulatedSensor sensor = sensor_at(kFront);
+  sensor.unit = {.offset_m = 0.02};
+  BodyTracker tracker = tracker_of(spec, sensor);
+  const SkeletonPose pose = standing();
+  const TrackedFrame frame = observe(tracker, 0, pose);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const Vector3d ray = (pose.joint_in_world_m[j] - kFront).normalized();
+    EXPECT_LT((error_of(sensor, frame.bodies.at(0), j, pose) - 0.01 * ray).norm(), 1e-6);
+  }
+}
+
 TEST(BodyTracker, BiasTurnsWithTheBody) {
   BodyTrackerSpec spec = exact_body_tracker();
   spec.bias_sigma_m = all_groups(0.05);

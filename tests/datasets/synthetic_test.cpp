@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -366,6 +368,34 @@ TEST(SimulationSpec, TheRigLooksAtItsCentreFromTheStatedHeights) {
   }
 }
 
+TEST(SimulationSpec, HeightsMayBeARangeInAnyOrder) {
+  const auto heights = [](const std::string& range) {
+    return parse_simulation(
+               parse_json(
+                   R"({"format": "trilat.simulation", "version": 1, "rig": {"heights_m": )" + range + "}}",
+                   "sim.json"),
+               "sim.json", {})
+        .rig.heights_m;
+  };
+  EXPECT_THAT(heights(R"({"sensors": 3, "mean_m": 1, "spread_m": 1})"), testing::ElementsAre(0.5, 1.0, 1.5));
+  EXPECT_THAT(heights(R"({"sensors": 3, "mean_m": 1, "spread_m": 1, "order": 1})"),
+              testing::ElementsAre(1.5, 1.0, 0.5));
+  std::set<std::vector<double>> orders;
+  for (int k = 0; k < 24; ++k)
+    orders.insert(heights(fmt::format(R"({{"sensors": 4, "order": {}}})", (k + 0.5) / 24.0)));
+  EXPECT_EQ(orders.size(), 24u);
+}
+
+TEST(SimulationSpec, SensorsShareTheArc) {
+  RigSpec rig;
+  rig.arc_rad = std::numbers::pi / 2.0;
+  const auto poses = rig_poses(rig, Vector3d::Zero());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Vector3d& p = poses[i].world_from_sensor.translation_m;
+    EXPECT_NEAR(std::atan2(p.x(), p.z()), (static_cast<double>(i) + 0.5) * std::numbers::pi / 8.0, 1e-12);
+  }
+}
+
 std::string simulation_refusal(const std::string& members) {
   return message_of([&] {
     parse_simulation(
@@ -403,6 +433,8 @@ TEST(SimulationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
        "sim.json /activities/0/marker_joints: names \"head\" twice"},
       {R"(, "activities": [{"name": "walking"}], "recorded": {"mocap": "a.csv", "mapping": "b.json"})",
        "sim.json /activities: cannot stand beside \"recorded\""},
+      {R"(, "rig": {"arc_deg": 400})", "sim.json /rig/arc_deg: must lie between"},
+      {R"(, "rig": {"heights_m": {"sensors": 9}})", "sim.json /rig/heights_m/sensors: must be 1 to 8"},
       {R"(, "rig": {"heights_m": []})", "sim.json /rig/heights_m: must hold 1 to 8 heights"},
       {R"(, "rig": {"heights_m": 1.2})", "sim.json /rig/heights_m: must be an array"},
       {R"(, "rig": {"radius_m": 0})", "sim.json /rig/radius_m: must lie between 0.3 and 20"},

@@ -181,10 +181,10 @@ TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
   const std::string study = study_in(folder, kBudgetMethods);
   const Ended text = run_trilat(folder, {"run", study, "--dry-run", "-o", folder / "results"});
   EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("13 campaigns of 1 participant"));
+  EXPECT_THAT(text.out, HasSubstr("14 campaigns of 1 participant"));
   const Ended json = run_trilat(folder, {"run", study, "--dry-run", "--json"});
   EXPECT_EQ(json.code, 0);
-  EXPECT_EQ(only_json(json)["campaigns"], 13);
+  EXPECT_EQ(only_json(json)["campaigns"], 14);
   EXPECT_EQ(only_json(json)["participants"], 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));

@@ -96,6 +96,11 @@ DepthNoiseSpec noise_free_depth() {
   return spec;
 }
 
+double DepthUnit::error_m(double true_m) const {
+  return offset_m +
+         wiggle_amplitude_m * std::sin(2.0 * std::numbers::pi * true_m / wiggle_length_m + wiggle_phase_rad);
+}
+
 DepthUnit draw_depth_unit(const DepthNoiseSpec& spec, std::uint64_t seed, std::uint64_t sensor) {
   const RandomStream random{seed, Purpose::depth_unit, sensor};
   return {random.uniform(0, -spec.offset_limit_m, spec.offset_limit_m),

@@ -38,6 +38,8 @@ struct DepthUnit {
   double wiggle_amplitude_m = 0.0;
   double wiggle_length_m = 1.0;
   double wiggle_phase_rad = 0.0;
+
+  double error_m(double true_m) const;
 };
 DepthUnit draw_depth_unit(const DepthNoiseSpec& spec, std::uint64_t seed, std::uint64_t sensor);
 

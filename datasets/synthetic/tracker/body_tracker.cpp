@@ -28,7 +28,7 @@ BodyTracker::BodyTracker(const BodyTrackerSpec& spec, const SensorSpec& sensor_s
   TRILAT_CHECK(persons >= 1 && persons <= kSlots && sensor.index < 64, "the tracker has room for everybody");
   for (std::size_t p = 0; p < persons; ++p) {
     const TrackerKey key{item.seed, item.take, item.participant, sensor.index, p};
-    persons_.push_back({key, JointErrors(spec, sensor_spec.rate_hz, key)});
+    persons_.push_back({key, JointErrors(spec, sensor_spec.rate_hz, key, sensor.unit)});
   }
 }
 

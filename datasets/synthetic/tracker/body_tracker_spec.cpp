@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -33,9 +34,18 @@ struct ValueField {
   const char* key;
   double BodyTrackerSpec::*member;
   double most;
+  double least = 0.0;
 };
 constexpr ValueField kValueFields[] = {
     {"viewpoint_share", &BodyTrackerSpec::viewpoint_share, 1.0},
+    {"viewpoint_harmonic", &BodyTrackerSpec::viewpoint_harmonic, 8.0, 1.0},
+    {"own_bias_share", &BodyTrackerSpec::own_bias_share, 1.0},
+    {"shared_wander_share", &BodyTrackerSpec::shared_wander_share, 1.0},
+    {"limb_correlation", &BodyTrackerSpec::limb_correlation, 1.0},
+    {"ray_ratio", &BodyTrackerSpec::ray_ratio, 100.0, 0.01},
+    {"azimuth_growth", &BodyTrackerSpec::azimuth_growth, 100.0},
+    {"range_growth_per_m", &BodyTrackerSpec::range_growth_per_m, 100.0},
+    {"unit_depth_share", &BodyTrackerSpec::unit_depth_share, 1.0},
     {"lag_s", &BodyTrackerSpec::lag_s, 10.0},
     {"jump_size_m", &BodyTrackerSpec::jump_size_m, 1.0},
     {"jump_duration_s", &BodyTrackerSpec::jump_duration_s, 60.0},
@@ -80,7 +90,7 @@ Declared read_declared() {
   JsonObject values = object.object("values");
   for (const ValueField& field : kValueFields) {
     JsonObject entry = values.object(field.key);
-    declared.spec.*field.member = number_within(entry, "value", 0.0, field.most);
+    declared.spec.*field.member = number_within(entry, "value", field.least, field.most);
     describe(entry);
   }
   values.finish();
@@ -158,7 +168,11 @@ BodyTrackerSpec read_body_tracker(JsonObject object) {
     some.finish();
   }
   for (const ValueField& field : kValueFields)
-    spec.*field.member = number_within(object, field.key, spec.*field.member, 0.0, field.most);
+    spec.*field.member = number_within(object, field.key, spec.*field.member, field.least, field.most);
+  if (spec.viewpoint_harmonic != std::floor(spec.viewpoint_harmonic))
+    object.refuse("viewpoint_harmonic", "must be a whole number: after a turn the body is seen as before");
+  if (spec.viewpoint_share + spec.own_bias_share > 1.0)
+    object.refuse("own_bias_share", "must not be more than viewpoint_share leaves of the bias");
   for (const TrackerParameter& parameter : tracker_parameters(default_body_tracker()))
     object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
   object.finish();

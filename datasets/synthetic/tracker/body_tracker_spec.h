@@ -27,8 +27,18 @@ struct BodyTrackerSpec {
   Groups wander_sigma_m{};        // AR(1) …
   Groups wander_time_s{};         // … whose correlation falls by e in this time
   Groups jump_rate_per_minute{};  // of one joint
-  double viewpoint_share = 0.0;   // of the bias' variance; the rest is fixed in the body's own frame
-  double lag_s = 0.0;             // time constant of a first-order filter
+  // Shares of the bias' variance; the rest is fixed in the body's own frame, the same for all sensors.
+  double viewpoint_share = 0.0;      // goes with the direction from which a sensor sees the body …
+  double viewpoint_harmonic = 1.0;   // … as sine and cosine of so many times the azimuth
+  double own_bias_share = 0.0;       // of each sensor by itself
+  double shared_wander_share = 0.0;  // of the variance of wander and jitter, the same for all sensors
+  double limb_correlation = 0.0;     // of the wander of two joints of a limb
+  // How the sum of bias, wander and jitter splits: sigma along the ray over sigma across it, the total kept.
+  double ray_ratio = 1.0;
+  double azimuth_growth = 0.0;      // of wander and jitter: seen from behind, times 1 + this; in front none
+  double range_growth_per_m = 0.0;  // of the same, from 2 m on
+  double unit_depth_share = 0.0;    // of the depth error of the sensor's unit (offset and wiggle)
+  double lag_s = 0.0;               // time constant of a first-order filter
   double jump_size_m = 0.0;
   double jump_duration_s = 0.0;
   double least_visible_share = 0.0;          // a joint of which less is visible is hidden

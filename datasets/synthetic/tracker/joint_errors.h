@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "datasets/base/philox.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 
@@ -21,8 +22,12 @@ struct TrackerKey {
   std::uint64_t person = 0;  // below 16
 
   RandomStream stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const;
+  // Of the part of a tracker's errors that all sensors share.
+  TrackerKey of_all_sensors() const;
   // The same for all sensors, and for a participant in all takes.
   RandomStream body_stream(Purpose purpose, std::uint64_t joint) const;
+  // Of this sensor, for a participant in all takes.
+  RandomStream sensor_stream(Purpose purpose, std::uint64_t joint) const;
 };
 
 // How a person stands to a sensor: the way that the body faces (as SkeletonPose) and the direction in which
@@ -30,6 +35,7 @@ struct TrackerKey {
 struct BodyView {
   double heading_rad = 0.0;
   double azimuth_rad = 0.0;  // within +-pi
+  Eigen::Vector3d sensor_in_world_m = Eigen::Vector3d::Zero();
 };
 // A pose without heading (0) has that of its shoulders, else of its hips, else 0.
 BodyView body_view(const SkeletonPose& pose, const Eigen::Vector3d& sensor_in_world_m);
@@ -38,7 +44,7 @@ BodyView body_view(const SkeletonPose& pose, const Eigen::Vector3d& sensor_in_wo
 // wander, jitter, jumps, and what is added while a joint is hidden.
 class JointErrors {
  public:
-  JointErrors(const BodyTrackerSpec& spec, double rate_hz, const TrackerKey& key);
+  JointErrors(const BodyTrackerSpec& spec, double rate_hz, const TrackerKey& key, const DepthUnit& unit);
 
   // Frames in rising order, each once; in the world's frame. Joints that are not present are left at zero.
   std::array<Eigen::Vector3d, kJointCount> step(std::uint64_t frame, const SkeletonPose& pose,
@@ -48,21 +54,28 @@ class JointErrors {
 
  private:
   struct JointState {
-    Eigen::Vector3d landmark_m, facing_m, beside_m;  // bias in the body's frame: x left, y up, z forward
-    Eigen::Vector3d wander{0.0, 0.0, 0.0};           // of sigma 1
+    Eigen::Vector3d fixed_m, facing_m, beside_m;  // bias in the body's frame: x left, y up, z forward
+    Eigen::Vector3d wander{0.0, 0.0, 0.0};        // of sigma 1
     Eigen::Vector3d lagged_m, truth_m;
     Eigen::Vector3d jump_m, hidden_error_m;
     std::uint64_t jump_end = 0;  // the first frame without
     bool has_wander = false, has_truth = false, hidden = false, said_to_be_tracked = false;
   };
   Eigen::Vector3d follow(JointState& state, const Eigen::Vector3d& truth_m) const;
+  Eigen::Vector3d bias(const JointState& state, const BodyView& view) const;
+  // Of variance 1, as far as the sensors and the joints of a limb share it.
+  Eigen::Vector3d noise(Purpose purpose, std::size_t joint, std::uint64_t frame, double limb_share) const;
   Eigen::Vector3d random_part(JointState& state, std::size_t joint, std::uint64_t frame) const;
+  // Of the random part.
+  double growth(const BodyView& view, double range_m) const;
+  Eigen::Vector3d along_and_across(const Eigen::Vector3d& error_m, const Eigen::Vector3d& ray) const;
   Eigen::Vector3d jump(JointState& state, std::size_t joint, std::uint64_t frame) const;
   void note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const;
 
   BodyTrackerSpec spec_;
   double rate_hz_;
   TrackerKey key_;
+  DepthUnit unit_;
   std::array<JointState, kJointCount> joints_;
 };
 
