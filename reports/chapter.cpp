@@ -146,6 +146,19 @@ Chapter budget_chapter(const std::filesystem::path& path) {
   return chapter;
 }
 
+Chapter sensitivity_chapter(const std::filesystem::path& path) {
+  const SensitivitySummary s = read_sensitivity_summary(path);
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format(
+      "Where conclusions hold, **simulated**: {} campaigns of {} participants over {} settings, seed {}.",
+      s.points.size(), s.participants, s.factors.size(), s.seed);
+  chapter.sentences = sensitivity_sentences(s);
+  append(chapter, sensitivity_tables(s));
+  append(chapter, sensitivity_figures(s));
+  chapter.first_tables = 2;
+  return chapter;
+}
+
 Chapter recording_chapter(const std::filesystem::path& path) {
   const RecordingSummary s = read_recording_summary(path);
   const std::optional<StageTimings> timings = read_stage_timings(path);
@@ -172,6 +185,8 @@ Chapter read_chapter(const std::filesystem::path& path) {
       return budget_chapter(path);
     case StudyKind::recording:
       return recording_chapter(path);
+    case StudyKind::sensitivity:
+      return sensitivity_chapter(path);
     case StudyKind::accuracy:
       break;
   }

@@ -12,6 +12,7 @@
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/recording/recording_study.h"
+#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
@@ -67,6 +68,16 @@ OpenedStudy open_budget(const RunArguments& arguments, const Json& study) {
                   spec.study.name, error_sources().size(), spec.simulation.participants));
   if (study.contains("simulation")) budget.inputs = {folder / study["simulation"].get<std::string>()};
   return budget;
+}
+
+OpenedStudy open_sensitivity(const RunArguments& arguments, const Json& study) {
+  const SensitivitySpec spec =
+      parse_sensitivity(study, arguments.study.string(), arguments.study.parent_path(),
+                        parse_json(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json"));
+  const std::size_t campaigns = campaigns_of(spec);
+  return opened(sensitivity_study(spec), {{"study", resolved_json(spec)}, {"campaigns", campaigns}},
+                fmt::format("study {} (simulated): {} campaigns of {} participants over {} settings",
+                            spec.head.study, campaigns, spec.head.participants, spec.head.factors.size()));
 }
 
 int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
@@ -125,7 +136,20 @@ const std::vector<Kind>& kinds() {
          return print_tables(results, table4(read_recording_summary(results), read_stage_timings(results)),
                              std::move(document), json);
        },
-       recording_schema}};
+       recording_schema},
+      {StudyKind::sensitivity, "rows of campaigns",
+       "a sensitivity study simulates its own campaigns; say in the study, as \"simulation\", what they have "
+       "in "
+       "common",
+       false, open_sensitivity,
+       [](const Json& work, const std::string& place, const MergeArguments&) {
+         return sensitivity_study(parse_sensitivity(work, place, {}, {}));
+       },
+       [](const std::filesystem::path& results, Json document, bool json) {
+         return print_tables(results, sensitivity_tables(read_sensitivity_summary(results)),
+                             std::move(document), json);
+       },
+       sensitivity_schema}};
   return kinds;
 }
 

@@ -56,5 +56,6 @@ Json sweep_schema();
 Json calibration_study_schema();
 Json budget_schema();
 Json recording_schema();
+Json sensitivity_schema();
 
 }  // namespace trilat

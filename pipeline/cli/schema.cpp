@@ -14,6 +14,7 @@
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/recording/recording_spec.h"
+#include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/sweep/sweep_spec.h"
 
 namespace trilat {
@@ -151,6 +152,18 @@ Json recording_schema() {
   const Json example =
       with_methods(study("recording", R"({"networks": [{"name": "a", "jitter_back_s": 0}]})"), true);
   return schema_of({example}, [](const Json& json) { parse_recording_spec(json, "example"); });
+}
+
+Json sensitivity_schema() {
+  const Json example = with_methods(
+      study("sensitivity",
+            R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1},
+      "space": [{"setting": "/rig/radius_m", "low": 1, "high": 2}, {"setting": "/sensor/rate_hz", "values": [10, 30]}],
+      "claims": [{"better": "mean", "than": ["linear"]}],
+      "slices": [{"x": "radius_m", "y": "rate_hz"}]})"),
+      false);
+  return schema_of({example},
+                   [](const Json& json) { parse_sensitivity(json, "example", {}, Json::object()); });
 }
 
 int schema(const SchemaArguments& arguments) {

@@ -10,6 +10,7 @@
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
 #include "datasets/results/summary.h"
@@ -31,6 +32,10 @@ Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary);
 // What share of the mean square error each source makes, by joint: bars that end at the sum, with what is
 // observed beside it. One figure a condition and method, in the first alignment.
 std::vector<Figure> budget_figures(const BudgetSummary& summary);
+
+// The slices of a sensitivity study as maps of a claim's difference, and for every claim the difference over
+// the ranges of the factors that decide it most.
+std::vector<Figure> sensitivity_figures(const SensitivitySummary& summary);
 
 // What the paper draws of its calibration, from simulated samples: error by distance and by angle, a flat
 // wall by column; and how uncertain sensors carry into joints. A part that was not run gives none.

@@ -8,6 +8,7 @@
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/stage_timings.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
@@ -43,6 +44,12 @@ std::vector<Table> apart_tables(const ResultsSummary& summary);
 // One table for each condition and alignment: a row for every method and joint group, a column for every
 // source of error alone, their sum and what all of them together give; and a table of what the sources are.
 std::vector<Table> budget_tables(const BudgetSummary& summary);
+
+// Which claims hold where: their shares of the space and where they change; which method errs least; what
+// decides; and the space itself.
+std::vector<Table> sensitivity_tables(const SensitivitySummary& summary);
+// A sentence a claim.
+std::vector<std::string> sensitivity_sentences(const SensitivitySummary& summary);
 
 // The tables of a calibration study beside the paper's statements; a part that was not run gives none.
 std::vector<Table> calibration_tables(const CalibrationSummary& summary);

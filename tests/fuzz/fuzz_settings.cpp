@@ -14,6 +14,7 @@
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/recording/recording_spec.h"
+#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_plan.h"
 #include "tests/fuzz/memory_file.h"
 
@@ -41,6 +42,9 @@ void read_study_of_any_kind(const Json& json) {
       return;
     case StudyKind::recording:
       recording_parameters(parse_recording_spec(json, kPlace));
+      return;
+    case StudyKind::sensitivity:
+      resolved_json(parse_sensitivity(json, kPlace, {}, Json::object()));
       return;
   }
 }

@@ -38,6 +38,13 @@ constexpr const char* kRecording = R"({"format": "trilat.study", "version": 1, "
 constexpr const char* kBudget = R"({"format": "trilat.study", "version": 1, "kind": "error_budget",
     "name": "tiny", "simulation": "simulation.json", "resamples": 0,
     "methods": [{"method": "mean"}, {"method": "nonlinear"}]})";
+constexpr const char* kSensitivity = R"({"format": "trilat.study", "version": 1, "kind": "sensitivity",
+    "name": "tiny", "resamples": 0, "clock": "stated", "participants": 1, "rows": 4,
+    "simulation": {"format": "trilat.simulation", "version": 1, "body_tracker": {},
+      "activities": [{"name": "walking", "duration_s": 0.5}]},
+    "methods": [{"method": "mean"}, {"method": "nonlinear"}],
+    "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
+    "claims": [{"better": "nonlinear", "than": ["mean"]}]})";
 constexpr const char* kSweep = R"({"format": "trilat.study", "version": 1, "kind": "threshold_sweep",
     "name": "tiny", "rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 9000,
     "stops": ["objective"], "max_iterations": 20, "search": true, "time_problems": 5, "time_repeats": 1})";
@@ -78,11 +85,9 @@ struct KindOfStudy {
 };
 void PrintTo(const KindOfStudy& kind, std::ostream* out) { *out << kind.name; }
 
-const KindOfStudy kKinds[] = {{"accuracy", kAccuracy},
-                              {"threshold_sweep", kSweep},
-                              {"calibration", kCalibration},
-                              {"error_budget", kBudget},
-                              {"recording", kRecording}};
+const KindOfStudy kKinds[] = {{"accuracy", kAccuracy},       {"threshold_sweep", kSweep},
+                              {"calibration", kCalibration}, {"error_budget", kBudget},
+                              {"recording", kRecording},     {"sensitivity", kSensitivity}};
 
 TEST(Kinds, AllHaveARowInThisTable) {
   std::vector<std::string> tested, known;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/summary.h"
+
+namespace trilat {
+
+struct Estimate {  // with its 95 % interval; NaN where there is none
+  double value = kNoNumber, low = kNoNumber, high = kNoNumber;
+};
+
+// What a sensitivity study varies: a setting of its simulation, in a range or a list.
+struct SensitivityFactor {
+  std::string name, unit;
+  std::string setting;                   // JSON pointer into simulation.json
+  std::vector<std::string> values = {};  // of a list, as text; empty: a range
+  double low = kNoNumber, high = kNoNumber;
+  bool logarithmic = false, whole = false;  // whole numbers only
+};
+
+// One simulated campaign: where in the space it is, and what the methods' errors were.
+struct SensitivityPoint {
+  std::string design;            // "space", "default" or a slice's name
+  std::uint64_t row = 0;         // of the design
+  std::vector<double> position;  // by factor, 0 to 1 within its range or list; NaN: as the simulation has it
+  std::vector<double> mae_m = {};     // by method, the mean of the joint groups; NaN: nothing answered
+  std::vector<double> answered = {};  // by method, share
+  std::string problem = {};           // why there are no errors; empty when there are
+};
+
+// How a claim depends on one factor, all others anywhere in the space.
+struct ClaimByFactor {
+  std::string factor;
+  Estimate first, total;  // Sobol indices of the difference
+  Estimate break_even;    // where the mean difference changes its sign, in the factor's unit
+  struct Bin {
+    double position = kNoNumber;  // of its middle, 0 to 1
+    Estimate difference_percent, share;
+  };
+  std::vector<Bin> bins;  // equal parts of the range, or the values of the list
+};
+
+// "This method errs less than all of those": the difference is its error over the least of theirs, minus 1
+// and minus the margin; below 0 the claim holds.
+struct SensitivityClaim {
+  std::string name, better;
+  std::vector<std::string> than;
+  double margin_percent = 0.0;
+  Estimate share = {};                 // of the space in which it holds
+  Estimate difference_percent = {};    // mean over the space
+  double worst_percent = kNoNumber;    // the largest difference in the space
+  double default_percent = kNoNumber;  // of the simulation as it is
+  std::vector<ClaimByFactor> factors = {};
+};
+
+struct SensitivitySlice {
+  std::string name, x, y;           // the factors
+  std::uint64_t steps = 0;          // of each
+  std::vector<std::string> claims;  // that are drawn
+};
+
+struct SensitivitySummary {
+  std::string study;
+  std::string alignment;
+  std::uint64_t seed = 0, participants = 0, rows = 0;  // of the design: rows x (factors + 2) campaigns
+  std::vector<std::string> methods;
+  std::vector<SensitivityFactor> factors;
+  std::vector<SensitivitySlice> slices;
+  std::vector<SensitivityClaim> claims;
+  std::vector<Estimate> best_share;  // by method: of the space in which it errs least
+  std::vector<SensitivityPoint> points;
+
+  double value_at(std::size_t factor, double position) const;  // in the factor's unit; number in a list
+  std::string text_at(std::size_t factor, double position) const;
+};
+
+Json json_of(const SensitivityPoint& point);
+SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, std::size_t methods);
+
+// Error of the claim's method over the least of those it is held against, in percent, minus the margin.
+double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
+                          const SensitivityPoint& point);
+
+// summary.json (results format 1, kind sensitivity), and points.csv: a row a campaign and method with every
+// factor's value.
+void write_sensitivity_summary(const std::filesystem::path& folder, const SensitivitySummary& summary);
+SensitivitySummary read_sensitivity_summary(const std::filesystem::path& folder);
+
+}  // namespace trilat

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/sensitivity/sensitivity_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/base/error.h"
+#include "evaluators/metrics/sobol_indices.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kResamples = 400;
+constexpr std::size_t kBins = 6;
+
+Estimate estimate_of(const WithInterval& w) { return {w.value, w.low, w.high}; }
+
+// The points of the space, row by row.
+struct Space {
+  std::size_t rows = 0, columns = 0;
+  std::vector<const SensitivityPoint*> points;
+};
+
+Space space_of(const SensitivitySummary& s) {
+  Space space{s.rows, s.factors.size() + 2, {}};
+  for (const SensitivityPoint& point : s.points)
+    if (point.design == "space") space.points.push_back(&point);
+  TRILAT_CHECK(space.points.size() == space.rows * space.columns, "the design is whole");
+  return space;
+}
+
+// Sums of what is finite, as mean and as share below 0.
+struct Sums {
+  double sum = 0.0, below = 0.0, n = 0.0;
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    sum += value;
+    below += value < 0.0 ? 1.0 : 0.0;
+    n += 1.0;
+  }
+  double mean() const { return n > 0.0 ? sum / n : kNoNumber; }
+  double share() const { return n > 0.0 ? below / n : kNoNumber; }
+};
+
+std::size_t bins_of(const SensitivityFactor& factor) {
+  if (!factor.values.empty()) return factor.values.size();
+  if (factor.whole) return static_cast<std::size_t>(std::min(factor.high - factor.low + 1.0, 12.0));
+  return kBins;
+}
+
+std::size_t bin_at(double position, std::size_t bins) {
+  return std::min(bins - 1, static_cast<std::size_t>(position * static_cast<double>(bins)));
+}
+
+// Of one factor: mean and share of each bin, and last where the mean changes its sign.
+std::vector<double> statistics_of(const Space& space, const std::vector<double>& difference,
+                                  std::size_t factor, std::size_t bins, bool is_range,
+                                  std::span<const std::size_t> rows) {
+  std::vector<Sums> sums(bins);
+  std::vector<double> x, y;
+  for (const std::size_t row : rows)
+    for (std::size_t k = row * space.columns; k < (row + 1) * space.columns; ++k) {
+      const double position = space.points[k]->position[factor];
+      sums[bin_at(position, bins)].add(difference[k]);
+      x.push_back(position);
+      y.push_back(difference[k]);
+    }
+  std::vector<double> list;
+  for (const Sums& sum : sums) list.insert(list.end(), {sum.mean(), sum.share()});
+  list.push_back(is_range ? crossing_of_cubic(x, y) : kNoNumber);
+  return list;
+}
+
+Estimate in_unit(const SensitivitySummary& s, std::size_t factor, const WithInterval& position) {
+  Estimate e;
+  if (!std::isfinite(position.value) || !std::isfinite(position.low)) return e;
+  return {s.value_at(factor, position.value), s.value_at(factor, position.low),
+          s.value_at(factor, position.high)};
+}
+
+ClaimByFactor by_factor(const SensitivitySummary& s, const Space& space,
+                        const std::vector<double>& difference, std::size_t factor,
+                        const SobolIndices& indices) {
+  const SensitivityFactor& f = s.factors[factor];
+  const std::size_t bins = bins_of(f);
+  const std::vector<WithInterval> list =
+      bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
+        return statistics_of(space, difference, factor, bins, f.values.empty() && !f.whole, rows);
+      });
+  ClaimByFactor result{.factor = f.name,
+                       .first = estimate_of(indices.first),
+                       .total = estimate_of(indices.total),
+                       .break_even = in_unit(s, factor, list.back()),
+                       .bins = {}};
+  for (std::size_t b = 0; b < bins; ++b)
+    result.bins.push_back({(static_cast<double>(b) + 0.5) / static_cast<double>(bins),
+                           estimate_of(list[2 * b]), estimate_of(list[2 * b + 1])});
+  return result;
+}
+
+void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityClaim& claim) {
+  std::vector<double> difference;
+  for (const SensitivityPoint* point : space.points)
+    difference.push_back(difference_percent(claim, s.methods, *point));
+  const std::vector<WithInterval> all =
+      bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
+        Sums sums;
+        for (const std::size_t row : rows)
+          for (std::size_t k = row * space.columns; k < (row + 1) * space.columns; ++k)
+            sums.add(difference[k]);
+        return std::vector<double>{sums.share(), sums.mean()};
+      });
+  claim.share = estimate_of(all[0]);
+  claim.difference_percent = estimate_of(all[1]);
+  for (const double value : difference) claim.worst_percent = std::fmax(claim.worst_percent, value);
+  for (const SensitivityPoint& point : s.points)
+    if (point.design == "default") claim.default_percent = difference_percent(claim, s.methods, point);
+  const std::vector<SobolIndices> indices = sobol_indices(difference, s.factors.size(), kResamples, s.seed);
+  for (std::size_t f = 0; f < s.factors.size(); ++f)
+    claim.factors.push_back(by_factor(s, space, difference, f, indices[f]));
+}
+
+std::vector<Estimate> best_shares(const SensitivitySummary& s, const Space& space) {
+  const auto best = [](const SensitivityPoint& point) {
+    std::size_t least = point.mae_m.size();
+    for (std::size_t m = 0; m < point.mae_m.size(); ++m)
+      if (std::isfinite(point.mae_m[m]) &&
+          (least == point.mae_m.size() || point.mae_m[m] < point.mae_m[least]))
+        least = m;
+    return least;
+  };
+  std::vector<Estimate> shares;
+  for (const WithInterval& share :
+       bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
+         std::vector<double> count(s.methods.size() + 1, 0.0);
+         for (const std::size_t row : rows)
+           for (std::size_t k = row * space.columns; k < (row + 1) * space.columns; ++k)
+             count[best(*space.points[k])] += 1.0 / static_cast<double>(rows.size() * space.columns);
+         count.pop_back();
+         return count;
+       }))
+    shares.push_back(estimate_of(share));
+  return shares;
+}
+
+}  // namespace
+
+void analyse(SensitivitySummary& summary) {
+  const Space space = space_of(summary);
+  for (SensitivityClaim& claim : summary.claims) analyse_claim(summary, space, claim);
+  summary.best_share = best_shares(summary, space);
+}
+
+}  // namespace trilat

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/sensitivity/sensitivity_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/results/declared_parameters.h"
+#include "datasets/results/results_file.h"
+#include "evaluators/metrics/sobol_indices.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/sensitivity/sensitivity_analysis.h"
+#include "pipeline/simulate/campaign_study.h"
+#include "pipeline/simulate/simulate_take.h"
+
+namespace trilat {
+namespace {
+
+// The points of an item, without their errors.
+struct Row {
+  std::string item;
+  std::vector<SensitivityPoint> points;
+};
+
+std::vector<Row> space_rows(const SensitivitySummary& head) {
+  const std::size_t columns = head.factors.size() + 2;
+  const auto design = saltelli_design(head.factors.size(), head.rows);
+  std::vector<Row> rows;
+  for (std::size_t r = 0; r < head.rows; ++r) {
+    rows.push_back({fmt::format("space/{:05}", r), {}});
+    for (std::size_t c = 0; c < columns; ++c)
+      rows.back().points.push_back({.design = "space", .row = r, .position = design[r * columns + c]});
+  }
+  return rows;
+}
+
+std::size_t index_of(const SensitivitySummary& head, const std::string& factor) {
+  return static_cast<std::size_t>(std::ranges::find(head.factors, factor, &SensitivityFactor::name) -
+                                  head.factors.begin());
+}
+
+std::vector<Row> slice_rows(const SensitivitySummary& head, std::size_t number) {
+  const SensitivitySlice& slice = head.slices[number];
+  const auto middle = [&](std::size_t step) {
+    return (static_cast<double>(step) + 0.5) / static_cast<double>(slice.steps);
+  };
+  std::vector<Row> rows;
+  for (std::size_t y = 0; y < slice.steps; ++y) {
+    rows.push_back({fmt::format("slices/{}-{:03}", number + 1, y), {}});
+    for (std::size_t x = 0; x < slice.steps; ++x) {
+      SensitivityPoint point{.design = slice.name, .row = y, .position = {}};
+      point.position.assign(head.factors.size(), kNoNumber);
+      point.position[index_of(head, slice.x)] = middle(x);
+      point.position[index_of(head, slice.y)] = middle(y);
+      rows.back().points.push_back(point);
+    }
+  }
+  return rows;
+}
+
+std::vector<Row> rows_of(const SensitivitySummary& head) {
+  std::vector<Row> rows = space_rows(head);
+  SensitivityPoint as_it_is{.design = "default", .row = 0, .position = {}};
+  as_it_is.position.assign(head.factors.size(), kNoNumber);
+  rows.push_back({"default/0", {as_it_is}});
+  for (std::size_t s = 0; s < head.slices.size(); ++s)
+    for (Row& row : slice_rows(head, s)) rows.push_back(std::move(row));
+  return rows;
+}
+
+// The mean error of each method's joint groups in the study's first condition and alignment.
+void take_errors(const ResultsSummary& summary, SensitivityPoint& point) {
+  for (std::size_t m = 0; m < summary.methods.size(); ++m) {
+    const auto cell = std::ranges::find_if(summary.cells, [&](const SummaryCell& c) {
+      return c.group == kAverageGroup && c.method == summary.methods[m] &&
+             c.condition == summary.conditions.front() && c.alignment == summary.alignments.front();
+    });
+    point.mae_m[m] = cell == summary.cells.end() ? kNoNumber : cell->mae_m;
+    point.answered[m] = cell == summary.cells.end() ? kNoNumber : cell->coverage();
+  }
+}
+
+// Rows have seeds of their own; the points of a row have the same persons.
+void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::filesystem::path& scratch,
+                    const Watch& watch, SensitivityPoint& point) {
+  point.mae_m.assign(spec.head.methods.size(), kNoNumber);
+  point.answered = point.mae_m;
+  const SimulationSpec simulation = simulation_at(spec, point.position, seed);
+  const Campaign campaign = simulate_campaign(simulation, scratch / "campaign", {watch.stop_requested, {}});
+  const ResultsSummary summary =
+      execute_study(spec.study, campaign, scratch / "results", {.stop_requested = watch.stop_requested});
+  for (const TakeNote& note : summary.notes)
+    if (note.failed && point.problem.empty()) point.problem = note.text;
+  if (!summary.conditions.empty()) take_errors(summary, point);
+  std::filesystem::remove_all(scratch);
+}
+
+Json evaluate_row(const SensitivitySpec& spec, Row row, std::uint64_t seed, const std::filesystem::path& into,
+                  const Watch& watch) {
+  Json points = Json::array();
+  for (SensitivityPoint& point : row.points) {
+    evaluate_point(spec, seed, into / "work", watch, point);
+    points.push_back(json_of(point));
+    watch.tell(static_cast<double>(points.size()) / static_cast<double>(row.points.size()));
+  }
+  return points;
+}
+
+Json work_json(const SensitivitySpec& spec) {
+  Json work{{"study", resolved_json(spec.study)},
+            {"simulation", spec.simulation},
+            {"seed", spec.head.seed},
+            {"participants", spec.head.participants},
+            {"rows", spec.head.rows}};
+  for (std::size_t f = 0; f < spec.head.factors.size(); ++f) {
+    const SensitivityFactor& factor = spec.head.factors[f];
+    work["space"].push_back({{"name", factor.name}, {"setting", factor.setting}, {"unit", factor.unit}});
+    Json& entry = work["space"].back();
+    if (!spec.values[f].empty())
+      entry["values"] = spec.values[f];
+    else
+      entry.update(Json{{"low", factor.low},
+                        {"high", factor.high},
+                        {"logarithmic", factor.logarithmic},
+                        {"whole", factor.whole}});
+  }
+  work["claims"] = Json::array();
+  for (const SensitivityClaim& claim : spec.head.claims)
+    work["claims"].push_back({{"name", claim.name},
+                              {"better", claim.better},
+                              {"than", claim.than},
+                              {"margin_percent", claim.margin_percent}});
+  work["slices"] = Json::array();
+  for (const SensitivitySlice& slice : spec.head.slices)
+    work["slices"].push_back({{"name", slice.name},
+                              {"x", slice.x},
+                              {"y", slice.y},
+                              {"steps", slice.steps},
+                              {"claims", slice.claims}});
+  return work;
+}
+
+}  // namespace
+
+// The study that was read, defaults included: what parse_sensitivity() takes.
+Json resolved_json(const SensitivitySpec& spec) {
+  Json work = work_json(spec), json = work.at("study");
+  work.erase("study");
+  json.update(work);
+  json["kind"] = "sensitivity";
+  return json;
+}
+
+std::size_t campaigns_of(const SensitivitySpec& spec) {
+  std::size_t count = 0;
+  for (const Row& row : rows_of(spec.head)) count += row.points.size();
+  return count;
+}
+
+Study sensitivity_study(const SensitivitySpec& spec) {
+  const auto shared = std::make_shared<const SensitivitySpec>(spec);
+  const Json resolved = resolved_json(spec);
+  Study study{
+      .kind = name_of(StudyKind::sensitivity),
+      .work = resolved,
+      .reduce =
+          [shared](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
+            SensitivitySummary summary = shared->head;
+            for (const Row& row : rows_of(summary)) {
+              const Outcome& outcome = outcomes.at(row.item);
+              for (const Json& point : outcome.json())
+                summary.points.push_back(read_sensitivity_point(
+                    JsonObject(point, outcome.place(), ""), summary.factors.size(), summary.methods.size()));
+            }
+            analyse(summary);
+            write_sensitivity_summary(results, summary);
+          },
+      .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+  study.write_beside = [shared](const std::filesystem::path& folder) {
+    const std::vector<double> as_it_is(shared->head.factors.size(), kNoNumber);
+    write_declared_parameters(folder,
+                              declared_parameters(simulation_at(*shared, as_it_is, shared->head.seed)));
+  };
+  std::uint64_t number = 0;
+  for (const Row& row : rows_of(spec.head)) {
+    for (const SensitivityPoint& point : row.points) simulation_at(spec, point.position, spec.head.seed);
+    study.items.push_back({row.item, static_cast<double>(row.points.size()),
+                           [shared, row, seed = spec.head.seed + number++](const std::filesystem::path& into,
+                                                                           const Watch& watch) {
+                             return evaluate_row(*shared, row, seed, into, watch);
+                           }});
+  }
+  return study;
+}
+
+}  // namespace trilat

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "reports/tables/table_cells.h"
+#include "reports/tables/tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kAlways = 0.975, kNever = 0.025;  // shares
+
+std::string percent_text(const Estimate& share) {
+  if (!std::isfinite(share.low)) return fmt::format("{:.0f} %", 100.0 * share.value);
+  return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100.0 * share.value, 100.0 * share.low,
+                     100.0 * share.high);
+}
+
+std::string unit_of(const SensitivityFactor& factor) { return factor.unit.empty() ? "" : ' ' + factor.unit; }
+
+const SensitivityFactor& factor_of(const SensitivitySummary& s, const std::string& name) {
+  return *std::ranges::find(s.factors, name, &SensitivityFactor::name);
+}
+
+// Where the mean difference changes its sign; of lists and whole numbers, the values at which the claim
+// mostly holds. Empty when there is nothing to say.
+std::string flip_text(const SensitivitySummary& s, const ClaimByFactor& by) {
+  const SensitivityFactor& factor = factor_of(s, by.factor);
+  const Estimate& e = by.break_even;
+  if (std::isfinite(e.value))
+    return fmt::format("{} {:.3g}{} ({:.3g} to {:.3g})", by.factor, e.value, unit_of(factor), e.low, e.high);
+  if (factor.values.empty()) return {};
+  std::vector<std::string> holds;
+  for (std::size_t b = 0; b < by.bins.size(); ++b)
+    if (by.bins[b].difference_percent.value < 0.0) holds.push_back(factor.values[b]);
+  if (holds.empty() || holds.size() == by.bins.size()) return {};
+  return fmt::format("{}: on average only {}", by.factor, fmt::join(holds, ", "));
+}
+
+std::string flips_of(const SensitivitySummary& s, const SensitivityClaim& claim) {
+  std::vector<std::string> flips;
+  for (const ClaimByFactor& by : claim.factors)
+    if (const std::string text = flip_text(s, by); !text.empty()) flips.push_back(text);
+  return fmt::format("{}", fmt::join(flips, "; "));
+}
+
+// The factors that explain most of the difference, by their total index.
+std::string decisive_of(const SensitivityClaim& claim) {
+  constexpr std::size_t kMost = 3;
+  constexpr double kWorthNaming = 0.05;
+  std::vector<ClaimByFactor> factors = claim.factors;
+  std::ranges::sort(
+      factors, [](const ClaimByFactor& a, const ClaimByFactor& b) { return a.total.value > b.total.value; });
+  std::vector<std::string> names;
+  for (const ClaimByFactor& by : factors)
+    if (names.size() < kMost && by.total.value > kWorthNaming)
+      names.push_back(fmt::format("{} ({:.0f} %)", by.factor, 100.0 * by.total.value));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Table claims_table(const SensitivitySummary& s) {
+  Table table;
+  table.id = usable_id("sensitivity-claims-" + s.study);
+  table.title = fmt::format(
+      "Where each claim holds, simulated: {} campaigns of {} participants all over the space (alignment: {})",
+      s.rows * (s.factors.size() + 2), s.participants, s.alignment);
+  table.columns = {{"claim", "claim", true},
+                   {"holds in (%)", "share_percent"},
+                   {"from", "share_low_percent"},
+                   {"to", "share_high_percent"},
+                   {"mean difference (%)", "difference_percent"},
+                   {"at worst (%)", "worst_percent"},
+                   {"as simulated (%)", "default_percent"},
+                   {"decided by", "decided_by", true},
+                   {"changes at", "changes_at", true}};
+  for (const SensitivityClaim& claim : s.claims)
+    table.rows.push_back({TableValue::of(claim.name), percent_cell(claim.share.value),
+                          percent_cell(claim.share.low), percent_cell(claim.share.high),
+                          TableValue::of(claim.difference_percent.value, 1),
+                          TableValue::of(claim.worst_percent, 1), TableValue::of(claim.default_percent, 1),
+                          TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
+  table.notes = {
+      "The difference is the method's error over the least of those it is held against, less the margin: "
+      "below "
+      "0 the claim holds. Errors are means over the joint groups of what a method answers.",
+      "Decided by: total Sobol index, the share of the difference's variance in which a factor has a part. "
+      "Changes at: where the mean difference over all other factors changes its sign.",
+      "Shares are of the space as it is stated, every factor uniform in its range and independent of the "
+      "others: another space has other shares."};
+  return table;
+}
+
+Table indices_table(const SensitivitySummary& s) {
+  Table table;
+  table.id = usable_id("sensitivity-indices-" + s.study);
+  table.title = "What decides each difference, simulated: Sobol indices with 95 % intervals";
+  table.columns = {{"claim", "claim", true},   {"factor", "factor", true}, {"first", "first"},
+                   {"from", "first_low"},      {"to", "first_high"},       {"total", "total"},
+                   {"from", "total_low"},      {"to", "total_high"},       {"changes at", "break_even"},
+                   {"from", "break_even_low"}, {"to", "break_even_high"},  {"unit", "unit", true}};
+  for (const SensitivityClaim& claim : s.claims)
+    for (const ClaimByFactor& by : claim.factors) {
+      std::vector<TableValue> row{TableValue::of(claim.name), TableValue::of(by.factor)};
+      for (const Estimate& e : {by.first, by.total})
+        for (const double number : {e.value, e.low, e.high}) row.push_back(TableValue::of(number, 2));
+      for (const double number : {by.break_even.value, by.break_even.low, by.break_even.high})
+        row.push_back(TableValue::of(number, -1));
+      row.push_back(TableValue::of(factor_of(s, by.factor).unit));
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
+Table methods_table(const SensitivitySummary& s) {
+  Table table;
+  table.id = usable_id("sensitivity-methods-" + s.study);
+  table.title = "Which method errs least, simulated: share of the space";
+  table.columns = {{"method", "method", true},
+                   {"best in (%)", "share_percent"},
+                   {"from", "share_low_percent"},
+                   {"to", "share_high_percent"}};
+  for (std::size_t m = 0; m < s.methods.size(); ++m)
+    table.rows.push_back({TableValue::of(s.methods[m]), percent_cell(s.best_share[m].value),
+                          percent_cell(s.best_share[m].low), percent_cell(s.best_share[m].high)});
+  return table;
+}
+
+Table space_table(const SensitivitySummary& s) {
+  Table table;
+  table.id = usable_id("sensitivity-space-" + s.study);
+  table.title = "The space that was simulated";
+  table.columns = {{"factor", "factor", true}, {"setting", "setting", true}, {"values", "values", true}};
+  for (const SensitivityFactor& f : s.factors)
+    table.rows.push_back(
+        {TableValue::of(f.name), TableValue::of(f.setting),
+         TableValue::of(!f.values.empty() ? fmt::format("{}", fmt::join(f.values, ", "))
+                                          : fmt::format("{:g} to {:g}{}{}", f.low, f.high, unit_of(f),
+                                                        f.logarithmic ? ", logarithmic"
+                                                        : f.whole     ? ", whole"
+                                                                      : ""))});
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> sensitivity_tables(const SensitivitySummary& s) {
+  return {claims_table(s), methods_table(s), indices_table(s), space_table(s)};
+}
+
+std::vector<std::string> sensitivity_sentences(const SensitivitySummary& s) {
+  std::vector<std::string> sentences;
+  for (const SensitivityClaim& claim : s.claims) {
+    const bool always = claim.share.low >= kAlways, never = claim.share.high <= kNever;
+    std::string text =
+        fmt::format("**{}** holds in {} of the simulated space", claim.name, percent_text(claim.share));
+    if (const std::string flips = flips_of(s, claim); !always && !never && !flips.empty())
+      text += fmt::format("; it changes at {}", flips);
+    sentences.push_back(text + '.');
+  }
+  return sentences;
+}
+
+}  // namespace trilat

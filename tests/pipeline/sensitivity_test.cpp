@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "evaluators/metrics/sobol_indices.h"
+#include "pipeline/sensitivity/sensitivity_analysis.h"
+#include "pipeline/sensitivity/sensitivity_study.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kSimulation =
+    R"("simulation": {"format": "trilat.simulation", "version": 1,
+       "activities": [{"name": "walking", "duration_s": 1}],
+       "body_tracker": {"bias_sigma_m": 0, "jitter_sigma_m": 0, "wander_sigma_m": 0.05, "wander_time_s": 0.1,
+         "lag_s": 0, "jump_size_m": 0, "exchanged_share": 0, "least_visible_share": 0, "unit_depth_share": 0}})";
+constexpr const char* kMethods =
+    R"("alignments": ["none"], "clock": "stated", "resamples": 0, "participants": 1, "rows": 4,
+       "methods": [{"method": "mean"}, {"method": "nonlinear"}])";
+constexpr const char* kSpace =
+    R"("space": [{"name": "ratio", "setting": "/body_tracker/ray_ratio", "low": 0.1,
+       "high": 5, "logarithmic": true}, {"name": "height", "setting": "/rig/heights_m", "values": [[0.6, 2.2, 0.9, 1.9],
+       [0.5, 2.0, 1.0, 1.5]]}])";
+constexpr const char* kClaims = R"("claims": [{"better": "nonlinear", "than": ["mean"]}])";
+
+Json study_json(const std::string& space = kSpace, const std::string& claims = kClaims,
+                const std::string& more = "") {
+  return parse_json(R"({"format": "trilat.study", "version": 1, "kind": "sensitivity", "name": "map", )" +
+                        std::string(kSimulation) + ", " + kMethods + ", " + space + ", " + claims + more +
+                        "}",
+                    "map.json");
+}
+
+SensitivitySpec spec_of(const Json& json) { return parse_sensitivity(json, "map.json", {}, {}); }
+
+std::string refusal(const Json& json) {
+  return message_of([&] { spec_of(json); });
+}
+
+TEST(SensitivitySpec, WrittenOutItIsReadAsTheSame) {
+  const SensitivitySpec spec =
+      spec_of(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "height", "steps": 2}])"));
+  const Json resolved = resolved_json(spec);
+  EXPECT_EQ(resolved_json(spec_of(parse_json(resolved.dump(), "map.json"))).dump(), resolved.dump());
+  EXPECT_EQ(campaigns_of(spec), 4u * 4u + 1u + 4u);
+}
+
+TEST(SensitivitySpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
+  const auto space = [](const std::string& factor) { return "\"space\": [" + factor + "]"; };
+  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/magic", "low": 1, "high": 2})"))),
+              AllOf(HasSubstr("/space/0/setting"), HasSubstr("/rig/magic: is an unknown key")));
+  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/radius_m", "low": 1, "high": 200})"))),
+              AllOf(HasSubstr("cannot be 200"), HasSubstr("radius_m: must lie between")));
+  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/format/first", "low": 1, "high": 2})"))),
+              HasSubstr("is no setting of simulation.json that could be varied"));
+  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/radius_m", "low": 2, "high": 2})"))),
+              HasSubstr("/space/0/high: must be greater than low"));
+  EXPECT_THAT(refusal(study_json(
+                  space(R"({"setting": "/sensor/nearest_m", "low": 0, "high": 2, "logarithmic": true})"))),
+              HasSubstr("must be greater than 0 on a logarithmic scale"));
+  EXPECT_THAT(refusal(study_json(space(""))), HasSubstr("/space: must hold 1 to 20 factors"));
+  EXPECT_THAT(refusal(study_json(kSpace, R"("claims": [{"better": "magic", "than": ["mean"]}])")),
+              AllOf(HasSubstr("/claims/0/better"), HasSubstr("has \"magic\", which is none of the methods")));
+  EXPECT_THAT(refusal(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "ratio"}])")),
+              HasSubstr("/slices/0/y: must be another factor than x"));
+}
+
+TEST(SensitivitySpec, SettingsThatContradictEachOtherAreRefusedBeforeAnythingIsSimulated) {
+  // each end is possible by itself, but not both together
+  const Json json = study_json(R"("space": [{"setting": "/body_tracker/viewpoint_share", "low": 0, "high": 1},
+      {"setting": "/body_tracker/own_bias_share", "low": 0.6, "high": 0.7}])");
+  EXPECT_THAT(message_of([&] { sensitivity_study(spec_of(json)); }),
+              HasSubstr("own_bias_share: must not be more"));
+}
+
+TEST(SensitivitySpec, PositionsAreValuesOfTheFactors) {
+  const SensitivitySpec spec = spec_of(study_json());
+  EXPECT_NEAR(spec.head.value_at(0, 0.5), std::sqrt(0.1 * 5.0), 1e-12);
+  EXPECT_EQ(spec.head.text_at(1, 0.9), "[0.5,2.0,1.0,1.5]");
+  const SimulationSpec there = simulation_at(spec, {1.0, 0.9}, 7);
+  EXPECT_NEAR(there.body_tracker->ray_ratio, 5.0, 1e-12);
+  EXPECT_EQ(there.rig.heights_m[1], 2.0);
+  EXPECT_EQ(there.seed, 7u);
+  EXPECT_EQ(simulation_at(spec, {kNoNumber, kNoNumber}, 7).body_tracker->ray_ratio, 1.0);
+}
+
+// Independent errors along the rays hurt ranges, those across do not: what an own model of them says, too.
+TEST(SensitivityStudy, FindsWhereTrilaterationPays) {
+  const ScratchFolder folder;
+  run_study(sensitivity_study(spec_of(study_json())), folder / "map", {});
+  const SensitivitySummary s = read_sensitivity_summary(folder / "map");
+  ASSERT_EQ(s.points.size(), 17u);
+  for (const SensitivityPoint& point : s.points) {
+    const double ratio = std::isfinite(point.position[0]) ? s.value_at(0, point.position[0]) : 1.0;
+    if (ratio < 0.3) {
+      EXPECT_LT(point.mae_m[1], point.mae_m[0]) << ratio;
+    }
+    if (ratio > 0.8) {
+      EXPECT_GT(point.mae_m[1], point.mae_m[0]) << ratio;
+    }
+  }
+  EXPECT_GT(s.claims[0].default_percent, 20.0);
+  EXPECT_GT(s.claims[0].share.value, 0.0);
+  EXPECT_LT(s.claims[0].share.value, 1.0);
+  EXPECT_GT(s.claims[0].factors[0].total.value, s.claims[0].factors[1].total.value);
+  EXPECT_THAT(read_file(folder / "map/points.csv"), HasSubstr("design,row,ratio,height,method,mae_m"));
+}
+
+TEST(SensitivityVerb, TablesReportAndSlices) {
+  const ScratchFolder folder;
+  write_file(
+      folder / "map.json",
+      study_json(kSpace, kClaims, R"(, "slices": [{"x": "height", "y": "ratio", "steps": 2}])").dump());
+  const std::string map = folder / "map.json", results = folder / "results";
+  const Ended plan = run_trilat(folder, {"run", map, "--dry-run"});
+  EXPECT_THAT(plan.out, HasSubstr("21 campaigns of 1 participants over 2 settings"));
+  const Ended ended = run_trilat(folder, {"run", map, "-o", results});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("Where each claim holds, simulated"),
+                               HasSubstr("nonlinear errs less than mean")));
+  const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report"});
+  EXPECT_EQ(report.code, 0) << report.err;
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("of the simulated space"));
+}
+
+// A difference that one factor decides alone, with a known break-even.
+TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
+  SensitivitySummary s;
+  s.rows = 64;
+  s.seed = 1;
+  s.methods = {"a", "b"};
+  s.factors = {{.name = "x", .unit = "m", .setting = "/x", .values = {}, .low = 0.0, .high = 10.0},
+               {.name = "y", .unit = "", .setting = "/y", .values = {"one", "two"}}};
+  s.claims = {{.name = "a before b", .better = "a", .than = {"b"}}};
+  for (const std::vector<double>& position : saltelli_design(s.factors.size(), s.rows))
+    s.points.push_back({.design = "space",
+                        .row = s.points.size() / 4,
+                        .position = position,
+                        .mae_m = {0.7 + position[0], 1.0},
+                        .answered = {1.0, 1.0}});
+  analyse(s);
+  const SensitivityClaim& claim = s.claims[0];
+  EXPECT_NEAR(claim.share.value, 0.3, 0.02);
+  EXPECT_NEAR(claim.difference_percent.value, 20.0, 1.0);
+  EXPECT_NEAR(claim.factors[0].break_even.value, 3.0, 1e-6);
+  EXPECT_NEAR(claim.factors[0].total.value, 1.0, 0.05);
+  EXPECT_NEAR(claim.factors[1].total.value, 0.0, 1e-9);
+  EXPECT_TRUE(std::isnan(claim.factors[1].break_even.value));
+  EXPECT_EQ(claim.factors[1].bins.size(), 2u);
+  EXPECT_NEAR(s.best_share[0].value, 0.3, 0.02);
+}
+
+}  // namespace
+}  // namespace trilat
