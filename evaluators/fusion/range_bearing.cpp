@@ -27,7 +27,7 @@ Rays rays_of(std::span<const JointObservation> observations,
     const JointObservation& o = observations[i];
     if (!options.allowed[i] || !o.seen) continue;
     const int k = rays.count++;
-    const double factor = o.state == TrackingState::inferred ? options.inferred_factor : 1.0;
+    const double factor = o.state == TrackingState::inferred ? options.sigma.inferred_factor : 1.0;
     const double range_sigma_m = factor * options.sigma.range_m,
                  bearing_sigma_m = factor * options.sigma.bearing_m;
     rays.sensor_m[k] = world_from_sensor[i].translation_m;
@@ -227,7 +227,7 @@ PointEstimate estimate_of(const Rays& rays, const Eigen::Vector3d& x_m, SolveSta
 std::string contradiction_in(const RangeBearingOptions& o) {
   if (!(o.sigma.range_m > 0.0) || !(o.sigma.bearing_m > 0.0)) return "both sigmas must be greater than 0";
   if (std::isinf(o.sigma.range_m) && std::isinf(o.sigma.bearing_m)) return "one sigma must be finite";
-  if (!(o.inferred_factor > 0.0)) return "the factor of inferred joints must be greater than 0";
+  if (!(o.sigma.inferred_factor > 0.0)) return "the factor of inferred joints must be greater than 0";
   if (!(o.loss_scale > 0.0)) return "the scale of the loss must be greater than 0";
   return {};
 }

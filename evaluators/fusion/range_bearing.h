@@ -17,12 +17,12 @@ namespace trilat {
 struct RaySigma {
   double range_m = kUsualRangeSigma_m;
   double bearing_m = kUsualRangeSigma_m;
+  double inferred_factor = 3.0;  // on both, of an inferred joint
 };
 
 struct RangeBearingOptions {
   SensorMask allowed = kAllSensors;
   RaySigma sigma = {};
-  double inferred_factor = 3.0;  // on both, of an inferred joint
   // Of a sensor's squared residual in sigmas, all three directions together; beyond loss_scale sigmas a
   // sensor counts less.
   Loss loss = Loss::squares;

@@ -28,9 +28,11 @@ struct RaySigmaEstimate {
 // (Patterson and Thompson 1971; in adjustment theory Foerstner's variance components, 1979). Intervals are of
 // the sandwich estimator over clusters and Student's t, so that errors may be correlated within a cluster.
 // `observations`: instants times sensors of the rig; `cluster`: of each instant, such as its block of time.
-// Instants seen by fewer than two sensors say nothing and are left out; inferred joints are, too.
-// What all sensors have in common (a bias of the body model, say) makes no disagreement: it is not in the
-// sigmas, and nothing can tell it without truth. Constant offsets between sensors are in them.
+// Instants seen by fewer than two sensors say nothing and are left out. Inferred joints have one factor on
+// both sigmas, which is estimated with them where there are 100 views or more; otherwise they are left out,
+// and the factor is the usual one. What all sensors have in common (a bias of the body model, say) makes no
+// disagreement: it is not in the sigmas, and nothing can tell it without truth. Constant offsets between
+// sensors are in them.
 [[nodiscard]] RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observations,
                                                   std::span<const RigidTransform> world_from_sensor,
                                                   std::span<const std::uint32_t> cluster);

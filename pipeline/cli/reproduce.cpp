@@ -17,6 +17,7 @@
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_study.h"
+#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "reports/render/render.h"
@@ -27,10 +28,11 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kQuickParticipants = 4, kQuickBudgetParticipants = 2;
-constexpr int kStages = 10;
+constexpr int kStages = 11;
 constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
 constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
+constexpr std::uint64_t kQuickMapParticipants = 2, kQuickMapRows = 4, kQuickMapSteps = 4;
 constexpr double kQuickCapture_s = 5.0;
 constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
 
@@ -111,6 +113,19 @@ void budget_into(const std::filesystem::path& folder, const ReproduceArguments& 
   run_into(folder, budget_study(spec), arguments);
 }
 
+void sensitivity_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
+  const std::string place = "pipeline/studies/sensitivity.json";
+  SensitivitySpec spec = parse_sensitivity(parse_json(embedded::sensitivity_json, place), place, {}, {});
+  spec.head.seed = arguments.seed;
+  if (arguments.scale == "quick") {
+    spec.head.participants = kQuickMapParticipants;
+    spec.head.rows = kQuickMapRows;
+    spec.head.slices.resize(1);
+    spec.head.slices[0].steps = kQuickMapSteps;
+  }
+  run_into(folder, sensitivity_study(spec), arguments);
+}
+
 SweepPlan sweep_plan(const char* text, const std::string& place, const ReproduceArguments& arguments,
                      std::uint64_t quick_trials) {
   SweepSpec spec = parse_sweep(parse_json(text, place), place);
@@ -147,8 +162,9 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
 // Every results folder, in the order of the report.
 std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> results;
-  for (const char* name : {"table3", "table2", "sensors_different_heights", "sensors_equal_heights",
-                           "error_budget", "table1", "table1_search", "calibration", "table4"})
+  for (const char* name :
+       {"sensitivity", "table3", "table2", "sensors_different_heights", "sensors_equal_heights",
+        "error_budget", "table1", "table1_search", "calibration", "table4"})
     results.push_back(folder / name);
   return results;
 }
@@ -249,7 +265,9 @@ int reproduce(const ReproduceArguments& arguments) {
   calibration_into(folder / "calibration", arguments);
   begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");
   recording_into(folder / "table4", arguments);
-  begin_stage(10, "writing the report");
+  begin_stage(10, "where in a space of simulations the conclusions hold");
+  sensitivity_into(folder / "sensitivity", arguments);
+  begin_stage(11, "writing the report");
   const ReportFiles report = report_into(folder);
   const bool passed = table3.takes_failed + table2.takes_failed + sensors_failed == 0 &&
                       (!table3.cross_check || table3.cross_check->passed());

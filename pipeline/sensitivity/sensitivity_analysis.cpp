@@ -15,6 +15,11 @@ constexpr std::size_t kBins = 6;
 
 Estimate estimate_of(const WithInterval& w) { return {w.value, w.low, w.high}; }
 
+double percent_of(double log_ratio) { return 100.0 * std::expm1(log_ratio); }
+Estimate in_percent(const WithInterval& w) {
+  return {percent_of(w.value), percent_of(w.low), percent_of(w.high)};
+}
+
 // The points of the space, row by row.
 struct Space {
   std::size_t rows = 0, columns = 0;
@@ -94,14 +99,16 @@ ClaimByFactor by_factor(const SensitivitySummary& s, const Space& space,
                        .bins = {}};
   for (std::size_t b = 0; b < bins; ++b)
     result.bins.push_back({(static_cast<double>(b) + 0.5) / static_cast<double>(bins),
-                           estimate_of(list[2 * b]), estimate_of(list[2 * b + 1])});
+                           in_percent(list[2 * b]), estimate_of(list[2 * b + 1])});
   return result;
 }
 
 void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityClaim& claim) {
-  std::vector<double> difference;
-  for (const SensitivityPoint* point : space.points)
-    difference.push_back(difference_percent(claim, s.methods, *point));
+  std::vector<double> difference;  // logarithms of ratios
+  for (const SensitivityPoint* point : space.points) {
+    difference.push_back(std::log1p(0.01 * difference_percent(claim, s.methods, *point)));
+    claim.worst_percent = std::fmax(claim.worst_percent, percent_of(difference.back()));
+  }
   const std::vector<WithInterval> all =
       bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
         Sums sums;
@@ -111,8 +118,7 @@ void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityC
         return std::vector<double>{sums.share(), sums.mean()};
       });
   claim.share = estimate_of(all[0]);
-  claim.difference_percent = estimate_of(all[1]);
-  for (const double value : difference) claim.worst_percent = std::fmax(claim.worst_percent, value);
+  claim.difference_percent = in_percent(all[1]);
   for (const SensitivityPoint& point : s.points)
     if (point.design == "default") claim.default_percent = difference_percent(claim, s.methods, point);
   const std::vector<SobolIndices> indices = sobol_indices(difference, s.factors.size(), kResamples, s.seed);

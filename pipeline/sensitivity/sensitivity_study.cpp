@@ -84,7 +84,11 @@ void take_errors(const ResultsSummary& summary, SensitivityPoint& point) {
   }
 }
 
-// Rows have seeds of their own; the points of a row have the same persons.
+// Rows of the space have seeds of their own: their points have the same persons, as have those of all slices.
+std::uint64_t seed_of(const SensitivitySpec& spec, const Row& row) {
+  return spec.head.seed + (row.points.front().design == "space" ? 1 + row.points.front().row : 0);
+}
+
 void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::filesystem::path& scratch,
                     const Watch& watch, SensitivityPoint& point) {
   point.mae_m.assign(spec.head.methods.size(), kNoNumber);
@@ -185,14 +189,13 @@ Study sensitivity_study(const SensitivitySpec& spec) {
     write_declared_parameters(folder,
                               declared_parameters(simulation_at(*shared, as_it_is, shared->head.seed)));
   };
-  std::uint64_t number = 0;
   for (const Row& row : rows_of(spec.head)) {
     for (const SensitivityPoint& point : row.points) simulation_at(spec, point.position, spec.head.seed);
-    study.items.push_back({row.item, static_cast<double>(row.points.size()),
-                           [shared, row, seed = spec.head.seed + number++](const std::filesystem::path& into,
-                                                                           const Watch& watch) {
-                             return evaluate_row(*shared, row, seed, into, watch);
-                           }});
+    study.items.push_back(
+        {row.item, static_cast<double>(row.points.size()),
+         [shared, row, seed = seed_of(spec, row)](const std::filesystem::path& into, const Watch& watch) {
+           return evaluate_row(*shared, row, seed, into, watch);
+         }});
   }
   return study;
 }

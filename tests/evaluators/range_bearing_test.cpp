@@ -158,7 +158,7 @@ TEST(RangeBearing, AnInferredJointCountsForLess) {
   const auto rig = circle_rig({1.0, 1.0});
   std::vector<JointObservation> seen{{true, TrackingState::tracked, {0, 1, 0}, 2.0},
                                      {true, TrackingState::inferred, {0.1, 1, 0}, std::hypot(2.0, 0.1)}};
-  EXPECT_NEAR(solve_range_bearing(seen, rig, {.inferred_factor = 3.0}).position_m.x(), 0.01, 1e-3);
+  EXPECT_NEAR(solve_range_bearing(seen, rig, {.sigma = {.inferred_factor = 3.0}}).position_m.x(), 0.01, 1e-3);
 }
 
 TEST(RangeBearing, SaysWhyThereIsNoAnswer) {

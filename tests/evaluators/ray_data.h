@@ -16,9 +16,11 @@ struct RayDataSpec {
   double ratio = 1.0;
   std::size_t instants = 3000;
   double total_m = kTotal_m;
-  double correlation = 0.0;   // of an error with that an instant before
-  double shared_m = 0.0;      // standard deviation in all of an error that all sensors have in common
-  std::size_t clusters = 20;  // of equal length
+  double correlation = 0.0;      // of an error with that an instant before
+  double shared_m = 0.0;         // standard deviation in all of an error that all sensors have in common
+  std::size_t clusters = 20;     // of equal length
+  double inferred_share = 0.0;   // of views …
+  double inferred_factor = 1.0;  // … whose errors are so much larger
   std::vector<RigidTransform> rig = circle_rig({0.6, 2.2, 0.9, 1.9});
 };
 
@@ -43,7 +45,10 @@ inline RayData ray_data(const RayDataSpec& spec, std::uint64_t seed) {
     for (std::size_t s = 0; s < spec.rig.size(); ++s) {
       const Eigen::Vector3d next = normal_vector_of(random, static_cast<std::uint32_t>(16 + 3 * s));
       error[s] = i == 0 ? next : Eigen::Vector3d(spec.correlation * error[s] + fresh * next);
-      data.observations.push_back(seen_from(spec.rig[s], joint_m + shared_m, sigma, error[s]));
+      const bool inferred = random.uniform(static_cast<std::uint32_t>(64 + s)) < spec.inferred_share;
+      data.observations.push_back(seen_from(spec.rig[s], joint_m + shared_m, sigma,
+                                            (inferred ? spec.inferred_factor : 1.0) * error[s]));
+      if (inferred) data.observations.back().state = TrackingState::inferred;
     }
     data.cluster.push_back(static_cast<std::uint32_t>(i * spec.clusters / spec.instants));
     data.truth_m.push_back(joint_m);

@@ -169,7 +169,7 @@ double difference_percent(const SensitivityClaim& claim, const std::vector<std::
   };
   double least_m = kNoNumber;
   for (const std::string& name : claim.than) least_m = std::fmin(least_m, mae_of(name));
-  return 100.0 * (mae_of(claim.better) / least_m - 1.0) - claim.margin_percent;
+  return 100.0 * (mae_of(claim.better) / least_m / (1.0 + 0.01 * claim.margin_percent) - 1.0);
 }
 
 void write_sensitivity_summary(const std::filesystem::path& folder, const SensitivitySummary& s) {

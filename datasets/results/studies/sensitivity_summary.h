@@ -37,7 +37,7 @@ struct SensitivityPoint {
 // How a claim depends on one factor, all others anywhere in the space.
 struct ClaimByFactor {
   std::string factor;
-  Estimate first, total;  // Sobol indices of the difference
+  Estimate first, total;  // Sobol indices of the logarithm of the ratio
   Estimate break_even;    // where the mean difference changes its sign, in the factor's unit
   struct Bin {
     double position = kNoNumber;  // of its middle, 0 to 1
@@ -46,8 +46,9 @@ struct ClaimByFactor {
   std::vector<Bin> bins;  // equal parts of the range, or the values of the list
 };
 
-// "This method errs less than all of those": the difference is its error over the least of theirs, minus 1
-// and minus the margin; below 0 the claim holds.
+// "This method errs less than all of those": the difference is its error over the least of theirs, that
+// enlarged by the margin, minus 1; below 0 the claim holds. Means of differences are of logarithms of ratios,
+// so that twice and half the error balance each other.
 struct SensitivityClaim {
   std::string name, better;
   std::vector<std::string> than;
@@ -83,7 +84,7 @@ struct SensitivitySummary {
 Json json_of(const SensitivityPoint& point);
 SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, std::size_t methods);
 
-// Error of the claim's method over the least of those it is held against, in percent, minus the margin.
+// Of the claim at a point.
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
                           const SensitivityPoint& point);
 

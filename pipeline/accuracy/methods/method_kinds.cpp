@@ -116,7 +116,7 @@ void read_range_bearing(JsonObject& object, MethodSpec& method) {
   method.sigma_is_estimated = object.choice("sigma", kSigmas, 0) == 1;
   o.sigma.range_m = number_within(object, "range_sigma_m", o.sigma.range_m, 1e-6, 1e3);
   o.sigma.bearing_m = number_within(object, "bearing_sigma_m", o.sigma.bearing_m, 1e-6, 1e3);
-  o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
+  o.sigma.inferred_factor = number_within(object, "inferred_factor", o.sigma.inferred_factor, 1e-3, 1e3);
   o.loss = enum_choice(object, "loss", kLosses, o.loss);
   o.loss_scale = number_within(object, "loss_scale", o.loss_scale, 1e-3, 1e3);
   object.about({{"sigma",
@@ -124,7 +124,7 @@ void read_range_bearing(JsonObject& object, MethodSpec& method) {
                  "the take, and stated where that tells nothing"},
                 {"range_sigma_m", "standard deviation of a sensor's position along its ray"},
                 {"bearing_sigma_m", "and across it, in each of both directions"},
-                {"inferred_factor", "on both, of an inferred joint"},
+                {"inferred_factor", "on both, of an inferred joint; where sigma is estimated it is, too"},
                 {"loss", "of a sensor's residual in sigmas"},
                 {"loss_scale", "of huber and cauchy, in sigmas"}});
 }
@@ -134,7 +134,7 @@ void write_range_bearing(const MethodSpec& m, Json& entry) {
   entry["sigma"] = kSigmas[m.sigma_is_estimated ? 1 : 0];
   entry["range_sigma_m"] = o.sigma.range_m;
   entry["bearing_sigma_m"] = o.sigma.bearing_m;
-  entry["inferred_factor"] = o.inferred_factor;
+  entry["inferred_factor"] = o.sigma.inferred_factor;
   entry["loss"] = word_of(kLosses, o.loss);
   entry["loss_scale"] = o.loss_scale;
 }
