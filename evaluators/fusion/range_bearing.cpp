@@ -192,6 +192,8 @@ Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
     if (found.cost < best.cost) best = found;
   };
   try_from(*problem.hint_m);
+  if (options.loss != Loss::squares)  // where sensors disagree each may be right
+    for (int i = 0; i < rays.count; ++i) try_from(rays.point_m[i]);
   if (rays.count >= 3 && options.sigma.range_m < options.sigma.bearing_m) {
     const SensorPlane plane = plane_of(problem);
     if (!plane.collinear) {

@@ -2,13 +2,10 @@
 #include "evaluators/metrics/sobol_indices.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <gsl/gsl_qrng.h>
 
 #include "datasets/base/error.h"
@@ -121,30 +118,18 @@ std::vector<SobolIndices> sobol_indices(std::span<const double> values, std::siz
   return indices;
 }
 
-double crossing_of_cubic(std::span<const double> x, std::span<const double> y) {
-  constexpr std::size_t kFewest = 8;
-  constexpr int kSteps = 400;
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
-  std::size_t used = 0;
+double crossing_of_line(std::span<const double> x, std::span<const double> y) {
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   for (std::size_t k = 0; k < x.size(); ++k) {
     if (!std::isfinite(y[k])) continue;
-    const Eigen::Vector4d powers(1.0, x[k], x[k] * x[k], x[k] * x[k] * x[k]);
-    normal += powers * powers.transpose();
-    right += y[k] * powers;
-    ++used;
+    n += 1.0;
+    sx += x[k];
+    sy += y[k];
+    sxx += x[k] * x[k];
+    sxy += x[k] * y[k];
   }
-  if (used < kFewest) return kNaN;
-  const Eigen::Vector4d c = normal.ldlt().solve(right);
-  const auto at = [&](double t) { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); };
-  double crossing = kNaN;
-  for (int k = 0; k < kSteps; ++k) {
-    const double t = static_cast<double>(k) / kSteps, step = 1.0 / kSteps, here = at(t), there = at(t + step);
-    if ((here < 0.0) == (there < 0.0)) continue;
-    if (std::isfinite(crossing)) return kNaN;
-    crossing = t + step * here / (here - there);
-  }
-  return crossing;
+  const double crossing = (sx * sxy - sxx * sy) / (n * sxy - sx * sy);
+  return std::isfinite(crossing) ? std::clamp(crossing, 0.0, 1.0) : kNaN;
 }
 
 }  // namespace trilat

@@ -41,8 +41,8 @@ std::vector<WithInterval> bootstrap_rows(
     std::size_t rows, std::size_t resamples, std::uint64_t seed,
     const std::function<std::vector<double>(std::span<const std::size_t>)>& statistics);
 
-// Where the cubic that fits the points (x, y) best crosses 0 within [0, 1]; NaN for points that are fewer
-// than 8 and where it does not, or does so more than once.
-double crossing_of_cubic(std::span<const double> x, std::span<const double> y);
+// Where the straight line that fits the points (x, y) best crosses 0, taken to the nearer end where that is
+// not within [0, 1]; NaN for a level line and without points.
+double crossing_of_line(std::span<const double> x, std::span<const double> y);
 
 }  // namespace trilat

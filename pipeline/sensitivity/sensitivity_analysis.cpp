@@ -72,13 +72,14 @@ std::vector<double> statistics_of(const Space& space, const std::vector<double>&
     }
   std::vector<double> list;
   for (const Sums& sum : sums) list.insert(list.end(), {sum.mean(), sum.share()});
-  list.push_back(is_range ? crossing_of_cubic(x, y) : kNoNumber);
+  list.push_back(is_range ? crossing_of_line(x, y) : kNoNumber);
   return list;
 }
 
+// Nothing where the crossing is beyond the range, or could be anywhere.
 Estimate in_unit(const SensitivitySummary& s, std::size_t factor, const WithInterval& position) {
-  Estimate e;
-  if (!std::isfinite(position.value) || !std::isfinite(position.low)) return e;
+  if (!(position.value > 0.0 && position.value < 1.0) || !std::isfinite(position.low)) return {};
+  if (position.low <= 0.0 && position.high >= 1.0) return {};
   return {s.value_at(factor, position.value), s.value_at(factor, position.low),
           s.value_at(factor, position.high)};
 }

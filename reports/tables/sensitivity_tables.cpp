@@ -83,11 +83,14 @@ Table claims_table(const SensitivitySummary& s) {
                           TableValue::of(claim.worst_percent, 1), TableValue::of(claim.default_percent, 1),
                           TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
   table.notes = {
-      "The difference is the method's error over the least of those it is held against, less the margin: "
-      "below "
-      "0 the claim holds. Errors are means over the joint groups of what a method answers.",
+      "The difference is the method's error over the least of those it is held against, that enlarged by the "
+      "margin: below 0 the claim holds. Means are of logarithms of ratios; errors are means over the joint "
+      "groups of "
+      "what a method answers.",
       "Decided by: total Sobol index, the share of the difference's variance in which a factor has a part. "
-      "Changes at: where the mean difference over all other factors changes its sign.",
+      "Changes at: where the straight line through all points crosses 0, over all other factors; an end of "
+      "the "
+      "range stands for beyond it.",
       "Shares are of the space as it is stated, every factor uniform in its range and independent of the "
       "others: another space has other shares."};
   return table;

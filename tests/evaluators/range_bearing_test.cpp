@@ -123,9 +123,11 @@ TEST(RangeBearing, AttainsItsCramerRaoBound) {
 }
 
 TEST(RangeBearing, FindsTheLowestMinimum) {
-  const GlobalCheck check = check_global_minima(30, 20);
-  EXPECT_EQ(check.problems, 300u);
-  EXPECT_EQ(check.missed, 0u) << check.worst_m;
+  for (const Loss loss : {Loss::squares, Loss::huber, Loss::cauchy}) {
+    const GlobalCheck check = check_global_minima(30, 20, loss);
+    EXPECT_EQ(check.problems, 300u);
+    EXPECT_EQ(check.missed, 0u) << check.worst_m;
+  }
 }
 
 TEST(RangeBearing, MovesWithTheWorld) {

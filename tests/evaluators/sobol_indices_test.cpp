@@ -61,19 +61,19 @@ TEST(SaltelliDesign, FillsTheCubeEvenlyAndExchangesOneCoordinate) {
   EXPECT_NEAR(mean, 0.5, 0.01);
 }
 
-TEST(Crossing, IsWhereTheFitChangesItsSign) {
-  std::vector<double> x, rising, above, twice;
+TEST(Crossing, IsWhereTheLineChangesItsSignWithinTheRange) {
+  std::vector<double> x, rising, above, level;
   for (int k = 0; k <= 20; ++k) {
     x.push_back(k / 20.0);
-    rising.push_back(x.back() - 0.3);
+    rising.push_back(2.0 * x.back() - 0.6);
     above.push_back(x.back() + 0.1);
-    twice.push_back((x.back() - 0.2) * (x.back() - 0.8));
+    level.push_back(0.0);
   }
-  EXPECT_NEAR(crossing_of_cubic(x, rising), 0.3, 1e-9);
-  EXPECT_TRUE(std::isnan(crossing_of_cubic(x, above)));
-  EXPECT_TRUE(std::isnan(crossing_of_cubic(x, twice)));
+  EXPECT_NEAR(crossing_of_line(x, rising), 0.3, 1e-9);
+  EXPECT_EQ(crossing_of_line(x, above), 0.0);
+  EXPECT_TRUE(std::isnan(crossing_of_line(x, level)));
   rising[3] = std::nan("");
-  EXPECT_NEAR(crossing_of_cubic(x, rising), 0.3, 1e-9);
+  EXPECT_NEAR(crossing_of_line(x, rising), 0.3, 1e-9);
 }
 
 TEST(BootstrapRows, CoversTheMean) {
