@@ -34,8 +34,10 @@ SensitivityFactor read_factor(JsonObject& object, std::vector<Json>& values) {
     values.assign(list.begin(), list.end());
     for (const Json& value : values) f.values.push_back(text_of(value));
   } else {
-    f.low = object.number("low");
-    f.high = object.number("high");
+    if (!object.has("low") || !object.has("high"))
+      object.refuse("low", "and high are the ends of the range: give both, or a list of values");
+    f.low = object.number("low", 0.0);
+    f.high = object.number("high", 1.0);
     f.logarithmic = object.boolean("logarithmic", false);
     f.whole = object.boolean("whole", false);
     if (!(f.low < f.high)) object.refuse("high", "must be greater than low");
@@ -45,6 +47,7 @@ SensitivityFactor read_factor(JsonObject& object, std::vector<Json>& values) {
         (f.logarithmic || f.low != std::floor(f.low) || f.high != std::floor(f.high) || f.low < 0.0))
       object.refuse("whole", "needs whole ends of 0 or more and a linear scale");
   }
+  object.shape("values", R"({"type": "array", "minItems": 2})");
   object.about({{"setting", "what is varied: a path into simulation.json"},
                 {"name", "in tables; without it the last part of the path"},
                 {"unit", "of the numbers, for tables"},
@@ -92,8 +95,12 @@ SensitivitySlice read_slice(JsonObject& object, const SensitivitySummary& head) 
   std::vector<std::string> factors;
   for (const SensitivityFactor& factor : head.factors) factors.push_back(factor.name);
   SensitivitySlice slice;
-  slice.x = factors[object.choice("x", factors)];
-  slice.y = factors[object.choice("y", factors)];
+  for (const auto& [key, factor] : {std::pair{"x", &slice.x}, {"y", &slice.y}}) {
+    *factor = object.text(key);
+    if (std::ranges::find(factors, *factor) == factors.end())
+      object.refuse(key, fmt::format("is \"{}\", which is none of the factors: \"{}\"", *factor,
+                                     fmt::join(factors, "\", \"")));
+  }
   if (slice.x == slice.y) object.refuse("y", "must be another factor than x");
   slice.name = object.text("name", slice.x + " and " + slice.y);
   slice.steps = count_within(object, "steps", 7, 2, 100);
@@ -172,6 +179,7 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
   if (object.has("slices"))
     for (JsonObject& entry : object.objects("slices")) head.slices.push_back(read_slice(entry, head));
   head.rows = count_within(object, "rows", 150, kFewestRows, 1'000'000);
+  object.shape("simulation", R"({"type": ["object", "string"]})");
   object.about({{"simulation", "simulation.json or its path; without it the paper's campaign"},
                 {"seed", "of the campaigns"},
                 {"participants", "of each campaign"},
