@@ -79,6 +79,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path) {
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
+  if (s.left_out) chapter.sentences.push_back(truth_note(s));
   if (s.cross_check)
     chapter.sentences.push_back(fmt::format(
         "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",

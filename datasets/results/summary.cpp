@@ -132,18 +132,36 @@ CrossCheck read_cross_check(JsonObject object) {
   return check;
 }
 
+constexpr const char* kMocap = "mocap";
+constexpr const char* kLeftOut = "left_out_sensor";
+
 }  // namespace
 
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& s) {
   Json json = results_head(StudyKind::accuracy);
-  json.update({{"study", s.study},         {"campaign", s.campaign},         {"simulated", s.simulated},
-               {"takes", s.takes},         {"takes_failed", s.takes_failed}, {"participants", s.participants},
-               {"methods", s.methods},     {"families", Json::array()},      {"family_cells", Json::array()},
-               {"fallbacks", s.fallbacks}, {"reference", s.reference},       {"conditions", s.conditions},
-               {"groups", s.groups},       {"alignments", s.alignments},     {"resamples", s.resamples},
-               {"block_s", s.block_s},     {"cells", Json::array()},         {"differences", Json::array()},
-               {"bodies", Json::array()},  {"truth_floor", Json::array()},   {"by_take", Json::array()},
-               {"notes", Json::array()}});
+  json.update({{"study", s.study},
+               {"campaign", s.campaign},
+               {"simulated", s.simulated},
+               {"takes", s.takes},
+               {"takes_failed", s.takes_failed},
+               {"participants", s.participants},
+               {"methods", s.methods},
+               {"families", Json::array()},
+               {"family_cells", Json::array()},
+               {"fallbacks", s.fallbacks},
+               {"reference", s.reference},
+               {"conditions", s.conditions},
+               {"groups", s.groups},
+               {"alignments", s.alignments},
+               {"resamples", s.resamples},
+               {"block_s", s.block_s},
+               {"cells", Json::array()},
+               {"differences", Json::array()},
+               {"bodies", Json::array()},
+               {"truth_floor", Json::array()},
+               {"by_take", Json::array()},
+               {"notes", Json::array()},
+               {"truth", s.left_out ? kLeftOut : kMocap}});
   for (const MethodFamily& family : s.families) json["families"].push_back(json_of(family));
   for (const FamilyCell& cell : s.family_cells) json["family_cells"].push_back(json_of(cell));
   for (const SummaryCell& cell : s.cells) json["cells"].push_back(json_of(cell));
@@ -167,6 +185,7 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   s.takes = object.count("takes");
   s.takes_failed = object.count("takes_failed");
   s.participants = object.count("participants");
+  s.left_out = object.text("truth", kMocap) == kLeftOut;  // earlier versions had mocap alone
   s.methods = object.texts("methods");
   for (JsonObject& family : object.objects("families")) s.families.push_back(read_family(family));
   for (JsonObject& cell : object.objects("family_cells")) s.family_cells.push_back(read_family_cell(cell));

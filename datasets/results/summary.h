@@ -173,6 +173,7 @@ struct ResultsSummary {
   std::uint64_t takes = 0;
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
+  bool left_out = false;  // the truth is what a sensor sees that is left out; a take counts once for each
   std::vector<std::string> methods;    // in the order of the study
   std::vector<MethodFamily> families;  // of some of them
   std::vector<FamilyCell> family_cells;

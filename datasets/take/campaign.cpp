@@ -25,9 +25,13 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
   take.activity = entry.text("activity", "");
   take.session = path_within(entry, "session", folder, outside);
   take.calibration = path_within(entry, "calibration", folder, outside);
-  take.mocap = path_within(entry, "mocap", folder, outside);
-  take.mapping = path_within(entry, "mapping", folder, outside);
-  take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  if (entry.has("mocap")) {
+    take.mocap = path_within(entry, "mocap", folder, outside);
+    take.mapping = path_within(entry, "mapping", folder, outside);
+    take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  }
+  for (const char* key : {"mapping", "mocap_start_host_ns"})
+    if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
   if (entry.has("tracker_truth")) take.tracker_truth = path_within(entry, "tracker_truth", folder, outside);
@@ -37,7 +41,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
        {"activity", "what the person does: the condition"},
        {"session", "recording, relative to this file"},
        {"calibration", "of the sensors"},
-       {"mocap", "the truth"},
+       {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
        {"tracker_truth", "of a simulated take: what its body tracker did"}});
@@ -117,10 +121,11 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
                      {"participant", take.participant},
                      {"activity", take.activity},
                      {"session", inside(take.session)},
-                     {"calibration", inside(take.calibration)},
-                     {"mocap", inside(take.mocap)},
-                     {"mapping", inside(take.mapping)},
-                     {"mocap_start_host_ns", take.mocap_start_host_ns}});
+                     {"calibration", inside(take.calibration)}});
+    if (!take.mocap.empty())
+      takes.back().update({{"mocap", inside(take.mocap)},
+                           {"mapping", inside(take.mapping)},
+                           {"mocap_start_host_ns", take.mocap_start_host_ns}});
     if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
   }
   write_file(folder / "campaign.json", Json{{"format", kCampaignFormat},

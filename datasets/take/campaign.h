@@ -30,7 +30,8 @@ JointMapping parse_mapping(const Json& json, const std::string& place);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
 // One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is
-// what in it. Paths are absolute or relative to the current directory once read.
+// what in it; `mocap` and `mapping` are empty where there is no export. Paths are absolute or relative to the
+// current directory once read.
 struct Take {
   std::string id;
   std::string participant;
@@ -44,6 +45,9 @@ struct Take {
   std::int64_t mocap_start_host_ns = 0;
   // What the simulator knows about the body tracker; empty when there is none.
   std::filesystem::path tracker_truth{};
+  // The sensor whose tracked joints stand for the truth, and which no method sees; empty when mocap is the
+  // truth. Not of a file: a study makes such takes.
+  std::string left_out{};
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the

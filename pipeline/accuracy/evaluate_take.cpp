@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/replay.h"
 #include "pipeline/accuracy/statistics/take_summary.h"
+#include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/replay_take.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -39,11 +40,10 @@ class TakeProgress {
   std::atomic<std::uint64_t> done_{0};
 };
 
-// Solves the take block by block into `samples`. How far its methods agree with Ceres.
-TakeCheck solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                     const std::vector<MethodPaths>& paths, bool cross_check, SamplesFile& samples,
-                     StageClocks& clocks, const Watch& watch, TakeProgress& progress) {
-  TakeCheck check;
+// Solves the take block by block into `samples`.
+void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                const std::vector<MethodPaths>& paths, bool cross_check, SamplesFile& samples,
+                StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result) {
   SampleBlock block;
   for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
     watch.check();
@@ -51,7 +51,8 @@ TakeCheck solve_take(const Plan& plan, const PlannedTake& planned, const TakeDat
     block.reset(first, count, plan.joints.size(), plan.methods.size());
     {
       const Stopwatch time(clocks.solve_ns);
-      check.merge(solve_block(plan, planned, data, paths, cross_check, block));
+      result.check.merge(solve_block(plan, planned, data, paths, cross_check, block));
+      add_predictions(plan, planned, block, result.tracking.predictions);
     }
     {
       const Stopwatch time(clocks.write_ns);
@@ -59,7 +60,14 @@ TakeCheck solve_take(const Plan& plan, const PlannedTake& planned, const TakeDat
     }
     progress.advance(count);
   }
-  return check;
+}
+
+// What the sensors say with none left out; of takes that differ in that alone the first says it for all.
+TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  if (!planned.take.left_out.empty() && planned.take.left_out != plan.rig.front()) return {};
+  TakeTracking tracking = check_tracking(plan, planned, data);
+  tracking.rays = rays_of(plan, planned, data);
+  return tracking;
 }
 
 TakeData load(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch) {
@@ -107,14 +115,14 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
   const PlannedTake& planned = plan.takes[take];
   TakeProgress progress(plan, take, watch);
   TakeData data = load(plan, planned, clocks, watch);
+  TakeResult result;
+  result.tracking = tracking_of(plan, planned, data);
+  leave_out(plan, planned, data);
   estimate_sigmas(plan, planned, data);
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));
-  TakeResult result;
-  result.check = solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress);
+  solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress, result);
   samples.finish();
-  result.tracking = check_tracking(plan, planned, data);
-  result.tracking.rays = rays_of(plan, planned, data);
   if (is_replayed(plan, take)) write_replay(folder, std::array{replay_of(plan, take, data)});
   result.notes = std::move(data.notes);
   result.evaluated = true;

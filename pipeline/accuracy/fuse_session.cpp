@@ -21,6 +21,7 @@ Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& 
   StudySpec study;
   study.name = "fuse";
   study.rate_hz = rate_hz;
+  study.truth = TruthSource::nothing;
   study.methods = {method};
   const SessionReader reader(session);
   for (const SensorDescription& sensor : reader.header().sensors) study.sensors.push_back(sensor.name);

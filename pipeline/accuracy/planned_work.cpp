@@ -39,6 +39,7 @@ PlannedTake read_planned_take(JsonObject& entry) {
   planned.take.participant = entry.text("participant");
   planned.take.activity = entry.text("activity");
   planned.take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  planned.take.left_out = entry.text("left_out", "");
   planned.ok = entry.boolean("ok", false);
   planned.instants = entry.count("instants");
   entry.boolean("tracker_truth", false);
@@ -75,7 +76,8 @@ Json json_of(const Take& take, std::span<const TakeInput> inputs) {
   Json json{{"id", take.id},
             {"participant", take.participant},
             {"activity", take.activity},
-            {"mocap_start_host_ns", take.mocap_start_host_ns}};
+            {"mocap_start_host_ns", take.mocap_start_host_ns},
+            {"left_out", take.left_out}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
   return json;
 }
@@ -89,6 +91,7 @@ Json planned_work(const Plan& plan, bool cross_check, HashCache& hashes, const W
                      {"participant", t.take.participant},
                      {"activity", t.take.activity},
                      {"mocap_start_host_ns", t.take.mocap_start_host_ns},
+                     {"left_out", t.take.left_out},
                      {"tracker_truth", !t.take.tracker_truth.empty()},
                      {"ok", t.ok},
                      {"instants", t.instants}});
@@ -134,10 +137,11 @@ PlannedWork read_planned_work(const Json& json, const std::string& place) {
 }
 
 std::vector<TakeFile> files_of(const Take& take) {
-  std::vector<TakeFile> files{{"session", take.session},
-                              {"calibration", take.calibration},
-                              {"mocap", take.mocap},
-                              {"mapping", take.mapping}};
+  std::vector<TakeFile> files{{"session", take.session}, {"calibration", take.calibration}};
+  if (!take.mocap.empty()) {
+    files.push_back({"mocap", take.mocap});
+    files.push_back({"mapping", take.mapping});
+  }
   if (!take.tracker_truth.empty()) files.push_back({"tracker_truth", take.tracker_truth});
   return files;
 }

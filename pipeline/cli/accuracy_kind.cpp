@@ -173,8 +173,10 @@ int print_accuracy(const std::filesystem::path& results, Json document, bool jso
     fmt::print("{}\n", json_text(document, 2));
   } else {
     for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
-    if (const auto tracking = read_tracking_summary(results))
+    if (const auto tracking = read_tracking_summary(results)) {
+      for (const Table& table : prediction_tables(*tracking)) fmt::print("{}\n", markdown_of(table));
       for (const RayRow& row : tracking->rays) fmt::print("{}: {}\n", row.take, ray_text(row));
+    }
     fmt::print("results: {}\n", results.string());
   }
   return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;

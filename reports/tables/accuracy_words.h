@@ -11,6 +11,8 @@
 namespace trilat {
 
 // What the tables of an accuracy study share.
+// What a study without mocap can say and what it cannot; empty with mocap.
+std::string truth_note(const ResultsSummary& summary);
 // What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
 std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
 inline constexpr const char* kOneFrameNote =

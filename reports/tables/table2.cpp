@@ -45,6 +45,7 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
 }  // namespace
 
 std::vector<Table> table2(const ResultsSummary& summary) {
+  if (summary.left_out) return {};
   const PrintedTable2 printed = printed_table2();
   Table table;
   table.id = "table2";

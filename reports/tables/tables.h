@@ -67,6 +67,9 @@ Table calibration_effect_table(const CalibrationSummary& summary);
 // What a run says of how its sensors tracked: which views each rule rejects and how often rightly, by joint
 // and by sensor; exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
+
+// Of a study that leaves sensors out: how well each method predicts what they see. One table or none.
+std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, and what follows for methods, in one line.
 std::string ray_text(const RayRow& row);
 

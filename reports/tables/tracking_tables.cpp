@@ -151,6 +151,34 @@ Table rays_table(const TrackingSummary& s) {
   return table;
 }
 
+Table predictions_table(const TrackingSummary& s) {
+  Table table;
+  table.id = usable_id("predictions-" + s.study);
+  table.title = fmt::format("What a sensor sees, predicted from the others ({})", data_text(s));
+  table.columns = {{"condition", "condition", true},
+                   {"method", "method", true},
+                   {"along its ray (cm)", "range_cm"},
+                   {"from", "range_low_cm"},
+                   {"to", "range_high_cm"},
+                   {"across (cm)", "bearing_cm"},
+                   {"from", "bearing_low_cm"},
+                   {"to", "bearing_high_cm"},
+                   {"too far by (cm)", "mean_range_cm"},
+                   {"n", "n"}};
+  for (const PredictionRow& row : s.predictions)
+    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method), cm_cell(row.range_m),
+                          cm_cell(row.range_low_m), cm_cell(row.range_high_m), cm_cell(row.bearing_m),
+                          cm_cell(row.bearing_low_m), cm_cell(row.bearing_high_m), cm_cell(row.mean_range_m),
+                          count_cell(row.n)});
+  table.notes = {
+      "Mean distances of what the other sensors say from the tracked joints of the sensor left out, before "
+      "any "
+      "alignment; every sensor is left out in turn. From and to: 95 % by Student's t, participants as "
+      "clusters; "
+      "a single participant has none. Errors that all sensors share are in none of these numbers."};
+  return table;
+}
+
 constexpr const char* kUnaligned = "none";
 
 void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
@@ -167,6 +195,11 @@ void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
 
 }  // namespace
 
+std::vector<Table> prediction_tables(const TrackingSummary& s) {
+  if (s.predictions.empty()) return {};
+  return {predictions_table(s)};
+}
+
 std::vector<Table> tracking_tables(const TrackingSummary& s) {
   std::vector<Table> tables;
   if (!s.views.empty()) {
@@ -176,6 +209,7 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   if (!s.exchanges.empty()) tables.push_back(exchanges_table(s));
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
   if (!s.rays.empty()) tables.push_back(rays_table(s));
+  for (Table& table : prediction_tables(s)) tables.push_back(std::move(table));
   return tables;
 }
 

@@ -20,6 +20,29 @@ RangeRow read_range_row(JsonObject& object) {
   return row;
 }
 
+constexpr std::pair<const char*, double PredictionRow::*> kPredictionNumbers[] = {
+    {"range_m", &PredictionRow::range_m},
+    {"range_low_m", &PredictionRow::range_low_m},
+    {"range_high_m", &PredictionRow::range_high_m},
+    {"bearing_m", &PredictionRow::bearing_m},
+    {"bearing_low_m", &PredictionRow::bearing_low_m},
+    {"bearing_high_m", &PredictionRow::bearing_high_m},
+    {"mean_range_m", &PredictionRow::mean_range_m}};
+
+Json json_of(const PredictionRow& row) {
+  Json json{{"condition", row.condition}, {"method", row.method}, {"n", row.n}};
+  for (const auto& [key, member] : kPredictionNumbers) json[key] = row.*member;
+  return json;
+}
+
+PredictionRow read_prediction(JsonObject& object) {
+  PredictionRow row{
+      .condition = object.text("condition"), .method = object.text("method"), .n = object.count("n")};
+  for (const auto& [key, member] : kPredictionNumbers) row.*member = number_or_nan(object, key);
+  object.finish();
+  return row;
+}
+
 }  // namespace
 
 void write_tracking_summary(const std::filesystem::path& folder, const TrackingSummary& s) {
@@ -38,6 +61,8 @@ void write_tracking_summary(const std::filesystem::path& folder, const TrackingS
                               {"rms_error_m", row.rms_error_m}});
   json["rays"] = Json::array();
   for (const RayRow& row : s.rays) json["rays"].push_back(json_of(row));
+  json["predictions"] = Json::array();
+  for (const PredictionRow& row : s.predictions) json["predictions"].push_back(json_of(row));
   write_file(folder / "tracking.json", json_text(json, 1) + "\n");
 }
 
@@ -57,6 +82,8 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range_row(row));
   if (object.has("rays"))  // earlier versions had none
     for (JsonObject& row : object.objects("rays")) s.rays.push_back(read_ray(row));
+  if (object.has("predictions"))
+    for (JsonObject& row : object.objects("predictions")) s.predictions.push_back(read_prediction(row));
   object.finish();
   return s;
 }

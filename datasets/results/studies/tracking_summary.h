@@ -69,6 +69,17 @@ struct RayRow {
   double mean_m = kNoNumber, ranges_m = kNoNumber, range_bearing_m = kNoNumber;
 };
 
+// How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
+// turn: mean distances along its ray and across, 95 % intervals with participants as clusters, and the mean
+// with its sign along the ray. What all sensors have in common is in none of these numbers.
+struct PredictionRow {
+  std::string condition, method;
+  std::uint64_t n = 0;
+  double range_m = kNoNumber, range_low_m = kNoNumber, range_high_m = kNoNumber;
+  double bearing_m = kNoNumber, bearing_low_m = kNoNumber, bearing_high_m = kNoNumber;
+  double mean_range_m = kNoNumber;  // above 0: farther than seen
+};
+
 struct TrackingSummary {
   std::string study;
   bool simulated = false;
@@ -78,6 +89,7 @@ struct TrackingSummary {
   std::vector<ClockRow> clocks;
   std::vector<RangeRow> ranges = {};
   std::vector<RayRow> rays = {};
+  std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
 };
 
 // tracking.json, beside an accuracy study's summary.json. NaN is written as null.

@@ -15,6 +15,7 @@ namespace {
 
 constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
+const std::vector<std::string> kTruths{"auto", "mocap", "left_out_sensor"};
 constexpr std::uint64_t kFewestResamples = 200;  // 2.5 % of fewer are not told from the ends
 
 std::vector<AlignmentKind> read_alignments(JsonObject& object) {
@@ -59,6 +60,8 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   spec.joints = different_texts(object, "joints");
   spec.conditions = different_texts(object, "conditions");
   spec.occluded_apart = object.boolean("occluded_apart", spec.occluded_apart);
+  spec.truth =
+      static_cast<TruthSource>(object.choice("truth", kTruths, static_cast<std::size_t>(spec.truth)));
   spec.reference = object.text("reference", "");
   if (object.has("alignments")) spec.alignments = read_alignments(object);
   spec.rate_hz = object.positive("rate_hz", spec.rate_hz);
@@ -88,6 +91,9 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
        {"joints", "that are judged; empty: all that the mappings map"},
        {"conditions", "activities whose takes are evaluated; empty: all"},
        {"occluded_apart", "samples that a sensor sees occluded make conditions of their own"},
+       {"truth",
+        "what estimates are held against: mocap, or what each sensor in turn sees, left out of every method; "
+        "auto: mocap where any take has it"},
        {"reference", "the method that the others are compared with; empty: the first"},
        {"alignments", "how truth and estimates are brought together before they are compared"},
        {"rate_hz", "of the instants that are evaluated"},
@@ -132,6 +138,7 @@ Json resolved_json(const StudySpec& spec) {
           {"joints", spec.joints},
           {"conditions", spec.conditions},
           {"occluded_apart", spec.occluded_apart},
+          {"truth", kTruths.at(static_cast<std::size_t>(spec.truth))},
           {"reference", spec.reference},
           {"alignments", alignments},
           {"rate_hz", spec.rate_hz},

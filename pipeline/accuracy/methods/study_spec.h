@@ -16,6 +16,10 @@ namespace trilat {
 
 enum class ClockSource : std::uint8_t { stated, check, motion };
 
+// What estimates are held against: the mocap of each take; what each sensor in turn sees, left out of every
+// method; the first of these that the campaign allows; or nothing at all, which no file asks for.
+enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothing };
+
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
@@ -24,7 +28,8 @@ struct StudySpec {
   std::vector<std::string> joints;   // empty: all that the mappings map
   std::vector<std::string> conditions;  // activities whose takes are evaluated; empty: all
   bool occluded_apart = false;          // samples that a sensor sees occluded make conditions of their own
-  std::string reference;                // the method that others are compared with; empty: the first
+  TruthSource truth = TruthSource::automatic;
+  std::string reference;  // the method that others are compared with; empty: the first
   std::vector<AlignmentKind> alignments{AlignmentKind::mean};
   double rate_hz = 30.0;  // of the instants that are evaluated
   // A sensor, and the ground truth, are not interpolated across a longer gap. No limit here is a multiple of

@@ -111,6 +111,7 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
     bodies[m].alignment = summary.alignments[layout.body_alignment];
     summary.bodies.push_back(bodies[m]);
   }
+  if (summary.left_out) return;  // a floor is of mocap
   for (const std::size_t g : groups) {
     TruthFloor floor = truth_floor(condition, g, clock_error_s);
     floor.condition = activity;

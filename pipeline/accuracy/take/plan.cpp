@@ -76,11 +76,17 @@ JointMapping every_joint() {
   return mapping;
 }
 
+constexpr const char* kWithout = ".without.";  // between a take's id and the sensor that is left out
+
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
+  if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
+    throw InputError("take \"" + planned.take.id + '"',
+                     "has no \"mocap\" to be judged by; with \"truth\": \"left_out_sensor\" the study judges "
+                     "every take by its own sensors");
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
-  const bool has_truth = !planned.take.mocap.empty();
-  planned.mapping = has_truth ? read_mapping(planned.take.mapping) : every_joint();
+  const bool has_truth = has_mocap_truth(planned.take);
+  planned.mapping = planned.take.mapping.empty() ? every_joint() : read_mapping(planned.take.mapping);
   const Calibration calibration = read_calibration(planned.take.calibration);
   if (has_truth) check_world(calibration, study, planned.take.calibration.string());
   planned.in_mocap_world = calibration.world == "optitrack";
@@ -144,8 +150,10 @@ std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTa
 
 }  // namespace
 
-Campaign takes_of(const StudySpec& study, Campaign campaign) {
-  if (study.conditions.empty()) return campaign;
+namespace {
+
+void keep_conditions(const StudySpec& study, Campaign& campaign) {
+  if (study.conditions.empty()) return;
   std::string known;
   for (const Take& take : campaign.takes)
     if (known.find('"' + take.activity + '"') == std::string::npos)
@@ -159,7 +167,45 @@ Campaign takes_of(const StudySpec& study, Campaign campaign) {
     return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
            study.conditions.end();
   });
+}
+
+// Each take once for every sensor of the rig, which is left out then.
+void leave_each_out(const StudySpec& study, Campaign& campaign) {
+  const std::vector<std::string> rig = rig_of(study, campaign);
+  if (rig.size() < 2)
+    throw InputError("study \"" + study.name + '"',
+                     "has takes without \"mocap\" and one sensor: left out, it leaves nothing to predict "
+                     "what it sees");
+  std::vector<Take> takes;
+  for (const Take& take : campaign.takes)
+    for (const std::string& sensor : rig) {
+      takes.push_back(take);
+      takes.back().id += kWithout + sensor;
+      takes.back().left_out = sensor;
+    }
+  campaign.takes = std::move(takes);
+}
+
+}  // namespace
+
+Campaign takes_of(const StudySpec& study, Campaign campaign) {
+  keep_conditions(study, campaign);
+  const bool no_mocap =
+      std::ranges::all_of(campaign.takes, [](const Take& take) { return take.mocap.empty(); });
+  if (study.truth == TruthSource::left_out_sensor || (study.truth == TruthSource::automatic && no_mocap))
+    leave_each_out(study, campaign);
   return campaign;
+}
+
+bool has_mocap_truth(const Take& take) { return !take.mocap.empty() && take.left_out.empty(); }
+
+std::string recorded_id(const Take& take) {
+  if (take.left_out.empty()) return take.id;
+  return take.id.substr(0, take.id.size() - std::string(kWithout).size() - take.left_out.size());
+}
+
+bool leaves_sensors_out(const Plan& plan) {
+  return std::ranges::any_of(plan.campaign.takes, [](const Take& take) { return !take.left_out.empty(); });
 }
 
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {

@@ -55,8 +55,18 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
-// The takes of the conditions that the study asks for; InputError when it asks for one that no take is.
+// The takes of the conditions that the study asks for, each once for every sensor of the rig when sensors are
+// left out; InputError when it asks for a condition that no take is.
 Campaign takes_of(const StudySpec& study, Campaign campaign);
+
+// Whether the take is judged by its mocap.
+bool has_mocap_truth(const Take& take);
+
+// The id in the campaign, which takes with different sensors left out share.
+std::string recorded_id(const Take& take);
+
+// Whether the truth is what sensors see that are left out, and not mocap.
+bool leaves_sensors_out(const Plan& plan);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
 // study that fits no rig, no joint mapped.

@@ -192,7 +192,7 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
   if (!session.complete())
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
-  const bool has_truth = !planned.take.mocap.empty();
+  const bool has_truth = has_mocap_truth(planned.take);
   if (has_truth)
     for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
       data.notes.push_back(std::move(note));

@@ -53,9 +53,9 @@ struct TakeData {
   }
 };
 
-// Reads one take; one without mocap has no truth. InputError when it cannot be evaluated at all: no ground
-// truth for its time, no sensor that ever sees a joint that is asked for. Throws Interrupted when asked to
-// stop.
+// Reads one take; one that mocap does not judge has no truth yet. InputError when it cannot be evaluated at
+// all: no ground truth for its time, no sensor that ever sees a joint that is asked for. Throws Interrupted
+// when asked to stop.
 TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested);
 
 // One joint at one instant as every sensor sees it.

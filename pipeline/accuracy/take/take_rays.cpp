@@ -57,7 +57,7 @@ RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& dat
   const Rows rows = rows_of(planned, data, plan.joints, 0, data.time.size());
   const RaySigmaEstimate rays =
       estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster);
-  RayRow row{.take = planned.take.id, .rows = rays.instants, .problem = rays.problem};
+  RayRow row{.take = recorded_id(planned.take), .rows = rays.instants, .problem = rays.problem};
   if (!row.problem.empty()) return row;
   row.range_m = rays.sigma.range_m;
   row.bearing_m = rays.sigma.bearing_m;

@@ -34,6 +34,15 @@ Json json_of(const TakeTracking& tracking) {
                               {"n", sums.n},
                               {"sum_m", sums.sum_m},
                               {"squares_m2", sums.squares_m2}});
+  json["predictions"] = Json::array();
+  for (const PredictionSums& sums : tracking.predictions)
+    json["predictions"].push_back({{"participant", sums.participant},
+                                   {"condition", sums.condition},
+                                   {"method", sums.method},
+                                   {"n", sums.n},
+                                   {"range_m", sums.range_m},
+                                   {"abs_range_m", sums.abs_range_m},
+                                   {"bearing_m", sums.bearing_m}});
   json["clock"] = json_of(tracking.clock);
   json["rays"] = json_of(tracking.rays);
   return json;
@@ -60,6 +69,12 @@ TakeTracking read_tracking(JsonObject object) {
   for (JsonObject& row : object.objects("ranges")) {
     tracking.ranges.push_back({row.text("condition"), row.text("group"), row.count("n"), row.number("sum_m"),
                                row.number("squares_m2")});
+    row.finish();
+  }
+  for (JsonObject& row : object.objects("predictions")) {
+    tracking.predictions.push_back({row.text("participant"), row.text("condition"), row.text("method"),
+                                    row.count("n"), row.number("range_m"), row.number("abs_range_m"),
+                                    row.number("bearing_m")});
     row.finish();
   }
   JsonObject clock = object.object("clock");

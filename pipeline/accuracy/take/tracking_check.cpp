@@ -200,7 +200,7 @@ TakeTracking check_tracking(const Plan& plan, const PlannedTake& planned, const 
   tracking.views = count_views(plan, planned, data, truth);
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     tracking.exchanges.push_back(count_exchanges(plan, planned, data, truth, s));
-  tracking.ranges = sum_ranges(plan, planned, data);
+  if (!data.truth_m.empty()) tracking.ranges = sum_ranges(plan, planned, data);
   tracking.clock = data.clock;
   tracking.clock.take = planned.take.id;
   return tracking;
@@ -209,7 +209,9 @@ TakeTracking check_tracking(const Plan& plan, const PlannedTake& planned, const 
 TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& takes) {
   TrackingSummary summary{plan.study.name, plan.simulated, plan.study.repair_exchanges, {}, {}, {}};
   std::vector<RangeSums> ranges;
+  std::vector<PredictionSums> predictions;
   for (const TakeTracking& take : takes) {
+    predictions.insert(predictions.end(), take.predictions.begin(), take.predictions.end());
     merge_rows(
         summary.views, take.views,
         [](const ViewRow& row) { return std::tie(row.condition, row.sensor, row.group, row.rule); },
@@ -247,6 +249,7 @@ TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& 
     const double n = static_cast<double>(r.n);
     summary.ranges.push_back({r.condition, r.group, r.n, r.sum_m / n, std::sqrt(r.squares_m2 / n)});
   }
+  summary.predictions = prediction_rows(predictions);
   return summary;
 }
 

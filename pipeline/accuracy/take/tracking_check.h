@@ -2,6 +2,7 @@
 #pragma once
 
 #include "datasets/results/studies/tracking_summary.h"
+#include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
@@ -20,6 +21,7 @@ struct TakeTracking {
   ClockRow clock;
   RayRow rays = {};
   std::vector<RangeSums> ranges;
+  std::vector<PredictionSums> predictions = {};
 };
 
 // Counts which views each rule and each method with an occlusion rule rejects, and which exchanges of left

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// Studies without mocap: one sensor after the other is left out, and predicted from the rest.
+#include "pipeline/accuracy/take/left_out.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/results/samples.h"
+#include "datasets/results/summary.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kMethods =
+    R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "nonlinear"},
+       {"method": "range_bearing", "sigma": "estimated"}])";
+
+Campaign without_mocap(Campaign campaign) {
+  for (Take& take : campaign.takes) {
+    take.mocap.clear();
+    take.mapping.clear();
+    take.tracker_truth.clear();
+    take.mocap_start_host_ns = 0;
+  }
+  return campaign;
+}
+
+Campaign blind_campaign(const ScratchFolder& folder, std::uint64_t participants, double duration_s = 1.0) {
+  const Campaign campaign =
+      without_mocap(simulate_into(folder.path() / "campaign", walking_spec(participants, duration_s)));
+  write_campaign(folder.path() / "campaign", campaign);
+  return read_campaign(folder.path() / "campaign");
+}
+
+TEST(LeftOut, EachTakeIsJudgedOnceForEverySensor) {
+  const ScratchFolder folder;
+  const Plan plan = make_plan(study_of(kMethods), blind_campaign(folder, 2));
+  ASSERT_EQ(plan.rig.size(), 4u);
+  ASSERT_EQ(plan.takes.size(), 8u);
+  EXPECT_TRUE(leaves_sensors_out(plan));
+  for (std::size_t t = 0; t < plan.takes.size(); ++t) {
+    EXPECT_TRUE(plan.takes[t].ok) << plan.takes[t].problem;
+    EXPECT_EQ(plan.takes[t].take.left_out, plan.rig[t % 4]);
+    EXPECT_EQ(recorded_id(plan.takes[t].take), t < 4 ? "p01-walking" : "p02-walking");
+  }
+}
+
+TEST(LeftOut, TheSensorsTrackedJointsAreTheTruthAndNoMethodSeesThem) {
+  const ScratchFolder folder;
+  const Plan plan = make_plan(study_of(kMethods), blind_campaign(folder, 1));
+  const PlannedTake& planned = plan.takes[2];
+  TakeData data = load_take(plan, planned, {});
+  const BodyTracks before = data.bodies;
+  leave_out(plan, planned, data);
+  std::size_t tracked = 0, inferred = 0;
+  for (std::size_t i = 0; i < data.time.size(); ++i) {
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const Joint joint = plan.joints[j];
+      const TrackingState state = before.at(i, 2).state[static_cast<std::size_t>(joint)];
+      const Eigen::Vector3d& truth = data.truth(i, j, plan.joints.size());
+      EXPECT_EQ(truth.allFinite(), state == TrackingState::tracked);
+      tracked += state == TrackingState::tracked;
+      inferred += state == TrackingState::inferred;
+      const Eigen::Vector3d seen = planned.world_from_sensor[2] * before.at(i, 2).at(joint);
+      EXPECT_TRUE(!truth.allFinite() || (truth - seen).norm() < 1e-12);
+      EXPECT_FALSE(data.bodies.at(i, 2).has(joint));
+      EXPECT_EQ(data.bodies.at(i, 1).has(joint), before.at(i, 1).has(joint));
+    }
+  }
+  EXPECT_GT(tracked, 100u);
+  EXPECT_GT(inferred, 0u);
+}
+
+TEST(LeftOut, PredictionsAreSplitAlongTheRayAndAcross) {
+  Plan plan;
+  plan.rig = {"k1"};
+  plan.methods.resize(2);
+  plan.joints = {Joint::head};
+  PlannedTake planned;
+  planned.take.left_out = "k1";
+  planned.world_from_sensor = {RigidTransform{Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}}};
+  SampleBlock block;
+  block.reset(0, 1, 1, 2);
+  block.truth_m = {1.0, 0.0, 3.0};                    // 3 m straight ahead
+  block.estimate_m = {1.0, 0.0, 3.5, 1.9, 0.0, 1.2};  // behind it; and 1.5 m away, 0.9 m beside the ray
+  block.status = {static_cast<std::uint8_t>(SolveStatus::converged),
+                  static_cast<std::uint8_t>(SolveStatus::closed_form)};
+  std::vector<PredictionSums> sums;
+  add_predictions(plan, planned, block, sums);
+  ASSERT_EQ(sums.size(), 2u);
+  EXPECT_EQ(sums[0].n, 1u);
+  EXPECT_NEAR(sums[0].range_m, 0.5, 1e-12);
+  EXPECT_NEAR(sums[0].bearing_m, 0.0, 1e-12);
+  EXPECT_NEAR(sums[1].range_m, -1.5, 1e-12);
+  EXPECT_NEAR(sums[1].abs_range_m, 1.5, 1e-12);
+  EXPECT_NEAR(sums[1].bearing_m, 0.9, 1e-12);
+}
+
+TEST(LeftOut, RowsAreOfParticipants) {
+  const auto entry = [](const char* participant, std::uint64_t n, double error_m) {
+    const double sum_m = static_cast<double>(n) * error_m;
+    return PredictionSums{participant, "walk", "mean", n, -sum_m, sum_m, 2.0 * sum_m};
+  };
+  const std::vector<PredictionRow> rows =
+      prediction_rows({entry("a", 10, 0.04), entry("a", 10, 0.04), entry("b", 20, 0.02)});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].n, 40u);
+  EXPECT_NEAR(rows[0].range_m, 0.03, 1e-12);
+  EXPECT_NEAR(rows[0].bearing_m, 0.06, 1e-12);
+  EXPECT_NEAR(rows[0].mean_range_m, -0.03, 1e-12);
+  EXPECT_NEAR(rows[0].range_high_m - 0.03, 12.706 * 0.01, 1e-3);  // Student's t of one degree
+}
+
+TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
+  const ScratchFolder folder;
+  const Campaign campaign = blind_campaign(folder, 2, 2.0);
+  run_accuracy(study_of(kMethods), campaign, folder.path() / "results", {});
+  const ResultsSummary summary = read_summary(folder.path() / "results");
+  EXPECT_TRUE(summary.left_out);
+  EXPECT_EQ(summary.takes, 8u);
+  EXPECT_EQ(summary.takes_failed, 0u);
+  EXPECT_EQ(summary.participants, 2u);
+  EXPECT_TRUE(summary.truth_floor.empty());
+  const SummaryCell* head = find_cell(summary, "mean", "walking", "head", "none");
+  ASSERT_TRUE(head);
+  EXPECT_GT(head->mae_m, 0.005);
+  EXPECT_LT(head->mae_m, 0.1);
+  const auto tracking = read_tracking_summary(folder.path() / "results");
+  ASSERT_TRUE(tracking);
+  EXPECT_EQ(tracking->rays.size(), 2u);  // once a take, of all sensors
+  EXPECT_TRUE(tracking->ranges.empty());
+  ASSERT_EQ(tracking->predictions.size(), 3u);
+  for (const PredictionRow& row : tracking->predictions) {
+    EXPECT_GT(row.range_m, 0.0);
+    EXPECT_GT(row.bearing_m, 0.0);
+    EXPECT_LT(row.range_low_m, row.range_m);
+  }
+}
+
+TEST(LeftOut, MocapIsLeftAsideWhenTheStudySaysSo) {
+  const ScratchFolder folder;
+  const Campaign with = simulate_into(folder.path() / "campaign", walking_spec(1));
+  const std::string members = std::string(R"("joints": ["head", "wrist_left"], )") + kMethods;
+  const auto head_of = [&](const Campaign& campaign, const std::string& truth, const char* name) {
+    run_accuracy(study_of(members + truth), campaign, folder.path() / name, {});
+    return find_cell(read_summary(folder.path() / name), "nonlinear", "walking", "head", "none")->mae_m;
+  };
+  const double aside = head_of(with, R"(, "truth": "left_out_sensor")", "aside");
+  EXPECT_EQ(aside, head_of(without_mocap(with), "", "without"));
+  EXPECT_NE(aside, head_of(with, "", "mocap"));
+}
+
+TEST(LeftOut, TheProgramGoesFromACampaignWithoutMocapToATable) {
+  const ScratchFolder folder;
+  blind_campaign(folder, 2);
+  const std::string study = file_with(
+      folder, "study.json",
+      std::string(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "own", )") +
+          kMethods + "}");
+  const std::string campaign = (folder.path() / "campaign").string();
+  const auto run = [&](const std::string& output, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run",    study, "--campaign",
+                                       campaign, "-o",  (folder.path() / output).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  };
+  const Ended whole = run("results", {});
+  EXPECT_EQ(whole.code, 0) << whole.err;
+  EXPECT_THAT(whole.out, HasSubstr("against the sensor left out"));
+  EXPECT_THAT(whole.out, HasSubstr("There is no ground truth."));
+  EXPECT_THAT(whole.out, HasSubstr("What a sensor sees, predicted from the others"));
+  EXPECT_EQ(run("part1", {"--shard", "1/2"}).code, 0);
+  EXPECT_EQ(run("part2", {"--shard", "2/2"}).code, 0);
+  const Ended merged =
+      run_trilat(folder, {"merge", (folder.path() / "part1").string(), (folder.path() / "part2").string(),
+                          "-o", (folder.path() / "merged").string()});
+  EXPECT_EQ(merged.code, 0) << merged.err;
+  for (const char* name : {"summary.json", "tracking.json"})
+    EXPECT_EQ(read_file(folder.path() / "merged" / name), read_file(folder.path() / "results" / name))
+        << name;
+}
+
+TEST(LeftOut, WhatCannotBeJudgedIsRefused) {
+  const ScratchFolder folder;
+  const Campaign with = simulate_into(folder.path() / "campaign", walking_spec(2));
+  Campaign mixed = with;
+  mixed.takes[1] = without_mocap(with).takes[1];
+  const Plan plan = make_plan(study_of(kMethods), mixed);
+  EXPECT_TRUE(plan.takes[0].ok);
+  EXPECT_FALSE(plan.takes[1].ok);
+  EXPECT_THAT(plan.takes[1].problem, HasSubstr("has no \"mocap\" to be judged by"));
+  const Campaign blind = without_mocap(with);
+  EXPECT_FALSE(make_plan(study_of(std::string(R"("truth": "mocap", )") + kMethods), blind).takes[0].ok);
+  try {
+    make_plan(study_of(std::string(R"("sensors": ["sensor_1"], )") + kMethods), blind);
+    FAIL() << "one sensor was left out";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.problem(), HasSubstr("one sensor"));
+  }
+}
+
+TEST(LeftOut, AMappingWithoutMocapIsOfNoUse) {
+  const Json json = Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "c", "takes": [
+    {"id": "t", "participant": "p", "session": "s.h5", "calibration": "c.json", "mapping": "m.json"}]})");
+  try {
+    parse_campaign(json, "campaign.json", OutsidePaths::refused);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(std::string(error.what()), HasSubstr("/takes/0/mapping"));
+    EXPECT_THAT(error.problem(), HasSubstr("without \"mocap\""));
+  }
+}
+
+}  // namespace
+}  // namespace trilat
