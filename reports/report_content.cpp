@@ -41,8 +41,8 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& resu
                       usable_id(last_parts(other, parts)) == usable_id(last_parts(folder, parts));
              }) > 0;
     };
-    const auto depth =
-        static_cast<std::size_t>(std::distance(whole_path(folder).begin(), whole_path(folder).end()));
+    const std::filesystem::path whole = whole_path(folder);
+    const auto depth = static_cast<std::size_t>(std::distance(whole.begin(), whole.end()));
     std::size_t parts = 1;
     while (parts < depth && shared(parts)) ++parts;
     const std::string name = last_parts(folder, parts);

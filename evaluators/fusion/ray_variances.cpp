@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewestClusters = 5;
+constexpr std::size_t kFewestRayClusters = 5;
 constexpr double kUselessFactor = 100.0;  // between the ends of an interval of the ratio
 
 constexpr std::size_t kFewestInferred = 100;  // to know their own sigma from
@@ -196,8 +196,8 @@ RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observatio
   RaySigmaEstimate result;
   result.instants = instants.size();
   result.clusters = clusters_of(instants.cluster);
-  if (result.clusters < kFewestClusters) {
-    result.problem = "fewer than " + std::to_string(kFewestClusters) +
+  if (result.clusters < kFewestRayClusters) {
+    result.problem = "fewer than " + std::to_string(kFewestRayClusters) +
                      " stretches of time in which two sensors track the joint";
     return result;
   }

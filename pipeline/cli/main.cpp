@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -18,16 +16,6 @@
 
 namespace trilat {
 namespace {
-
-std::atomic<int> stop_signals{0};
-
-// The first signal asks for an orderly end; the second takes the default way out.
-void on_signal(int number) {
-  if (stop_signals.fetch_add(1) > 0) {
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-  }
-}
 
 struct AllArguments {
   MocapArguments mocap;
@@ -284,13 +272,6 @@ int guarded_main(int argc, char** argv) {
 }
 
 }  // namespace
-
-bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0; }
-
-void end_in_order() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-}
 
 }  // namespace trilat
 

@@ -82,6 +82,26 @@ TEST(IncludeArrows, EveryIncludeFollowsTheTable) {
   EXPECT_GT(files, 10u);
 }
 
+// Files are compiled together, which would hide a header that does not include what it uses: each stands
+// first in its own source, and the debug preset compiles every file alone.
+TEST(IncludeOrder, EachSourceIncludesItsOwnHeaderFirst) {
+  const std::filesystem::path root = trilat::kSourceDir;
+  std::size_t files = 0;
+  for (const char* room : {"datasets", "recorders", "evaluators", "reports", "pipeline"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
+      std::filesystem::path header = entry.path();
+      if (header.extension() != ".cpp" || !std::filesystem::exists(header.replace_extension(".h"))) continue;
+      ++files;
+      std::ifstream stream(entry.path());
+      std::string line;
+      while (std::getline(stream, line) && !line.starts_with("#include")) continue;
+      EXPECT_EQ(line, "#include \"" + std::filesystem::relative(header, root).generic_string() + "\"")
+          << entry.path();
+    }
+  }
+  EXPECT_GT(files, 100u);
+}
+
 TEST(IncludeArrows, TheTableItselfForbidsWhatTheRoomsMustNotSee) {
   EXPECT_FALSE(starts_with_any("evaluators/x.h", arrow_of("recorders/a.cpp")->into));
   EXPECT_FALSE(starts_with_any("recorders/x.h", arrow_of("evaluators/a.cpp")->into));

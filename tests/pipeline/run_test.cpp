@@ -465,8 +465,11 @@ TEST(RunGolden, ATinyCampaignGivesItsTablesByteForByte) {
   for (const Table& table : table3(summary)) text += markdown_of(table) + "\n";
   for (Table table : accuracy_tables(summary)) {
     // how many steps a descent takes depends on the last bits of the processor's arithmetic
-    std::erase_if(table.columns, [](const TableColumn& column) { return column.key == "iterations"; });
-    for (auto& row : table.rows) row.erase(row.end() - 2);
+    const auto steps = std::ranges::find(table.columns, "iterations", &TableColumn::key);
+    if (const auto at = steps - table.columns.begin(); steps != table.columns.end()) {
+      table.columns.erase(steps);
+      for (auto& row : table.rows) row.erase(row.begin() + at);
+    }
     text += markdown_of(table) + "\n";
   }
   const std::filesystem::path golden = std::filesystem::path(kSourceDir) / "tests/golden/tiny_campaign.md";

@@ -89,9 +89,9 @@ TEST(Trajectories, AMethodThatNeverAnswersIsAnEmptyLine) {
 
 TEST(Trajectories, ShowTheFirstTenSecondsMovedByTheMeanOfTheWholeTake) {
   const ScratchFolder folder;
-  constexpr std::uint64_t kInstants = 2400;  // more than one block
+  constexpr std::uint64_t kManyInstants = 2400;  // more than one block
   write_samples(
-      folder.path(), samples_of({"mean"}, {{"p01", kInstants, "walking"}}),
+      folder.path(), samples_of({"mean"}, {{"p01", kManyInstants, "walking"}}),
       [](std::size_t, double, std::size_t) { return 1.0; },
       [](std::size_t, double t, std::size_t, std::size_t) { return t < 39.99 ? 1.0 : 1.2; });
   const auto figures = trajectory_figures(folder.path(), hand_made_summary());
