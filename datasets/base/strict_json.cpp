@@ -202,8 +202,27 @@ const Json& JsonObject::need(const std::string& key) {
   return *found;
 }
 
+namespace {
+
+// What takes a document, for whoever gave it to something else.
+std::string taker_of(const std::string& format) {
+  constexpr std::pair<std::string_view, const char*> kTakers[] = {
+      {"trilat.study", "`trilat run` takes"},
+      {"trilat.simulation", "`trilat simulate` takes"},
+      {"trilat.campaign", "`trilat run STUDY.json --campaign` takes"},
+      {"trilat.calibration", "`trilat run --calibration` and `trilat fuse` take"},
+      {"trilat.mapping", "a take of a campaign names"},
+      {"trilat.results", "`trilat report` and `trilat gate` take"}};
+  for (const auto& [known, taker] : kTakers)
+    if (known == format) return "is \"" + format + "\", which " + taker + "; here it ";
+  return {};
+}
+
+}  // namespace
+
 void JsonObject::format(const std::string& name, std::int64_t version) {
-  if (text("format") != name) refuse("format", "must be \"" + name + '"');
+  if (const std::string given = text("format"); given != name)
+    refuse("format", taker_of(given) + "must be \"" + name + '"');
   if (integer("version") != version)
     refuse("version", "must be " + std::to_string(version) + ", the version that this program reads");
   if (!fields_) return;

@@ -68,17 +68,18 @@ SensorPose read_pose(JsonObject& entry) {
   pose.residual_rms_m = not_negative(entry, "residual_rms_m");
   pose.used = entry.count("used", 0);
   pose.left_out = entry.count("left_out", 0);
-  entry.about({{"name", "of the sensor"},
-               {"position_m", "in the world"},
-               {"rotation_xyzw", "world from sensor, unit quaternion"},
-               {"position_sigma_m", "one standard deviation"},
-               {"rotation_sigma_rad", "one standard deviation"},
-               {"covariance", "lower triangle, row by row: position, then rotation"},
-               {"depth_offset_m", "of the unit, subtracted from depth"},
-               {"depth_offset_sigma_m", "one standard deviation"},
-               {"residual_rms_m", "of the sightings used"},
-               {"used", "sightings"},
-               {"left_out", "sightings"}});
+  entry.about(
+      {{"name", "of the sensor"},
+       {"position_m", "in the world"},
+       {"rotation_xyzw", "world from sensor, unit quaternion"},
+       {"position_sigma_m", "one standard deviation"},
+       {"rotation_sigma_rad", "one standard deviation"},
+       {"covariance", "lower triangle, row by row, of (rotation vector in world axes, rad; position, m)"},
+       {"depth_offset_m", "of the unit, subtracted from depth"},
+       {"depth_offset_sigma_m", "one standard deviation"},
+       {"residual_rms_m", "of the sightings used"},
+       {"used", "sightings"},
+       {"left_out", "sightings"}});
   entry.finish();
   return pose;
 }

@@ -29,9 +29,11 @@ bool is_numbers_only(std::string_view line) {
 
 [[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
   if (is_numbers_only(line))
-    throw InputError(place,
-                     "the file begins with data and has no header, so that unit, rate and names are "
-                     "unknown; export again from Motive with the header switched on");
+    throw InputError(
+        place,
+        "the file begins with data and has no header, so that unit, rate and names are "
+        "unknown; when it is Motive's, export it again with the header switched on. Bodies of a Kinect are a "
+        "session's: `trilat import` reads them");
   if (line.starts_with("Format Version;"))
     throw InputError(place, "the cells are separated by semicolons; save the file with commas");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))

@@ -33,10 +33,11 @@ struct PaperEvidence {
 // Of results folders of any kind. InputError with the place when one holds no results of this version.
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results);
 
-// A number with its 95 % interval over clusters (participants, units, runs); NaN where there is none.
+// A number with its interval over clusters (participants, units, runs); NaN where there is none.
 struct ClaimEstimate {
   double value = kNoNumber, low = kNoNumber, high = kNoNumber;
   std::size_t clusters = 0;
+  double level_percent = 95.0;
 };
 
 // One number that a claim needs, in the claim's unit, "%" or "cm".
@@ -44,7 +45,7 @@ struct ClaimPart {
   std::string what;  // "linear against nonlinear, head"
   std::string unit;
   ClaimEstimate estimate;
-  std::optional<ClaimEstimate> complete;  // the same with fallbacks where a method has no answer
+  std::optional<ClaimEstimate> complete;  // the same over what any of the two methods answers
   std::string bound;                      // "more than 1 %"
 };
 

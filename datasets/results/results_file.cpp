@@ -31,19 +31,33 @@ StudyKind read_head(JsonObject& object) {
   return kind;
 }
 
+// Of a place where no results are.
+std::string what_it_is_instead(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  if (fs::exists(folder / "campaign.json"))
+    return "is a campaign; `trilat run STUDY.json --campaign " + folder.string() +
+           " -o RESULTS` makes results of it";
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    return "is a file; a results folder is meant, which `trilat run` makes";
+  if (fs::exists(folder.string() + ".partial"))
+    return "is not finished; the same `trilat run` goes on with it";
+  if (!fs::exists(folder)) return "does not exist; `trilat run` makes results folders";
+  return "holds no summary.json, so it is no results folder, which `trilat run` makes";
+}
+
 }  // namespace
 
 StudyKind study_kind(const Json& study, const std::string& place) {
-  return static_cast<StudyKind>(JsonObject(study, place, "").choice("kind", kKinds));
+  JsonObject object(study, place, "");
+  if (object.has("format")) object.format("trilat.study");
+  return static_cast<StudyKind>(object.choice("kind", kKinds));
 }
 
 std::string name_of(StudyKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
 
 Json read_results_json(const std::filesystem::path& folder) {
   const auto path = folder / "summary.json";
-  if (!std::filesystem::exists(path))
-    throw InputError(folder.string(),
-                     "is not a results folder: it holds no summary.json (was the run finished?)");
+  if (!std::filesystem::exists(path)) throw InputError(folder.string(), what_it_is_instead(folder));
   return read_json(path);
 }
 

@@ -148,7 +148,6 @@ void write_summary(const std::filesystem::path& folder, const ResultsSummary& s)
                {"methods", s.methods},
                {"families", Json::array()},
                {"family_cells", Json::array()},
-               {"fallbacks", s.fallbacks},
                {"reference", s.reference},
                {"conditions", s.conditions},
                {"groups", s.groups},
@@ -189,8 +188,6 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
   s.methods = object.texts("methods");
   for (JsonObject& family : object.objects("families")) s.families.push_back(read_family(family));
   for (JsonObject& cell : object.objects("family_cells")) s.family_cells.push_back(read_family_cell(cell));
-  JsonObject fallbacks = object.object("fallbacks");
-  for (const std::string& method : fallbacks.keys()) s.fallbacks[method] = fallbacks.text(method);
   s.reference = object.text("reference");
   s.conditions = object.texts("conditions");
   s.groups = object.texts("groups");

@@ -94,8 +94,8 @@ struct DifferenceCell {
   double percent_low = kNoNumber;           // interval of percent_of_reference
   double percent_high = kNoNumber;
   double percent_of_method = kNoNumber;  // 100 (method - reference) / method
-  // percent_of_reference with fallbacks where one has no answer, and its interval by Student's t; under the
-  // study's first alignment alone.
+  // percent_of_reference over the samples that any of the two answers, and its interval by Student's t: where
+  // one is silent, the other's error stands for both. Under the study's first alignment alone.
   double complete_percent = kNoNumber, complete_percent_low = kNoNumber, complete_percent_high = kNoNumber;
   // The interval leaves 0 out, by more than solvers that end at the same place differ.
   bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
@@ -145,8 +145,9 @@ struct TakeJointRow {
   std::string take, participant, condition, group, joint, method;  // condition and group: as of a SummaryCell
   std::uint64_t asked = 0, answered = 0;
   double mae_m = kNoNumber;
-  PairedErrors both = {};      // where both answer
-  PairedErrors complete = {};  // also where they do not: there stands the answer of their fallback
+  PairedErrors both = {};  // where both answer
+  PairedErrors complete =
+      {};  // where any of the two does: its error stands for both where the other is silent
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
@@ -161,8 +162,9 @@ struct MethodFamily {
 struct FamilyCell {
   std::string family, condition;
   double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
-  double complete_m = kNoNumber, complete_low_m = kNoNumber, complete_high_m = kNoNumber;  // with fallbacks
-  std::string best, worst;  // methods, by their errors with fallbacks
+  double complete_m = kNoNumber, complete_low_m = kNoNumber,
+         complete_high_m = kNoNumber;  // over what any answers, they or the reference
+  std::string best, worst;             // methods, by these errors
   double best_m = kNoNumber, worst_m = kNoNumber;
 };
 
@@ -177,9 +179,8 @@ struct ResultsSummary {
   std::vector<std::string> methods;    // in the order of the study
   std::vector<MethodFamily> families;  // of some of them
   std::vector<FamilyCell> family_cells;
-  std::map<std::string, std::string> fallbacks;  // whose answer stands where a method has none; not of all
-  std::string reference;                         // the method that differences are against
-  std::vector<std::string> conditions;           // in the order of the takes
+  std::string reference;                // the method that differences are against
+  std::vector<std::string> conditions;  // in the order of the takes
   std::vector<std::string> groups;
   std::vector<std::string> alignments;
   std::vector<SummaryCell> cells;

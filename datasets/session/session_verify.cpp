@@ -263,6 +263,12 @@ std::string_view name_of(Severity severity) {
   return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
 }
 
+bool sees_nobody(const SessionReader& session) {
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
+    if (session.counts(s).bodies > 0 || session.counts(s).body_frames == 0) return false;
+  return true;
+}
+
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress) {
   std::vector<Finding> findings;

@@ -31,4 +31,7 @@ struct VerifyOptions {
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress = {});
 
+// Every sensor has frames of bodies, and none of them holds a body.
+bool sees_nobody(const SessionReader& session);
+
 }  // namespace trilat

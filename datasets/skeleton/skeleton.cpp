@@ -84,6 +84,13 @@ std::optional<Joint> joint_from_name(std::string_view name) {
   return std::nullopt;
 }
 
+std::string joint_names() {
+  std::string names;
+  for (int j = 0; j < kJointCount; ++j)
+    names += (j ? ", " : "") + std::string(name_of(static_cast<Joint>(j)));
+  return names;
+}
+
 std::optional<Joint> parent_of(Joint joint) {
   const Joint parent = entry_of(joint).parent;
   return parent == joint ? std::nullopt : std::optional(parent);

@@ -165,7 +165,9 @@ ActivitySpec read_activity(JsonObject& object) {
       object.refuse("marker_joints", "names \"" + twice + "\" twice");
     for (const std::string& name : names) {
       const auto joint = joint_from_name(name);
-      if (!joint) object.refuse("marker_joints", "names \"" + name + "\", which is no joint");
+      if (!joint)
+        object.refuse("marker_joints",
+                      "names \"" + name + "\", which is no joint; known are: " + joint_names());
       activity.marker_joints.push_back(*joint);
     }
     if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
@@ -208,6 +210,10 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   }
   if (object.has("activities"))
     for (JsonObject& entry : object.objects("activities")) spec.activities.push_back(read_activity(entry));
+  for (const char* key : {"participants", "stature_m"})
+    if (spec.recorded && object.has(key))
+      object.refuse(key,
+                    "has no effect beside \"recorded\": the recorded take has its one person; leave it out");
   if (spec.recorded && !spec.activities.empty())
     object.refuse("activities", "cannot stand beside \"recorded\": the recorded take is the activity");
   if (!spec.recorded && spec.activities.empty())

@@ -62,12 +62,7 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   JsonObject joints = object.object("joints");
   for (const std::string& key : joints.keys()) {
     const auto joint = joint_from_name(key);
-    if (!joint) {
-      std::string known;
-      for (int j = 0; j < kJointCount; ++j)
-        known += (j ? ", " : "") + std::string(name_of(static_cast<Joint>(j)));
-      joints.refuse(key, "is no joint; known are: " + known);
-    }
+    if (!joint) joints.refuse(key, "is no joint; known are: " + joint_names());
     auto assets = joints.texts(key);
     if (assets.empty()) joints.refuse(key, "must name at least one asset");
     if (const std::string twice = first_repeated(assets); !twice.empty())

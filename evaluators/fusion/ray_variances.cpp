@@ -221,31 +221,4 @@ RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observatio
   return result;
 }
 
-PredictedErrors predicted_errors(std::span<const JointObservation> observations,
-                                 std::span<const RigidTransform> world_from_sensor, const RaySigma& sigma) {
-  const std::size_t sensors = world_from_sensor.size();
-  const double range_variance = sigma.range_m * sigma.range_m,
-               bearing_variance = sigma.bearing_m * sigma.bearing_m;
-  double mean = 0.0, ranges = 0.0, both = 0.0;
-  std::size_t instants = 0;
-  for (std::size_t i = 0; i + sensors <= observations.size(); i += sensors) {
-    const auto seen = observations.subspan(i, sensors);
-    const RangeProblem problem = ranges_of(seen, world_from_sensor);
-    if (problem.count < 3) continue;
-    Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
-    for (int s = 0; s < problem.count; ++s) {
-      const Eigen::Vector3d e = (*problem.hint_m - problem.sensor_m[s]).normalized();
-      directions += e * e.transpose();
-    }
-    const Eigen::Matrix3d across = problem.count * Eigen::Matrix3d::Identity() - directions;
-    mean += (range_variance + 2.0 * bearing_variance) / problem.count;
-    ranges += range_variance * directions.inverse().trace();
-    both += (directions / range_variance + across / bearing_variance).inverse().trace();
-    ++instants;
-  }
-  if (instants == 0) return {};
-  const auto rms_m = [&](double sum) { return std::sqrt(sum / static_cast<double>(instants)); };
-  return {rms_m(mean), rms_m(ranges), rms_m(both)};
-}
-
 }  // namespace trilat

@@ -37,14 +37,4 @@ struct RaySigmaEstimate {
                                                   std::span<const RigidTransform> world_from_sensor,
                                                   std::span<const std::uint32_t> cluster);
 
-// Root mean square errors, of the joint's place in all three directions, that sensors of these sigmas have.
-struct PredictedErrors {
-  double mean_m = kNaN, ranges_m = kNaN, range_bearing_m = kNaN;
-};
-// Over the instants of `observations` as above that at least three sensors see: by the Cramer-Rao bounds of
-// both models at the mean of the sensors' positions, and exactly for the mean.
-[[nodiscard]] PredictedErrors predicted_errors(std::span<const JointObservation> observations,
-                                               std::span<const RigidTransform> world_from_sensor,
-                                               const RaySigma& sigma);
-
 }  // namespace trilat

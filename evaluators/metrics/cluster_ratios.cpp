@@ -28,6 +28,9 @@ RatioRange add_ratios(const std::vector<WeightedRatio>& sum, RowMatrix& columns,
 double half_width(const ContrastEstimate& e) {
   return e.clusters < 2 ? kNaN : student_quantile(e.clusters - 1) * e.standard_error;
 }
+double half_width(const ContrastEstimate& e, double alpha) {
+  return e.clusters < 2 ? kNaN : student_quantile(e.clusters - 1, alpha) * e.standard_error;
+}
 
 }  // namespace
 
@@ -113,6 +116,8 @@ std::size_t ClustersWithData::count_of(std::size_t quantity, std::span<const std
 
 double ContrastEstimate::low() const { return value - half_width(*this); }
 double ContrastEstimate::high() const { return value + half_width(*this); }
+double ContrastEstimate::low(double alpha) const { return value - half_width(*this, alpha); }
+double ContrastEstimate::high(double alpha) const { return value + half_width(*this, alpha); }
 
 ContrastEstimate solve_contrast(const Contrast& contrast) {
   if (contrast.value.empty()) return {};

@@ -87,9 +87,12 @@ struct ContrastEstimate {
   double value = kNaN;
   double standard_error = kNaN;  // between clusters, by linearisation; NaN for fewer than 2
   std::size_t clusters = 0;      // with samples in any ratio of `value`
-  // 95 % by Student's t with one degree of freedom less than clusters; NaN without a standard error.
+  // 95 %, or 1 - alpha, by Student's t with one degree of freedom less than clusters; NaN without a standard
+  // error.
   double low() const;
   double high() const;
+  double low(double alpha) const;
+  double high(double alpha) const;
 };
 
 // Every cluster enters all its ratios at once, so that what its samples share cancels where it is subtracted.

@@ -8,11 +8,21 @@
 
 namespace trilat {
 
-std::vector<double> holm_adjusted(std::span<const double> p) {
+namespace {
+
+// The tests, the smallest probability first.
+std::vector<std::size_t> in_order(std::span<const double> p) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < p.size(); ++i)
     if (!std::isnan(p[i])) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<double> holm_adjusted(std::span<const double> p) {
+  const std::vector<std::size_t> order = in_order(p);
   std::vector<double> adjusted(p.size(), kNaN);
   double largest = 0.0;
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -20,6 +30,19 @@ std::vector<double> holm_adjusted(std::span<const double> p) {
     adjusted[order[k]] = largest;
   }
   return adjusted;
+}
+
+std::vector<double> holm_levels(std::span<const double> p, double alpha) {
+  const std::vector<std::size_t> order = in_order(p);
+  std::vector<double> levels(p.size(), kNaN);
+  bool stopped = false;
+  double level = alpha;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (!stopped) level = alpha / static_cast<double>(order.size() - k);
+    levels[order[k]] = level;
+    stopped |= p[order[k]] > level;  // it and all that are larger stay at this level
+  }
+  return levels;
 }
 
 }  // namespace trilat

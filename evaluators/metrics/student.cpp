@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <gsl/gsl_cdf.h>
+
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
@@ -41,6 +43,10 @@ double incomplete_beta(double a, double b, double x, double y) {
 }
 
 }  // namespace
+
+double student_quantile(std::size_t degrees, double alpha) {
+  return gsl_cdf_tdist_Qinv(0.5 * alpha, static_cast<double>(degrees));
+}
 
 double student_two_sided(double t, std::size_t degrees) {
   if (std::isnan(t) || degrees == 0) return kNaN;

@@ -22,6 +22,9 @@ inline double student_quantile(std::size_t degrees) {
                     (3.0 * z2 * z2 * z2 + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) / (384.0 * n * n * n));
 }
 
+// The quantile of Student's t for two-sided intervals of any level, 1 - alpha; above 0, below 1.
+double student_quantile(std::size_t degrees, double alpha);
+
 // The probability that Student's t of so many degrees of freedom is at least as far from 0 as `t`, on either
 // side. 1 for t = 0, 0 for infinite t, NaN for NaN or no degrees. Relative error below 1e-10 down to 1e-290.
 double student_two_sided(double t, std::size_t degrees);

@@ -84,7 +84,7 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                      .start_host_ns = data.time.front().ns,
                      .joints = plan.joints,
                      .points = std::vector<FusedPoint>(data.time.size() * plan.joints.size()),
-                     .sensors = plan.rig,
+                     .sensors = method.sensors.empty() ? plan.rig : method.sensors,
                      .rays = rays_of(plan, plan.takes[0], data),
                      .notes = data.notes};
   if (is_over_time(plan.methods[0]))

@@ -47,15 +47,29 @@ std::string bound_text(const ClaimBound& bound, const std::string& unit) {
   return fmt::format("{} {:g} {}", kWords[static_cast<std::size_t>(bound.side)], bound.margin, unit);
 }
 
-ClaimEstimate estimate_of(const ContrastEstimate& e) {
+ClaimEstimate estimate_of(const ContrastEstimate& e, double alpha = kFalseVerdicts) {
   const bool is_sampled = e.standard_error > 0.0;
-  return {e.value, is_sampled ? e.low() : kNoNumber, is_sampled ? e.high() : kNoNumber, e.clusters};
+  return {e.value, is_sampled ? e.low(alpha) : kNoNumber, is_sampled ? e.high(alpha) : kNoNumber, e.clusters,
+          100.0 * (1.0 - alpha)};
 }
 
 ClaimPart part_of(const Measurement& measured, const std::string& bound) {
   ClaimPart part{measured.what, measured.unit, estimate_of(measured.estimate), {}, bound};
   if (measured.complete) part.complete = estimate_of(*measured.complete);
   return part;
+}
+
+// How far the estimate lies from the margin on the side where the claim holds; below 0 on the other.
+double depth_of(double value, const ClaimBound& bound) {
+  switch (bound.side) {
+    case ClaimBound::Side::more_than:
+      return value - bound.margin;
+    case ClaimBound::Side::less_than:
+      return bound.margin - value;
+    case ClaimBound::Side::within:
+      return bound.margin - std::abs(value);
+  }
+  return kNaN;
 }
 
 // Takes a claim's parts in; what is missing of them, or nothing.
@@ -126,28 +140,45 @@ std::string needed_text(const OpenClaim& claim, double alpha) {
 }
 
 // Words behind "holds": it may hold only where both answer, or by another size than the paper's.
-std::string reservations(const OpenClaim& claim) {
+std::string reservations(const OpenClaim& claim, double alpha) {
   std::string words, size;
-  for (const OpenClaim::Part& part : claim.parts) {
+  for (std::size_t k = 0; k < claim.parts.size(); ++k) {
+    const OpenClaim::Part& part = claim.parts[k];
     if (const auto& complete = part.measured.complete;
-        complete && chance_of(*complete, part.bound).holds > kFalseVerdicts)
+        complete && chance_of(*complete, part.bound).holds > alpha)
       words = ", where both answer";
-    if (part.paper && size.empty()) size = size_beside(part.measured.estimate, *part.paper);
+    if (part.paper && size.empty()) size = size_beside(claim.judged.parts[k].estimate, *part.paper);
   }
   return size.empty() ? words : words + ", but " + size;
 }
 
-// The verdict once the chance is corrected; `alpha` is what an undecided one is planned with.
+// Each number's interval at the level that its verdict is decided by: a claim of n numbers holds when all n
+// lie on their side at `alpha`, and fails when one lies on the other at `alpha` / n.
+void show_intervals(OpenClaim& claim, double alpha) {
+  for (std::size_t k = 0; k < claim.parts.size(); ++k) {
+    const auto& [measured, bound, paper, chance] = claim.parts[k];
+    const auto shown = [&](const ContrastEstimate& e) {
+      const bool on_its_side = !(depth_of(e.value, bound) < 0.0);
+      return estimate_of(e, on_its_side ? alpha : alpha / static_cast<double>(claim.parts.size()));
+    };
+    ClaimPart& part = claim.judged.parts[k];
+    part.estimate = shown(measured.estimate);
+    if (measured.complete) part.complete = shown(*measured.complete);
+  }
+}
+
+// The verdict at the level `alpha`.
 void decide(OpenClaim& claim, double alpha) {
   const ClaimChance chance = chance_of(claim);
   JudgedClaim& judged = claim.judged;
-  if (!(judged.chance <= kFalseVerdicts)) {
+  show_intervals(claim, alpha);
+  if (!(chance.decided() <= alpha)) {
     judged.verdict = kUndecided;
     judged.reason += needed_text(claim, alpha);
   } else if (chance.fails < chance.holds) {
     judged.verdict = kDoesNotHold;
   } else {
-    judged.verdict = kHolds + reservations(claim);
+    judged.verdict = kHolds + reservations(claim, alpha);
   }
 }
 
@@ -158,19 +189,6 @@ constexpr std::size_t kMostClusters = 10'000;
 double twice_above(double t, std::size_t degrees) {
   const double both = student_two_sided(t, degrees);
   return t > 0.0 ? both : 2.0 - both;
-}
-
-// How far the estimate lies from the margin on the side where the claim holds; below 0 on the other.
-double depth_of(double value, const ClaimBound& bound) {
-  switch (bound.side) {
-    case ClaimBound::Side::more_than:
-      return value - bound.margin;
-    case ClaimBound::Side::less_than:
-      return bound.margin - value;
-    case ClaimBound::Side::within:
-      return bound.margin - std::abs(value);
-  }
-  return kNaN;
 }
 
 }  // namespace
@@ -186,16 +204,14 @@ std::vector<JudgedClaim> judge_claims(const Json& rows, const std::string& place
   std::vector<double> chances;
   for (const OpenClaim& claim : claims)
     chances.push_back(claim.judged.confirmatory ? chance_of(claim).decided() : kNaN);
-  const std::vector<double> corrected = holm_adjusted(chances);
-  const auto looked_at = static_cast<double>(
-      std::count_if(chances.begin(), chances.end(), [](double chance) { return !std::isnan(chance); }));
+  const std::vector<double> corrected = holm_adjusted(chances), levels = holm_levels(chances, kFalseVerdicts);
   std::vector<JudgedClaim> judged;
   for (std::size_t k = 0; k < claims.size(); ++k) {
     OpenClaim& claim = claims[k];
     const bool is_corrected = claim.judged.confirmatory;
     if (!claim.parts.empty()) {
       claim.judged.chance = is_corrected ? corrected[k] : chance_of(claim).decided();
-      decide(claim, is_corrected ? kFalseVerdicts / looked_at : kFalseVerdicts);
+      decide(claim, is_corrected ? levels[k] : kFalseVerdicts);
     }
     judged.push_back(std::move(claim.judged));
   }
@@ -250,9 +266,9 @@ std::optional<std::size_t> clusters_needed(const ContrastEstimate& e, const Clai
   return yes;
 }
 
-std::string size_beside(const ContrastEstimate& e, double paper) {
+std::string size_beside(const ClaimEstimate& e, double paper) {
   const double ratio = e.value / paper;
-  const auto [low, high] = std::minmax({e.low() / paper, e.high() / paper});
+  const auto [low, high] = std::minmax({e.low / paper, e.high / paper});
   if (low > 1.25) return fmt::format("{:.1f} times the size", ratio);
   if (!(ratio > 0.0 && high < 0.8)) return {};
   constexpr std::array<std::pair<double, const char*>, 7> kWords{{{0.1, "a tenth"},

@@ -50,6 +50,6 @@ std::optional<std::size_t> clusters_needed(const ContrastEstimate& estimate, con
 
 // "a third of the size" when the whole interval of the ratio to the paper's effect lies outside of 0.8 to
 // 1.25, the usual limits of equivalence; empty when it does not.
-std::string size_beside(const ContrastEstimate& estimate, double paper);
+std::string size_beside(const ClaimEstimate& estimate, double paper);
 
 }  // namespace trilat

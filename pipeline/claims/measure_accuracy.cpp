@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Statistics of accuracy studies, with participants as clusters.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -43,6 +44,18 @@ Contrast places(const ParticipantErrors& errors, const std::string& method, bool
   return contrast;
 }
 
+bool answers(const ParticipantErrors& errors, const std::string& name, const std::string& condition,
+             const std::vector<std::string>& groups) {
+  return std::ranges::all_of(groups, [&](const std::string& group) {
+    return std::ranges::any_of(errors.error_m(name, condition, group).denominator,
+                               [](double n) { return n > 0.0; });
+  });
+}
+
+std::string silence_of(const std::string& name, const ParticipantErrors& errors) {
+  return fmt::format("{} answers nothing on the rig of {}", name, errors.summary().campaign);
+}
+
 }  // namespace
 
 // Two methods, families or "best of" one: (of - against) / against, a part for each joint group asked for.
@@ -60,10 +73,16 @@ MeasuredPart measure_errors(JsonObject& part, const ClaimStudies& e) {
       found.what = fmt::format("{} against {}{}{}", of, against, group == kAverageGroup ? "" : ", " + group,
                                studies.size() > 1 ? ", " + errors.summary().campaign : "");
       found.unit = "%";
-      found.estimate = percent_of(errors.difference(of, against, condition, joints, ComparedSamples::both));
+      for (const std::string& name : {of, against})
+        if (!answers(errors, name, condition, joints)) return missing(silence_of(name, errors));
       found.complete =
           percent_of(errors.difference(of, against, condition, joints, ComparedSamples::complete));
-      if (!std::isfinite(found.estimate.value)) std::swap(found.estimate, *found.complete);
+      if (const std::string& reference = errors.summary().reference; of == reference || against == reference)
+        found.estimate = percent_of(errors.difference(of, against, condition, joints, ComparedSamples::both));
+      else
+        std::swap(found.estimate, *found.complete);  // compared by way of the reference
+      if (!std::isfinite(found.estimate.value))
+        return missing(fmt::format("{} and {} never answer the same sample", of, against));
       if (!std::isfinite(found.complete->value)) found.complete.reset();
       measured.parts.push_back(std::move(found));
     }
@@ -92,6 +111,7 @@ MeasuredPart measure_places(JsonObject& part, const ClaimStudies& e) {
       found.unit = "%";
       found.estimate = percent_of(places(errors, method, false, conditions, groups));
       found.complete = percent_of(places(errors, method, true, conditions, groups));
+      if (!std::isfinite(found.estimate.value)) return missing(silence_of(method, errors));
       if (!std::isfinite(found.complete->value)) found.complete.reset();
       measured.parts.push_back(std::move(found));
     }

@@ -17,7 +17,7 @@ struct Measurement {
   std::string what;  // "linear against nonlinear, head"
   std::string unit;
   ContrastEstimate estimate;
-  std::optional<ContrastEstimate> complete = {};  // the same with fallbacks where a method has no answer
+  std::optional<ContrastEstimate> complete = {};  // the same over what any of the two methods answers
 };
 
 // What one entry of a claim's "parts" comes to in the results.

@@ -7,6 +7,7 @@
 #include "datasets/export/samples_csv.h"
 #include "datasets/export/session_csv.h"
 #include "datasets/export/session_trc.h"
+#include "datasets/take/campaign.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -37,6 +38,10 @@ Json export_csv(const ExportArguments& a, const ExportOptions& frame) {
   refuse(!a.sensor.empty(), "--sensor", "is for trc; csv holds all sensors");
   refuse(a.body.has_value(), "--body", "is for trc; csv holds all bodies");
   std::int64_t rows = 0;
+  if (std::filesystem::exists(a.input / "campaign.json"))
+    throw InputError(a.input.string(),
+                     "is a campaign; export one of its sessions, such as " +
+                         read_campaign(a.input, OutsidePaths::allowed).takes.front().session.string());
   if (std::filesystem::is_directory(a.input)) {
     refuse(frame.calibration.has_value(), "--calibration",
            "is for sessions; results are in the world already");

@@ -19,6 +19,9 @@ namespace {
 
 // With the settings that a study gives it by default; sigmas come from the rig where they can.
 MethodSpec method_of(const FuseArguments& a) {
+  if (!a.sensor.empty() && a.method != "single")
+    throw InputError("--sensor",
+                     fmt::format("is for --method single; {} uses all sensors of the session", a.method));
   Json json{{"method", a.method}};
   if (a.method == "range_bearing") json["sigma"] = "estimated";
   if (!a.sensor.empty()) json["sensors"] = {a.sensor};
@@ -62,13 +65,18 @@ int fuse(const FuseArguments& a) {
                                       {"answered", fused.answered},
                                       {"rays", json_of(fused.rays)}},
                                  2));
-    return kDone;
+    return fused.answered > 0.0 ? kDone : kItemsFailed;
   }
   for (const TakeNote& note : fused.notes) fmt::print(stderr, "note: {}: {}\n", note.place, note.text);
   fmt::print("{}: {} joints at {} instants ({:g} Hz) by {} from {}; {:.1f} % answered\n{}\n",
              a.output.string(), fused.joints.size(), fused.instants(), fused.rate_hz, a.method,
              fmt::join(fused.sensors, ", "), 100.0 * fused.answered, ray_text(fused.rays));
-  return kDone;
+  if (fused.answered > 0.0) return kDone;
+  fmt::print(
+      stderr,
+      "trilat: {}: no joint at any instant has an answer: `trilat verify {}` says whether anybody was seen\n",
+      a.output.string(), a.session.string());
+  return kItemsFailed;
 }
 
 }  // namespace trilat

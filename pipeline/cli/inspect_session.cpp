@@ -2,6 +2,7 @@
 // `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -202,11 +203,14 @@ int verify(const VerifyArguments& arguments) {
     const Json json{{"sound", errors == 0}, {"errors", errors}, {"findings", list}};
     fmt::print("{}\n", json_text(json, 2));
   } else {
+    std::set<std::string> told;  // what several findings endanger is said once
     for (const Finding& f : findings)
-      fmt::print("{}: {}: {}{}\n", name_of(f.severity), f.place, f.text,
-                 f.endangers.empty() ? "" : " (endangers " + f.endangers + ")");
-    fmt::print("{}: {}\n", arguments.session.string(),
-               errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"));
+      fmt::print(
+          "{}: {}: {}{}\n", name_of(f.severity), f.place, f.text,
+          told.insert(f.endangers).second && !f.endangers.empty() ? " (endangers " + f.endangers + ")" : "");
+    fmt::print("{}: {}{}\n", arguments.session.string(),
+               errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"),
+               sees_nobody(session) ? ", but no sensor sees anybody: no frame holds a body" : "");
   }
   return errors == 0 ? kDone : kItemsFailed;
 }

@@ -39,7 +39,10 @@ void add_inspection(CLI::App& app, AllArguments& a, int& code) {
   auto* mocap_verb = app.add_subcommand(
       "mocap",
       "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches");
-  mocap_verb->add_option("file", a.mocap.file, "CSV export of Motive, Arena or Tracking Tools")->required();
+  mocap_verb
+      ->add_option("file", a.mocap.file,
+                   "CSV of Motive, Arena or Tracking Tools, TRC, C3D, or TSV of Qualisys")
+      ->required();
   add_json(*mocap_verb, a.mocap.json);
   mocap_verb->callback([&] { code = mocap(a.mocap); });
 
@@ -264,8 +267,16 @@ int guarded_main(int argc, char** argv) {
       std::fprintf(stderr, "trilat: there is no verb \"%s\"; there are %s\n", argv[1], verbs.c_str());
       return kBadInput;
     }
-    std::fprintf(stderr, "trilat: %s; `trilat --help` and `trilat VERB --help` say what can be asked\n",
-                 error.what());
+    const auto given = app.get_subcommands();
+    if (given.empty()) {
+      std::fprintf(stderr, "trilat: %s; `trilat --help` says what can be asked\n", error.what());
+      return kBadInput;
+    }
+    const CLI::App& verb = *given.front();
+    std::string usage = CLI::Formatter().make_usage(&verb, "trilat " + verb.get_name());
+    std::erase(usage, '\n');
+    std::fprintf(stderr, "trilat: %s: %s. %s; `trilat %s --help` says all\n", verb.get_name().c_str(),
+                 error.what(), usage.c_str(), verb.get_name().c_str());
     return kBadInput;
   }
   return code;

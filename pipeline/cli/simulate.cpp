@@ -6,6 +6,7 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -23,6 +24,10 @@ std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, 
 
 void print_campaign(const std::filesystem::path& folder, const SimulationSpec& spec, bool as_json) {
   const Campaign campaign = read_campaign(folder);
+  for (const Take& take : campaign.takes)
+    if (sees_nobody(SessionReader(take.session)))
+      fmt::print(stderr, "warning: {}: no sensor sees anybody: do those of \"rig\" look at \"centre_m\"?\n",
+                 take.id);
   const std::filesystem::path wand = folder / "wand";
   if (as_json) {
     Json takes = Json::array();
@@ -80,7 +85,12 @@ int simulate(const SimulateArguments& arguments) {
   {
     Progress progress("simulating");
     options.progress = [&](const std::string&, double share) { progress.set(share); };
-    tally = run_study(study, arguments.output, options);
+    try {
+      tally = run_study(study, arguments.output, options);
+    } catch (const Interrupted&) {
+      tell_interrupted(partial_name(output_name(arguments.output)));
+      return kItemsFailed;
+    }
   }
   tell_reuse("recordings", tally);
   if (shard.whole())

@@ -185,7 +185,7 @@ std::string effect_of(const std::string& erratum, const PaperFindings& findings)
   if (found != findings.errata.end()) {
     text = parts_text(found->second, false);
     if (found->second.front().complete)
-      text += "; with the mean where one is silent " + parts_text(found->second, true);
+      text += "; over what any of the two answers " + parts_text(found->second, true);
   }
   return erratum == "E7" ? both(steps_effect(e), text) : text;
 }

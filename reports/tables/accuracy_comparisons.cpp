@@ -109,7 +109,7 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
                    {"from", "percent_from", false},
                    {"to", "percent_to", false},
                    {"% of method", "percent_of_method", false},
-                   {"% with fallbacks", "complete_percent", false},
+                   {"% of all answered", "complete_percent", false},
                    {"from", "complete_percent_from", false},
                    {"to", "complete_percent_to", false},
                    {"differs", "differs", true}};
@@ -128,9 +128,9 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
           s.reference),
       fmt::format("% of {0}: 100 (method - {0}) / {0}. % of method: 100 (method - {0}) / method.",
                   s.reference),
-      "% with fallbacks: of the reference, on all samples; where one of the two has no answer stands the "
-      "plain mean of "
-      "its sensors' positions.",
+      "% of all answered: of the reference, over the samples that any of the two answers. Where one has no "
+      "answer, "
+      "the other's error counts for both, so a method neither gains nor loses by not answering.",
       "Differs: the interval of the difference leaves zero out (by a micrometre). Every row is for itself: "
       "of twenty without any difference, one is expected to be said to differ.",
       interval_note(s)};

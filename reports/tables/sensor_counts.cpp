@@ -42,7 +42,7 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                      {"MAE (cm)", "mae_cm"},
                      {"from", "mae_from_cm"},
                      {"to", "mae_to_cm"},
-                     {"with the mean where silent (cm)", "complete_cm"},
+                     {"as the reference where silent (cm)", "complete_cm"},
                      {"from", "complete_from_cm"},
                      {"to", "complete_to_cm"},
                      {"best set", "best", true},
@@ -60,13 +60,13 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                             cm_cell(c->worst_m)});
     }
     if (table.rows.empty()) continue;
-    table.notes = {
-        "Mean over all sets of so many sensors, or over a declared number of them. With the mean where "
-        "silent: the plain "
-        "mean of the sensors' positions stands in for an answer that is missing, also in the best and the "
-        "worst set, "
-        "which were picked afterwards.",
-        "From and to: 95 % interval by Student's t between participants."};
+    table.notes = {fmt::format("Mean over all sets of so many sensors, or over a declared number of them. As "
+                               "the reference where "
+                               "silent: where a set has no answer, the error of \"{}\" counts for it. By "
+                               "these errors the best and "
+                               "the worst set were picked, afterwards.",
+                               s.reference),
+                   "From and to: 95 % interval by Student's t between participants."};
     tables.push_back(std::move(table));
   }
   return tables;

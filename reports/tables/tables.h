@@ -70,7 +70,7 @@ std::vector<Table> tracking_tables(const TrackingSummary& summary);
 
 // Of a study that leaves sensors out: how well each method predicts what they see. One table or none.
 std::vector<Table> prediction_tables(const TrackingSummary& summary);
-// One take's disagreement along and across the rays, and what follows for methods, in one line.
+// One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);
 
 // One table a condition: how near the methods that use ranges come to the Cramer-Rao bound of the ranges they

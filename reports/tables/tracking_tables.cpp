@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/table_cells.h"
 #include "reports/tables/tables.h"
@@ -123,31 +124,23 @@ Table clocks_table(const TrackingSummary& s) {
   return table;
 }
 
-double percent_above(double value, double reference) { return 100.0 * (value / reference - 1.0); }
-
 Table rays_table(const TrackingSummary& s) {
   Table table;
   table.id = usable_id("rays-" + s.study);
   table.title = fmt::format("How sensors disagree along and across their rays ({})", data_text(s));
-  table.columns = {{"take", "take", true},
-                   {"along (cm)", "range_cm"},
-                   {"across (cm)", "bearing_cm"},
-                   {"along / across", "ratio"},
-                   {"95 % from", "ratio_low"},
-                   {"to", "ratio_high"},
-                   {"mean, expected (cm)", "mean_cm"},
-                   {"ranges alone (cm)", "ranges_cm"},
-                   {"range_bearing (cm)", "range_bearing_cm"},
+  table.columns = {{"take", "take", true},      {"along (cm)", "range_cm"}, {"across (cm)", "bearing_cm"},
+                   {"along / across", "ratio"}, {"95 % from", "ratio_low"}, {"to", "ratio_high"},
                    {"", "problem", true}};
   for (const RayRow& row : s.rays)
     table.rows.push_back({TableValue::of(row.take), cm_cell(row.range_m), cm_cell(row.bearing_m),
                           TableValue::of(row.ratio, 2), TableValue::of(row.ratio_low, 2),
-                          TableValue::of(row.ratio_high, 2), cm_cell(row.mean_m), cm_cell(row.ranges_m),
-                          cm_cell(row.range_bearing_m), TableValue::of(row.problem)});
+                          TableValue::of(row.ratio_high, 2), TableValue::of(row.problem)});
   table.notes = {
-      "Estimated without truth, by restricted maximum likelihood. What all sensors have in common, such as a "
-      "bias of the body model, makes no disagreement and is in none of these numbers. Expected errors are "
-      "root mean squares for independent errors of these sizes."};
+      "Standard deviations, estimated without truth by restricted maximum likelihood. They hold how far the "
+      "sensors "
+      "disagree, also because one is turned or displaced. What all sensors have in common, such as a bias of "
+      "the body "
+      "model, no disagreement shows."};
   return table;
 }
 
@@ -216,11 +209,9 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
 std::string ray_text(const RayRow& row) {
   if (!row.problem.empty()) return fmt::format("along/across the rays: not known, {}", row.problem);
   return fmt::format(
-      "along/across the rays {:.2f} ({:.2f} to {:.2f}): trilateration would {} {:.0f} %, range_bearing gains "
-      "{:.0f} % on the mean",
-      row.ratio, row.ratio_low, row.ratio_high, row.ranges_m > row.mean_m ? "cost" : "gain",
-      std::abs(percent_above(row.ranges_m, row.mean_m)),
-      std::max(0.0, -percent_above(row.range_bearing_m, row.mean_m)));
+      "sensors disagree by {:.1f} cm along their rays and {:.1f} cm across, ratio {:.2f} ({:.2f} to {:.2f})",
+      row.range_m * kCentimetresPerMetre, row.bearing_m * kCentimetresPerMetre, row.ratio, row.ratio_low,
+      row.ratio_high);
 }
 
 std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {

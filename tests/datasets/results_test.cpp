@@ -84,7 +84,6 @@ ResultsSummary summary_of(std::vector<SummaryCell> cells) {
                       {30, 0.2, 0.3},
                       {45, 0.4, kNoNumber}}};
   summary.families = {{"single", 1, {"single k1", "single k2"}}};
-  summary.fallbacks = {{"nonlinear", "mean"}};
   summary.notes = {{"b", true, "b/mocap.csv:17", "is cut"}};
   summary.cross_check = CrossCheck{"nonlinear", 93, 1, 3e-8, 1e-7, "a instant 3 head"};
   return summary;
@@ -155,7 +154,6 @@ TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   EXPECT_TRUE(std::isnan(read.by_take[0].complete.reference_mae_m));
   ASSERT_EQ(read.families.size(), 1u);
   EXPECT_EQ(read.families[0].methods, written.families[0].methods);
-  EXPECT_EQ(read.fallbacks, written.fallbacks);
   ASSERT_EQ(read.notes.size(), 1u);
   EXPECT_EQ(read.notes[0].place, "b/mocap.csv:17");
   EXPECT_TRUE(read.notes[0].failed);
@@ -240,7 +238,8 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
 
 TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   const ScratchFolder folder;
-  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }), HasSubstr("it holds no summary.json"));
+  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
+              HasSubstr("holds no summary.json, so it is no results folder"));
   write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 1})");
   EXPECT_THAT(
       message_of([&] { read_summary(folder.path()); }),

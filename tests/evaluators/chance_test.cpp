@@ -32,11 +32,21 @@ TEST(StudentTail, HasTheClosedFormsOfOneAndTwoDegrees) {
 TEST(StudentTail, IsFivePercentBeyondTheQuantile) {
   for (const std::size_t degrees : {1u, 3u, 15u, 30u, 200u})
     EXPECT_NEAR(student_two_sided(student_quantile(degrees), degrees), 0.05, 1e-7) << degrees;
+  for (const double alpha : {0.5, 0.05, 0.05 / 18.0, 1e-9})
+    EXPECT_NEAR(student_two_sided(student_quantile(7, alpha), 7) / alpha, 1.0, 1e-9) << alpha;
 }
 
 TEST(Holm, CorrectsStepByStep) {
   EXPECT_THAT(holm_adjusted(std::vector{0.01, 0.04, 0.03, 0.005}),
               ElementsAre(DoubleEq(0.03), DoubleEq(0.06), DoubleEq(0.06), DoubleEq(0.02)));
+}
+
+TEST(Holm, ALevelIsReachedJustWhenTheCorrectedProbabilityIsSmallEnough) {
+  const std::vector<double> p{0.001, 0.04, 0.012, 0.03, kNone};
+  EXPECT_THAT(holm_levels(p, 0.05), ElementsAre(DoubleEq(0.05 / 4), DoubleEq(0.05 / 2), DoubleEq(0.05 / 3),
+                                                DoubleEq(0.05 / 2), NanSensitiveDoubleEq(kNone)));
+  const std::vector<double> adjusted = holm_adjusted(p), levels = holm_levels(p, 0.05);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(p[k] <= levels[k], adjusted[k] <= 0.05) << k;
 }
 
 TEST(Holm, CountsOnlyWhatIsATest) {

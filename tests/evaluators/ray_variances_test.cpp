@@ -68,26 +68,5 @@ TEST(RayVariances, InferredJointsAndTooFewStretchesSayNothing) {
   EXPECT_FALSE(data.estimate().problem.empty());
 }
 
-TEST(RayVariances, PredictedErrorsAreThoseThatSimulationHas) {
-  const auto rig = circle_rig({0.6, 2.2, 0.9, 1.9});
-  for (const double ratio : {0.2, 1.0, 3.0}) {
-    const RayData data = ray_data({.ratio = ratio, .instants = 4000, .total_m = 0.03}, 26);
-    const RaySigma sigma = sigmas_of(ratio, 0.03);
-    const PredictedErrors predicted = predicted_errors(data.observations, rig, sigma);
-    double mean = 0.0, both = 0.0;
-    for (std::size_t i = 0; i < data.truth_m.size(); ++i) {
-      const auto seen = std::span<const JointObservation>(data.observations).subspan(4 * i, 4);
-      Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-      for (const JointObservation& o : seen) sum_m += o.point_in_world_m;
-      mean += (sum_m / 4.0 - data.truth_m[i]).squaredNorm();
-      both += (solve_range_bearing(seen, rig, {.sigma = sigma}).position_m - data.truth_m[i]).squaredNorm();
-    }
-    const auto n = static_cast<double>(data.truth_m.size());
-    EXPECT_NEAR(predicted.mean_m / std::sqrt(mean / n), 1.0, 0.03) << ratio;
-    EXPECT_NEAR(predicted.range_bearing_m / std::sqrt(both / n), 1.0, 0.03) << ratio;
-    EXPECT_LT(predicted.range_bearing_m, 1.0001 * std::min(predicted.mean_m, predicted.ranges_m));
-  }
-}
-
 }  // namespace
 }  // namespace trilat

@@ -110,6 +110,55 @@ TEST(Claims, ManyConfirmatoryOnesAreEachHarderToDecide) {
   EXPECT_THAT(crowd[0].reason, HasSubstr("participants would decide it, here are 4"));
 }
 
+TEST(Claims, WithoutAnySampleThatBothAnswerNothingIsDecided) {
+  PaperEvidence evidence = walking({{"a", {4.0, 8.0, 12.0, 16.0}}, {"b", {8.0, 16.0, 24.0, 32.0}}});
+  evidence.walking->campaign = "three";
+  for (TakeJointRow& row : evidence.walking->by_take)
+    if (row.method == "b") {
+      row.answered = 0;
+      row.both = {};
+    }
+  const JudgedClaim silent = judge(kBetter, evidence);
+  EXPECT_EQ(silent.verdict, kCannotTest);
+  EXPECT_EQ(silent.reason, "b answers nothing on the rig of three");
+  for (TakeJointRow& row : evidence.walking->by_take) row.answered = 5;
+  EXPECT_EQ(judge(kBetter, evidence).reason, "b and a never answer the same sample");
+}
+
+// The interval that is shown lies on one side of the margin just when the verdict says so.
+TEST(Claims, VerdictsFollowFromTheIntervalsThatAreShown) {
+  std::map<std::string, int> verdicts;
+  const auto side_of =
+      [](const ClaimPart& part) {  // 1: where the claim holds, -1: where it fails, 0: neither
+        const bool within = part.bound.starts_with("within"), less = part.bound.starts_with("less");
+        const double margin = std::stod(part.bound.substr(within ? 7 : 10));
+        const double low = part.estimate.low, high = part.estimate.high;
+        if (within) return low >= -margin && high <= margin ? 1 : low > margin || high < -margin ? -1 : 0;
+        return (less ? high <= margin : low >= margin) ? 1 : (less ? low >= margin : high <= margin) ? -1 : 0;
+      };
+  for (std::uint64_t k = 0; k < 60; ++k)
+    for (const MadeCampaign& made : {MadeCampaign{}, MadeCampaign{.participants = 4, .factor = 1.05},
+                                     MadeCampaign{.factor = 1.01}, MadeCampaign{.factor = 1.4}}) {
+      for (const JudgedClaim& claim : judge_claims(printed_claims(), "claims.json", made.draw(k))) {
+        if (claim.parts.empty()) continue;
+        int holding = 0, failing = 0;
+        for (const ClaimPart& part : claim.parts) {
+          const int side = std::isfinite(part.estimate.low) ? side_of(part) : 0;
+          holding += side > 0;
+          failing += side < 0;
+        }
+        const std::string verdict = claim.verdict.substr(0, claim.verdict.find(','));
+        ++verdicts[verdict];
+        EXPECT_EQ(verdict == kHolds, holding == static_cast<int>(claim.parts.size()))
+            << claim.id << " " << claim.verdict;
+        EXPECT_EQ(verdict == kDoesNotHold, failing > 0) << claim.id << " " << claim.verdict;
+      }
+    }
+  EXPECT_GT(verdicts[kHolds], 20);
+  EXPECT_GT(verdicts[kDoesNotHold], 20);
+  EXPECT_GT(verdicts[kUndecided], 20);
+}
+
 TEST(Claims, AVerdictSaysWhenItHoldsOnlyWhereBothAnswerAndByWhichSize) {
   PaperEvidence evidence = walking({{"a", {4.0, 8.0, 12.0, 16.0}}, {"b", {5.0, 10.1, 14.9, 20.0}}});
   const std::string paper = R"("more_than": 10, "parts": [{"statistic": "errors", "of": "b", "against": "a",

@@ -64,6 +64,52 @@ TEST(Door, WrongUsageIsOneLineAndExitCodeTwo) {
     expect_refused(run_trilat(folder, {verb, "a", "-o", "b", "--levitate"}), "");
 }
 
+TEST(Door, AMessageSaysWhatWouldBeRight) {
+  const ScratchFolder folder;
+  const std::string simulation = simulation_file(folder, kTwoShortTakes), study = study_file(folder),
+                    campaign = folder / "campaign";
+  ASSERT_EQ(run_trilat(folder, {"simulate", simulation, "-o", campaign}).code, 0);
+  const std::string nose = file_with(folder, "nose.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "n", "joints": ["nose"], "methods": [{"method": "mean"}]})");
+  const std::string feet = file_with(folder, "feet.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "f", "joints": ["foot_left"], "methods": [{"method": "mean"}]})");
+  const std::string kinect = file_with(folder, "kinect.csv", "1,0.0,0.1,0.2\n2,0.033,0.1,0.2\n");
+  const std::string results = folder / "results";
+  const struct {
+    std::vector<std::string> arguments;
+    const char* said;
+  } cases[] = {
+      {{"run", simulation, "-o", results},
+       "\"trilat.simulation\", which `trilat simulate` takes; here it must be"},
+      {{"simulate", study, "-o", results}, "\"trilat.study\", which `trilat run` takes; here it must be"},
+      {{"run"}, "trilat: run: study is required. Usage: trilat run [OPTIONS] study"},
+      {{"run", study, "more"}, "trilat: run: "},
+      {{"report", campaign, "-o", folder / "report"}, "is a campaign; `trilat run STUDY.json --campaign"},
+      {{"report", study, "-o", folder / "report"},
+       "is a file; a results folder is meant, which `trilat run` makes"},
+      {{"report", folder / "absent", "-o", folder / "report"},
+       "does not exist; `trilat run` makes results folders"},
+      {{"run", nose, "--campaign", campaign, "-o", results},
+       "which is no joint; known are: spine_base, spine_mid,"},
+      {{"run", feet, "--campaign", campaign, "-o", results},
+       "asks for foot_left, which no take's mapping maps; they map"},
+      {{"mocap", kinect}, "Bodies of a Kinect are a session's: `trilat import` reads them"},
+      {{"export", "csv", campaign, "-o", folder / "x.csv"},
+       "is a campaign; export one of its sessions, such as"},
+  };
+  for (const auto& [arguments, said] : cases) expect_refused(run_trilat(folder, arguments), said);
+}
+
+TEST(Door, ARigThatSeesNobodyIsSaidTo) {
+  const ScratchFolder folder;
+  const std::string simulation =
+      simulation_file(folder, std::string(R"("rig": {"centre_m": [50, 1, 0]}, )") + kTwoShortTakes);
+  const Ended simulated = run_trilat(folder, {"simulate", simulation, "-o", folder / "c"});
+  EXPECT_THAT(simulated.err, HasSubstr("p01-walking: no sensor sees anybody"));
+  EXPECT_THAT(run_trilat(folder, {"verify", folder / "c/p01-walking/session.h5"}).out,
+              HasSubstr("no sensor sees anybody: no frame holds a body"));
+}
+
 TEST(Door, AMissingFileIsNamed) {
   const ScratchFolder folder;
   const std::string absent = folder / "absent";

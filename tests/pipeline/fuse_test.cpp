@@ -54,11 +54,12 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
   const Campaign campaign = simulate_into(folder.path() / "campaign", walking_spec(1));
   const std::string session = campaign.takes[0].session.string();
   const std::string calibration = campaign.takes[0].calibration.string();
+  const std::string campaign_sensor = "k2";
   const std::string trc = (folder.path() / "walk.trc").string(), csv = (folder.path() / "walk.csv").string();
   const Ended markers =
       run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", trc, "--rate-hz", "15"});
   EXPECT_EQ(markers.code, 0) << markers.err;
-  EXPECT_THAT(markers.out, HasSubstr("along/across the rays"));
+  EXPECT_THAT(markers.out, HasSubstr("cm along their rays and"));
   EXPECT_THAT(read_file(trc), HasSubstr("15\t15\t"));
   EXPECT_THAT(read_file(trc), HasSubstr("Frame#\tTime\tspine_base\t"));
   EXPECT_EQ(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv}).code, 0);
@@ -74,6 +75,11 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
   };
   refused({"-o", "walk.bvh"}, "must end in .trc, .c3d or .csv");
   refused({"-o", csv, "--method", "psychic"}, "known are: linear");
+  refused({"-o", csv, "--sensor", "k1"}, "--sensor: is for --method single; range_bearing uses all sensors");
+  EXPECT_THAT(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv, "--method",
+                                  "single", "--sensor", campaign_sensor, "--json"})
+                  .out,
+              HasSubstr("\"sensors\": [\n    \"" + campaign_sensor + "\"\n  ]"));
   refused({"-o", session}, "must end in .trc, .c3d or .csv");
   expect_refused(run_trilat(folder, {"fuse", "absent.h5", "--calibration", calibration, "-o", trc}),
                  "absent.h5");

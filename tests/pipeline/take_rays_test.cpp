@@ -42,8 +42,6 @@ TEST(TakeRays, EqualErrorsInAllDirectionsAreFoundAsSuch) {
   EXPECT_LT(row.bearing_m, 0.03);
   EXPECT_LT(row.ratio_low, row.ratio);
   EXPECT_GT(row.ratio_high, row.ratio);
-  EXPECT_GT(row.ranges_m, 1.5 * row.mean_m);
-  EXPECT_NEAR(row.range_bearing_m / row.mean_m, 1.0, 0.02);
 }
 
 TEST(TakeRays, AnInstantIsJudgedWithTheSigmasOfTheOtherHalf) {

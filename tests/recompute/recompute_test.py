@@ -183,8 +183,7 @@ def compare_method(takes, m, name, alignment, cells, differences):
     groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
     errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
     pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
-    fallbacks = [takes[0].methods.index(fallback_of(method)) for method in takes[0].methods]
-    all_pairs = [tables.lengths_completed(s, m, reference, fallbacks, alignment) for s in takes]
+    all_pairs = [tables.lengths_of_any(s, m, reference, alignment) for s in takes]
     for condition, parts in (("walking", [s.asked for s in takes]),
                              ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
         computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
@@ -202,30 +201,25 @@ def compare_method(takes, m, name, alignment, cells, differences):
                                 differences.pop((condition, name, alignment, group)))
 
 
-def fallback_of(name):
-    """The plain mean of the same sensors, or of all."""
-    return "mean, three" if METHODS[name][2] == METHODS["mean, three"][2] else "mean"
-
-
 def compare_rows_of_takes(takes, ids, summary):
     """by_take, and error_m of samples.h5: both under the study's first alignment."""
     rows = {(r["take"], r["condition"], r["method"], r["joint"]): r for r in summary["by_take"]}
     for s, take in zip(takes, ids):
-        reference, fallbacks = s.methods.index(REFERENCE), [s.methods.index(fallback_of(name)) for name in s.methods]
+        reference = s.methods.index(REFERENCE)
         for m, name in enumerate(s.methods):
             errors_m = tables.errors_of(s, m, ALIGNMENTS[0], s.answered[:, :, m])
             require_same(lambda i=0, j=0, axis=0: f"error_m of {name}, take {take}, instant {i}, joint {s.joints[j]}",
                          errors_m, s.error_m[:, :, m], SAME_M)
             pairs = {"both": tables.lengths_on_both(s, m, reference, ALIGNMENTS[0]),
-                     "complete": tables.lengths_completed(s, m, reference, fallbacks, ALIGNMENTS[0])}
+                     "complete": tables.lengths_of_any(s, m, reference, ALIGNMENTS[0])}
             for condition, part in (("walking", s.asked), ("walking, occluded", s.asked & (s.occluded > 0))):
                 for j in np.flatnonzero(part.any(axis=0)):
                     row = rows.pop((take, condition, name, s.joints[j]))
                     compare_row(f"{name}, {condition}, take {take}, joint {s.joints[j]}", row, part[:, j],
                                 np.linalg.norm(errors_m[s.answered[:, j, m] & part[:, j], j], axis=1),
                                 {key: [length_m[part[:, j], j] for length_m in pair] for key, pair in pairs.items()})
-    if rows or summary["fallbacks"] != {name: fallback_of(name) for name in METHODS}:
-        raise Different(f"summary.json also has {list(rows)}, or has other fallbacks: {summary['fallbacks']}")
+    if rows:
+        raise Different(f"summary.json also has {list(rows)}")
 
 
 def compare_row(where, row, asked, length_m, pairs):

@@ -4,7 +4,6 @@
 `takes` are samples with truth_m, estimate_m, gdop, asked and answered, arrays instants x joints x methods.
 """
 import collections
-import types
 
 import numpy as np
 
@@ -68,19 +67,15 @@ def average_of(cells):
             "mae_m": np.mean([c["mae_m"] for c in cells])}
 
 
-def completed(samples, m, fallback):
-    """Samples of one method whose gaps are filled with the answers of another."""
-    own = samples.answered[:, :, m]
-    return types.SimpleNamespace(
-        truth_m=samples.truth_m, answered=np.where(own, own, samples.answered[:, :, fallback])[:, :, None],
-        estimate_m=np.where(own[:, :, None], samples.estimate_m[:, :, m], samples.estimate_m[:, :, fallback])[:, :, None])
-
-
-def lengths_completed(samples, m, reference, fallbacks, alignment):
-    """Error lengths of a method and the reference, completed, each aligned where both of these answer; NaN elsewhere."""
-    pair = [completed(samples, k, fallbacks[k]) for k in (m, reference)]
-    both = pair[0].answered[:, :, 0] & pair[1].answered[:, :, 0]
-    return [np.linalg.norm(errors_of(c, 0, alignment, both), axis=2) for c in pair]
+def lengths_of_any(samples, m, reference, alignment):
+    """As lengths_on_both; where one of the two is silent, the other's own error length stands for both."""
+    pair = lengths_on_both(samples, m, reference, alignment)
+    both = samples.answered[:, :, m] & samples.answered[:, :, reference]
+    for k in (m, reference):
+        own = samples.answered[:, :, k]
+        alone = np.linalg.norm(errors_of(samples, k, alignment, own), axis=2)
+        pair = [np.where(own & ~both, alone, lengths) for lengths in pair]
+    return pair
 
 
 def lengths_on_both(samples, m, reference, alignment):

@@ -77,11 +77,10 @@ TEST(Errata, TheEffectIsPrintedBesideCorrected) {
   PaperFindings findings;
   findings.errata["E8"] = {
       {"printed stop against nonlinear", "%", {33.3, 30.0, 36.0, 4}, ClaimEstimate{20.0}, ""}};
-  EXPECT_EQ(
-      errata_table(findings).rows[7][5].text,
-      "printed stop against nonlinear: 33.3 % (30.0 to 36.0); with the mean where one is silent printed "
-      "stop against "
-      "nonlinear: 20.0 %");
+  EXPECT_EQ(errata_table(findings).rows[7][5].text,
+            "printed stop against nonlinear: 33.3 % (30.0 to 36.0); over what any of the two answers printed "
+            "stop against "
+            "nonlinear: 20.0 %");
 }
 
 }  // namespace

@@ -224,7 +224,7 @@ TEST(Report, ItsDocumentCompiles) {
 TEST(Report, AFolderThatHoldsNoResultsIsNamed) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of([&] { write_report({folder / "absent"}, folder / "report"); }),
-              HasSubstr("absent: is not a results folder: it holds no summary.json"));
+              HasSubstr("absent: does not exist; `trilat run` makes results folders"));
   EXPECT_FALSE(std::filesystem::exists(folder / "report"));
 }
 

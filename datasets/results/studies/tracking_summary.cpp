@@ -90,11 +90,11 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
 
 namespace {
 
-constexpr std::pair<const char*, double RayRow::*> kRayNumbers[] = {
-    {"range_m", &RayRow::range_m},       {"bearing_m", &RayRow::bearing_m},
-    {"ratio", &RayRow::ratio},           {"ratio_low", &RayRow::ratio_low},
-    {"ratio_high", &RayRow::ratio_high}, {"mean_m", &RayRow::mean_m},
-    {"ranges_m", &RayRow::ranges_m},     {"range_bearing_m", &RayRow::range_bearing_m}};
+constexpr std::pair<const char*, double RayRow::*> kRayNumbers[] = {{"range_m", &RayRow::range_m},
+                                                                    {"bearing_m", &RayRow::bearing_m},
+                                                                    {"ratio", &RayRow::ratio},
+                                                                    {"ratio_low", &RayRow::ratio_low},
+                                                                    {"ratio_high", &RayRow::ratio_high}};
 
 }  // namespace
 

@@ -58,15 +58,14 @@ struct RangeRow {
   double rms_error_m = kNoNumber;
 };
 
-// By how much the sensors of one take disagree along their rays and across, and the root mean square errors
-// that follow for methods, without what all sensors have in common. `problem` says why there are no numbers.
+// By how much the sensors of one take disagree along their rays and across, without what all sensors have in
+// common. `problem` says why there are no numbers.
 struct RayRow {
   std::string take;
   std::uint64_t rows = 0;  // instants of single joints
   std::string problem = {};
   double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
   double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
-  double mean_m = kNoNumber, ranges_m = kNoNumber, range_bearing_m = kNoNumber;
 };
 
 // How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in

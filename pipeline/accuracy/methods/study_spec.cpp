@@ -45,7 +45,8 @@ void check_names(JsonObject& object, const StudySpec& spec) {
       object.objects("methods")[i].refuse(
           "name", "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
   for (const std::string& joint : spec.joints)
-    if (!joint_from_name(joint)) object.refuse("joints", "has \"" + joint + "\", which is no joint");
+    if (!joint_from_name(joint))
+      object.refuse("joints", "has \"" + joint + "\", which is no joint; known are: " + joint_names());
 }
 
 }  // namespace

@@ -78,20 +78,6 @@ std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
   return layout.block_instants;
 }
 
-// The plain mean of the same sensors, or else of all; none where the study has neither.
-std::optional<std::size_t> fallback_of(const Plan& plan, std::size_t method) {
-  const SensorMask all = SensorMask(~0ULL >> (kMaxSensors - plan.rig.size()));
-  const auto used = [&](const Method& m) { return m.allowed & all; };
-  std::optional<std::size_t> of_all;
-  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
-    const Method& mean = plan.methods[m];
-    if (mean.spec.kind->name != "mean" || mean.spec.occlusion != OcclusionRule::off) continue;
-    if (used(mean) == used(plan.methods[method])) return m;
-    if (used(mean) == all && !of_all) of_all = m;
-  }
-  return of_all;
-}
-
 }  // namespace
 
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
@@ -101,18 +87,11 @@ TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const St
   const auto instants = static_cast<double>(samples.header().takes[take].instants);
   const auto training_end =
       any_is_trained ? static_cast<std::uint64_t>(std::llround(layout.training_share * instants)) : 0;
-  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own, complete = own,
-                                            reference_complete = own;
+  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
   stream_take(
       samples, take, axes, SampleColumns::positions,
       [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
         const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
-        const std::size_t completed = view.completed_slot(i, j, m, layout),
-                          reference = view.completed_slot(i, j, layout.reference, layout);
-        if (is_usable(view.status(completed)) && is_usable(view.status(reference))) {
-          complete[k].add(view, i, j, completed, training_end);
-          reference_complete[k].add(view, i, j, reference, training_end);
-        }
         if (!is_usable(view.status(slot))) return;
         own[k].add(view, i, j, slot, training_end);
         if (!is_usable(view.status(reference_slot))) return;
@@ -124,11 +103,7 @@ TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const St
   for (AlignmentKind kind : kinds)
     result.push_back({solve_table(own, axes, kind, training_end),
                       solve_table(on_both, axes, kind, training_end),
-                      solve_table(reference_on_both, axes, kind, training_end),
-                      {},
-                      {}});
-  result.front().complete = solve_table(complete, axes, kinds.front(), training_end);
-  result.front().reference_complete = solve_table(reference_complete, axes, kinds.front(), training_end);
+                      solve_table(reference_on_both, axes, kind, training_end)});
   return result;
 }
 
@@ -147,7 +122,6 @@ StatisticsLayout statistics_layout(const Plan& plan) {
   layout.alignments = plan.study.alignments;
   layout.training_share = plan.study.training_share;
   layout.reference = plan.reference;
-  for (std::size_t m = 0; m < plan.methods.size(); ++m) layout.fallback.push_back(fallback_of(plan, m));
   const auto& kinds = layout.alignments;
   const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
   if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());

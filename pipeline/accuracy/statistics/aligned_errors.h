@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,7 +36,6 @@ struct StatisticsLayout {
   std::vector<AlignmentKind> alignments;
   double training_share = 0.0;                             // of a take's instants, at its start
   std::size_t reference = 0;                               // the method that the others are compared with
-  std::vector<std::optional<std::size_t>> fallback;        // by method: whose answer stands where it has none
   std::size_t body_alignment = 0;                          // of whole bodies: none when the study has it
   double rate_hz = 30.0;                                   // of the instants
   std::uint64_t block_instants = 30;                       // that make one time block
@@ -88,10 +86,6 @@ struct KindAlignments {
   AlignmentTable own;
   AlignmentTable on_both;            // the method's, on samples that the reference answers too
   AlignmentTable reference_on_both;  // the reference's, on samples that the method answers too
-  // The method's and the reference's, completed by their fallbacks, where both of these answer; of the first
-  // kind alone, empty for the others.
-  AlignmentTable complete;
-  AlignmentTable reference_complete;
 };
 using TakeAlignments = std::vector<KindAlignments>;  // by kind
 
@@ -111,12 +105,6 @@ struct SampleView {
   // How many sets the joint's samples of this instant belong to, from the first on.
   std::size_t sets(std::uint64_t i, std::size_t j) const {
     return axes.sets == 1 || block.occluded[i * axes.joints + j] == 0 ? 1 : 2;
-  }
-  // Where the method's answer stands, or that of its fallback when it has none.
-  std::size_t completed_slot(std::uint64_t i, std::size_t j, std::size_t m,
-                             const StatisticsLayout& layout) const {
-    const std::size_t own = slot(i, j, m);
-    return is_usable(status(own)) || !layout.fallback[m] ? own : slot(i, j, *layout.fallback[m]);
   }
   double heading_rad(std::uint64_t i) const { return static_cast<double>(block.heading_rad[i]); }
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }

@@ -28,8 +28,8 @@ class ParticipantErrors {
   bool knows(const std::string& name) const { return !methods_of(name).empty(); }
   std::vector<std::string> methods_of(const std::string& name) const;
 
-  // The mean error of a name over what it answers, or completed by its fallback; empty sums where there are
-  // no such samples.
+  // The mean error of a name over what it answers, or also over what the reference alone answers, with the
+  // reference's error; empty sums where there are no such samples.
   WeightedRatio error_m(const std::string& name, const std::string& condition,
                         const std::string& group) const;
   WeightedRatio complete_error_m(const std::string& name, const std::string& condition,

@@ -155,10 +155,9 @@ void add_take_rows(const Plan& plan, const StatisticsLayout& layout, std::size_t
   }
 }
 
-void add_families(const Plan& plan, const StatisticsLayout& layout, ResultsSummary& summary) {
-  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
-    const MethodSpec& spec = plan.methods[m].spec;
-    if (layout.fallback[m]) summary.fallbacks[spec.name] = summary.methods[*layout.fallback[m]];
+void add_families(const Plan& plan, ResultsSummary& summary) {
+  for (const Method& method : plan.methods) {
+    const MethodSpec& spec = method.spec;
     if (spec.family.empty()) continue;
     if (summary.families.empty() || summary.families.back().name != spec.family)
       summary.families.push_back({spec.family, spec.sensors.size(), {}});
@@ -218,7 +217,8 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   summary.takes_failed =
       static_cast<std::uint64_t>(std::count(outcome.evaluated.begin(), outcome.evaluated.end(), false));
   std::set<std::string> participants;
-  for (const PlannedTake& take : plan.takes) participants.insert(take.take.participant);
+  for (std::size_t t = 0; t < plan.takes.size(); ++t)
+    if (outcome.evaluated[t]) participants.insert(plan.takes[t].take.participant);
   for (const std::string& activity : activities_of(plan)) {
     summary.conditions.push_back(activity);
     if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
@@ -241,7 +241,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   ResultsSummary summary = empty_summary(plan, outcome);
   const StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
-  add_families(plan, layout, summary);
+  add_families(plan, summary);
   const std::vector<std::string> activities = activities_of(plan);
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,

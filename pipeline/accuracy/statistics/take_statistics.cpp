@@ -86,7 +86,7 @@ class TakeGatherer {
       const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
       if (!e.asked) return;
       const Pair pair = pair_of(view, i, j, m, a);
-      if (a == 0) add_joint(e, pair, completed_pair(view, i, j, m), sets, j * axes_.methods + m);
+      if (a == 0) add_joint(e, pair, pair_of_any(view, i, j, m, pair), sets, j * axes_.methods + m);
       for (std::size_t set = 0; set < sets; ++set)
         add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
       if (!is_usable(e.status)) continue;
@@ -151,12 +151,16 @@ class TakeGatherer {
         error_of(view, i, j, view.slot(i, j, m), alignments_[a].on_both[k]),
         error_of(view, i, j, view.slot(i, j, layout_.reference), alignments_[a].reference_on_both[k]));
   }
-  // The same of their answers completed by their fallbacks, under the first alignment.
-  Pair completed_pair(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m) const {
-    const std::size_t k = j * axes_.methods + m;
-    return pair_of(error_of(view, i, j, view.completed_slot(i, j, m, layout_), alignments_[0].complete[k]),
-                   error_of(view, i, j, view.completed_slot(i, j, layout_.reference, layout_),
-                            alignments_[0].reference_complete[k]));
+  // Where one of the two is silent, the other's error stands for both, under the first alignment: silence
+  // neither wins nor loses.
+  Pair pair_of_any(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m,
+                   const Pair& both) const {
+    if (both.both) return both;
+    for (const std::size_t of : {m, layout_.reference}) {
+      const AlignedError e = error_of(view, i, j, of, view.slot(i, j, of), alignments_[0].own);
+      if (is_usable(e.status)) return {true, e.error_m.norm(), e.error_m.norm()};
+    }
+    return {};
   }
   static Pair pair_of(const AlignedError& method, const AlignedError& reference) {
     if (!is_usable(method.status) || !is_usable(reference.status)) return {};

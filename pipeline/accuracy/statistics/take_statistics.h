@@ -63,7 +63,7 @@ struct JointSums {
   std::uint64_t asked = 0;
   Mean distance_m;      // of what was answered
   PairedSums both;      // where both answer
-  PairedSums complete;  // where both answer, or their fallbacks do
+  PairedSums complete;  // where any of the two answers: its error stands for both where the other is silent
 };
 
 struct TakeStatistics {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
@@ -132,6 +133,13 @@ std::vector<std::string> rig_of(const StudySpec& study, const Campaign& campaign
   return rig;
 }
 
+std::string mapped_names(const std::vector<PlannedTake>& takes) {
+  std::set<std::string_view> names;
+  for (const PlannedTake& take : takes)
+    for (const auto& entry : take.mapping.joints) names.insert(name_of(entry.joint));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 // All joints that any take maps, in the order of the tables.
 std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTake>& takes) {
   std::set<Joint> mapped;
@@ -244,7 +252,9 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   const bool any =
       std::any_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
   if (any && plan.joints.empty())
-    throw InputError("study \"" + study.name + '"', "asks for joints that no take's mapping maps");
+    throw InputError("study \"" + study.name + "\" /joints",
+                     fmt::format("asks for {}, which no take's mapping maps; they map {}",
+                                 fmt::join(study.joints, ", "), mapped_names(plan.takes)));
   plan.simulated = campaign.simulated;
   for (const PlannedTake& take : plan.takes) plan.simulated |= take.simulated;
   return plan;

@@ -64,10 +64,6 @@ RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& dat
   row.ratio = rays.ratio_of();
   row.ratio_low = rays.ratio.low;
   row.ratio_high = rays.ratio.high;
-  const PredictedErrors errors = predicted_errors(rows.observations, planned.world_from_sensor, rays.sigma);
-  row.mean_m = errors.mean_m;
-  row.ranges_m = errors.ranges_m;
-  row.range_bearing_m = errors.range_bearing_m;
   return row;
 }
 
