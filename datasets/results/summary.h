@@ -164,7 +164,7 @@ struct FamilyCell {
   double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
   double complete_m = kNoNumber, complete_low_m = kNoNumber,
          complete_high_m = kNoNumber;  // over what any answers, they or the reference
-  std::string best, worst;             // methods, by these errors
+  std::string best, worst;             // methods, by their ratio to the reference on common samples
   double best_m = kNoNumber, worst_m = kNoNumber;
 };
 

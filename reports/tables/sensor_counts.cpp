@@ -60,13 +60,14 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                             cm_cell(c->worst_m)});
     }
     if (table.rows.empty()) continue;
-    table.notes = {fmt::format("Mean over all sets of so many sensors, or over a declared number of them. As "
-                               "the reference where "
-                               "silent: where a set has no answer, the error of \"{}\" counts for it. By "
-                               "these errors the best and "
-                               "the worst set were picked, afterwards.",
-                               s.reference),
-                   "From and to: 95 % interval by Student's t between participants."};
+    table.notes = {
+        fmt::format("Mean over all sets of so many sensors, or over a declared number of them. As the "
+                    "reference where "
+                    "silent: where a set has no answer, the error of \"{0}\" counts for it. The best and the "
+                    "worst set "
+                    "were picked afterwards, by their ratio to \"{0}\" on the samples that both answer.",
+                    s.reference),
+        "From and to: 95 % interval by Student's t between participants."};
     tables.push_back(std::move(table));
   }
   return tables;
@@ -86,9 +87,8 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
       if (series == figure.series.end())
         series = figure.series.insert(figure.series.end(),
                                       {method, FigureSeries::Style::line_and_dots, {}, {}, method});
-      series->points.push_back({static_cast<double>(family.sensors), c->complete_m * kCentimetresPerMetre,
-                                c->complete_low_m * kCentimetresPerMetre,
-                                c->complete_high_m * kCentimetresPerMetre});
+      series->points.push_back({static_cast<double>(family.sensors), c->mae_m * kCentimetresPerMetre,
+                                c->low_m * kCentimetresPerMetre, c->high_m * kCentimetresPerMetre});
     }
     if (figure.series.empty()) continue;
     figure.id = usable_id(fmt::format("sensors-{}", condition));
@@ -97,8 +97,7 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
     figure.caption = fmt::format(
         "{}Mean absolute error over sets of so many sensors, with its interval over participants, average "
         "over the "
-        "joint groups, alignment {}; where a method has no answer, the mean of the sensors' positions stands "
-        "in.",
+        "joint groups, alignment {}; over what the methods answer.",
         s.simulated ? "Simulated. " : "", s.alignments.front());
     figure.x_label = "sensors";
     figure.y_label = "mean absolute error (cm)";

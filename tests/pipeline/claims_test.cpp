@@ -184,6 +184,21 @@ TEST(Claims, TheBestOfAFamilyIsChosenOnOtherParticipants) {
   EXPECT_NEAR(part("single").estimate.value, 100.0 * (34.1 / 24.0 - 1.0), 1e-9);
 }
 
+TEST(Claims, AMethodThatNeverAnswersIsNotTheBestOfItsFamily) {
+  PaperEvidence evidence =
+      walking({{"a", {4.0, 4.0, 4.0}}, {"single k1", {1.0, 1.0, 1.0}}, {"single k2", {8.0, 8.0, 8.1}}});
+  for (TakeJointRow& row : evidence.walking->by_take)
+    if (row.method == "single k1") {
+      row.answered = 0;
+      row.both = {};
+      row.complete = {10, row.complete.reference_mae_m, row.complete.reference_mae_m};
+    }
+  const JudgedClaim claim =
+      judge(R"("more_than": 1, "parts": [{"statistic": "errors", "of": "best of single", "against": "a"}])",
+            evidence);
+  EXPECT_NEAR(claim.parts.at(0).estimate.value, 100.0 * (24.1 / 12.0 - 1.0), 1e-9);
+}
+
 TEST(Claims, SayHowManyParticipantsWouldDecideThem) {
   const ContrastEstimate e{20.0, 10.0, 16};  // spread 40: a one-sided margin of 0 needs some 34
   const auto needed = clusters_needed(e, {ClaimBound::Side::more_than, 0.0}, 0.05);

@@ -73,23 +73,23 @@ std::vector<std::string> ParticipantErrors::best_on_others(const std::vector<std
   std::vector<std::string> best;
   const std::vector<std::string> groups = groups_of(condition);
   for (std::size_t p = 0; participants_.size() > 1 && p < participants_.size(); ++p) {
-    double least_m = kNaN;
+    double least = kNaN;
     for (const std::string& method : methods) {
-      double error_m = 0.0;
+      double ratio = 0.0;  // to the reference on the same samples, so that few answers win nothing
       for (const std::string& group : groups) {
-        double n = 0.0, sum_m = 0.0;
+        double method_m = 0.0, reference_m = 0.0;
         const ByParticipant all = sums_of(method, condition, group);
         for (std::size_t other = 0; other < all.size(); ++other) {
           if (other == p) continue;
-          n += all[other].complete.n;
-          sum_m += all[other].complete.method_m;
+          method_m += all[other].both.method_m;
+          reference_m += all[other].both.reference_m;
         }
-        error_m += sum_m / n;
+        ratio += method_m / reference_m;
       }
-      if (error_m >= least_m || std::isnan(error_m)) continue;
+      if (ratio >= least || std::isnan(ratio)) continue;
       if (best.size() <= p) best.emplace_back();
       best.back() = method;
-      least_m = error_m;
+      least = ratio;
     }
     if (best.size() <= p) return {};
   }

@@ -198,11 +198,19 @@ void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) 
                              complete = mean_error_m(errors, family.name, condition, true);
       FamilyCell cell{family.name,    condition,      own.value,       own.low(), own.high(),
                       complete.value, complete.low(), complete.high(), {},        {}};
+      double least = kNaN,
+             most = kNaN;  // on the samples that the reference answers, too: few answers win nothing
       for (const std::string& method : family.methods) {
-        const double error_m = mean_error_m(errors, method, condition, true).value;
-        if (!(error_m >= cell.best_m)) std::tie(cell.best, cell.best_m) = std::tie(method, error_m);
-        if (!(error_m <= cell.worst_m)) std::tie(cell.worst, cell.worst_m) = std::tie(method, error_m);
+        const double ratio =
+            solve_contrast(errors.difference(method, summary.reference, condition,
+                                             errors.groups_of(condition), ComparedSamples::both))
+                .value;
+        if (std::isnan(ratio)) continue;
+        if (!(ratio >= least)) std::tie(cell.best, least) = std::tie(method, ratio);
+        if (!(ratio <= most)) std::tie(cell.worst, most) = std::tie(method, ratio);
       }
+      cell.best_m = mean_error_m(errors, cell.best, condition, false).value;
+      cell.worst_m = mean_error_m(errors, cell.worst, condition, false).value;
       summary.family_cells.push_back(std::move(cell));
     }
 }
