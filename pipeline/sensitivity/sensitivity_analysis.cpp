@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "datasets/base/error.h"
 #include "evaluators/metrics/sobol_indices.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 namespace {
@@ -104,11 +107,29 @@ ClaimByFactor by_factor(const SensitivitySummary& s, const Space& space,
   return result;
 }
 
+// The mean over the campaigns of the simulation as it is, with its interval by Student's t.
+Estimate as_it_is(const SensitivitySummary& s, const SensitivityClaim& claim) {
+  std::vector<double> values;
+  for (const SensitivityPoint& point : s.points)
+    if (const double percent = difference_percent(claim, s.methods, point);
+        point.design == "default" && std::isfinite(percent))
+      values.push_back(std::log1p(0.01 * percent));
+  if (values.empty()) return {};
+  const Eigen::Map<const Eigen::ArrayXd> x(values.data(), static_cast<Eigen::Index>(values.size()));
+  const double mean = x.mean();
+  if (values.size() < 2) return {percent_of(mean), kNoNumber, kNoNumber};
+  const auto n = static_cast<double>(values.size());
+  const double half =
+      student_quantile(values.size() - 1) * std::sqrt((x - mean).square().sum() / (n - 1.0) / n);
+  return in_percent({mean, mean - half, mean + half});
+}
+
 void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityClaim& claim) {
   std::vector<double> difference;  // logarithms of ratios
   for (const SensitivityPoint* point : space.points) {
     difference.push_back(std::log1p(0.01 * difference_percent(claim, s.methods, *point)));
     claim.worst_percent = std::fmax(claim.worst_percent, percent_of(difference.back()));
+    claim.silent += std::isnan(difference.back()) ? 1 : 0;
   }
   const std::vector<WithInterval> all =
       bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
@@ -120,21 +141,26 @@ void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityC
       });
   claim.share = estimate_of(all[0]);
   claim.difference_percent = in_percent(all[1]);
-  for (const SensitivityPoint& point : s.points)
-    if (point.design == "default") claim.default_percent = difference_percent(claim, s.methods, point);
+  claim.default_percent = as_it_is(s, claim);
   const std::vector<SobolIndices> indices = sobol_indices(difference, s.factors.size(), kResamples, s.seed);
   for (std::size_t f = 0; f < s.factors.size(); ++f)
     claim.factors.push_back(by_factor(s, space, difference, f, indices[f]));
 }
 
 std::vector<Estimate> best_shares(const SensitivitySummary& s, const Space& space) {
-  const auto best = [](const SensitivityPoint& point) {
-    std::size_t least = point.mae_m.size();
-    for (std::size_t m = 0; m < point.mae_m.size(); ++m)
-      if (std::isfinite(point.mae_m[m]) &&
-          (least == point.mae_m.size() || point.mae_m[m] < point.mae_m[least]))
-        least = m;
-    return least;
+  // Which method errs less than every other on the samples that both answer; their number when none does.
+  const auto best = [methods = s.methods.size()](const SensitivityPoint& point) {
+    const auto beats = [&](std::size_t m, std::size_t other) {
+      return m == other || !(point.paired_m[m * methods + other] > point.paired_m[other * methods + m]);
+    };
+    std::size_t m = 0;
+    for (; m < methods; ++m) {
+      if (!std::isfinite(point.paired_m[m * methods + m])) continue;
+      std::size_t others = 0;
+      while (others < methods && beats(m, others)) ++others;
+      if (others == methods) break;
+    }
+    return m;
   };
   std::vector<Estimate> shares;
   for (const WithInterval& share :

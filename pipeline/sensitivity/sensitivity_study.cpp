@@ -13,12 +13,15 @@
 #include "datasets/results/results_file.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/statistics/method_pairs.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_take.h"
 
 namespace trilat {
 namespace {
+
+constexpr std::size_t kDefaultRows = 8;  // campaigns of the simulation as it is, for an interval
 
 // The points of an item, without their errors.
 struct Row {
@@ -64,42 +67,51 @@ std::vector<Row> slice_rows(const SensitivitySummary& head, std::size_t number) 
 
 std::vector<Row> rows_of(const SensitivitySummary& head) {
   std::vector<Row> rows = space_rows(head);
-  SensitivityPoint as_it_is{.design = "default", .row = 0, .position = {}};
-  as_it_is.position.assign(head.factors.size(), kNoNumber);
-  rows.push_back({"default/0", {as_it_is}});
+  for (std::size_t r = 0; r < kDefaultRows; ++r) {
+    SensitivityPoint as_it_is{.design = "default", .row = r, .position = {}};
+    as_it_is.position.assign(head.factors.size(), kNoNumber);
+    rows.push_back({fmt::format("default/{}", r), {as_it_is}});
+  }
   for (std::size_t s = 0; s < head.slices.size(); ++s)
     for (Row& row : slice_rows(head, s)) rows.push_back(std::move(row));
   return rows;
 }
 
-// The mean error of each method's joint groups in the study's first condition and alignment.
-void take_errors(const ResultsSummary& summary, SensitivityPoint& point) {
-  for (std::size_t m = 0; m < summary.methods.size(); ++m) {
-    const auto cell = std::ranges::find_if(summary.cells, [&](const SummaryCell& c) {
-      return c.group == kAverageGroup && c.method == summary.methods[m] &&
-             c.condition == summary.conditions.front() && c.alignment == summary.alignments.front();
-    });
-    point.mae_m[m] = cell == summary.cells.end() ? kNoNumber : cell->mae_m;
-    point.answered[m] = cell == summary.cells.end() ? kNoNumber : cell->coverage();
-  }
+// The shares that the methods answer in the study's first condition, and their errors in its first alignment.
+void take_errors(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& results,
+                 const ResultsSummary& summary, const Watch& watch, SensitivityPoint& point) {
+  for (std::size_t m = 0; m < summary.methods.size(); ++m)
+    for (const SummaryCell& cell : summary.cells)
+      if (cell.group == kAverageGroup && cell.method == summary.methods[m] &&
+          cell.condition == summary.conditions.front() && cell.alignment == summary.alignments.front())
+        point.answered[m] = cell.coverage();
+  const StatisticsLayout layout = statistics_layout(make_plan(study, campaign, {watch.stop_requested, {}}));
+  point.paired_m =
+      paired_errors_m(SamplesFile::open(results / "samples.h5"), summary.conditions.front(), layout);
 }
 
-// Rows of the space have seeds of their own: their points have the same persons, as have those of all slices.
+// Rows of the space have seeds of their own, and so has each campaign as it is: the points of a row have the
+// same persons, as have those of all slices.
 std::uint64_t seed_of(const SensitivitySpec& spec, const Row& row) {
-  return spec.head.seed + (row.points.front().design == "space" ? 1 + row.points.front().row : 0);
+  const SensitivityPoint& first = row.points.front();
+  if (first.design == "space") return spec.head.seed + 1 + first.row;
+  if (first.design == "default") return spec.head.seed + 1 + spec.head.rows + first.row;
+  return spec.head.seed;
 }
 
 void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::filesystem::path& scratch,
                     const Watch& watch, SensitivityPoint& point) {
-  point.mae_m.assign(spec.head.methods.size(), kNoNumber);
-  point.answered = point.mae_m;
+  const std::size_t methods = spec.head.methods.size();
+  point.paired_m.assign(methods * methods, kNoNumber);
+  point.answered.assign(methods, kNoNumber);
   const SimulationSpec simulation = simulation_at(spec, point.position, seed);
   const Campaign campaign = simulate_campaign(simulation, scratch / "campaign", {watch.stop_requested, {}});
   const ResultsSummary summary =
       execute_study(spec.study, campaign, scratch / "results", {.stop_requested = watch.stop_requested});
   for (const TakeNote& note : summary.notes)
     if (note.failed && point.problem.empty()) point.problem = note.text;
-  if (!summary.conditions.empty()) take_errors(summary, point);
+  if (!summary.conditions.empty())
+    take_errors(spec.study, campaign, scratch / "results", summary, watch, point);
   std::filesystem::remove_all(scratch);
 }
 

@@ -29,8 +29,7 @@ Figure slice_figure(const SensitivitySummary& s, const SensitivitySlice& slice,
   figure.title = fmt::format("{} (simulated)", claim.name);
   figure.caption = fmt::format(
       "Simulated, {} participants a point; everything else as the simulation has it. Colours: error of {} "
-      "over "
-      "the least of those it is held against{}; below 0 the claim holds.",
+      "over that of the methods it is held against, on common samples{}; below 0 the claim holds.",
       s.participants, claim.better,
       claim.margin_percent == 0.0 ? std::string() : fmt::format(", less {:g} %", claim.margin_percent));
   figure.x_label = axis_label(s.factors[fx]);

@@ -47,6 +47,9 @@ std::string flips_of(const SensitivitySummary& s, const SensitivityClaim& claim)
   return fmt::format("{}", fmt::join(flips, "; "));
 }
 
+// Of the space.
+std::uint64_t campaigns_of(const SensitivitySummary& s) { return s.rows * (s.factors.size() + 2); }
+
 // The factors that explain most of the difference, by their total index.
 std::string decisive_of(const SensitivityClaim& claim) {
   constexpr std::size_t kMost = 3;
@@ -66,27 +69,27 @@ Table claims_table(const SensitivitySummary& s) {
   table.id = usable_id("sensitivity-claims-" + s.study);
   table.title = fmt::format(
       "Where each claim holds, simulated: {} campaigns of {} participants all over the space (alignment: {})",
-      s.rows * (s.factors.size() + 2), s.participants, s.alignment);
-  table.columns = {{"claim", "claim", true},
-                   {"holds in (%)", "share_percent"},
-                   {"from", "share_low_percent"},
-                   {"to", "share_high_percent"},
-                   {"mean difference (%)", "difference_percent"},
-                   {"at worst (%)", "worst_percent"},
-                   {"as simulated (%)", "default_percent"},
-                   {"decided by", "decided_by", true},
-                   {"changes at", "changes_at", true}};
+      campaigns_of(s), s.participants, s.alignment);
+  table.columns = {{"claim", "claim", true},           {"compared in", "compared"},
+                   {"holds in (%)", "share_percent"},  {"from", "share_low_percent"},
+                   {"to", "share_high_percent"},       {"mean difference (%)", "difference_percent"},
+                   {"at worst (%)", "worst_percent"},  {"as simulated (%)", "default_percent"},
+                   {"from", "default_low_percent"},    {"to", "default_high_percent"},
+                   {"decided by", "decided_by", true}, {"changes at", "changes_at", true}};
   for (const SensitivityClaim& claim : s.claims)
-    table.rows.push_back({TableValue::of(claim.name), percent_cell(claim.share.value),
-                          percent_cell(claim.share.low), percent_cell(claim.share.high),
-                          TableValue::of(claim.difference_percent.value, 1),
-                          TableValue::of(claim.worst_percent, 1), TableValue::of(claim.default_percent, 1),
-                          TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
+    table.rows.push_back(
+        {TableValue::of(claim.name), TableValue::of(static_cast<double>(campaigns_of(s) - claim.silent), 0),
+         percent_cell(claim.share.value), percent_cell(claim.share.low), percent_cell(claim.share.high),
+         TableValue::of(claim.difference_percent.value, 1), TableValue::of(claim.worst_percent, 1),
+         TableValue::of(claim.default_percent.value, 1), TableValue::of(claim.default_percent.low, 1),
+         TableValue::of(claim.default_percent.high, 1), TableValue::of(decisive_of(claim)),
+         TableValue::of(flips_of(s, claim))});
   table.notes = {
-      "The difference is the method's error over the least of those it is held against, that enlarged by the "
-      "margin: below 0 the claim holds. Means are of logarithms of ratios; errors are means over the joint "
-      "groups of "
-      "what a method answers.",
+      "The difference is the method's error over that of the method it is held against, on the samples that "
+      "both answer; of several, the largest; less the margin. Below 0 the claim holds. Means are of "
+      "logarithms "
+      "of ratios; errors are means over the joint groups. Compared in: the campaigns with samples that both "
+      "answer; all other figures are of these.",
       "Decided by: total Sobol index, the share of the difference's variance in which a factor has a part. "
       "Changes at: where the straight line through all points crosses 0, over all other factors; an end of "
       "the "
@@ -161,6 +164,9 @@ std::vector<std::string> sensitivity_sentences(const SensitivitySummary& s) {
         fmt::format("**{}** holds in {} of the simulated space", claim.name, percent_text(claim.share));
     if (const std::string flips = flips_of(s, claim); !always && !never && !flips.empty())
       text += fmt::format("; it changes at {}", flips);
+    if (claim.silent > 0)
+      text += fmt::format("; {} of {} campaigns have no sample that both methods answer, and do not count",
+                          claim.silent, campaigns_of(s));
     sentences.push_back(text + '.');
   }
   return sentences;

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "evaluators/metrics/sobol_indices.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/statistics/method_pairs.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
+#include "reports/tables/tables.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
@@ -50,7 +54,7 @@ TEST(SensitivitySpec, WrittenOutItIsReadAsTheSame) {
       spec_of(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "height", "steps": 2}])"));
   const Json resolved = resolved_json(spec);
   EXPECT_EQ(resolved_json(spec_of(parse_json(resolved.dump(), "map.json"))).dump(), resolved.dump());
-  EXPECT_EQ(campaigns_of(spec), 4u * 4u + 1u + 4u);
+  EXPECT_EQ(campaigns_of(spec), 4u * 4u + 8u + 4u);
 }
 
 TEST(SensitivitySpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
@@ -97,17 +101,17 @@ TEST(SensitivityStudy, FindsWhereTrilaterationPays) {
   const ScratchFolder folder;
   run_study(sensitivity_study(spec_of(study_json())), folder / "map", {});
   const SensitivitySummary s = read_sensitivity_summary(folder / "map");
-  ASSERT_EQ(s.points.size(), 17u);
+  ASSERT_EQ(s.points.size(), 24u);
   for (const SensitivityPoint& point : s.points) {
     const double ratio = std::isfinite(point.position[0]) ? s.value_at(0, point.position[0]) : 1.0;
     if (ratio < 0.3) {
-      EXPECT_LT(point.mae_m[1], point.mae_m[0]) << ratio;
+      EXPECT_LT(point.paired_m[2], point.paired_m[1]) << ratio;
     }
     if (ratio > 0.8) {
-      EXPECT_GT(point.mae_m[1], point.mae_m[0]) << ratio;
+      EXPECT_GT(point.paired_m[2], point.paired_m[1]) << ratio;
     }
   }
-  EXPECT_GT(s.claims[0].default_percent, 20.0);
+  EXPECT_GT(s.claims[0].default_percent.low, 20.0);
   EXPECT_GT(s.claims[0].share.value, 0.0);
   EXPECT_LT(s.claims[0].share.value, 1.0);
   EXPECT_GT(s.claims[0].factors[0].total.value, s.claims[0].factors[1].total.value);
@@ -121,7 +125,7 @@ TEST(SensitivityVerb, TablesReportAndSlices) {
       study_json(kSpace, kClaims, R"(, "slices": [{"x": "height", "y": "ratio", "steps": 2}])").dump());
   const std::string map = folder / "map.json", results = folder / "results";
   const Ended plan = run_trilat(folder, {"run", map, "--dry-run"});
-  EXPECT_THAT(plan.out, HasSubstr("21 campaigns of 1 participants over 2 settings"));
+  EXPECT_THAT(plan.out, HasSubstr("28 campaigns of 1 participants over 2 settings"));
   const Ended ended = run_trilat(folder, {"run", map, "-o", results});
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, AllOf(HasSubstr("Where each claim holds, simulated"),
@@ -144,7 +148,7 @@ TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
     s.points.push_back({.design = "space",
                         .row = s.points.size() / 4,
                         .position = position,
-                        .mae_m = {0.7 + position[0], 1.0},
+                        .paired_m = {0.7 + position[0], 0.7 + position[0], 1.0, 1.0},
                         .answered = {1.0, 1.0}});
   analyse(s);
   const SensitivityClaim& claim = s.claims[0];
@@ -156,6 +160,69 @@ TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
   EXPECT_TRUE(std::isnan(claim.factors[1].break_even.value));
   EXPECT_EQ(claim.factors[1].bins.size(), 2u);
   EXPECT_NEAR(s.best_share[0].value, 0.3, 0.02);
+}
+
+// Where a method is silent in the space it is compared nowhere, and that is said.
+TEST(SensitivityAnalysis, PointsWithoutCommonSamplesAreCountedAndNotCompared) {
+  SensitivitySummary s;
+  s.study = "map";
+  s.rows = 16;
+  s.methods = {"a", "b", "c"};
+  s.factors = {{.name = "x", .unit = "m", .setting = "/x", .values = {}, .low = 0.0, .high = 10.0},
+               {.name = "y", .unit = "m", .setting = "/y", .values = {}, .low = 0.0, .high = 1.0}};
+  s.claims = {{.name = "a before b", .better = "a", .than = {"b"}},
+              {.name = "a before c", .better = "a", .than = {"c"}}};
+  std::size_t silent = 0;
+  for (const std::vector<double>& position : saltelli_design(s.factors.size(), s.rows)) {
+    const bool is_silent = position[0] < 0.25;
+    silent += is_silent ? 1 : 0;
+    const double b = is_silent ? kNoNumber : 1.0;
+    // alone a errs 5, where b answers it errs 0.5: only this is compared
+    s.points.push_back({.design = "space",
+                        .row = s.points.size() / 4,
+                        .position = position,
+                        .paired_m = {5.0, 0.5 * b, 5.0, b, b, b, 4.0, 2.0 * b, 4.0},
+                        .answered = {1.0, is_silent ? 0.0 : 0.3, 1.0}});
+  }
+  analyse(s);
+  ASSERT_GT(silent, 0u);
+  EXPECT_EQ(s.claims[0].silent, silent);
+  EXPECT_EQ(s.claims[0].share.value, 1.0);
+  EXPECT_NEAR(s.claims[0].difference_percent.value, -50.0, 1e-9);
+  EXPECT_EQ(s.claims[1].silent, 0u);
+  EXPECT_EQ(s.claims[1].share.value, 0.0);
+  // c errs less than a everywhere; where b answers, each errs less than one of the others
+  EXPECT_EQ(s.best_share[0].value, 0.0);
+  EXPECT_NEAR(s.best_share[2].value, static_cast<double>(silent) / 64.0, 1e-12);
+  EXPECT_EQ(s.best_share[1].value, 0.0);
+  EXPECT_THAT(sensitivity_sentences(s)[0],
+              HasSubstr(fmt::format("{} of 64 campaigns have no sample that both methods answer", silent)));
+}
+
+// What the results of an accuracy study say of its reference.
+TEST(MethodPairs, AreTheDifferencesOfTheResults) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
+  const StudySpec study = study_of(R"("alignments": ["rigid", "none"], "methods": [{"method": "mean"},
+      {"method": "nonlinear", "occlusion": "corrected", "fewest_sensors": 4}, {"method": "geometric"}])");
+  const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
+  const std::vector<double> paired_m =
+      paired_errors_m(SamplesFile::open(folder / "results/samples.h5"), summary.conditions.front(),
+                      statistics_layout(make_plan(study, campaign, {})));
+  std::size_t compared = 0;
+  for (const DifferenceCell& cell : summary.differences) {
+    if (cell.group != kAverageGroup || cell.alignment != "rigid") continue;
+    const auto m =
+        static_cast<std::size_t>(std::ranges::find(summary.methods, cell.method) - summary.methods.begin());
+    EXPECT_NEAR(paired_m[m * 3] - paired_m[m], cell.difference_m, 1e-9) << cell.method;
+    EXPECT_NEAR(paired_m[m], cell.difference_m / cell.percent_of_reference * 100.0, 1e-9) << cell.method;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 2u);
+  for (const SummaryCell& cell : summary.cells)
+    if (cell.group == kAverageGroup && cell.alignment == "rigid" && cell.method == "mean") {
+      EXPECT_NEAR(paired_m[0], cell.mae_m, 1e-9);
+    }
 }
 
 }  // namespace

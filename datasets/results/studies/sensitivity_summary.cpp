@@ -76,10 +76,11 @@ Json json_of(const SensitivityClaim& c) {
           {"better", c.better},
           {"than", c.than},
           {"margin_percent", c.margin_percent},
+          {"silent", c.silent},
           {"share", json_of(c.share)},
           {"difference_percent", json_of(c.difference_percent)},
           {"worst_percent", c.worst_percent},
-          {"default_percent", c.default_percent},
+          {"default_percent", json_of(c.default_percent)},
           {"factors", factors}};
 }
 
@@ -89,10 +90,11 @@ SensitivityClaim read_claim(JsonObject object) {
   c.better = object.text("better");
   c.than = object.texts("than");
   c.margin_percent = object.number("margin_percent");
+  c.silent = object.count("silent");
   c.share = read_estimate(object, "share");
   c.difference_percent = read_estimate(object, "difference_percent");
   c.worst_percent = number_or_nan(object, "worst_percent");
-  c.default_percent = number_or_nan(object, "default_percent");
+  c.default_percent = read_estimate(object, "default_percent");
   for (JsonObject& factor : object.objects("factors")) c.factors.push_back(read_by_factor(factor));
   object.finish();
   return c;
@@ -116,7 +118,7 @@ void write_points(const std::filesystem::path& path, const SensitivitySummary& s
       for (std::size_t f = 0; f < s.factors.size(); ++f)
         text.add(",{}", std::isfinite(point.position[f]) ? csv_field(s.text_at(f, point.position[f])) : "");
       text.add(",{}", csv_field(s.methods[m]));
-      for (const double number : {point.mae_m[m], point.answered[m]})
+      for (const double number : {point.paired_m[m * s.methods.size() + m], point.answered[m]})
         if (std::isfinite(number))
           text.add(",{:.9g}", number);
         else
@@ -146,8 +148,8 @@ std::string SensitivitySummary::text_at(std::size_t factor, double position) con
 }
 
 Json json_of(const SensitivityPoint& p) {
-  return {{"design", p.design}, {"row", p.row},           {"position", p.position},
-          {"mae_m", p.mae_m},   {"answered", p.answered}, {"problem", p.problem}};
+  return {{"design", p.design},     {"row", p.row},           {"position", p.position},
+          {"paired_m", p.paired_m}, {"answered", p.answered}, {"problem", p.problem}};
 }
 
 SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, std::size_t methods) {
@@ -155,7 +157,7 @@ SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, 
   p.design = object.text("design");
   p.row = object.count("row");
   p.position = object.numbers_or_none("position", factors);
-  p.mae_m = object.numbers_or_none("mae_m", methods);
+  p.paired_m = object.numbers_or_none("paired_m", methods * methods);
   p.answered = object.numbers_or_none("answered", methods);
   p.problem = object.text("problem");
   object.finish();
@@ -164,12 +166,16 @@ SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, 
 
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
                           const SensitivityPoint& point) {
-  const auto mae_of = [&](const std::string& name) {
-    return point.mae_m[static_cast<std::size_t>(std::ranges::find(methods, name) - methods.begin())];
+  const auto paired_m = [&](const std::string& method, const std::string& with) {
+    const auto index = [&](const std::string& name) {
+      return static_cast<std::size_t>(std::ranges::find(methods, name) - methods.begin());
+    };
+    return point.paired_m[index(method) * methods.size() + index(with)];
   };
-  double least_m = kNoNumber;
-  for (const std::string& name : claim.than) least_m = std::fmin(least_m, mae_of(name));
-  return 100.0 * (mae_of(claim.better) / least_m / (1.0 + 0.01 * claim.margin_percent) - 1.0);
+  double most = kNoNumber;
+  for (const std::string& name : claim.than)
+    most = std::fmax(most, paired_m(claim.better, name) / paired_m(name, claim.better));
+  return 100.0 * (most / (1.0 + 0.01 * claim.margin_percent) - 1.0);
 }
 
 void write_sensitivity_summary(const std::filesystem::path& folder, const SensitivitySummary& s) {

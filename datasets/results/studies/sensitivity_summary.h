@@ -29,7 +29,10 @@ struct SensitivityPoint {
   std::string design;            // "space", "default" or a slice's name
   std::uint64_t row = 0;         // of the design
   std::vector<double> position;  // by factor, 0 to 1 within its range or list; NaN: as the simulation has it
-  std::vector<double> mae_m = {};     // by method, the mean of the joint groups; NaN: nothing answered
+  // The mean error of each method (row) over the samples that each other one (column) answers too, both
+  // aligned on these; of a method with itself over all its answers. Mean of the joint groups; NaN: no such
+  // samples.
+  std::vector<double> paired_m = {};
   std::vector<double> answered = {};  // by method, share
   std::string problem = {};           // why there are no errors; empty when there are
 };
@@ -46,17 +49,18 @@ struct ClaimByFactor {
   std::vector<Bin> bins;  // equal parts of the range, or the values of the list
 };
 
-// "This method errs less than all of those": the difference is its error over the least of theirs, that
-// enlarged by the margin, minus 1; below 0 the claim holds. Means of differences are of logarithms of ratios,
-// so that twice and half the error balance each other.
+// "This method errs less than all of those": the difference is its error over theirs on the samples that both
+// answer, the largest of these ratios, that less the margin, minus 1; below 0 the claim holds. Means of
+// differences are of logarithms of ratios, so that twice and half the error balance each other.
 struct SensitivityClaim {
   std::string name, better;
   std::vector<std::string> than;
   double margin_percent = 0.0;
-  Estimate share = {};                 // of the space in which it holds
-  Estimate difference_percent = {};    // mean over the space
-  double worst_percent = kNoNumber;    // the largest difference in the space
-  double default_percent = kNoNumber;  // of the simulation as it is
+  std::uint64_t silent = 0;  // points of the space without a sample that both answer: in no figure here
+  Estimate share = {};       // of the others in which it holds
+  Estimate difference_percent = {};  // mean over the space
+  double worst_percent = kNoNumber;  // the largest difference in the space
+  Estimate default_percent = {};     // of the simulation as it is
   std::vector<ClaimByFactor> factors = {};
 };
 
@@ -84,7 +88,7 @@ struct SensitivitySummary {
 Json json_of(const SensitivityPoint& point);
 SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, std::size_t methods);
 
-// Of the claim at a point.
+// Of the claim at a point; NaN when no sample is answered by both.
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
                           const SensitivityPoint& point);
 
