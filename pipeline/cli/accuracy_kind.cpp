@@ -9,6 +9,7 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/take/rig_gdop.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
 #include "reports/render/render.h"
@@ -58,6 +59,11 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
   fmt::print("methods:");
   for (const Method& m : plan.methods) fmt::print(" {};", m.spec.name);
   fmt::print("\n");
+  for (const SilentMethod& silent : silent_methods(plan))
+    fmt::print(
+        "note: {} answers nothing on this rig ({}){}\n", plan.methods[silent.method].spec.name,
+        name_of(silent.status),
+        silent.method == plan.reference ? ": the others are compared with the first that answers" : "");
   for (std::size_t i = 0; i < plan.takes.size(); ++i) {
     const PlannedTake& t = plan.takes[i];
     if (owner[i] != shard.number) continue;
@@ -76,8 +82,8 @@ std::size_t failures_in(const std::vector<TakeNote>& notes) {
 
 void print_notes(const std::vector<TakeNote>& notes) {
   for (const TakeNote& note : notes)
-    fmt::print(stderr, "{}: take {}: {}: {}\n", note.failed ? "failed" : "note", note.take, note.place,
-               note.text);
+    fmt::print(stderr, "{}: {}{}: {}\n", note.failed ? "failed" : "note",
+               note.take.empty() ? "" : "take " + note.take + ": ", note.place, note.text);
 }
 
 void print_cross_check(const ResultsSummary& summary) {

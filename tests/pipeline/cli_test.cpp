@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "datasets/results/summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
@@ -354,6 +355,51 @@ TEST(RunSimulate, AnInterruptedSecondTryLeavesTheFirstCampaignAsItIs) {
   EXPECT_THROW(simulate_campaign(spec, folder / "campaign", {[] { return true; }, {}}), Interrupted);
   EXPECT_TRUE(std::filesystem::exists(folder / "campaign/campaign.json"));
   EXPECT_EQ(read_file(folder / "campaign/p01-walking/truth.json"), truth);
+}
+
+// Linear trilateration needs four ranges: with three sensors it answers nothing, and nothing is compared with
+// it.
+TEST(RunVerb, AReferenceThatAnswersNothingIsSaidAndNotComparedWith) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(2);
+  spec.rig.heights_m = {0.6, 2.2, 0.9};
+  simulate_into(folder / "campaign", spec);
+  write_file(folder / "study.json",
+             R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "three",
+                 "methods": [{"method": "linear"}, {"method": "nonlinear"}, {"method": "mean"}]})");
+  const std::vector<std::string> run{"run", folder / "study.json", "--campaign", folder / "campaign"};
+  const auto with = [&](std::initializer_list<std::string> more) {
+    std::vector<std::string> arguments = run;
+    arguments.insert(arguments.end(), more);
+    return run_trilat(folder, arguments);
+  };
+  EXPECT_THAT(with({"--dry-run"}).out,
+              HasSubstr("note: linear answers nothing on this rig (rank_deficient): the others are compared "
+                        "with the first that answers"));
+  const Ended ended = with({"-o", folder / "results"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.err,
+              HasSubstr("note: study \"three\" /reference: \"linear\" answers nothing in any take; the "
+                        "others are compared with \"nonlinear\""));
+  const ResultsSummary summary = read_summary(folder / "results");
+  EXPECT_EQ(summary.reference, "nonlinear");
+  std::size_t finite = 0;
+  for (const DifferenceCell& cell : summary.differences) finite += std::isfinite(cell.difference_m) ? 1 : 0;
+  EXPECT_EQ(finite, summary.differences.size() / 2);  // of the mean, none of linear
+  // the same as with nonlinear as reference from the start
+  write_file(
+      folder / "study.json",
+      R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "three", "reference": "nonlinear",
+                 "methods": [{"method": "linear"}, {"method": "nonlinear"}, {"method": "mean"}]})");
+  EXPECT_EQ(with({"-o", folder / "named"}).code, 0);
+  const ResultsSummary named = read_summary(folder / "named");
+  ASSERT_EQ(named.differences.size(), summary.differences.size());
+  for (std::size_t k = 0; k < named.differences.size(); ++k)
+    if (std::isfinite(named.differences[k].difference_m)) {
+      EXPECT_EQ(named.differences[k].low_m, summary.differences[k].low_m);
+    }
+  EXPECT_THAT(with({"--shard", "1/2", "-o", folder / "parts"}).err,
+              testing::Not(HasSubstr("answers nothing in any")));
 }
 
 }  // namespace

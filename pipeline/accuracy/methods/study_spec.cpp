@@ -95,7 +95,9 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
        {"truth",
         "what estimates are held against: mocap, or what each sensor in turn sees, left out of every method; "
         "auto: mocap where any take has it"},
-       {"reference", "the method that the others are compared with; empty: the first"},
+       {"reference",
+        "the method that the others are compared with; empty: the first; when it answers nothing, the first "
+        "that does"},
        {"alignments", "how truth and estimates are brought together before they are compared"},
        {"rate_hz", "of the instants that are evaluated"},
        {"sensor_gap_s", "no sensor is interpolated across a longer gap"},

@@ -9,6 +9,7 @@
 #include <span>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include "datasets/base/error.h"
@@ -241,13 +242,39 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   return summary;
 }
 
+// The first method that answers anything, when the reference answers nothing in any take; else the reference.
+std::size_t answering_reference(const StatisticsLayout& layout, const std::vector<TakeSummary>& takes) {
+  std::vector<std::uint64_t> answered(layout.axes.methods, 0);
+  for (const TakeSummary& take : takes)
+    for (std::size_t k = 0; k < take.statistics.of_joint.size(); ++k)
+      answered[k % answered.size()] += take.statistics.of_joint[k].distance_m.n;
+  if (answered[layout.reference] > 0) return layout.reference;
+  const auto first = std::ranges::find_if(answered, [](std::uint64_t n) { return n > 0; });
+  return first == answered.end() ? layout.reference : static_cast<std::size_t>(first - answered.begin());
+}
+
+// Compares the takes with another reference than their summaries were made with.
+void compare_with(std::size_t reference, const SamplesFile& samples, StatisticsLayout& layout,
+                  std::vector<TakeSummary>& takes, ResultsSummary& summary) {
+  const std::string silent = summary.reference;
+  layout.reference = reference;
+  summary.reference = summary.methods[reference];
+  parallel_for_index(takes.size(), 1, [&](std::size_t t) {
+    takes[t].statistics = summarise_take(samples, t, layout).statistics;
+  });
+  summary.notes.push_back(
+      {"", false, "study \"" + summary.study + "\" /reference",
+       fmt::format("\"{}\" answers nothing in any take; the others are compared with \"{}\"", silent,
+                   summary.reference)});
+}
+
 }  // namespace
 
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
                          const BringTake& bring, std::uint64_t budget_bytes,
                          const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
-  const StatisticsLayout layout = statistics_layout(plan);
+  StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
   add_families(plan, summary);
   const std::vector<std::string> activities = activities_of(plan);
@@ -269,6 +296,8 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
     takes[t].alignments = {};
     if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
   });
+  if (const std::size_t reference = answering_reference(layout, takes); reference != layout.reference)
+    compare_with(reference, samples, layout, takes, summary);
   for (std::size_t a = 0; a < activities.size(); ++a) {
     std::vector<std::size_t> of_activity;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)

@@ -30,7 +30,44 @@ double gdop_at(const std::vector<RigidTransform>& world_from_sensor, const Eigen
   return precision_at(problem, point_m, variance_m2).gdop;
 }
 
+// What the method says of a joint there, seen by all without any error.
+SolveStatus status_at(const Method& method, const std::vector<RigidTransform>& world_from_sensor,
+                      const Eigen::Vector3d& point_m) {
+  std::vector<JointObservation> observations;
+  for (const RigidTransform& sensor : world_from_sensor)
+    observations.push_back(observe(sensor.inverse() * point_m, TrackingState::tracked, sensor));
+  return evaluate(method, JointInstant{.observations = observations,
+                                       .world_from_sensor = world_from_sensor,
+                                       .ranges = ranges_of(observations, world_from_sensor)})
+      .status;
+}
+
+const PlannedTake* first_planned(const Plan& plan) {
+  const auto take = std::ranges::find_if(plan.takes, &PlannedTake::ok);
+  return take == plan.takes.end() ? nullptr : &*take;
+}
+
 }  // namespace
+
+std::vector<SilentMethod> silent_methods(const Plan& plan) {
+  const PlannedTake* take = first_planned(plan);
+  if (!take) return {};
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (const RigidTransform& sensor : take->world_from_sensor)
+    middle_m += sensor.translation_m / static_cast<double>(take->world_from_sensor.size());
+  std::vector<SilentMethod> silent;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    if (is_over_time(plan.methods[m])) continue;
+    SolveStatus status = SolveStatus::not_solved;
+    for (const double up_m : {-0.3, 0.2, 0.5}) {
+      const Eigen::Vector3d aside_m{up_m, up_m, 0.4 * up_m};  // no point that is special to the rig
+      status = status_at(plan.methods[m], take->world_from_sensor, middle_m + aside_m);
+      if (is_usable(status)) break;
+    }
+    if (!is_usable(status)) silent.push_back({m, status});
+  }
+  return silent;
+}
 
 bool is_in_view(const RigidTransform& world_from_sensor, const Eigen::Vector3d& point_in_world_m) {
   const Eigen::Vector3d p = world_from_sensor.inverse() * point_in_world_m;
@@ -40,8 +77,8 @@ bool is_in_view(const RigidTransform& world_from_sensor, const Eigen::Vector3d& 
 }
 
 std::optional<GdopMap> rig_gdop(const Plan& plan) {
-  const auto take = std::find_if(plan.takes.begin(), plan.takes.end(), [](const auto& t) { return t.ok; });
-  if (take == plan.takes.end()) return std::nullopt;
+  const PlannedTake* take = first_planned(plan);
+  if (!take) return std::nullopt;
   GdopMap map;
   map.take = take->take.id;
   map.height_m = kHeight_m;

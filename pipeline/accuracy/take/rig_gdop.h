@@ -20,4 +20,12 @@ bool is_in_view(const RigidTransform& world_from_sensor, const Eigen::Vector3d& 
 // around them; nothing when no take can be.
 std::optional<GdopMap> rig_gdop(const Plan& plan);
 
+// Methods that answer nothing on that rig even where every sensor sees a joint without any error, and why;
+// none of those over time.
+struct SilentMethod {
+  std::size_t method = 0;
+  SolveStatus status = SolveStatus::not_solved;
+};
+std::vector<SilentMethod> silent_methods(const Plan& plan);
+
 }  // namespace trilat
