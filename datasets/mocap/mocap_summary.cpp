@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "datasets/base/error.h"
 #include "datasets/mocap/mocap_reader.h"
 
@@ -23,10 +25,34 @@ MocapSummarizer::MocapSummarizer(const MocapHeader& header, MocapSummaryOptions 
   for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].asset = header.assets[i];
 }
 
+LikelyUp likely_up(const MocapSummary& summary) {
+  constexpr double kTimes = 1.5;  // as long as the next axis
+  Eigen::AlignedBox3d box;
+  for (const AssetSummary& asset : summary.assets)
+    if (asset.samples > 0) box.extend(Eigen::Vector3d(asset.sum_m / static_cast<double>(asset.samples)));
+  LikelyUp up;
+  if (box.isEmpty()) return up;
+  up.spread_m = box.sizes();
+  Eigen::Index longest = 0;
+  const double most_m = up.spread_m.maxCoeff(&longest);
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (axis != longest && !(most_m > kTimes * up.spread_m[axis])) return up;
+  up.axis = "xyz"[longest];
+  return up;
+}
+
 void MocapSummarizer::add(const MocapFrame& frame) {
   TRILAT_CHECK(frame.poses.size() == tracks_.size(), "a frame has a pose for each asset");
   const bool skips = summary_.frames > 0 && frame.index - last_index_ > 1;
   add_time(frame);
+  Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+  double positions = 0.0;
+  for (const MocapPose& pose : frame.poses)
+    if (pose.has_position()) {
+      mean_m += pose.position_m;
+      positions += 1.0;
+    }
+  mean_m /= positions;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
     AssetSummary& counts = summary_.assets[i];
@@ -35,6 +61,7 @@ void MocapSummarizer::add(const MocapFrame& frame) {
     track.missed = track.missed || skips || !present;
     counts.frozen += track.stretch.add(pose, present, frame.time, options_.frozen);
     if (present) {
+      if (pose.has_position()) counts.sum_m += pose.position_m - mean_m;
       add_sample(pose, frame.time, track, counts);
     } else {
       ++counts.missing;

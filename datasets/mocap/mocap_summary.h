@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "datasets/mocap/frozen_filter.h"
@@ -22,7 +23,8 @@ struct AssetSummary {
   std::int64_t missing = 0;    // frames in which it is not
   std::int64_t frozen = 0;     // samples inside frozen stretches
   std::int64_t sentinels = 0;  // samples that say "lost": exactly at zero, or unmoving without a rotation
-  std::int64_t jumps = 0;      // steps from one sample to the next faster than the limit
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();  // of its positions, less the mean of all in the frame
+  std::int64_t jumps = 0;                           // steps from one sample to the next faster than the limit
   // Longest time between two neighbouring samples with a frame missing between them; what is
   // missing before the first and after the last sample does not count.
   double longest_gap_s = 0.0;
@@ -37,6 +39,14 @@ struct MocapSummary {
   double largest_time_error_s = kMissing;  // of the printed time against the delivered one
   std::vector<AssetSummary> assets;        // as in the header
 };
+
+// The axis along which the assets' mean positions spread most: that which points up, when it is a person or a
+// rig of markers on one. 'x', 'y' or 'z'; nothing when another axis is nearly as long.
+struct LikelyUp {
+  std::optional<char> axis;
+  Eigen::Vector3d spread_m = Eigen::Vector3d::Constant(kMissing);
+};
+LikelyUp likely_up(const MocapSummary& summary);
 
 // Accumulates a summary frame by frame, in memory that does not grow.
 class MocapSummarizer {

@@ -68,6 +68,7 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
   RecordedMotion result;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double points = 0.0;
+  StandingAxis standing;
   FrozenFilter frames(reader);
   for (MocapFrame frame; frames.next(frame);) {
     const double t = frame.time.ns * 1e-9;
@@ -77,12 +78,18 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
       if (!point.allFinite()) continue;
       (*tracks)[j].time_s.push_back(t);
       (*tracks)[j].point_m.push_back(point);
+      standing.add(joints[j].joint, point);
       sum_m += point;
       ++points;
     }
   }
   if (points == 0.0) throw InputError(mocap.string(), "never holds any of the mapped joints whole");
   result.centre_m = sum_m / points;
+  if (standing.axis() == UpAxis::z) {
+    result.centre_m = y_up_from_z_up(result.centre_m);
+    for (JointTrack& track : *tracks)
+      for (Eigen::Vector3d& point : track.point_m) point = y_up_from_z_up(point);
+  }
   for (const MappedJoint& mapped : joints) result.joints.push_back(mapped.joint);
   result.motion = [tracks](double t) {
     SkeletonPose pose;

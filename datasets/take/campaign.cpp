@@ -29,8 +29,10 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
     take.mocap = path_within(entry, "mocap", folder, outside);
     take.mapping = path_within(entry, "mapping", folder, outside);
     take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+    take.up_axis =
+        static_cast<UpAxis>(entry.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
   }
-  for (const char* key : {"mapping", "mocap_start_host_ns"})
+  for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"})
     if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
@@ -44,6 +46,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
        {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
+       {"up_axis", "of the truth's world; auto: z where the person stands along it, else y"},
        {"tracker_truth", "of a simulated take: what its body tracker did"}});
   entry.finish();
   return take;
@@ -121,6 +124,8 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
       takes.back().update({{"mocap", inside(take.mocap)},
                            {"mapping", inside(take.mapping)},
                            {"mocap_start_host_ns", take.mocap_start_host_ns}});
+    if (take.up_axis != UpAxis::automatic)
+      takes.back()["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
     if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
   }
   write_file(folder / "campaign.json", Json{{"format", kCampaignFormat},

@@ -9,6 +9,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
+#include "datasets/take/up_axis.h"
 
 namespace trilat {
 
@@ -45,6 +46,7 @@ struct Take {
   std::int64_t mocap_start_host_ns = 0;
   // What the simulator knows about the body tracker; empty when there is none.
   std::filesystem::path tracker_truth{};
+  UpAxis up_axis = UpAxis::automatic;  // of the mocap's world
   // The sensor whose tracked joints stand for the truth, and which no method sees; empty when mocap is the
   // truth. Not of a file: a study makes such takes.
   std::string left_out{};

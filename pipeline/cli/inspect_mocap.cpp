@@ -13,6 +13,11 @@
 namespace trilat {
 namespace {
 
+// Motive's own exports have y up, whatever they show.
+LikelyUp up_of(const MocapHeader& header, const MocapSummary& summary) {
+  return header.format.starts_with("Motive") ? LikelyUp{} : likely_up(summary);
+}
+
 Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomalies& a) {
   Json assets = Json::array();
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
@@ -30,6 +35,7 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
                       {"sentinels", summary.sentinels},
                       {"longest_gap_s", summary.longest_gap_s}});
   }
+  const LikelyUp up = up_of(header, s);
   const auto count_or_null = [](const std::optional<std::int64_t>& n) { return n ? Json(*n) : Json(); };
   return {{"format", header.format},
           {"take", header.take_name},
@@ -41,6 +47,7 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
           {"rotation_type", header.rotation_type},
           {"coordinate_space", header.coordinate_space},
           {"left_handed", header.left_handed},
+          {"probably_up", up.axis ? Json(std::string(1, *up.axis)) : Json()},
           {"capture_start", header.capture_start_text},
           {"stated_frames", count_or_null(header.total_exported_frames)},
           {"index_gaps", s.index_gaps},
@@ -75,6 +82,12 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   fmt::print("{} frames from {} at {:g} Hz ({:.3f} s), unit {}, {}\n", s.frames, header.first_frame,
              s.rate_hz, s.duration_s, name_of(header.length_unit),
              header.left_handed ? "left-handed (read as right-handed)" : "right-handed");
+  if (const LikelyUp up = up_of(header, s); up.axis)
+    fmt::print("up: probably {}{}; the assets spread {:.2f}, {:.2f}, {:.2f} m along x, y, z\n", *up.axis,
+               *up.axis == 'y'
+                   ? ""
+                   : " (a take of a campaign is turned by how the person stands, or by \"up_axis\")",
+               up.spread_m.x(), up.spread_m.y(), up.spread_m.z());
   if (s.index_gaps > 0)
     fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.skipped_frames);
   print_anomalies(a);

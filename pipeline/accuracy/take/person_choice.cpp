@@ -147,10 +147,6 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
   return taken;
 }
 
-}  // namespace
-
-namespace {
-
 // Person 0 has the most frames.
 std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const PersonMatch& match,
                                              std::size_t sensors) {
@@ -160,6 +156,7 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
   for (std::size_t k = 0; k < tracklets.all.size(); ++k)
     if (match.person_of_tracklet[k] == 0)
       choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
+  choice.sees_several = tracklets.frames_with_several > 0;
   choice.note = fmt::format(
       "matched across sensors, its bodies are {} persons, of whom the one with the most "
       "frames was taken",
@@ -195,10 +192,20 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
   choice.tracking_ids.resize(plan.rig.size());
   for (std::size_t k = 0; k < persons.size(); ++k)
     if (is_taken(persons[k])) choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
-  choice.note = fmt::format(
-      "{} frames hold several bodies; matched across sensors they are {} persons, of whom the one nearest to "
-      "the ground truth was taken (in the median {:.2f} m from the middle of the markers)",
-      tracklets.frames_with_several, match.persons, nearest_m);
+  choice.sees_several = tracklets.frames_with_several > 0;
+  choice.note =
+      choice.sees_several
+          ? fmt::format("{} frames hold several bodies; matched across sensors they are {} persons",
+                        tracklets.frames_with_several, match.persons)
+          : fmt::format(
+                "no sensor sees two bodies at once, but those of different sensors or times lie as far apart "
+                "as {} persons do",
+                match.persons);
+  choice.note += fmt::format(
+      ", of whom the one nearest to the ground truth was taken (in the median {:.2f} m from the middle of "
+      "the "
+      "markers)",
+      nearest_m);
   if (taken.size() > 1)
     choice.note += fmt::format(", and {} about as near whom no sensor sees beside it", taken.size() - 1);
   return choice;

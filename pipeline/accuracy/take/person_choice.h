@@ -16,6 +16,7 @@ namespace trilat {
 // Which bodies of each sensor are the person whom the mocap measured.
 struct PersonChoice {
   std::vector<std::set<std::uint64_t>> tracking_ids;  // by rig sensor
+  bool sees_several = false;                          // any sensor at one time
   std::string note;
 };
 

@@ -18,6 +18,9 @@
 namespace trilat {
 namespace {
 
+// Of the truth, to see which axis points up: so many instants with a joint, of at most so many.
+constexpr double kProbe_s = 0.1;
+constexpr std::size_t kProbes = 10, kMostProbes = 300;
 constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
 
 struct HostSpan {
@@ -79,6 +82,35 @@ JointMapping every_joint() {
 
 constexpr const char* kWithout = ".without.";  // between a take's id and the sensor that is left out
 
+// Whether the truth's world has z up and the sensors' has not: by how the person stands at the start.
+bool stands_along_z(const PlannedTake& planned, const SessionReader& session,
+                    const std::vector<Joint>& joints) {
+  TruthTrack truth(planned, joints, duration_from_s(kProbe_s));  // its assets exist
+  if (planned.take.up_axis != UpAxis::automatic) return planned.take.up_axis == UpAxis::z;
+  if (!planned.level) return false;
+  StandingAxis of_truth, of_sensors;
+  std::vector<Eigen::Vector3d> points(joints.size());
+  std::size_t seen = 0;
+  for (std::size_t k = 0; k < kMostProbes && seen < kProbes; ++k) {
+    truth.at(MocapTime{} + duration_from_s(static_cast<double>(k) * kProbe_s), points);
+    for (std::size_t j = 0; j < joints.size(); ++j) of_truth.add(joints[j], points[j]);
+    seen += std::ranges::any_of(points, [](const auto& point) { return point.allFinite(); }) ? 1 : 0;
+  }
+  if (of_truth.axis() != UpAxis::z) return false;
+  for (std::size_t s = 0; s < planned.session_sensor.size(); ++s) {
+    const std::size_t sensor = planned.session_sensor[s];
+    const std::uint64_t frames = std::min<std::uint64_t>(session.counts(sensor).body_frames, kMostProbes);
+    for (const BodyFrame& frame : session.body_frames(sensor, 0, frames))
+      for (const Body& body : frame.bodies)
+        for (std::size_t j = 0; j < kJointCount; ++j)
+          if (static_cast<TrackingState>(body.tracking_state[j]) == TrackingState::tracked)
+            of_sensors.add(static_cast<Joint>(j),
+                           planned.world_from_sensor[s] *
+                               Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data()).cast<double>());
+  }
+  return of_sensors.axis() != UpAxis::z;
+}
+
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
     throw InputError("take \"" + planned.take.id + '"',
@@ -105,8 +137,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   plan_instants(planned, rig, spans, study.rate_hz);
   std::vector<Joint> mapped;
   for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
-  if (has_truth)  // its assets exist
-    TruthTrack(planned.take.mocap, planned.mapping, planned.take.mapping, mapped, Duration{});
+  if (has_truth) planned.truth_has_z_up = stands_along_z(planned, session, mapped);
   planned.ok = true;
 }
 

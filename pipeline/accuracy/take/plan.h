@@ -27,6 +27,7 @@ struct PlannedTake {
   bool simulated = false;
   bool level = true;  // the calibration's world has y up, as far as its label says
   bool in_mocap_world = false;
+  bool truth_has_z_up = false;
   JointMapping mapping;
   std::vector<std::size_t> session_sensor;        // by rig sensor
   std::vector<RigidTransform> world_from_sensor;  // by rig sensor

@@ -12,7 +12,9 @@
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/depth_occlusion.h"
 #include "pipeline/accuracy/take/person_choice.h"
+#include "pipeline/accuracy/take/sensor_checks.h"
 #include "pipeline/accuracy/take/sensor_track.h"
+#include "pipeline/accuracy/take/truth_checks.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
 
@@ -20,6 +22,7 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kStopPeriod = 256;  // instants between two looks at stop_requested
+constexpr double kMostRepeated = 0.2;     // of the frames of a truth
 constexpr std::size_t kTogether = 64;     // instants that one thread looks at for occlusions
 
 void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
@@ -40,8 +43,7 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
 // Fills in the truth and returns what there is to know of it.
 std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
                                  const std::function<bool()>& stop_requested, TakeData& data) {
-  TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
-                   duration_from_s(plan.study.truth_gap_s));
+  TruthTrack truth(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
   const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
   const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
   data.truth_m.resize(data.time.size() * plan.joints.size());
@@ -56,6 +58,16 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
   const auto note = [&](std::string text) {
     notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
   };
+  if (planned.truth_has_z_up && planned.take.up_axis == UpAxis::automatic)
+    note(
+        "has its z axis up: the person stands along it. It was turned so that y is up, as everywhere here; "
+        "say "
+        "\"up_axis\": \"y\" in the take if that is wrong");
+  if (const double share = truth.repeated_share(); share > kMostRepeated)
+    note(fmt::format(
+        "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
+        "of the stated one, and what moves stands still between; export it at the rate of the capture",
+        100.0 * share, 100.0 * (1.0 - share)));
   if (truth.samples_frozen() > 0)
     note(
         fmt::format("{} samples stand still to the last digit or lie exactly at the origin and were not "
@@ -74,6 +86,17 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
   return notes;
 }
 
+// The tracks at these times, from their start.
+BodyTracks follow(std::vector<SensorTrack> tracks, const std::vector<HostTime>& time,
+                  const std::function<bool()>& stop_requested) {
+  BodyTracks bodies(time.size(), tracks.size());
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    check_stop(i, stop_requested);
+    for (std::size_t s = 0; s < tracks.size(); ++s) tracks[s].observe(time[i], bodies.at(i, s));
+  }
+  return bodies;
+}
+
 void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   const std::size_t sensors = plan.rig.size();
@@ -81,20 +104,22 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
   for (std::size_t s = 0; s < sensors; ++s)
     tracks.emplace_back(session, planned.session_sensor[s], planned.host_from_sensor[s],
                         duration_from_s(plan.study.sensor_gap_s));
-  if (const auto person = choose_person(plan, planned, session, data, stop_requested)) {
+  const auto person = choose_person(plan, planned, session, data, stop_requested);
+  // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
+  std::vector<TakeNote> notes;
+  if (person && !person->sees_several)
+    notes = check_sensors(plan, planned, follow(tracks, data.time, stop_requested));
+  if (person) {
     for (std::size_t s = 0; s < sensors; ++s) tracks[s].choose(person->tracking_ids[s]);
     data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   }
-  data.bodies = BodyTracks(data.time.size(), sensors);
+  data.bodies = follow(tracks, data.time, stop_requested);
+  if (!person || person->sees_several) notes = check_sensors(plan, planned, data.bodies);
+  data.notes.insert(data.notes.end(), notes.begin(), notes.end());
   bool any_seen = false;
-  for (std::size_t i = 0; i < data.time.size(); ++i) {
-    check_stop(i, stop_requested);
-    for (std::size_t s = 0; s < sensors; ++s) {
-      ObservedBody& body = data.bodies.at(i, s);
-      tracks[s].observe(data.time[i], body);
-      for (const Joint joint : plan.joints) any_seen |= body.has(joint);
-    }
-  }
+  for (std::size_t i = 0; i < data.time.size(); ++i)
+    for (std::size_t s = 0; s < sensors; ++s)
+      for (const Joint joint : plan.joints) any_seen |= data.bodies.at(i, s).has(joint);
   if (!any_seen)
     throw InputError(
         planned.take.session.string(),
@@ -198,7 +223,10 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
       data.notes.push_back(std::move(note));
   read_bodies(plan, planned, session, stop_requested, data);
   repair(plan, planned, data);
-  if (has_truth) check_clock(plan, planned, stop_requested, data);
+  if (has_truth) {
+    check_clock(plan, planned, stop_requested, data);
+    for (TakeNote& note : check_truth(plan, planned, data)) data.notes.push_back(std::move(note));
+  }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   find_occlusions(plan, planned, session, stop_requested, data);
   return data;

@@ -60,8 +60,7 @@ std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& plan
 
 std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                   double margin_s, const std::function<bool()>& stop_requested) {
-  TruthTrack truth(planned.take.mocap, planned.mapping, planned.take.mapping, plan.joints,
-                   duration_from_s(plan.study.truth_gap_s));
+  TruthTrack truth(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
   std::vector<PointPath> paths(plan.joints.size());
   std::vector<Eigen::Vector3d> joints(plan.joints.size());
   const double length_s = (data.time.back() - data.time.front()).seconds() + 2.0 * margin_s;
@@ -117,8 +116,23 @@ struct TruthTrack::State {
   std::deque<MocapFrame> window;  // around the time last asked for, longest_gap to both sides
   MocapTime last_read;
   bool ended = false;
+  bool has_z_up;
+  double frames_read = 0.0, frames_repeated = 0.0;
 
-  State(const std::filesystem::path& mocap, Duration gap) : reader(mocap), frames(reader), longest_gap(gap) {}
+  State(const PlannedTake& planned, Duration gap)
+      : reader(planned.take.mocap), frames(reader), longest_gap(gap), has_z_up(planned.truth_has_z_up) {}
+
+  // Whether there is any position of the joints, and none that differs.
+  bool repeats(const MocapFrame& frame, const MocapFrame& before) const {
+    bool any = false;
+    for (const std::vector<std::size_t>& assets : assets_of_joint)
+      for (const std::size_t asset : assets) {
+        if (!frame.poses[asset].has_position()) continue;
+        if (frame.poses[asset].position_m != before.poses[asset].position_m) return false;
+        any = true;
+      }
+    return any;
+  }
 
   void move_to(MocapTime t) {
     while (!ended && (window.empty() || window.back().time < t + longest_gap)) {
@@ -128,6 +142,8 @@ struct TruthTrack::State {
         break;
       }
       last_read = frame.time;
+      ++frames_read;
+      if (!window.empty() && repeats(frame, window.back())) ++frames_repeated;
       window.push_back(std::move(frame));
     }
     while (!window.empty() && window.front().time < t - longest_gap) window.pop_front();
@@ -151,15 +167,13 @@ struct TruthTrack::State {
   }
 };
 
-TruthTrack::TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
-                       const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
-                       Duration longest_gap)
-    : state_(std::make_unique<State>(mocap, longest_gap)) {
+TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap)
+    : state_(std::make_unique<State>(planned, longest_gap)) {
   std::vector<std::size_t> wanted;
   for (Joint joint : joints) {
     std::vector<std::size_t> assets;
-    for (const auto& entry : mapping.joints)
-      if (entry.joint == joint) assets = resolve(entry, state_->reader.header(), mapping_file);
+    for (const auto& entry : planned.mapping.joints)
+      if (entry.joint == joint) assets = resolve(entry, state_->reader.header(), planned.take.mapping);
     wanted.insert(wanted.end(), assets.begin(), assets.end());
     state_->assets_of_joint.push_back(std::move(assets));
   }
@@ -177,6 +191,7 @@ void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
     for (std::size_t asset : assets) sum += state_->asset_at(asset, t);
     joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaNumber)
                                : Eigen::Vector3d(sum / static_cast<double>(assets.size()));
+    if (state_->has_z_up) joints[j] = y_up_from_z_up(joints[j]);
   }
 }
 
@@ -189,6 +204,10 @@ std::uint64_t TruthTrack::samples_frozen() const {
   std::uint64_t sum = 0;
   for (const std::int64_t removed : state_->frames.removed()) sum += static_cast<std::uint64_t>(removed);
   return sum;
+}
+
+double TruthTrack::repeated_share() const {
+  return state_->frames_repeated / std::max(1.0, state_->frames_read);
 }
 
 const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }

@@ -13,7 +13,7 @@
 
 #include "datasets/base/time.h"
 #include "datasets/mocap/mocap_take.h"
-#include "datasets/take/campaign.h"
+#include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
@@ -24,11 +24,10 @@ namespace trilat {
 // would be another point.
 class TruthTrack {
  public:
-  // `joints` in the order wanted; those that the mapping does not map are never there. InputError for an
-  // asset that does not exist, has no position, or is a bone in local coordinates.
-  TruthTrack(const std::filesystem::path& mocap, const JointMapping& mapping,
-             const std::filesystem::path& mapping_file, const std::vector<Joint>& joints,
-             Duration longest_gap);
+  // Of a take that is looked into as far as its mapping and the axis that points up. `joints` in the order
+  // wanted; those that the mapping does not map are never there. InputError for an asset that does not exist,
+  // has no position, or is a bone in local coordinates.
+  TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap);
   ~TruthTrack();
   TruthTrack(TruthTrack&&) noexcept;
 
@@ -37,6 +36,8 @@ class TruthTrack {
   // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
   MocapTime read_to_end();
   std::uint64_t samples_frozen() const;
+  // The share of the frames so far that hold the same positions as the frame before, to the bit.
+  double repeated_share() const;
   // Of what has been read so far.
   const MocapAnomalies& anomalies() const;
 

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/truth_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "evaluators/alignment/point_fit.h"
+#include "evaluators/metrics/quantile_selection.h"
+#include "evaluators/metrics/student.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kMostTruthInstants = 400;  // that are looked at, spread over the take
+constexpr std::size_t kFewest = 30;              // instants of a joint; of fewer nothing is said
+constexpr int kRounds = 6;                       // of weighting the joints by how well they fit
+constexpr double kWell_m = 0.1;                  // a joint that is so far off counts half
+// Beyond these the truth contradicts the sensors. Markers and trackers mean different points of a joint,
+// which makes up to a decimetre.
+constexpr double kScale = 0.05, kScaleAlpha = 0.01;
+constexpr double kExchanged_m = 0.1, kExchangedShare = 0.6;
+constexpr double kFar_m = 0.25, kFarTimes = 3.0;
+constexpr double kMovesTimes = 1.4;
+
+using Points = std::vector<Eigen::Vector3d>;
+
+struct Unit {
+  double times;  // how much too large the numbers are
+  const char* what;
+};
+constexpr std::array kUnits{Unit{1.0 / 0.9144, "yards"}, Unit{0.9144, "metres that were taken for yards"},
+                            Unit{1.0 / 0.3048, "feet"},  Unit{1.0 / 0.0254, "inches"},
+                            Unit{100.0, "centimetres"},  Unit{1000.0, "millimetres"}};
+
+std::string unit_text(double times) {
+  for (const Unit& unit : kUnits)
+    if (std::abs(times / unit.times - 1.0) < 0.03) return fmt::format(" (as {} are)", unit.what);
+  return "";
+}
+
+double median_distance_m(const Points& a, const Points& b) {
+  std::vector<double> distances_m;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (const double m = (a[k] - b[k]).norm(); std::isfinite(m)) distances_m.push_back(m);
+  return distances_m.size() < kFewest ? kNaN : quantiles_of(distances_m, {0.5})[0];
+}
+
+// Root mean square about the mean, of what both have.
+double movement_m(const Points& of, const Points& where) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double count = 0.0, squares_m2 = 0.0;
+  for (std::size_t k = 0; k < of.size(); ++k)
+    if (of[k].allFinite() && where[k].allFinite()) {
+      mean += of[k];
+      count += 1.0;
+    }
+  mean /= count;
+  for (std::size_t k = 0; k < of.size(); ++k)
+    if (of[k].allFinite() && where[k].allFinite()) squares_m2 += (of[k] - mean).squaredNorm();
+  return std::sqrt(squares_m2 / count);
+}
+
+// By joint of the plan, at the same instants.
+struct Both {
+  std::vector<Points> seen, truth;
+};
+
+Both both_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  const std::size_t joints = plan.joints.size(), sensors = data.bodies.sensors();
+  Both both{std::vector<Points>(joints), std::vector<Points>(joints)};
+  const std::size_t step = std::max<std::size_t>(1, data.time.size() / kMostTruthInstants);
+  for (std::size_t i = 0; i < data.time.size(); i += step)
+    for (std::size_t j = 0; j < joints; ++j) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      double count = 0.0;
+      for (std::size_t s = 0; s < sensors; ++s) {
+        const ObservedBody& body = data.bodies.at(i, s);
+        if (body.state[static_cast<std::size_t>(plan.joints[j])] != TrackingState::tracked) continue;
+        sum += planned.world_from_sensor[s] * body.at(plan.joints[j]);
+        count += 1.0;
+      }
+      both.seen[j].push_back(sum / count);  // NaN without any
+      both.truth[j].push_back(data.truth(i, j, joints));
+    }
+  return both;
+}
+
+// Of all joints together, each with a weight that falls with its median distance: a joint in another unit, or
+// two that are exchanged, do not turn the rest.
+PointFit fit_joints(const Both& both) {
+  Points seen, truth;
+  for (std::size_t j = 0; j < both.seen.size(); ++j) {
+    seen.insert(seen.end(), both.seen[j].begin(), both.seen[j].end());
+    truth.insert(truth.end(), both.truth[j].begin(), both.truth[j].end());
+  }
+  std::vector<double> weight(seen.size(), 1.0);
+  PointFit fit;
+  for (int round = 0; round < kRounds; ++round) {
+    fit = fit_points(seen, truth, weight);
+    for (std::size_t j = 0, k = 0; j < both.seen.size(); ++j) {
+      Points there = both.seen[j];
+      for (Eigen::Vector3d& point : there) point = fit.b_from_a * point;
+      const double off_m = median_distance_m(there, both.truth[j]);
+      const double w = std::isfinite(off_m) ? 1.0 / (1.0 + off_m * off_m / (kWell_m * kWell_m)) : 0.0;
+      for (std::size_t n = 0; n < there.size(); ++n) weight[k++] = w;
+    }
+  }
+  return fit;
+}
+
+// The scale's standard deviation, by leaving out each joint with that of the other side in turn: what
+// trackers and markers mean by a joint differs by joint.
+double scale_sigma(const std::vector<Joint>& joints, const Both& both, std::size_t& clusters) {
+  std::vector<double> scales;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto other = std::ranges::find(joints, mirror_of(joints[j])) - joints.begin();
+    if (static_cast<std::size_t>(other) < j) continue;
+    Both rest;
+    for (std::size_t k = 0; k < joints.size(); ++k)
+      if (k != j && static_cast<std::ptrdiff_t>(k) != other) {
+        rest.seen.push_back(both.seen[k]);
+        rest.truth.push_back(both.truth[k]);
+      }
+    if (const double scale = fit_joints(rest).scale; std::isfinite(scale)) scales.push_back(scale);
+  }
+  clusters = scales.size();
+  if (clusters < 2) return kNaN;
+  const Eigen::Map<const Eigen::ArrayXd> k(scales.data(), static_cast<Eigen::Index>(scales.size()));
+  const auto n = static_cast<double>(clusters);
+  return std::sqrt((n - 1.0) / n * (k - k.mean()).square().sum());
+}
+
+class TruthChecks {
+ public:
+  TruthChecks(const Plan& plan, const PlannedTake& planned, const TakeData& data)
+      : plan_(plan), planned_(planned), both_(both_of(plan, planned, data)) {}
+
+  std::vector<TakeNote> run() {
+    const PointFit fit = fit_joints(both_);
+    if (!std::isfinite(fit.scale)) return {};
+    const bool is_scaled = is_beyond_doubt(fit.scale);
+    if (is_scaled)
+      note(planned_.take.mocap,
+           fmt::format(
+               "shows movements and a body {:.3f} times as large as the sensors do{}; is the export's unit "
+               "right?",
+               fit.scale, unit_text(fit.scale)));
+    lay_over(fit, is_scaled ? fit.scale : 1.0);
+    find_exchanged();
+    find_far();
+    return std::move(notes_);
+  }
+
+ private:
+  bool is_beyond_doubt(double scale) const {
+    if (!(std::abs(scale - 1.0) > kScale)) return false;
+    std::size_t clusters = 0;
+    const double sigma = scale_sigma(plan_.joints, both_, clusters);
+    return clusters >= 2 && std::abs(scale - 1.0) > student_quantile(clusters - 1, kScaleAlpha) * sigma;
+  }
+  void note(const std::filesystem::path& place, std::string text) {
+    notes_.push_back({planned_.take.id, false, place.string(), std::move(text)});
+  }
+  std::string name(std::size_t j) const { return std::string(name_of(plan_.joints[j])); }
+  std::size_t joints() const { return plan_.joints.size(); }
+
+  // Moves what the sensors see over the truth.
+  void lay_over(const PointFit& fit, double scale) {
+    Eigen::Vector3d mean_seen = Eigen::Vector3d::Zero();
+    double count = 0.0;
+    for (const Points& points : both_.seen)
+      for (const Eigen::Vector3d& point : points)
+        if (point.allFinite()) {
+          mean_seen += point;
+          count += 1.0;
+        }
+    mean_seen /= count;
+    for (Points& points : both_.seen)
+      for (Eigen::Vector3d& point : points)
+        point = fit.b_from_a * Eigen::Vector3d(mean_seen + scale * (point - mean_seen));
+    for (std::size_t j = 0; j < joints(); ++j)
+      off_m_.push_back(median_distance_m(both_.seen[j], both_.truth[j]));
+  }
+
+  void find_exchanged() {
+    for (std::size_t j = 0; j < joints(); ++j)
+      for (std::size_t k = j + 1; k < joints(); ++k) {
+        if (!(off_m_[j] > kExchanged_m && off_m_[k] > kExchanged_m)) continue;
+        const double there_m = median_distance_m(both_.seen[j], both_.truth[k]);
+        const double back_m = median_distance_m(both_.seen[k], both_.truth[j]);
+        if (!(there_m < kExchangedShare * off_m_[j] && back_m < kExchangedShare * off_m_[k])) continue;
+        note(planned_.take.mapping,
+             fmt::format(
+                 "has {} and {} exchanged, it seems: they lie {:.2f} and {:.2f} m from where the sensors see "
+                 "them, and {:.2f} and {:.2f} m the other way round; mend the mapping",
+                 name(j), name(k), off_m_[j], off_m_[k], there_m, back_m));
+        off_m_[j] = off_m_[k] = kNaN;
+      }
+  }
+
+  void find_far() {
+    std::vector<double> known;
+    for (const double m : off_m_)
+      if (std::isfinite(m)) known.push_back(m);
+    if (known.size() < 3) return;
+    const double usual_m = quantiles_of(known, {0.5})[0];
+    for (std::size_t j = 0; j < joints(); ++j) {
+      if (!(off_m_[j] > kFar_m && off_m_[j] > kFarTimes * usual_m)) continue;
+      const double times =
+          movement_m(both_.truth[j], both_.seen[j]) / movement_m(both_.seen[j], both_.truth[j]);
+      if (times > kMovesTimes || times < 1.0 / kMovesTimes)
+        note(planned_.take.mocap,
+             fmt::format(
+                 "moves {} {:.2f} times as far as the sensors see it move{}; is the unit of its asset right?",
+                 name(j), times, unit_text(times)));
+      else
+        note(planned_.take.mapping,
+             fmt::format(
+                 "maps {} to what lies {:.2f} m from where the sensors see it, other joints {:.2f} m in the "
+                 "median; is it the right asset?",
+                 name(j), off_m_[j], usual_m));
+    }
+  }
+
+  const Plan& plan_;
+  const PlannedTake& planned_;
+  Both both_;
+  std::vector<double> off_m_;  // by joint, in the median, of what is laid over the truth
+  std::vector<TakeNote> notes_;
+};
+
+}  // namespace
+
+std::vector<TakeNote> check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  return TruthChecks(plan, planned, data).run();
+}
+
+}  // namespace trilat

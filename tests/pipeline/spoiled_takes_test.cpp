@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+// Recordings that would give wrong numbers: each is named, with its size and what to do; sound ones are not.
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/files.h"
+#include "datasets/calibration/calibration.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/rewritten_session.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+// A made campaign of one take, and what is done to it.
+struct Recorded {
+  Campaign campaign;
+  std::filesystem::path folder;
+  Take& take() { return campaign.takes[0]; }
+};
+using Spoil = std::function<void(Recorded&)>;
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream text(line);
+  for (std::string field; std::getline(text, field, ',');) fields.push_back(field);
+  if (line.ends_with(',')) fields.emplace_back();
+  return fields;
+}
+
+// Row by row: `change` sees a frame's fields, and the frames before it as they were.
+void change_export(Recorded& recorded,
+                   const std::function<void(const std::vector<std::string>& assets,
+                                            std::vector<std::vector<std::string>>& rows)>& change) {
+  std::istringstream text(read_file(recorded.take().mocap));
+  std::string head, line;
+  std::vector<std::string> assets;
+  while (std::getline(text, line) && !line.starts_with("Frame,")) {
+    if (line.starts_with(",Name,")) assets = fields_of(line);
+    head += line + '\n';
+  }
+  head += line + '\n';
+  std::vector<std::vector<std::string>> rows;
+  while (std::getline(text, line)) rows.push_back(fields_of(line));
+  change(assets, rows);
+  for (const auto& row : rows) head += fmt::format("{}\n", fmt::join(row, ","));
+  write_file(recorded.take().mocap, head);
+}
+
+Spoil scaled(double times, const std::string& asset = "") {
+  return [=](Recorded& recorded) {
+    change_export(recorded, [&](const auto& assets, auto& rows) {
+      for (auto& row : rows)
+        for (std::size_t c = 2; c < row.size(); ++c)
+          if (!row[c].empty() && assets[c].starts_with(asset))
+            row[c] = fmt::format("{:.6f}", times * std::stod(row[c]));
+    });
+  };
+}
+
+void hold_every_fourth(Recorded& recorded) {
+  change_export(recorded, [](const auto&, auto& rows) {
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      std::copy(rows[r - r % 4].begin() + 2, rows[r - r % 4].end(), rows[r].begin() + 2);
+  });
+}
+
+void lay_on_the_side(Recorded& recorded) {
+  change_export(recorded, [](const auto&, auto& rows) {
+    for (auto& row : rows)
+      for (std::size_t c = 2; c + 2 < row.size(); c += 3) {
+        if (row[c].empty()) continue;
+        const std::string height = row[c + 1];
+        row[c + 1] = fmt::format("{:.6f}", -std::stod(row[c + 2]));
+        row[c + 2] = height;
+      }
+  });
+}
+
+Spoil exchanged(Joint one, Joint other) {
+  return [=](Recorded& recorded) {
+    JointMapping mapping = read_mapping(recorded.take().mapping);
+    const auto assets_of = [&](Joint joint) -> std::vector<std::string>& {
+      return std::ranges::find(mapping.joints, joint, &JointMapping::Entry::joint)->assets;
+    };
+    std::swap(assets_of(one), assets_of(other));
+    write_mapping(recorded.take().mapping, mapping);
+  };
+}
+
+Spoil calibrated(const std::function<void(Calibration&)>& change) {
+  return [=](Recorded& recorded) {
+    Calibration calibration = read_calibration(recorded.take().calibration);
+    change(calibration);
+    write_calibration(recorded.take().calibration, calibration);
+  };
+}
+
+// Of one sensor, what its tracker delivers.
+Spoil tracked(std::size_t sensor, const std::function<void(Eigen::Vector3f&, std::size_t frame)>& change) {
+  return [=](Recorded& recorded) {
+    std::size_t count = 0;
+    change_session(recorded.take(), recorded.folder / "spoiled.h5", {[&](std::size_t s, BodyFrame& frame) {
+                     if (s != sensor) return true;
+                     for (Body& body : frame.bodies)
+                       for (auto& position_m : body.position_m) {
+                         Eigen::Map<Eigen::Vector3f> map(position_m.data());
+                         Eigen::Vector3f point = map;
+                         change(point, count);
+                         map = point;
+                       }
+                     ++count;
+                     return true;
+                   }});
+  };
+}
+
+void delay_k3(Recorded& recorded) {
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[](std::size_t s, BodyFrame& frame) {
+                   if (s == 2) frame.stamp.device_ticks += 3'000'000;  // of 100 ns
+                   if (s == 2) frame.stamp.arrival_ns += 300'000'000;
+                   return true;
+                 }});
+}
+
+void copy_k1_to_k2(Recorded& recorded) {
+  const SessionReader session(recorded.take().session);
+  const std::vector<BodyFrame> k1 = session.body_frames(0, 0, session.counts(0).body_frames);
+  std::size_t next = 0;
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[&](std::size_t s, BodyFrame& frame) {
+                   if (s != 1) return true;
+                   if (next == k1.size()) return false;
+                   frame = k1[next++];
+                   return true;
+                 }});
+}
+
+SimulationSpec recorded_spec(std::uint64_t seed = 5) {
+  SimulationSpec spec = walking_spec(1, 10.0);
+  spec.seed = seed;
+  spec.sensor.free_running = false;  // so that a stream can be put in the place of another
+  return spec;
+}
+
+// The notes of an evaluation, with a line each.
+std::string notes_of(const Campaign& campaign, const std::filesystem::path& results) {
+  const StudySpec study = study_of(
+      R"("alignments": ["rigid"], "resamples": 0, "clock": "stated", "methods": [{"method": "mean"}])");
+  std::string text;
+  for (const TakeNote& note : execute_study(study, campaign, results, {}).notes)
+    text += note.place + ": " + note.text + "\n";
+  return text;
+}
+
+struct Spoiled {
+  std::string what;
+  Spoil spoil;
+  std::vector<std::string> said;  // parts of one note
+};
+
+std::vector<Spoiled> all_spoiled() {
+  const auto turn = [](float degrees) {
+    return Eigen::AngleAxisf(degrees * static_cast<float>(M_PI) / 180.0f, Eigen::Vector3f::UnitY());
+  };
+  return {
+      {"sound", [](Recorded&) {}, {}},
+      {"yards", scaled(1.0 / 0.9144), {"mocap.csv", "times as large as the sensors", "unit"}},
+      {"wrist_in_feet", scaled(3.28084, "wrist_left"), {"mocap.csv", "moves wrist_left 3.", "unit"}},
+      {"wrists_exchanged",
+       exchanged(Joint::wrist_left, Joint::wrist_right),
+       {"mapping.json", "has wrist_left and wrist_right exchanged", "mend the mapping"}},
+      {"wrist_and_elbow_exchanged",
+       exchanged(Joint::wrist_left, Joint::elbow_left),
+       {"mapping.json", "has elbow_left and wrist_left exchanged"}},
+      {"held_poses", hold_every_fourth, {"mocap.csv", "in 75 % of its frames", "true rate is 25 %"}},
+      {"z_up", lay_on_the_side, {"mocap.csv", "has its z axis up", "\"up_axis\": \"y\""}},
+      {"late_clock", delay_k3, {"k3 shows movements 0.", "s later than the others", "\"sensors\""}},
+      {"large_calibration",
+       calibrated([](Calibration& c) {
+         for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;
+       }),
+       {"calibration.json", "places the sensors too far apart: all measure 4.", "% too short"}},
+      {"exchanged_poses",
+       calibrated(
+           [](Calibration& c) { std::swap(c.sensors[0].world_from_sensor, c.sensors[1].world_from_sensor); }),
+       {"calibration.json", "has the poses of k1 and k2 exchanged"}},
+      {"turned_sensor",
+       calibrated([&](Calibration& c) {
+         c.sensors[1].world_from_sensor.rotation =
+             turn(12.0f).cast<double>() * c.sensors[1].world_from_sensor.rotation;
+       }),
+       {"calibration.json", "k2 sees the person 0.", "from where the others do"}},
+      {"long_ranges",
+       tracked(1, [](Eigen::Vector3f& point, std::size_t) { point *= 1.1f; }),
+       {"k2 measures", "% too long", "metres"}},
+      {"mirrored",
+       tracked(2, [](Eigen::Vector3f& point, std::size_t) { point.x() = -point.x(); }),
+       {"k3 sees the person as in a mirror"}},
+      {"pushed_sensor",
+       tracked(1,
+               [=](Eigen::Vector3f& point, std::size_t frame) {
+                 if (frame > 150) point = turn(8.0f) * point;
+               }),
+       {"k2 moved during the take", "pushed"}},
+      {"same_stream", copy_k1_to_k2, {"k1 and k2 hold the same bodies"}},
+  };
+}
+
+class SpoiledTakes : public testing::TestWithParam<Spoiled> {};
+
+TEST_P(SpoiledTakes, AreNamedWithSizeAndRemedy) {
+  const ScratchFolder folder;
+  Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
+  GetParam().spoil(recorded);
+  const std::string notes = notes_of(recorded.campaign, folder / "results");
+  if (GetParam().said.empty()) {
+    EXPECT_EQ(notes, "");
+    return;
+  }
+  std::istringstream lines(notes);
+  std::vector<std::string> with_all;
+  for (std::string line; std::getline(lines, line);)
+    if (std::ranges::all_of(GetParam().said,
+                            [&](const std::string& part) { return line.find(part) != std::string::npos; }))
+      with_all.push_back(line);
+  EXPECT_EQ(with_all.size(), 1u) << notes;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SpoiledTakes, testing::ValuesIn(all_spoiled()),
+                         [](const auto& spoiled) { return spoiled.param.what; });
+
+// The errors are those of the take before it was laid on its side.
+TEST(UpAxis, ATruthWithZUpGivesTheSameErrors) {
+  const ScratchFolder folder;
+  const StudySpec study = study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])");
+  Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
+  const double upright_m = execute_study(study, recorded.campaign, folder / "upright", {}).cells[0].mae_m;
+  lay_on_the_side(recorded);
+  const auto error_m = [&](UpAxis axis) {
+    recorded.take().up_axis = axis;
+    return execute_study(study, recorded.campaign, folder / fmt::format("axis{}", static_cast<int>(axis)), {})
+        .cells[0]
+        .mae_m;
+  };
+  EXPECT_NEAR(error_m(UpAxis::automatic), upright_m, 1e-5);  // an export has six digits
+  EXPECT_NEAR(error_m(UpAxis::z), upright_m, 1e-5);
+  EXPECT_GT(error_m(UpAxis::y), 1.0);
+}
+
+TEST(UpAxis, IsToldByHowAPersonStands) {
+  StandingAxis standing, lying, unknown;
+  standing.add(Joint::head, {0.1, 0.0, 1.7});
+  standing.add(Joint::shoulder_left, {0.0, 0.2, 1.4});
+  standing.add(Joint::shoulder_right, {0.0, -0.2, 1.4});
+  EXPECT_EQ(standing.axis(), UpAxis::z);
+  lying.add(Joint::head, {0.0, 0.1, 0.1});
+  lying.add(Joint::ankle_left, {1.6, 0.1, 0.1});
+  EXPECT_FALSE(lying.axis());
+  unknown.add(Joint::wrist_left, {0.0, 1.0, 0.0});
+  unknown.add(Joint::elbow_left, {0.0, 1.3, 0.0});
+  EXPECT_FALSE(unknown.axis());
+  unknown.add(Joint::head, Eigen::Vector3d::Constant(kNaN));
+  EXPECT_FALSE(unknown.axis());
+}
+
+// 200 takes of different rigs, activities and trackers' noise: hardly one is taken for spoiled.
+TEST(SoundTakes, AreHardlyEverNamed) {
+  const ScratchFolder folder;
+  const SimulationSpec usual = parse_simulation(
+      parse_json(R"({"format": "trilat.simulation", "version": 1, "body_tracker": {}})", "usual"), "usual",
+      {});
+  std::size_t takes = 0, named = 0;
+  std::string all;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    SimulationSpec spec = walking_spec(10, k % 3 == 0 ? 4.0 : 8.0);
+    spec.seed = 100 + k;
+    spec.body_tracker = usual.body_tracker;
+    constexpr std::array kActivities{Activity::walking, Activity::arm_swing, Activity::leg_crossing,
+                                     Activity::standing};
+    spec.activities[0].activity = kActivities.at(k % 4);
+    if (k % 4 == 2)
+      spec.activities[0].marker_joints = {Joint::hip_left,   Joint::hip_right,  Joint::knee_left,
+                                          Joint::knee_right, Joint::ankle_left, Joint::ankle_right};
+    spec.rig.heights_m.clear();
+    for (std::uint64_t s = 0; s < 2 + k % 5; ++s)
+      spec.rig.heights_m.push_back(0.5 + 0.37 * static_cast<double>((3 * s + k) % 5));
+    spec.rig.arc_rad = (k % 2 == 0 ? 2.0 : 1.0) * M_PI;
+    spec.rig.rotation_sigma_rad = k % 4 == 1 ? 0.0 : 0.5 * M_PI / 180.0;
+    spec.rig.position_sigma_m = 0.005;
+    const std::string name = fmt::format("c{}", k);
+    const std::string notes = notes_of(simulate_into(folder / name, spec), folder / (name + "r"));
+    takes += 10;
+    named += static_cast<std::size_t>(std::ranges::count(notes, '\n'));
+    all += notes;
+  }
+  EXPECT_EQ(takes, 200u);
+  EXPECT_LE(named, 2u) << all;
+}
+
+}  // namespace
+}  // namespace trilat
