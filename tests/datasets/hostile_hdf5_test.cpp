@@ -83,6 +83,19 @@ TEST(HostileHdf5, AChunkThatIsLargerThanItsRowsCanBeIsNotRead) {
   EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
 }
 
+// Of fewer bytes than a checksum there is nothing to take off.
+TEST(HostileHdf5, AChunkWithoutRoomForItsChecksumIsDamaged) {
+  for (const std::size_t bytes : {0, 1, 3}) {
+    std::vector<std::byte> chunk(bytes), raw(8);
+    EXPECT_FALSE(strip_checksum(chunk, false)) << bytes;
+    EXPECT_FALSE(strip_checksum(chunk, true)) << bytes;
+    EXPECT_EQ(chunk.size(), bytes);
+    for (const auto compression :
+         {ChunkCompression::none, ChunkCompression::blosc, ChunkCompression::deflate})
+      EXPECT_FALSE(decode_chunk(chunk, compression, raw)) << bytes;
+  }
+}
+
 // A Blosc chunk says itself how many bytes it holds.
 TEST(HostileHdf5, ABloscChunkThatLiesAboutItsSizeIsRefused) {
   for (const std::size_t bytes : {std::size_t{8}, std::size_t{1} << 20}) {

@@ -162,6 +162,39 @@ TEST(Kalman, ASinglePositionFarOffIsLeftOut) {
   EXPECT_LT((clean[30].position_m - spiked[30].position_m).norm(), 0.02);
 }
 
+// The gate stands where it says: just inside a position counts, just outside it is as if it had not been
+// seen.
+TEST(Kalman, TheGateIsSoManyStandardDeviationsFromThePrediction) {
+  const KalmanOptions options;
+  constexpr std::size_t kLast = 79;
+  const double step = 1.0 / kRate_hz, r = options.sigma_m * options.sigma_m;
+  Eigen::Matrix2d p = Eigen::Matrix2d::Identity(), f, q;
+  f << 1.0, step, 0.0, 1.0;
+  q << step * step * step / 3.0, step * step / 2.0, step * step / 2.0, step;
+  double predicted_variance = 0.0;  // of the settled filter
+  for (std::size_t i = 0; i < kLast; ++i) {
+    p = f * p * f.transpose() + options.acceleration_density_m2_s3 * q;
+    predicted_variance = p(0, 0);
+    for (std::size_t s = 0; s < kSensors; ++s) {
+      const Eigen::Vector2d gain = p.col(0) / (p(0, 0) + r);
+      p -= (gain * p.row(0)).eval();
+    }
+  }
+  const double gate_m = options.gate_sigma * std::sqrt(3.0 * (predicted_variance + r));
+  Walk walk = random_walk(7, kLast + 1, options);
+  for (std::size_t i = 0; i <= kLast; ++i)  // at rest, so that the prediction is where it is
+    for (std::size_t s = 0; s < kSensors; ++s) walk.seen[i * kSensors + s].point_in_world_m.setZero();
+  Walk unseen = walk;
+  unseen.seen[kLast * kSensors].seen = false;
+  const Vector3d without_m = solve(unseen, options)[kLast].position_m;
+  const auto with_m = [&](double distance_m) {
+    walk.seen[kLast * kSensors].point_in_world_m = Vector3d(0.0, distance_m, 0.0);
+    return solve(walk, options)[kLast].position_m;
+  };
+  EXPECT_GT(with_m(0.99 * gate_m).y(), 0.1 * gate_m);
+  EXPECT_EQ(with_m(1.01 * gate_m), without_m);
+}
+
 TEST(Kalman, APersonWhoIsSuddenlyElsewhereIsFollowedAfterTheGap) {
   const KalmanOptions options{.longest_gap_s = 0.2};
   Walk walk = random_walk(6, 60, options);
