@@ -21,7 +21,7 @@
 namespace trilat {
 
 // Where the virtual sensors stand: on a circle about `centre_m` (its y is the height they look at), at one
-// height each. Different heights make the vertical observable from ranges; see the README on rigs of one
+// height each. Different heights make the vertical observable from ranges; see docs/methods.md on rigs of one
 // height.
 struct RigSpec {
   double radius_m = 2.0;
@@ -34,7 +34,7 @@ struct RigSpec {
 };
 
 // The virtual sensor and, where there is no BodyTrackerSpec, its body tracker. Every value is a declared
-// assumption; sources in README.md. Nothing is tuned to the paper's tables.
+// assumption; sources in docs/simulator.md. Nothing is tuned to the paper's tables.
 struct SensorSpec {
   double rate_hz = 30.0;
   double nearest_m = 0.5;

@@ -42,10 +42,11 @@ def objects_in(schema):
 def shipped_documents():
     for path in sorted((ROOT / "pipeline" / "studies").glob("*.json")):
         yield path.name, json.loads(path.read_text())
-    for number, block in enumerate(re.findall(r"```json\n(.*?)```", (ROOT / "README.md").read_text(), re.S)):
-        document = json.loads(block)
-        if "format" in document:
-            yield f"README block {number}", document
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for number, block in enumerate(re.findall(r"```json\n(.*?)```", page.read_text(), re.S)):
+            document = json.loads(block)
+            if "format" in document:
+                yield f"{page.name} block {number}", document
 
 
 class Schemas(unittest.TestCase):

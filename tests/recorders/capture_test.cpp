@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
+#include "recorders/live_source.h"
 #include "recorders/open_source.h"
 #include "tests/recorders/pattern_source.h"
 #include "tests/support/scratch.h"
@@ -78,6 +79,20 @@ TEST(Capture, DepthThatComesCompressedIsCompressedAgainOnlyWhenTheFileWantsAnoth
     const SessionReader session(folder / name);
     EXPECT_EQ(session.stored_depth_frame(0, 0).compression, compression);
     expect_pattern(session, 0, 0, 5);
+  }
+}
+
+// Of a source that waits for its next frame, whenever that is.
+TEST(LiveSource, StopEndsTheWaitOfAnotherThread) {
+  for (int round = 0; round < 20; ++round) {
+    LiveOptions slow;
+    slow.speed = 0.01;
+    LiveSource source(std::make_unique<PatternSource>(1, 1000), slow);
+    std::thread stopper([&] { source.stop(); });
+    std::size_t events = 0;
+    while (source.next()) ++events;  // the first frame is due at once, the next in seconds
+    stopper.join();
+    EXPECT_LE(events, 4u);
   }
 }
 

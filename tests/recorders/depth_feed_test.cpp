@@ -83,6 +83,29 @@ TEST(DepthFeed, AStampOfAFrameBeforeALostOneIsSetRight) {
   EXPECT_EQ(popped_stamp(feed).device_ticks, 1800);
 }
 
+TEST(DepthFeed, WhatOneThreadPushesAnotherPopsOrIsToldLost) {
+  constexpr int kFrames = 100;
+  DepthFeed feed(4);
+  std::thread driver([&] {
+    for (int i = 0; i < kFrames; ++i) {
+      const auto n = static_cast<std::uint32_t>(i);
+      feed.push(decoded(n, n * 267), i);
+    }
+  });
+  int popped = 0;
+  std::int64_t lost = 0;
+  while (popped + lost < kFrames) {
+    const auto event = feed.pop(10s);
+    ASSERT_TRUE(event);
+    if (std::holds_alternative<DepthFrame>(event->data))
+      ++popped;
+    else
+      lost = std::get<DropCount>(event->data).at_source;
+  }
+  driver.join();
+  EXPECT_EQ(popped + lost, kFrames);
+}
+
 TEST(DepthFeed, StopEndsTheWaitOfAnotherThread) {
   DepthFeed feed(1);
   std::thread stopper([&] { feed.stop(); });

@@ -113,6 +113,21 @@ TEST(XefImport, AFrameThatCannotBeInflatedIsCounted) {
   EXPECT_THAT(result.report.sensors[0].left_out.first, HasSubstr("a.xef (byte " + std::to_string(end) + ")"));
 }
 
+TEST(XefImport, ABodyWithAHandStateThatDoesNotExistIsCounted) {
+  const ScratchFolder folder;
+  for (const std::int32_t state : {-1, 4, 1'000'000}) {
+    MadeUpXef xef(1, true);
+    xef.describe(1, kXefBodies);
+    xef.event(1, 0, 0, made_up_bodies(0, kId));
+    std::string bodies = made_up_bodies(1, kId);
+    MadeUpXef::write(bodies, 32 + 1040 * 3 + 980, state);
+    xef.event(1, kPeriodTicks, 1, bodies);
+    const Imported result = imported(folder, "xef", {text_file(folder, "a.xef", xef.bytes())});
+    EXPECT_EQ(result.frames().size(), 1u) << state;
+    EXPECT_EQ(result.report.sensors[0].left_out.torn_rows, 1) << state;
+  }
+}
+
 TEST(XefImport, RefusesOtherFilesByTheirSignature) {
   const ScratchFolder folder;
   const auto refusal = [&](const std::string& bytes) {
