@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
+#include "datasets/base/folder_lock.h"
 #include "datasets/base/version.h"
 #include "reports/page/page.h"
 #include "reports/render/article_numbers.h"
@@ -90,6 +92,8 @@ class Writer {
  public:
   Writer(const std::filesystem::path& folder, ReportFiles& report)
       : folder_(folder), aside_(partial_name(folder)), report_(report) {
+    if (aside_.has_parent_path()) make_folder(aside_.parent_path());
+    lock_.emplace(aside_);
     std::error_code ignored;
     std::filesystem::remove_all(aside_, ignored);
     make_folder(aside_);
@@ -133,6 +137,7 @@ class Writer {
   }
 
   std::filesystem::path folder_, aside_;
+  std::optional<FolderLock> lock_;
   ReportFiles& report_;
   std::vector<std::string> names_;
 };

@@ -2,19 +2,15 @@
 #include "pipeline/study/results_folder.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <thread>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
@@ -33,28 +29,6 @@ bool is_mount_point(const fs::path& folder) {
 }
 
 fs::path old_name(const fs::path& partial) { return partial.string() + ".old"; }
-
-// Held as long as the process fills the folder. It lies beside it, so that it is never part of an output.
-int lock_folder(const fs::path& partial) {
-  const fs::path name = partial.string() + ".lock";
-  for (;;) {
-    const int file = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0) throw OutputError(name.string(), std::string("cannot be created: ") + std::strerror(errno));
-    if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-      const int reason = errno;
-      ::close(file);
-      if (reason != EWOULDBLOCK)
-        throw OutputError(name.string(), std::string("cannot be locked: ") + std::strerror(reason));
-      throw InputError(partial.string(),
-                       "is being written by another process; wait for it or take another name");
-    }
-    // the one before removes the file when it ends: then this one is nobody's
-    struct stat mine, there;
-    if (::fstat(file, &mine) == 0 && ::stat(name.c_str(), &there) == 0 && mine.st_ino == there.st_ino)
-      return file;
-    ::close(file);
-  }
-}
 
 // All that this program left unfinished has a folder of items, if only an empty one.
 void check_unfinished(const fs::path& partial) {
@@ -86,7 +60,7 @@ ResultsFolder::ResultsFolder(const fs::path& folder, bool keep_items)
                      "is a mount point, for which finished results cannot be exchanged; name a folder in it");
   if (partial_.has_parent_path()) make_folder(partial_.parent_path());
   check_unfinished(partial_);
-  lock_ = lock_folder(partial_);
+  lock_.emplace(partial_);
   // from a process that was killed between two renames
   if (const fs::path old = old_name(partial_); !fs::exists(output_) && fs::is_directory(old))
     fs::rename(old, output_);
@@ -94,11 +68,6 @@ ResultsFolder::ResultsFolder(const fs::path& folder, bool keep_items)
   for (const fs::directory_entry& entry : fs::directory_iterator(partial_))
     if (entry.path().filename() != kItemsFolder || !keep_items) fs::remove_all(entry.path());
   make_folder(partial_ / kItemsFolder);
-}
-
-ResultsFolder::~ResultsFolder() {
-  ::unlink((partial_.string() + ".lock").c_str());
-  ::close(lock_);
 }
 
 // The older folder and the new one change names at once, where the file system can do that; else there is a

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "datasets/base/folder_lock.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -20,9 +22,6 @@ class ResultsFolder {
   // Of a folder that was left unfinished the items stay, if asked, all else is removed. InputError when
   // another process is filling it, and when what stands there was not left by this program.
   explicit ResultsFolder(const std::filesystem::path& folder, bool keep_items = false);
-  ~ResultsFolder();
-  ResultsFolder(const ResultsFolder&) = delete;
-  ResultsFolder& operator=(const ResultsFolder&) = delete;
 
   const std::filesystem::path& partial() const { return partial_; }
   const std::filesystem::path& output() const { return output_; }
@@ -34,7 +33,7 @@ class ResultsFolder {
   void exchange() const;
 
   std::filesystem::path output_, partial_;
-  int lock_ = -1;
+  std::optional<FolderLock> lock_;
 };
 
 // Calls work(threads) on so many threads; 0: as many as there are processors.

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "datasets/base/folder_lock.h"
 #include "tests/reports/calibration_summaries.h"
 #include "tests/reports/summaries.h"
 #include "tests/support/scratch.h"
@@ -108,6 +109,26 @@ TEST(Report, AUsedFolderLosesWhatTheLastReportWroteAndNothingElse) {
   }
   EXPECT_TRUE(std::filesystem::exists(folder / "report/mine.txt"));
   EXPECT_FALSE(std::filesystem::exists(folder / "report.partial"));
+}
+
+// Two that write into one folder would take each other's files.
+TEST(Report, AFolderThatIsBeingWrittenIsRefusedAndStaysWhole) {
+  const ScratchFolder folder;
+  const auto results = results_in(folder, "results", hand_made_summary());
+  ReportOptions options;
+  options.made = "first";
+  write_report({results}, folder / "report", options);
+  options.made = "second";
+  const std::string before = read_file(folder / "report/report.html");
+  {
+    const FolderLock other(partial_name(folder / "report"));
+    EXPECT_THAT(message_of([&] { write_report({results}, folder / "report", options); }),
+                HasSubstr("is being written by another process"));
+    EXPECT_EQ(read_file(folder / "report/report.html"), before);
+  }
+  write_report({results}, folder / "report", options);
+  EXPECT_NE(read_file(folder / "report/report.html"), before);
+  EXPECT_FALSE(std::filesystem::exists(folder / "report.partial.lock"));
 }
 
 TEST(Report, AnUnfinishedRunIsNamed) {
