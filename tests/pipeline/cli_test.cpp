@@ -74,6 +74,11 @@ TEST(Door, AMessageSaysWhatWouldBeRight) {
       "kind": "accuracy", "name": "n", "joints": ["nose"], "methods": [{"method": "mean"}]})");
   const std::string feet = file_with(folder, "feet.json", R"({"format": "trilat.study", "version": 1,
       "kind": "accuracy", "name": "f", "joints": ["foot_left"], "methods": [{"method": "mean"}]})");
+  const std::string four = file_with(folder, "four.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "s", "methods": [{"method": "single", "sensors": ["k1"]},
+      {"method": "single", "sensors": ["k9"]}]})");
+  const std::string k9 = file_with(folder, "k9.json", R"({"format": "trilat.study", "version": 1,
+      "kind": "accuracy", "name": "k", "sensors": ["k1", "k9"], "methods": [{"method": "mean"}]})");
   const std::string kinect = file_with(folder, "kinect.csv", "1,0.0,0.1,0.2\n2,0.033,0.1,0.2\n");
   const std::string results = folder / "results";
   const struct {
@@ -94,11 +99,15 @@ TEST(Door, AMessageSaysWhatWouldBeRight) {
        "which is no joint; known are: spine_base, spine_mid,"},
       {{"run", feet, "--campaign", campaign, "-o", results},
        "asks for foot_left, which no take's mapping maps; they map"},
+      {{"run", four, "--campaign", campaign, "-o", results},
+       "method \"single k9\": names the sensor \"k9\"; the rig has k1"},
       {{"mocap", kinect}, "Bodies of a Kinect are a session's: `trilat import` reads them"},
       {{"export", "csv", campaign, "-o", folder / "x.csv"},
        "is a campaign; export one of its sessions, such as"},
   };
   for (const auto& [arguments, said] : cases) expect_refused(run_trilat(folder, arguments), said);
+  EXPECT_THAT(run_trilat(folder, {"run", k9, "--campaign", campaign, "-o", results}).err,
+              HasSubstr("has no sensor \"k9\"; it has k1, k2, k3, k4; name those to use under \"sensors\""));
 }
 
 TEST(Door, ARigThatSeesNobodyIsSaidTo) {

@@ -2,6 +2,7 @@
 #include "pipeline/accuracy/methods/method_spec.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_ranges.h"
@@ -51,24 +52,30 @@ MethodSpec read_method(JsonObject& object) {
   MethodSpec method;
   method.kind = &method_kinds()[object.branch("method", kind_names())];
   const std::size_t used = method.kind->sensors;
-  method.name = object.has("name") ? object.text("name") : std::string(method.kind->name);
-  if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
   method.sensors = different_texts(object, "sensors");
   if (object.has("each")) read_sets(object, method);
+  if (object.has("name"))
+    method.name = object.text("name");
+  else if (method.sensors.empty() || method.each > 0)
+    method.name = method.kind->name;
+  else
+    method.name = fmt::format("{} {}", method.kind->name, fmt::join(method.sensors, "+"));
+  if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
   if (used > 1 && method.each == 0 && !method.sensors.empty() && method.sensors.size() != used)
     object.refuse("sensors", fmt::format("must name the {} sensors that {} uses", used, method.kind->name));
   if (method.kind->read) method.kind->read(object, method);
   read_occlusion(object, method);
-  object.about({{"method", fmt::format("{}; {}", method.kind->what, method.kind->source).c_str()},
-                {"name", "of its rows; unique in the study; without it the kind"},
-                {"sensors", "those it may use; empty: all"},
-                {"each", "one method for each set of so many sensors"},
-                {"most_sets", "at most so many sets"},
-                {"occlusion",
-                 "how sensors are found that see the joint occluded, which are then left out: by crossing "
-                 "limbs as printed (eq. 8) or in the image, or by depth"},
-                {"inferred_is_occluded", "an inferred joint counts as one crossing more"},
-                {"fewest_sensors", "those with the fewest crossings come back until there are so many"}});
+  object.about(
+      {{"method", fmt::format("{}; {}", method.kind->what, method.kind->source).c_str()},
+       {"name", "of its rows; unique in the study; without it the kind and the sensors that are named"},
+       {"sensors", "those it may use; empty: all"},
+       {"each", "one method for each set of so many sensors"},
+       {"most_sets", "at most so many sets"},
+       {"occlusion",
+        "how sensors are found that see the joint occluded, which are then left out: by crossing "
+        "limbs as printed (eq. 8) or in the image, or by depth"},
+       {"inferred_is_occluded", "an inferred joint counts as one crossing more"},
+       {"fewest_sensors", "those with the fewest crossings come back until there are so many"}});
   object.finish();
   return method;
 }

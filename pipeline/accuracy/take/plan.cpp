@@ -111,6 +111,15 @@ bool stands_along_z(const PlannedTake& planned, const SessionReader& session,
   return of_sensors.axis() != UpAxis::z;
 }
 
+// By name; InputError with what to do where the session lacks it.
+std::size_t sensor_of(const SessionReader& session, const std::string& name) {
+  try {
+    return session.sensor_index(name);
+  } catch (const InputError& error) {
+    throw InputError(error.place(), error.problem() + "; name those to use under \"sensors\" in the study");
+  }
+}
+
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
     throw InputError("take \"" + planned.take.id + '"',
@@ -127,7 +136,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
       !calibration.world.starts_with("sensor ") || calibration.world.find("floor") != std::string::npos;
   std::vector<HostSpan> spans;
   for (const std::string& name : rig) {
-    const std::size_t sensor = session.sensor_index(name);
+    const std::size_t sensor = sensor_of(session, name);
     planned.session_sensor.push_back(sensor);
     planned.world_from_sensor.push_back(
         pose_of(calibration, name, planned.take.calibration.string()).world_from_sensor);
