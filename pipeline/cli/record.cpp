@@ -230,6 +230,11 @@ int record_session(const RecordArguments& arguments) {
     throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
+  if (!arguments.calibration.empty() && !arguments.preview)
+    throw InputError("--calibration",
+                     "is for --preview, which draws the person whom all sensors see together");
+  const Calibration calibration =
+      arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
   refuse_full_disk(arguments.output, arguments.reserve_mb);
   if (!arguments.truth.empty())
     check_output({arguments.truth, OutputKind::truth, {}, arguments.force, arguments.output.string()});
@@ -243,7 +248,10 @@ int record_session(const RecordArguments& arguments) {
   if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, display));
   if (truth) truth->finish(*sources.front(), arguments.output);
   std::optional<SkeletonPreview> preview;
-  if (arguments.preview) preview.emplace(sources);
+  if (arguments.preview && arguments.calibration.empty())
+    preview.emplace(sources);
+  else if (arguments.preview)
+    preview.emplace(sources, calibration, arguments.calibration.string());
   CaptureOptions options;
   options.started_utc = utc_now();
   options.depth_compression = compression_named(arguments.compression);

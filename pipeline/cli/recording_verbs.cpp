@@ -41,6 +41,8 @@ void add_record(CLI::App& app, RecordArguments& r, int& code) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   verb->add_flag("--preview", r.preview, "shows the skeletons on the terminal");
+  verb->add_option("--calibration", r.calibration,
+                   "with --preview: poses of the sensors; shows the person whom all see together, too");
   verb->add_option("--truth", r.truth,
                    "of a synthetic source: folder for the OptiTrack export, true poses and a campaign.json");
   add_force(*verb, r.force);

@@ -35,6 +35,7 @@ struct RecordArguments {
   int reserve_mb = 256;
   int workers = 2;
   bool preview = false;
+  std::filesystem::path calibration;
   std::filesystem::path truth;
   bool force = false;  // may replace what others wrote
   bool json = false;

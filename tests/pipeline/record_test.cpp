@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "datasets/geometry/rigid_transform.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
@@ -233,6 +234,38 @@ TEST(Info, FollowsARecordingToItsEnd) {
   EXPECT_EQ(followed.code, 0) << followed.err;
   EXPECT_THAT(followed.out, StartsWith("recording  k1"));
   EXPECT_THAT(followed.out, HasSubstr("\ncomplete  k1"));
+}
+
+// Two sensors see one person from two sides, one of them 4 cm off: the mean, as the first sees it.
+TEST(SkeletonPreview, DrawsThePersonWhomAllSensorsSeeTogether) {
+  const RigidTransform first = world_from_sensor_looking_at({0.0, 1.0, 2.0}, {0.0, 1.0, 0.0}),
+                       second = world_from_sensor_looking_at({2.0, 1.0, 0.0}, {0.0, 1.0, 0.0});
+  const Eigen::Vector3d head(0.1, 1.7, 0.0), off(0.0, 0.0, 0.04);
+  const auto frame_with = [](const Eigen::Vector3d& in_sensor) {
+    BodyFrame frame;
+    frame.bodies.resize(2);  // one of nobody
+    Body& body = frame.bodies[1];
+    constexpr auto kHead = static_cast<std::size_t>(Joint::head);
+    Eigen::Map<Eigen::Vector3f>(body.position_m[kHead].data()) = in_sensor.cast<float>();
+    body.tracking_state[kHead] = 2;
+    return frame;
+  };
+  const BodyFrame fused = fused_frame(
+      {frame_with(first.inverse() * head), frame_with(second.inverse() * (head + off))}, {first, second});
+  ASSERT_EQ(fused.bodies.size(), 1u);
+  const Body& body = fused.bodies[0];
+  const auto& p = body.position_m[static_cast<std::size_t>(Joint::head)];
+  const Eigen::Vector3d seen(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+  EXPECT_LT((first * seen - (head + 0.5 * off)).norm(), 1e-6);
+  EXPECT_EQ(std::ranges::count(body.tracking_state, 2), 1);
+}
+
+TEST(RecordVerb, ACalibrationWithoutAPreviewIsRefused) {
+  const ScratchFolder folder;
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:1", "--calibration",
+                                          folder / "c.json", "-o", folder / "s.h5"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("--calibration: is for --preview"));
 }
 
 // A body that stands upright in the middle: its spine is one column of dots.

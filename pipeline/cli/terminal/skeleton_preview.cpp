@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/terminal/skeleton_preview.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
+
+#include "evaluators/fusion/baselines.h"
 
 namespace trilat {
 namespace {
@@ -63,21 +67,65 @@ SkeletonPreview::SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>
       views_.emplace(sensor.name, View{sensor.intrinsics, {}});
 }
 
+SkeletonPreview::SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources,
+                                 const Calibration& calibration, const std::string& place)
+    : SkeletonPreview(sources) {
+  for (const auto& [name, view] : views_)
+    world_from_sensor_.push_back(pose_of(calibration, name, place).world_from_sensor);
+}
+
+BodyFrame fused_frame(const std::vector<BodyFrame>& frames,
+                      const std::vector<RigidTransform>& world_from_sensor) {
+  std::vector<const Body*> bodies;
+  for (const BodyFrame& frame : frames) {
+    const auto tracked = [](const Body& body) { return std::ranges::count(body.tracking_state, 2); };
+    const auto most = std::ranges::max_element(frame.bodies, {}, tracked);
+    bodies.push_back(most == frame.bodies.end() ? nullptr : &*most);
+  }
+  Body fused;
+  const RigidTransform first_from_world = world_from_sensor.front().inverse();
+  std::vector<JointObservation> observations(bodies.size());
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    for (std::size_t s = 0; s < bodies.size(); ++s)
+      observations[s] =
+          bodies[s]
+              ? observe(Eigen::Map<const Eigen::Vector3f>(bodies[s]->position_m[j].data()).cast<double>(),
+                        static_cast<TrackingState>(bodies[s]->tracking_state[j]), world_from_sensor[s])
+              : JointObservation{};
+    const PointEstimate mean = solve_mean(observations, {});
+    if (!is_usable(mean.status)) continue;
+    Eigen::Map<Eigen::Vector3f>(fused.position_m[j].data()) =
+        (first_from_world * mean.position_m).cast<float>();
+    fused.tracking_state[j] = 2;
+  }
+  BodyFrame frame;
+  frame.bodies = {fused};
+  return frame;
+}
+
 void SkeletonPreview::see(const std::string& sensor, const BodyFrame& frame) {
   views_.at(sensor).frame = frame;
 }
 
 std::string SkeletonPreview::picture() const {
   std::string picture = "\033[H\033[J";  // from the upper left corner of an empty screen
-  for (auto left = views_.begin(); left != views_.end();) {
+  std::vector<std::pair<std::string, View>> views(views_.begin(), views_.end());
+  if (!world_from_sensor_.empty()) {
+    std::vector<BodyFrame> frames;
+    for (const auto& [name, view] : views) frames.push_back(view.frame);
+    views.insert(views.begin(),
+                 {"all, as " + views.front().first + " sees it",
+                  View{views.front().second.intrinsics, fused_frame(frames, world_from_sensor_)}});
+  }
+  for (auto left = views.begin(); left != views.end();) {
     const auto right = std::next(left);
     const auto a = skeleton_text(left->second.frame, left->second.intrinsics, kColumns);
     std::vector<std::string> b;
-    if (right != views_.end()) b = skeleton_text(right->second.frame, right->second.intrinsics, kColumns);
-    picture += fmt::format("{:<{}}  {}\n", left->first, kColumns, right != views_.end() ? right->first : "");
+    if (right != views.end()) b = skeleton_text(right->second.frame, right->second.intrinsics, kColumns);
+    picture += fmt::format("{:<{}}  {}\n", left->first, kColumns, right != views.end() ? right->first : "");
     for (std::size_t row = 0; row < a.size(); ++row)
       picture += a[row] + "  " + (row < b.size() ? b[row] : "") + "\n";
-    left = right == views_.end() ? right : std::next(right);
+    left = right == views.end() ? right : std::next(right);
   }
   return picture;
 }

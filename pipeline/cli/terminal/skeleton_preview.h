@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/calibration/calibration.h"
 #include "recorders/frame_source.h"
 
 namespace trilat {
@@ -15,6 +16,10 @@ namespace trilat {
 class SkeletonPreview {
  public:
   explicit SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources);
+  // With the person whom all sensors see together, as the first of them would see it. InputError when the
+  // calibration, read from `place`, lacks a sensor.
+  SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources, const Calibration& calibration,
+                  const std::string& place);
   void see(const std::string& sensor, const BodyFrame& frame);
   // For a terminal: from its upper left corner, over what was there.
   std::string picture() const;
@@ -25,7 +30,13 @@ class SkeletonPreview {
     BodyFrame frame;
   };
   std::map<std::string, View> views_;
+  std::vector<RigidTransform> world_from_sensor_;  // by view; empty without a calibration
 };
+
+// The mean of what the sensors see of one person (of each sensor's bodies the one with the most tracked
+// joints), in the first sensor's frame: as the method `mean`. Frames and poses are of the same sensors.
+BodyFrame fused_frame(const std::vector<BodyFrame>& frames,
+                      const std::vector<RigidTransform>& world_from_sensor);
 
 // Bodies in the sensor's image as rows of UTF-8 text, `columns` characters wide.
 std::vector<std::string> skeleton_text(const BodyFrame& frame, const DepthIntrinsics& intrinsics,
