@@ -46,17 +46,9 @@ MethodFamily read_family(JsonObject& object) {
 }
 
 Json json_of(const FamilyCell& cell) {
-  return {{"family", cell.family},
-          {"condition", cell.condition},
-          {"mae_m", cell.mae_m},
-          {"low_m", cell.low_m},
-          {"high_m", cell.high_m},
-          {"complete_m", cell.complete_m},
-          {"complete_low_m", cell.complete_low_m},
-          {"complete_high_m", cell.complete_high_m},
-          {"best", cell.best},
-          {"best_m", cell.best_m},
-          {"worst", cell.worst},
+  return {{"family", cell.family},  {"condition", cell.condition}, {"mae_m", cell.mae_m},
+          {"low_m", cell.low_m},    {"high_m", cell.high_m},       {"answered", cell.answered},
+          {"best", cell.best},      {"best_m", cell.best_m},       {"worst", cell.worst},
           {"worst_m", cell.worst_m}};
 }
 
@@ -67,9 +59,7 @@ FamilyCell read_family_cell(JsonObject& object) {
   for (const auto& [key, value] : {std::pair{"mae_m", &cell.mae_m},
                                    {"low_m", &cell.low_m},
                                    {"high_m", &cell.high_m},
-                                   {"complete_m", &cell.complete_m},
-                                   {"complete_low_m", &cell.complete_low_m},
-                                   {"complete_high_m", &cell.complete_high_m},
+                                   {"answered", &cell.answered},
                                    {"best_m", &cell.best_m},
                                    {"worst_m", &cell.worst_m}})
     *value = number_or_nan(object, key);

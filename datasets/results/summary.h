@@ -162,9 +162,8 @@ struct MethodFamily {
 struct FamilyCell {
   std::string family, condition;
   double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
-  double complete_m = kNoNumber, complete_low_m = kNoNumber,
-         complete_high_m = kNoNumber;  // over what any answers, they or the reference
-  std::string best, worst;             // methods, by their ratio to the reference on common samples
+  double answered = kNoNumber;                                      // share of what they are asked
+  std::string best, worst;  // methods, by their ratio to the reference on common samples
   double best_m = kNoNumber, worst_m = kNoNumber;
 };
 

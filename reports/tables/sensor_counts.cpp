@@ -42,9 +42,7 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                      {"MAE (cm)", "mae_cm"},
                      {"from", "mae_from_cm"},
                      {"to", "mae_to_cm"},
-                     {"as the reference where silent (cm)", "complete_cm"},
-                     {"from", "complete_from_cm"},
-                     {"to", "complete_to_cm"},
+                     {"answered (%)", "answered_percent"},
                      {"best set", "best", true},
                      {"its (cm)", "best_cm"},
                      {"worst set", "worst", true},
@@ -54,19 +52,17 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
       if (!is_of_sets(family) || !c) continue;
       table.rows.push_back({TableValue::of(family.name), count_cell(family.sensors),
                             count_cell(family.methods.size()), cm_cell(c->mae_m), cm_cell(c->low_m),
-                            cm_cell(c->high_m), cm_cell(c->complete_m), cm_cell(c->complete_low_m),
-                            cm_cell(c->complete_high_m), TableValue::of(set_of(c->best, family.name)),
-                            cm_cell(c->best_m), TableValue::of(set_of(c->worst, family.name)),
-                            cm_cell(c->worst_m)});
+                            cm_cell(c->high_m), percent_cell(c->answered),
+                            TableValue::of(set_of(c->best, family.name)), cm_cell(c->best_m),
+                            TableValue::of(set_of(c->worst, family.name)), cm_cell(c->worst_m)});
     }
     if (table.rows.empty()) continue;
     table.notes = {
-        fmt::format("Mean over all sets of so many sensors, or over a declared number of them. As the "
-                    "reference where "
-                    "silent: where a set has no answer, the error of \"{0}\" counts for it. The best and the "
-                    "worst set "
-                    "were picked afterwards, by their ratio to \"{0}\" on the samples that both answer.",
-                    s.reference),
+        fmt::format(
+            "Mean over all sets of so many sensors, or over a declared number of them, of what they answer. "
+            "The best and the worst set were picked afterwards, by their ratio to \"{}\" on the samples that "
+            "both answer.",
+            s.reference),
         "From and to: 95 % interval by Student's t between participants."};
     tables.push_back(std::move(table));
   }

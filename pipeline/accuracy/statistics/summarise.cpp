@@ -168,12 +168,11 @@ void add_families(const Plan& plan, ResultsSummary& summary) {
 
 // The plain mean of a name's errors over the groups.
 ContrastEstimate mean_error_m(const ParticipantErrors& errors, const std::string& name,
-                              const std::string& condition, bool complete) {
+                              const std::string& condition) {
   Contrast mean;
   const std::vector<std::string> groups = errors.groups_of(condition);
   for (const std::string& group : groups) {
-    mean.value.push_back(complete ? errors.complete_error_m(name, condition, group)
-                                  : errors.error_m(name, condition, group));
+    mean.value.push_back(errors.error_m(name, condition, group));
     mean.value.back().weight = 1.0 / static_cast<double>(groups.size());
   }
   return solve_contrast(mean);
@@ -192,13 +191,31 @@ void complete_differences(const ParticipantErrors& errors, ResultsSummary& summa
   }
 }
 
+// Of all that the family's methods are asked in the condition.
+double answered_share(const ResultsSummary& summary, const MethodFamily& family,
+                      const std::string& condition) {
+  double asked = 0.0, answered = 0.0;
+  for (const TakeJointRow& row : summary.by_take) {
+    if (row.condition != condition || std::ranges::find(family.methods, row.method) == family.methods.end())
+      continue;
+    asked += static_cast<double>(row.asked);
+    answered += static_cast<double>(row.answered);
+  }
+  return answered / asked;
+}
+
 void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) {
   for (const std::string& condition : summary.conditions)
     for (const MethodFamily& family : summary.families) {
-      const ContrastEstimate own = mean_error_m(errors, family.name, condition, false),
-                             complete = mean_error_m(errors, family.name, condition, true);
-      FamilyCell cell{family.name,    condition,      own.value,       own.low(), own.high(),
-                      complete.value, complete.low(), complete.high(), {},        {}};
+      const ContrastEstimate own = mean_error_m(errors, family.name, condition);
+      FamilyCell cell{.family = family.name,
+                      .condition = condition,
+                      .mae_m = own.value,
+                      .low_m = own.low(),
+                      .high_m = own.high(),
+                      .answered = answered_share(summary, family, condition),
+                      .best = {},
+                      .worst = {}};
       double least = kNaN,
              most = kNaN;  // on the samples that the reference answers, too: few answers win nothing
       for (const std::string& method : family.methods) {
@@ -210,8 +227,8 @@ void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) 
         if (!(ratio >= least)) std::tie(cell.best, least) = std::tie(method, ratio);
         if (!(ratio <= most)) std::tie(cell.worst, most) = std::tie(method, ratio);
       }
-      cell.best_m = mean_error_m(errors, cell.best, condition, false).value;
-      cell.worst_m = mean_error_m(errors, cell.worst, condition, false).value;
+      cell.best_m = mean_error_m(errors, cell.best, condition).value;
+      cell.worst_m = mean_error_m(errors, cell.worst, condition).value;
       summary.family_cells.push_back(std::move(cell));
     }
 }
