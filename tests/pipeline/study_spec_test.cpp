@@ -185,7 +185,7 @@ TEST(Methods, ASensorTheRigDoesNotHaveIsNamedWithThoseItHas) {
     return message_of([&] { resolve_methods(study_of(R"("methods": [)" + methods + "]"), {"k1", "k2"}); });
   };
   EXPECT_THAT(resolve(R"({"method": "mean", "sensors": ["k9"]})"),
-              HasSubstr("method \"mean\": names the sensor \"k9\"; the rig has k1, k2"));
+              HasSubstr("method \"mean k9\": names the sensor \"k9\"; the rig has k1, k2"));
   EXPECT_THAT(resolve(R"({"method": "linear", "reference": "k9"})"), HasSubstr("names the sensor \"k9\""));
   EXPECT_THAT(resolve(R"({"method": "single", "sensors": ["k1", "k2"]})"), HasSubstr("uses one sensor"));
   EXPECT_THAT(resolve(R"({"method": "single"}, {"method": "mean", "name": "single k2"})"),
