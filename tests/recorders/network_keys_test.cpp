@@ -107,7 +107,7 @@ TEST(SocketAddress, PlainTextStaysOnThisMachineUnlessAllowed) {
   NetworkSource network(listen);
   MadeSource source("kinect", made_events(20));
   RunningAgent agent(source, agent_options("k1"),
-                     connect_to_server({"localhost", network.port()}, nullptr, false));
+                     connect_to_server({"127.0.0.1", network.port()}, nullptr, false));
   network.wait_for_agents(1, kGenerous);
   EXPECT_EQ(receive_all(network).frames.size(), 20u);
 }
