@@ -69,6 +69,17 @@ FamilyCell read_family_cell(JsonObject& object) {
   return cell;
 }
 
+Json json_of(const SpeedErrors& e) {
+  return {{"slow", e.slow}, {"slow_mae_m", e.slow_mae_m}, {"fast", e.fast}, {"fast_mae_m", e.fast_mae_m}};
+}
+
+SpeedErrors read_speed(JsonObject object) {
+  const SpeedErrors e{object.count("slow"), object.count("fast"), number_or_nan(object, "slow_mae_m"),
+                      number_or_nan(object, "fast_mae_m")};
+  object.finish();
+  return e;
+}
+
 Json json_of(const TakeJointRow& row) {
   return {{"take", row.take},
           {"participant", row.participant},
@@ -80,7 +91,8 @@ Json json_of(const TakeJointRow& row) {
           {"answered", row.answered},
           {"mae_m", row.mae_m},
           {"both", json_of(row.both)},
-          {"complete", json_of(row.complete)}};
+          {"complete", json_of(row.complete)},
+          {"by_speed", json_of(row.by_speed)}};
 }
 
 TakeJointRow read_take_joint(JsonObject& object) {
@@ -97,6 +109,9 @@ TakeJointRow read_take_joint(JsonObject& object) {
   row.mae_m = number_or_nan(object, "mae_m");
   row.both = read_paired(object.object("both"));
   row.complete = read_paired(object.object("complete"));
+  row.by_speed = read_speed(object.object("by_speed"));
+  if (row.by_speed.slow > row.answered || row.by_speed.fast > row.answered - row.by_speed.slow)
+    object.refuse("by_speed", "has more samples than were answered");
   if (row.both.n > row.answered) object.refuse("both", "has more samples than were answered");
   if (row.complete.n > row.asked) object.refuse("complete", "has more samples than were asked");
   object.finish();

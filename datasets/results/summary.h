@@ -139,6 +139,12 @@ struct PairedErrors {
   double mae_m = kNoNumber, reference_mae_m = kNoNumber;
 };
 
+// Mean distances in the slower and the faster half of a joint's answered samples, by its speed.
+struct SpeedErrors {
+  std::uint64_t slow = 0, fast = 0;  // samples
+  double slow_mae_m = kNoNumber, fast_mae_m = kNoNumber;
+};
+
 // One joint of one take and method under the study's first alignment: where an odd take, person or side
 // shows, and what every comparison of methods with participants as clusters can be made from.
 struct TakeJointRow {
@@ -148,6 +154,7 @@ struct TakeJointRow {
   PairedErrors both = {};  // where both answer
   PairedErrors complete =
       {};  // where any of the two does: its error stands for both where the other is silent
+  SpeedErrors by_speed = {};  // of all samples; empty in conditions of occluded ones
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.

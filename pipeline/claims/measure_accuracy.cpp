@@ -119,6 +119,33 @@ MeasuredPart measure_places(JsonObject& part, const ClaimStudies& e) {
   return measured.parts.empty() ? missing(fmt::format("{} with {}", study_name(part), method)) : measured;
 }
 
+// A method's error in the faster half of each joint's samples, against that in the slower one.
+MeasuredPart measure_speed(JsonObject& part, const ClaimStudies& e) {
+  const std::string method = part.text("method"), condition = part.text("condition", "walking");
+  MeasuredPart measured;
+  for (const ParticipantErrors& errors : studies_of(part, e)) {
+    const std::vector<std::string> groups = errors.groups_of(condition);
+    if (!errors.knows(method) || groups.empty()) continue;
+    Contrast contrast;
+    for (const std::string& group : groups)
+      for (const bool fast : {true, false}) {
+        WeightedRatio ratio = errors.speed_error_m(method, condition, group, fast);
+        ratio.weight = (fast ? 1.0 : -1.0) / static_cast<double>(groups.size());
+        contrast.value.push_back(ratio);
+        if (fast) continue;
+        ratio.weight = -ratio.weight;
+        contrast.base.push_back(std::move(ratio));
+      }
+    Measurement found;
+    found.what = fmt::format("{}: the faster half of each joint's samples against the slower one", method);
+    found.unit = "%";
+    found.estimate = percent_of(contrast);
+    if (!std::isfinite(found.estimate.value)) return missing(silence_of(method, errors));
+    measured.parts.push_back(std::move(found));
+  }
+  return measured.parts.empty() ? missing(fmt::format("{} with {}", study_name(part), method)) : measured;
+}
+
 // What a clock error costs at the fastest joints: the way they go in that time, in percent of a method's
 // error.
 MeasuredPart measure_clock_cost(JsonObject& part, const ClaimStudies& e) {

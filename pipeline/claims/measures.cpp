@@ -20,6 +20,7 @@ struct Statistic {
 };
 constexpr std::array kStatistics{Statistic{"errors", measure_errors},
                                  Statistic{"places", measure_places},
+                                 Statistic{"speed", measure_speed},
                                  Statistic{"clock_cost", measure_clock_cost},
                                  Statistic{"clock_share", measure_clock_share},
                                  Statistic{"queue", measure_queue},

@@ -44,6 +44,7 @@ MeasuredPart measure(JsonObject& part, const ClaimStudies& studies);
 // The statistics that claims.json names, but those of statistics.cpp itself.
 MeasuredPart measure_errors(JsonObject& part, const ClaimStudies& e);
 MeasuredPart measure_places(JsonObject& part, const ClaimStudies& e);
+MeasuredPart measure_speed(JsonObject& part, const ClaimStudies& e);
 MeasuredPart measure_clock_cost(JsonObject& part, const ClaimStudies& e);
 MeasuredPart measure_readings(JsonObject& part, const ClaimStudies& e);
 MeasuredPart measure_clock_share(JsonObject& part, const ClaimStudies& e);

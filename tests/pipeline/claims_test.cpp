@@ -293,5 +293,23 @@ TEST(ClaimsTable, SaysWhatIsSimulatedAndShowsEveryNumberWithItsInterval) {
   EXPECT_THAT(claims_table({}).title, Not(HasSubstr("simulated")));
 }
 
+// Errors of 4 cm in the slower halves and of 5 cm, somewhat more or less by person, in the faster ones.
+TEST(Claims, ErrorsOfFastJointsAreComparedWithThoseOfSlowOnes) {
+  PaperEvidence evidence = walking({{"a", std::vector<double>(8, 4.5)}});
+  double more_cm = -0.07;
+  for (TakeJointRow& row : evidence.walking->by_take) {
+    row.by_speed = {5, 5, 0.04, 0.01 * (5.0 + more_cm)};
+    more_cm += 0.02;
+  }
+  const JudgedClaim claim =
+      judge(R"("more_than": 10, "parts": [{"statistic": "speed", "method": "a"}])", evidence);
+  EXPECT_THAT(claim.verdict, StartsWith("holds"));
+  ASSERT_EQ(claim.parts.size(), 1u);
+  EXPECT_NEAR(claim.parts[0].estimate.value, 25.0, 1e-9);
+  for (TakeJointRow& row : evidence.walking->by_take) row.by_speed = {};
+  EXPECT_EQ(judge(R"("more_than": 10, "parts": [{"statistic": "speed", "method": "a"}])", evidence).verdict,
+            "cannot be tested here");
+}
+
 }  // namespace
 }  // namespace trilat

@@ -46,6 +46,11 @@ ParticipantErrors::ParticipantErrors(const ResultsSummary& summary) : summary_(s
         std::find(participants_.begin(), participants_.end(), row.participant) - participants_.begin())];
     sums.answered += static_cast<double>(row.answered);
     add(sums.error_m, row.answered, row.mae_m);
+    const SpeedErrors& speed = row.by_speed;
+    sums.slow += static_cast<double>(speed.slow);
+    sums.fast += static_cast<double>(speed.fast);
+    add(sums.slow_m, speed.slow, speed.slow_mae_m);
+    add(sums.fast_m, speed.fast, speed.fast_mae_m);
     sums.both.add(row.both);
     sums.complete.add(row.complete);
   }
@@ -117,6 +122,10 @@ ParticipantErrors::ByParticipant ParticipantErrors::sums_of(const std::string& n
       const Sums& more = of->second[p];
       sums[p].answered += more.answered;
       sums[p].error_m += more.error_m;
+      sums[p].slow += more.slow;
+      sums[p].slow_m += more.slow_m;
+      sums[p].fast += more.fast;
+      sums[p].fast_m += more.fast_m;
       for (auto [to, from] :
            {std::pair{&sums[p].both, &more.both}, std::pair{&sums[p].complete, &more.complete}}) {
         to->n += from->n;
@@ -132,6 +141,13 @@ WeightedRatio ParticipantErrors::error_m(const std::string& name, const std::str
                                          const std::string& group) const {
   return ratio_of(sums_of(name, condition, group), 1.0, [](const Sums& s) {
     return std::pair{s.error_m, s.answered};
+  });
+}
+
+WeightedRatio ParticipantErrors::speed_error_m(const std::string& name, const std::string& condition,
+                                               const std::string& group, bool fast) const {
+  return ratio_of(sums_of(name, condition, group), 1.0, [fast](const Sums& s) {
+    return fast ? std::pair{s.fast_m, s.fast} : std::pair{s.slow_m, s.slow};
   });
 }
 

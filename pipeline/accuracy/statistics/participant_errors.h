@@ -35,6 +35,10 @@ class ParticipantErrors {
   WeightedRatio complete_error_m(const std::string& name, const std::string& condition,
                                  const std::string& group) const;
 
+  // The method's mean error in the faster (or the slower) half of each joint's samples.
+  WeightedRatio speed_error_m(const std::string& name, const std::string& condition, const std::string& group,
+                              bool fast) const;
+
   // (of - against) / against, each the plain mean over the groups. Over the samples that `both` answer one of
   // the two has to be the study's reference; else the result is empty.
   Contrast difference(const std::string& of, const std::string& against, const std::string& condition,
@@ -43,7 +47,7 @@ class ParticipantErrors {
  private:
   // Sums over one participant's takes and joints.
   struct Sums {
-    double answered = 0.0, error_m = 0.0;
+    double answered = 0.0, error_m = 0.0, slow = 0.0, slow_m = 0.0, fast = 0.0, fast_m = 0.0;
     struct Paired {
       double n = 0.0, method_m = 0.0, reference_m = 0.0;
       void add(const PairedErrors& paired);

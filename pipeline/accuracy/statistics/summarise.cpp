@@ -149,10 +149,18 @@ void add_take_rows(const Plan& plan, const StatisticsLayout& layout, std::size_t
     if (sums.asked == 0) continue;
     const std::size_t j = k / axes.methods % axes.joints;
     const bool all = k < axes.joints * axes.methods;
-    summary.by_take.push_back({of.id, of.participant, all ? of.activity : occluded_condition(of.activity),
-                               summary.groups[axes.group_of_joint[j]], std::string(name_of(plan.joints[j])),
-                               summary.methods[k % axes.methods], sums.asked, sums.distance_m.n,
-                               sums.distance_m.value(), errors_of(sums.both), errors_of(sums.complete)});
+    summary.by_take.push_back({of.id,
+                               of.participant,
+                               all ? of.activity : occluded_condition(of.activity),
+                               summary.groups[axes.group_of_joint[j]],
+                               std::string(name_of(plan.joints[j])),
+                               summary.methods[k % axes.methods],
+                               sums.asked,
+                               sums.distance_m.n,
+                               sums.distance_m.value(),
+                               errors_of(sums.both),
+                               errors_of(sums.complete),
+                               {sums.slow_m.n, sums.fast_m.n, sums.slow_m.value(), sums.fast_m.value()}});
   }
 }
 

@@ -24,7 +24,8 @@ class TakeGatherer {
         alignments_(alignments),
         result_(empty_statistics(layout, instants)),
         noise_m2_(axes_.groups, GroupNoise(layout.blocks(instants))),
-        lengths_(axes_.methods * layout.bones.size()) {}
+        lengths_(axes_.methods * layout.bones.size()),
+        by_speed_(axes_.joints * axes_.methods) {}
 
   // The instants [first, end) of the view; those around them are only looked at.
   void add(const SampleView& view, std::uint64_t first, std::uint64_t end) {
@@ -46,6 +47,7 @@ class TakeGatherer {
       ++bodies.bones;
       bodies.bone_sd_m.add(lengths_[k].standard_deviation_m());
     }
+    for (std::size_t k = 0; k < by_speed_.size(); ++k) split_by_speed(by_speed_[k], result_.of_joint[k]);
     for (std::size_t g = 0; g < axes_.groups; ++g)
       for (const Mean& squares_m2 : noise_m2_[g])
         if (squares_m2.n > 0)
@@ -55,6 +57,27 @@ class TakeGatherer {
   }
 
  private:
+  // Distances of what one method answered of one joint, by the joint's speed.
+  static constexpr double kSpeedBin_m_s = 0.02;
+  using BySpeed = std::array<Mean, 256>;  // the last one holds all that is faster
+
+  // At the bin in which the samples are halved.
+  static void split_by_speed(const BySpeed& bins, JointSums& sums) {
+    std::uint64_t all = 0, slower = 0;
+    for (const Mean& bin : bins) all += bin.n;
+    for (const Mean& bin : bins) {
+      (2 * slower < all ? sums.slow_m : sums.fast_m).merge(bin);
+      slower += bin.n;
+    }
+  }
+
+  void add_speed(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, double distance_m) {
+    if (!has_truth(view, i, j, 1, 1)) return;
+    const double speed_m_s = (view.truth(i + 1, j) - view.truth(i - 1, j)).norm() * layout_.rate_hz / 2.0;
+    BySpeed& bins = by_speed_[j * axes_.methods + m];
+    bins[std::min(bins.size() - 1, static_cast<std::size_t>(speed_m_s / kSpeedBin_m_s))].add(distance_m);
+  }
+
   // Whether the truth is known at the instants from i - before to i + behind.
   bool has_truth(const SampleView& view, std::uint64_t i, std::size_t j, std::uint64_t before,
                  std::uint64_t behind) const {
@@ -91,6 +114,7 @@ class TakeGatherer {
         add_sums(view.block, slot, e, result_.sums[axes_.cell(set, axes_.group_of_joint[j], m, a)]);
       if (!is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
+      if (a == 0) add_speed(view, i, j, m, distance_m);
       const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
       const double later_m = has_later ? (aligned_m - view.truth(i + 1, j)).norm() - distance_m : 0.0;
       const double earlier_m = has_earlier ? (aligned_m - view.truth(i - 1, j)).norm() - distance_m : 0.0;
@@ -225,6 +249,7 @@ class TakeGatherer {
   std::uint64_t block_ = 0;
   std::vector<GroupNoise> noise_m2_;                               // by group
   std::vector<LengthSpread> lengths_;                              // by method and bone
+  std::vector<BySpeed> by_speed_;                                  // joint * methods + method
   std::vector<Eigen::Vector3d> estimate_m_, aligned_m_, truth_m_;  // of one body
 };
 

@@ -64,6 +64,7 @@ struct JointSums {
   Mean distance_m;      // of what was answered
   PairedSums both;      // where both answer
   PairedSums complete;  // where any of the two answers: its error stands for both where the other is silent
+  Mean slow_m, fast_m;  // of what was answered, in the slower and the faster half of the joint's samples
 };
 
 struct TakeStatistics {

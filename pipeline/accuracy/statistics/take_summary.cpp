@@ -110,7 +110,7 @@ void see_statistics(const See& see, S& s, std::uint64_t blocks) {
   }
   for (auto& joint : s.of_joint) {
     see(joint.asked);
-    see_mean(see, joint.distance_m);
+    for (auto* mean : {&joint.distance_m, &joint.slow_m, &joint.fast_m}) see_mean(see, *mean);
     for (auto* paired : {&joint.both, &joint.complete}) {
       see_mean(see, paired->method_m);
       see_mean(see, paired->reference_m);
@@ -158,8 +158,8 @@ void check_counts(const TakeStatistics& statistics, std::uint64_t most, const st
                   most))
     refuse();
   for (const JointSums& joint : statistics.of_joint)
-    for (const Mean* mean : {&joint.distance_m, &joint.both.method_m, &joint.both.reference_m,
-                             &joint.complete.method_m, &joint.complete.reference_m})
+    for (const Mean* mean : {&joint.distance_m, &joint.slow_m, &joint.fast_m, &joint.both.method_m,
+                             &joint.both.reference_m, &joint.complete.method_m, &joint.complete.reference_m})
       if (joint.asked > most || mean->n > joint.asked || !std::isfinite(mean->sum)) refuse();
   for (const CellSums& cell : statistics.sums) {
     std::uint64_t all = 0, answered = 0;
