@@ -152,8 +152,7 @@ class SensorChecks {
     for (const std::size_t s : mirrored) {
       note_session(
           fmt::format("{} sees the person as in a mirror (laid over each other {:.2f} m apart, mirrored "
-                      "{:.2f} m); record "
-                      "without mirroring{}",
+                      "{:.2f} m); record without mirroring{}",
                       either ? "one of " + name(sound_[0]) + " and " + name(sound_[1]) : name(s), plain_m,
                       mirrored_m, either ? "" : ", or leave it out with \"sensors\" in the study"));
     }
@@ -438,6 +437,8 @@ class SensorChecks {
 
 std::vector<TakeNote> check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies) {
   if (bodies.sensors() < 2 || bodies.instants() == 0) return {};
+  // of takes that differ in what is left out alone the first says it for all
+  if (!planned.take.left_out.empty() && planned.take.left_out != plan.rig.front()) return {};
   return SensorChecks(plan, planned, bodies).run();
 }
 
