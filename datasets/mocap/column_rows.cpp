@@ -49,8 +49,7 @@ std::string_view ColumnRows::with_commas(std::string_view line) {
   if (line.find(',') != std::string_view::npos)
     throw InputError(lines_.place(),
                      "the row has a comma; numbers are written with a decimal point, and tabs stand between");
-  text_ = layout_.has_frame_and_time ? "" : std::to_string(rows_ + 1) + ",,";
-  text_ += line;
+  text_ = line;
   std::ranges::replace(text_, '\t', ',');
   return text_;
 }
@@ -221,9 +220,8 @@ void ColumnRows::refuse_cell(std::size_t column, std::string_view cell, const ch
   for (std::size_t i = 0; who.empty() && i < layout_.columns.size(); ++i)
     for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot)
       if (layout_.columns[i][slot] == column) who = key_of(header_, i) + ", " + std::string(kSlotNames[slot]);
-  throw InputError(lines_.place(), "column " +
-                                       std::to_string(column + (layout_.has_frame_and_time ? 1 : -1)) + " (" +
-                                       who + "): \"" + std::string(cell.substr(0, 40)) + "\" " + problem);
+  throw InputError(lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
+                                       std::string(cell.substr(0, 40)) + "\" " + problem);
 }
 
 }  // namespace trilat

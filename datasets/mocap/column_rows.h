@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// Data rows of the formats with a frame a row and a number a column: Motive, TRC and Qualisys. Time is the
+// Data rows of the formats with a frame a row and a number a column: Motive and TRC. Time is the
 // frame index times the export rate; only when the header states no rate it is the printed one.
 class ColumnRows : public RowSource {
  public:

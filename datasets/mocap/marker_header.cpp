@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/header_keys.h"
 
 namespace trilat {
@@ -16,7 +15,6 @@ namespace {
 using Cells = std::vector<std::string>;
 
 constexpr std::int64_t kMostMarkers = 100'000;
-constexpr std::size_t kMostHeaderLines = 10'000;  // events have a line each
 
 // Without the empty cells behind the last one.
 Cells tab_cells(std::string_view line) {
@@ -75,43 +73,6 @@ Cells trc_names(const Cells& labels, std::size_t markers, const std::string& pla
   return names;
 }
 
-bool is_qualisys_key(std::string_view cell) {
-  for (std::string_view word : {"FREQUENCY", "DESCRIPTION", "EVENT"})
-    if (cell == word) return true;
-  const auto is_key_letter = [](char c) {
-    return c == '_' || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-  };
-  return cell.find('_') != std::string_view::npos && std::ranges::all_of(cell, is_key_letter);
-}
-
-// "Frame", "Time", "a X", …, where the export has headings.
-bool is_heading_row(const Cells& cells) {
-  double ignored = 0.0;
-  return !cells.empty() && parse_cell(cells[0], ignored) == CellKind::unreadable;
-}
-
-struct QualisysKeys {
-  HeaderValues values;
-  Cells names;
-};
-
-// Leaves `lines` before the first row of data, of which it gives the number of cells in `width`.
-QualisysKeys read_qualisys_keys(LineReader& lines, std::string_view line, std::size_t& width) {
-  QualisysKeys keys;
-  for (std::size_t count = 0; count < kMostHeaderLines; ++count) {
-    const Cells cells = tab_cells(line);
-    if (cells.empty() ? !line.empty() : !is_qualisys_key(cells[0]) && !is_heading_row(cells)) {
-      width = static_cast<std::size_t>(std::ranges::count(line, '\t')) + 1;
-      lines.unread();
-      return keys;
-    }
-    if (!cells.empty() && cells[0] == "MARKER_NAMES") keys.names.assign(cells.begin() + 1, cells.end());
-    if (cells.size() > 1 && is_qualisys_key(cells[0])) keys.values.emplace(cells[0], cells[1]);
-    if (!lines.next(line)) return keys;
-  }
-  throw InputError(lines.place(), "no row of numbers follows the header");
-}
-
 }  // namespace
 
 bool is_trc(std::string_view first_line) { return first_line.starts_with("PathFileType"); }
@@ -137,34 +98,6 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   const Cells axes = next_cells(lines, "the row of axes");
   if (markers > 0 && (axes.size() < 3 || axes[2] != "X1"))
     throw InputError(lines.place(), "is not the row of axes \"X1, Y1, Z1\", of which X1 is the third cell");
-  return result;
-}
-
-bool is_qualisys(std::string_view first_line) {
-  return first_line.starts_with("NO_OF_") || first_line.starts_with("FILE_VERSION");
-}
-
-ColumnHeader read_qualisys_header(LineReader& lines, std::string_view first_line) {
-  const std::string place = lines.place();
-  std::size_t width = 0;
-  QualisysKeys keys = read_qualisys_keys(lines, first_line, width);
-  const HeaderKeys header(std::move(keys.values), place);
-  const std::string included = header.text("DATA_INCLUDED");
-  if (included != "3D")
-    throw InputError(place, "DATA_INCLUDED is \"" + included + "\"; it must be 3D, the markers' positions");
-  const auto markers = static_cast<std::size_t>(header.stated_count("NO_OF_MARKERS", kMostMarkers));
-  if (keys.names.size() != markers)
-    throw InputError(place, "NO_OF_MARKERS is " + std::to_string(markers) + ", but MARKER_NAMES has " +
-                                std::to_string(keys.names.size()) + " names");
-  ColumnHeader result;
-  result.header.format = "Qualisys TSV";
-  result.header.capture_start_text = header.text("TIME_STAMP");
-  result.header.export_rate_hz = header.stated_rate_hz("FREQUENCY");
-  result.header.total_exported_frames = header.stated_count("NO_OF_FRAMES", kHighestFrame);
-  result.header.length_unit = LengthUnit::millimetre;
-  // One more cell is only the tab that ends the row.
-  result.layout.has_frame_and_time = width >= 3 * markers + 2;
-  add_markers(keys.names, 2, result);
   return result;
 }
 

@@ -34,6 +34,9 @@ bool is_numbers_only(std::string_view line) {
         "the file begins with data and has no header, so that unit, rate and names are "
         "unknown; when it is Motive's, export it again with the header switched on. Bodies of a Kinect are a "
         "session's: `trilat import` reads them");
+  if (line.starts_with("NO_OF_") || line.starts_with("FILE_VERSION"))
+    throw InputError(place,
+                     "Qualisys' TSV is not read any more; export C3D from Qualisys Track Manager instead");
   if (line.starts_with("Format Version;"))
     throw InputError(place, "the cells are separated by semicolons; save the file with commas");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
@@ -41,7 +44,7 @@ bool is_numbers_only(std::string_view line) {
   throw InputError(place,
                    "this is no motion capture that can be read; known are Motive's CSV, which begins with "
                    "\"Format Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\"), TRC "
-                   "(\"PathFileType\"), Qualisys' TSV (\"NO_OF_FRAMES\") and C3D");
+                   "(\"PathFileType\") and C3D");
 }
 
 }  // namespace
@@ -63,8 +66,6 @@ MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions opt
     read_columns(read_motive_header(*lines_, line));
   } else if (is_trc(line)) {
     read_columns(read_trc_header(*lines_, line));
-  } else if (is_qualisys(line)) {
-    read_columns(read_qualisys_header(*lines_, line));
   } else if (is_known_row(line)) {
     TrackableHeader trackable = read_trackable_header(*lines_, line);
     header_ = trackable.header;

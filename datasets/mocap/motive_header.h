@@ -26,7 +26,6 @@ struct ColumnLayout {
   std::size_t written_columns = 0;  // with the empty ones a spreadsheet adds
   // Tabs stand between the cells, and the header's count of frames is a promise.
   bool tab_separated = false;
-  bool has_frame_and_time = true;  // false: rows begin with the first position and count from 1
 };
 
 struct ColumnHeader {

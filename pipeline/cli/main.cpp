@@ -41,7 +41,7 @@ void add_inspection(CLI::App& app, AllArguments& a, int& code) {
       "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches");
   mocap_verb
       ->add_option("file", a.mocap.file,
-                   "CSV of Motive, Arena or Tracking Tools, TRC, C3D, or TSV of Qualisys")
+                   "CSV of Motive, Arena or Tracking Tools, TRC, or C3D")
       ->required();
   add_json(*mocap_verb, a.mocap.json);
   mocap_verb->callback([&] { code = mocap(a.mocap); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Truth that is nothing but markers: TRC and Qualisys' TSV.
+// Truth that is nothing but markers: TRC.
 #include <string>
 #include <vector>
 
@@ -36,15 +36,6 @@ const std::string kTrcRows =
     "1\t0.000\t1500\t250.5\t-1e2\t4\t5\t6\n"
     "2\t0.010\t1501\t250.5\t-1e2\t\t\t\n"
     "3\t0.020\tnan\tNaN\tNAN\t4\t5\t7\n";
-
-std::string tsv_text(const std::string& rows, const std::string& frames = "3", const std::string& more = "") {
-  return "NO_OF_FRAMES\t" + frames +
-         "\nNO_OF_CAMERAS\t8\nNO_OF_MARKERS\t2\nFREQUENCY\t100\nNO_OF_ANALOG\t0\nDESCRIPTION\t--\n"
-         "TIME_STAMP\t2017-02-20, 15:30:02\t123.45\nDATA_INCLUDED\t3D\nMARKER_NAMES\ta\tb\n" +
-         more + rows;
-}
-
-const std::string kTsvRows = "1500\t250.5\t-100\t4\t5\t6\n1501\t250.5\t-100\t\t\t\n\t\t\t4\t5\t7\n";
 
 void expect_two_markers(const MocapTake& take) {
   EXPECT_EQ(take.header.export_rate_hz, 100.0);
@@ -94,7 +85,6 @@ TEST(MarkerReaders, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
 TEST(MarkerReaders, RefuseFewerFramesThanTheHeaderPromises) {
   EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "5")),
               AllOf(HasSubstr("after 3"), HasSubstr("promises 5")));
-  EXPECT_THAT(marker_refusal(tsv_text(kTsvRows, "4")), AllOf(HasSubstr("after 3"), HasSubstr("promises 4")));
   const std::string cut = kTrcRows.substr(0, kTrcRows.rfind('\t'));
   EXPECT_THAT(marker_refusal(trc_text(cut)), AllOf(HasSubstr("after 2"), HasSubstr("promises 3")));
 }
@@ -116,46 +106,9 @@ TEST(TrcReader, RefusesHeadersThatContradictThemselves) {
   EXPECT_THAT(marker_refusal("PathFileType\t4\t(X/Y/Z)\tx\n"), HasSubstr("ends before"));
 }
 
-TEST(QualisysReader, GivesMarkersInMetresWithTheirGaps) {
-  const MocapTake take = marker_take(tsv_text(kTsvRows));
-  expect_two_markers(take);
-  EXPECT_EQ(take.header.format, "Qualisys TSV");
-  EXPECT_EQ(take.header.capture_start_text, "2017-02-20, 15:30:02");
-  EXPECT_EQ(take.frames[0].index, 1);
-}
-
-TEST(QualisysReader, TakesFrameTimeHeadingsTypesAndEventsWhereTheyAre) {
-  const std::string more =
-      "TRAJECTORY_TYPES\tMeasured\tMixed\nEVENT\tstep\t7\t0.07\n"
-      "Frame\tTime\ta X\ta Y\ta Z\tb X\tb Y\tb Z\n";
-  const MocapTake take = marker_take(tsv_text(
-      "11\t0.10\t1500\t250.5\t-100\t4\t5\t6\n12\t0.11\t1501\t250.5\t-100\t\t\t\n13\t0.12\t\t\t\t4\t5\t7\n",
-      "3", more));
-  expect_two_markers(take);
-  EXPECT_EQ(take.header.first_frame, 11);
-}
-
-TEST(QualisysReader, AFrameWithoutAnyMarkerIsAFrame) {
-  const MocapTake take = marker_take(tsv_text("1\t2\t3\t4\t5\t6\n\t\t\t\t\t\n1\t2\t3\t4\t5\t6\n"));
-  ASSERT_EQ(take.frames.size(), 3u);
-  EXPECT_EQ(take.frames[2].time, MocapTime{20'000'000});
-}
-
-TEST(QualisysReader, NamesTheColumnOfWhatIsNoNumber) {
-  EXPECT_THAT(marker_refusal(tsv_text("1\t2\t3\t4\tx\t6\n", "1")),
-              AllOf(HasSubstr(":10"), HasSubstr("column 5 (marker:b, position Y): \"x\"")));
-}
-
-TEST(QualisysReader, RefusesWhatIsNo3DExport) {
-  const auto with = [](const std::string& from, const std::string& to) {
-    std::string text = tsv_text(kTsvRows);
-    return text.replace(text.find(from), from.size(), to);
-  };
-  EXPECT_THAT(marker_refusal(with("\t3D", "\t6D")), HasSubstr("DATA_INCLUDED is \"6D\""));
-  EXPECT_THAT(marker_refusal(with("\ta\tb", "\ta")), HasSubstr("MARKER_NAMES has 1"));
-  EXPECT_THAT(marker_refusal(with("FREQUENCY\t100", "FREQUENCY\tEXT")),
-              HasSubstr("\"FREQUENCY\" is \"EXT\""));
-  EXPECT_THAT(marker_refusal(with("NO_OF_MARKERS\t2", "NO_OF_MARKERS\tx")), HasSubstr("NO_OF_MARKERS"));
+TEST(MarkerReaders, AQualisysTsvIsRefusedWithWhatToDo) {
+  EXPECT_THAT(marker_refusal("NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n"),
+              HasSubstr("is not read any more; export C3D"));
 }
 
 // Files of other people's systems.

@@ -142,11 +142,6 @@ constexpr const char* kTrc =
     "100\t100\t2\t2\tmm\t100\t1\t2\nFrame#\tTime\ta\t\t\tb\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
     "1\t0.00\t1500\t250.5\t-1e2\t\t\t\n2\t0.01\tnan\tnan\tnan\t4\t5\t6\n";
 
-constexpr const char* kQualisys =
-    "NO_OF_FRAMES\t2\nNO_OF_CAMERAS\t8\nNO_OF_MARKERS\t2\nFREQUENCY\t179\nDATA_INCLUDED\t3D\n"
-    "MARKER_NAMES\ta\tb\nFrame\tTime\ta X\ta Y\ta Z\tb X\tb Y\tb Z\n"
-    "1\t0.00\t1500\t250.5\t-100\t\t\t\n2\t0.01\t1\t2\t3\t4\t5\t6\n";
-
 void write_points(const std::filesystem::path& path) {
   write_c3d(path, {{"a", "b"}, 100.0, 2, [](JointFrame& frame) {
                      frame.time_s += frame.position_m.empty() ? 0.0 : 0.01;
@@ -178,7 +173,6 @@ void write_seeds(const std::filesystem::path& folder) {
   write_motive(seed("mocap", "motive"));
   write_file(seed("mocap", "rows"), kRowFormat);
   write_file(seed("mocap", "trc"), kTrc);
-  write_file(seed("mocap", "qualisys"), kQualisys);
   write_points(seed("mocap", "c3d"));
   write_file(seed("umons_taichi", "two_rows"), "0" + joints(" 0.1 0.2 2.5") + "\n33" + joints(" 0 0 2"));
   write_file(seed("intrinsics", "kinect"), kIntrinsics);
