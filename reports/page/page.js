@@ -9,16 +9,8 @@
                  set: (t) => { try { localStorage.setItem("trilat-theme", t); } catch { /* not kept */ } } };
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const button = document.getElementById("theme");
-  // A picture has its dark look in itself, under a fragment of its address; on paper all are light.
-  const paint = (isDark) => {
-    for (const picture of document.querySelectorAll("figure.picture object")) {
-      const wanted = picture.data.split("#")[0] + (isDark ? "#dark" : "");
-      if (picture.data !== wanted) picture.data = wanted;
-    }
-  };
   const show = (theme) => {
     root.dataset.theme = theme;
-    paint(theme === "dark");
     button.textContent = theme === "dark" ? "Light page" : "Dark page";
   };
   show(kept.get() || (dark.matches ? "dark" : "light"));
