@@ -4,21 +4,22 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 
 namespace {
 
-WandCalibration calibrate_by_two(const WandWork& work, WandViews views) {
-  const bool corrected = work.method == WandMethod::two_positions;
-  const TwoPositionOptions options{
-      work.options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
+WandCalibration calibrate_by_two(const WandRecording& first, WandMethod method,
+                                 const CalibrateWandOptions& options, WandViews views) {
+  const bool corrected = method == WandMethod::two_positions;
+  const TwoPositionOptions two{
+      options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
       corrected, Eigen::Vector3d::UnitY()};
   std::vector<std::optional<FloorPlane>> floors;
-  for (const RecordedSensor& sensor : work.recordings.front().sensors) floors.push_back(sensor.floor);
+  for (const RecordedSensor& sensor : first.sensors) floors.push_back(sensor.floor);
   WandCalibration result;
-  result.calibration =
-      calibrate_two_positions(views, work.recordings.front().place, options, work.options.movement_m, floors);
+  result.calibration = calibrate_two_positions(views, first.place, two, options.movement_m, floors);
   result.views = std::move(views);
   return result;
 }
@@ -34,34 +35,33 @@ const RestingBall& ball_at(const WandViews& views, std::size_t position, std::si
 
 }  // namespace
 
-WandCalibration calibrate_searched(const WandWork& work,
-                                   const std::vector<std::vector<SensorSearch>>& searches) {
-  WandViews views;
-  for (std::size_t r = 0; r < work.recordings.size(); ++r)
-    add_recording(views, work.recordings[r], searches.at(r), work.options.positions);
-  WandCalibration result =
-      work.method == WandMethod::wand
-          ? calibrate_views(std::move(views), work.recordings.front().place, work.options)
-          : calibrate_by_two(work, std::move(views));
-  result.calibration.sources = sources_of(work);
-  return result;
-}
-
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
-                               const CalibrateWandOptions& options, WandMethod method) {
-  const WatchedFiles watched = watched_files(files, options);
-  const std::vector<SessionReader> sessions = open_sessions(files);
-  WandWork work = make_wand_work(sessions, method, options);
+                               const CalibrateWandOptions& given, WandMethod method) {
+  CalibrateWandOptions options = given;
+  std::vector<std::filesystem::path> others;  // besides the recordings
+  if (options.world) others.push_back(options.world->mocap);
+  for (const auto& [name, file] : options.intrinsics) others.push_back(file);
+  WatchedFiles watched(files);
+  for (const std::filesystem::path& file : others) watched.add(file);
+  const std::vector<SessionReader> sessions(files.begin(), files.end());
+  const std::vector<WandRecording> recordings =
+      read_wand_recordings(sessions, options.intrinsics, method == WandMethod::two_positions);
   // before minutes of work
-  if (WandInWorld* world = work.options.world ? &*work.options.world : nullptr; world && !world->track)
-    world->track = read_wand_track(world->mocap, world->asset);
-  std::vector<std::vector<SensorSearch>> searches;
+  if (options.world) options.world->track = read_wand_track(options.world->mocap, options.world->asset);
+  WandViews views;
   for (std::size_t r = 0; r < sessions.size(); ++r)
-    searches.push_back(search_wand(sessions[r], intrinsics_of(work.recordings[r]), options.search));
-  for (WandRecording& recording : work.recordings)
-    recording.sha256 = hash_of_file(recording.place, options.search.watch.stop_requested);
+    add_recording(views, recordings[r],
+                  search_wand(sessions[r], intrinsics_of(recordings[r]), options.search), options.positions);
+  WandCalibration result = method == WandMethod::wand
+                               ? calibrate_views(std::move(views), recordings.front().place, options)
+                               : calibrate_by_two(recordings.front(), method, options, std::move(views));
+  std::vector<std::filesystem::path> sources = files;
+  sources.insert(sources.end(), others.begin(), others.end());
+  for (const std::filesystem::path& file : sources)
+    result.calibration.sources.push_back(
+        {file.filename().string(), hash_of_file(file, options.search.watch.stop_requested)});
   watched.check();
-  return calibrate_searched(work, searches);
+  return result;
 }
 
 Calibration calibrate_two_positions(const WandViews& views, const std::string& place,

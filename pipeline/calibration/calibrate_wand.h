@@ -9,20 +9,19 @@
 
 #include "datasets/calibration/calibration.h"
 #include "evaluators/calibration/two_positions.h"
+#include "pipeline/calibration/calibrate_views.h"
 #include "pipeline/calibration/floor_plane.h"
 #include "pipeline/calibration/wand_views.h"
-#include "pipeline/calibration/wand_work.h"
 
 namespace trilat {
+
+// All positions, refined together; the paper's eq. 6 and 7, corrected; and as printed.
+enum class WandMethod { wand, two_positions, printed };
 
 // Sensor poses from recordings of a wand that was held still at many places. All recordings are of one rig.
 // Of another method than `wand` there are no positions in the world.
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method = WandMethod::wand);
-
-// The same of depth frames that have been searched already: of every recording one entry a sensor.
-WandCalibration calibrate_searched(const WandWork& work,
-                                   const std::vector<std::vector<SensorSearch>>& searches);
 
 // The paper's calibration from the first two wand positions (eq. 6 and 7), as printed or corrected. Without
 // `movement_m` the wand moved by the mean of what the sensors saw. `floors`: one entry a sensor, whose normal

@@ -132,9 +132,7 @@ std::vector<WandRecording> read_wand_recordings(std::span<const SessionReader> s
   std::vector<WandRecording> recordings;
   for (const SessionReader& session : sessions) {
     check_depth(session);
-    WandRecording recording{.place = session.path().string(),
-                            .bytes = std::filesystem::file_size(session.path()),
-                            .simulated = session.header().simulated};
+    WandRecording recording{.place = session.path().string(), .simulated = session.header().simulated};
     for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
       const SensorDescription& sensor = session.header().sensors[s];
       recording.sensors.push_back({sensor.name, session.counts(s).depth_frames, sensor.intrinsics});

@@ -27,8 +27,6 @@ struct RecordedSensor {
 // What a calibration needs to know of a recording of the wand besides what its depth frames show.
 struct WandRecording {
   std::string place;  // the file, for errors
-  std::uint64_t bytes = 0;
-  std::string fingerprint = {}, sha256 = {};  // empty as long as nobody asked
   bool simulated = false;
   std::vector<RecordedSensor> sensors = {};
 };

@@ -6,9 +6,8 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/calibration/calibrate_bodies.h"
-#include "pipeline/calibration/wand_study.h"
+#include "pipeline/calibration/calibrate_wand.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/terminal/calibration_text.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -60,8 +59,6 @@ void refuse_ignored(const CalibrateArguments& a) {
   if (!two && !a.trajectory_axis.empty()) refuse("--trajectory-axis");
   if ((bodies || two) && a.sessions.size() > 1)
     throw InputError(a.sessions[1].string(), "is one session too many for --method " + a.method);
-  if (bodies && !a.shard.empty())
-    throw InputError("--shard", "is of no use with --method bodies, which takes seconds");
   if (!a.mocap.empty() && a.movement_m)
     throw InputError("--movement-m",
                      "is of no use beside --mocap, which already says how far the wand moved");
@@ -98,30 +95,11 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
   return {std::move(result.calibration), std::move(result.views.evidence)};
 }
 
-int calibrate_shard(const CalibrateArguments& arguments, const Shard& shard) {
-  StudyOptions options{.threads = arguments.threads, .stop_requested = stop_requested, .shard = shard};
-  if (std::filesystem::is_directory(arguments.output)) options.reuse = {arguments.output};
-  ItemTally tally;
-  {
-    Progress progress("looking for the wand");
-    options.progress = [&](const std::string&, double share) { progress.set(share); };
-    tally = run_study(
-        wand_study(arguments.sessions, wand_method(arguments), wand_options(arguments, {stop_requested, {}})),
-        arguments.output, options);
-  }
-  tell_reuse("items", tally);
-  print_part(arguments.output, shard, tally, arguments.json);
-  return kDone;
-}
-
 }  // namespace
 
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
-  const bool whole = arguments.shard.empty();
-  check_output({arguments.output, whole ? OutputKind::calibration : OutputKind::part, inputs_of(arguments),
-                arguments.force, kWandSearch});
-  if (!whole) return calibrate_shard(arguments, parse_shard(arguments.shard, "--shard"));
+  check_output({arguments.output, OutputKind::calibration, inputs_of(arguments), arguments.force});
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);

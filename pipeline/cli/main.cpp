@@ -39,9 +39,7 @@ void add_inspection(CLI::App& app, AllArguments& a, int& code) {
   auto* mocap_verb = app.add_subcommand(
       "mocap",
       "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches");
-  mocap_verb
-      ->add_option("file", a.mocap.file,
-                   "CSV of Motive, Arena or Tracking Tools, TRC, or C3D")
+  mocap_verb->add_option("file", a.mocap.file, "CSV of Motive, Arena or Tracking Tools, TRC, or C3D")
       ->required();
   add_json(*mocap_verb, a.mocap.json);
   mocap_verb->callback([&] { code = mocap(a.mocap); });
@@ -60,8 +58,7 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->add_option("sessions", c.sessions,
                    "session.h5 of one rig, in which the wand is held still at many places")
       ->required();
-  verb->add_option("-o,--output", c.output, "calibration.json; with --shard the folder of the part")
-      ->required();
+  verb->add_option("-o,--output", c.output, "calibration.json")->required();
   verb->add_option("--method", c.method,
                    "wand: all positions, refined together; bodies: a tracked person instead of a wand; "
                    "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed")
@@ -91,8 +88,7 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
       ->check(CLI::IsMember({"x", "y", "z"}));
   verb->add_flag("--no-depth-correction", c.no_depth_correction,
                  "do not estimate each sensor's depth offset and wiggle beside its pose");
-  verb->add_option("--shard", c.shard,
-                   "k/n: search only part k of n of the depth frames, into a folder for `trilat merge`");
+  add_gone(*verb, "--shard", "run it whole: ten minutes of four sensors take one to two minutes");
   verb->add_option("--threads", c.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

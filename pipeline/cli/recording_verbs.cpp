@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/recording_verbs.h"
 
+#include "datasets/base/error.h"
 #include "recorders/open_source.h"
 
 namespace trilat {
@@ -98,6 +99,14 @@ void add_json(CLI::App& verb, bool& json) {
 void add_force(CLI::App& verb, bool& force) {
   verb.add_flag("--force", force,
                 "replace what stands under the output's name, whoever wrote it; never an input");
+}
+
+void add_gone(CLI::App& verb, const std::string& option, const std::string& instead) {
+  verb.add_option_function<std::string>(option,
+                                        [option, instead](const std::string&) {
+                                          throw InputError(option, "is not there any more; " + instead);
+                                        })
+      ->group("");  // in no help
 }
 
 void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code) {

@@ -22,5 +22,7 @@ void add_recording_verbs(CLI::App& app, RecordingArguments& arguments, int& code
 void add_json(CLI::App& verb, bool& json);
 // And every verb that writes something.
 void add_force(CLI::App& verb, bool& force);
+// An option of earlier versions; InputError with what to do instead.
+void add_gone(CLI::App& verb, const std::string& option, const std::string& instead);
 
 }  // namespace trilat

@@ -6,11 +6,9 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "pipeline/calibration/wand_study.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
-#include "pipeline/cli/terminal/calibration_text.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/results_folder.h"
@@ -56,19 +54,9 @@ MergeArguments checked(const MergeArguments& arguments, const FoundPart& first) 
     throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
   if (arguments.memory_mb && first.part.kind != name_of(StudyKind::accuracy))
     throw InputError("--memory-mb", "is for parts of kind accuracy; others need little");
-  const OutputKind output = first.part.kind == kWandSearch ? OutputKind::calibration
-                            : first.part.kind == kCampaign ? OutputKind::merged_campaign
-                                                           : OutputKind::results;
+  const OutputKind output = first.part.kind == kCampaign ? OutputKind::merged_campaign : OutputKind::results;
   check_output({arguments.output, output, arguments.parts, arguments.force});
   return arguments;
-}
-
-int merge_wand(const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
-  WandCalibration result;
-  on_threads(arguments.threads, [&](int) { result = calibrate_parts(parts); });
-  write_calibration(arguments.output, result.calibration);
-  print_calibration(result.calibration, result.views.evidence, arguments.output, arguments.json);
-  return kDone;
 }
 
 void put_together(const Study& study, const MergeArguments& arguments, const std::vector<FoundPart>& parts) {
@@ -108,7 +96,6 @@ int merge(const MergeArguments& given) {
   const FoundPart& first = parts.front();
   const MergeArguments arguments = checked(given, first);
   const std::string place = (first.folder / "part.json").string();
-  if (first.part.kind == kWandSearch) return merge_wand(arguments, parts);
   if (first.part.kind == kCampaign) {
     put_together(campaign_of_parts(first.part.work, place), arguments, parts);
     const std::size_t takes = read_campaign(arguments.output).takes.size();
@@ -122,7 +109,10 @@ int merge(const MergeArguments& given) {
   const Kind* kind = find_kind(first.part.kind);
   if (!kind)
     throw InputError(first.folder.string(),
-                     "is a part of kind " + first.part.kind + ", which cannot be merged");
+                     "is a part of kind " + first.part.kind + ", which cannot be merged" +
+                         (first.part.kind == "wand_search"
+                              ? " any more; calibrate the recording whole, which takes a minute or two"
+                              : ""));
   put_together(kind->of_parts(first.part.work, place, arguments), arguments, parts);
   return kind->print(arguments.output, {{"parts", parts.size()}}, arguments.json);
 }

@@ -99,7 +99,6 @@ struct CalibrateArguments {
   double movement_sigma_m = 0.001;
   bool no_depth_correction = false;
   std::string trajectory_axis;  // x, y or z; empty: that of the method
-  std::string shard;            // k/n, or empty: all of it
   int threads = 0;
   bool force = false;  // may replace what others wrote
   bool json = false;

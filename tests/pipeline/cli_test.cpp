@@ -101,6 +101,8 @@ TEST(Door, AMessageSaysWhatWouldBeRight) {
        "asks for foot_left, which no take's mapping maps; they map"},
       {{"run", four, "--campaign", campaign, "-o", results},
        "method \"single k9\": names the sensor \"k9\"; the rig has k1"},
+      {{"calibrate", "session.h5", "--shard", "1/2", "-o", results},
+       "--shard: is not there any more; run it whole: ten minutes of four sensors take one to two minutes"},
       {{"mocap", kinect}, "Bodies of a Kinect are a session's: `trilat import` reads them"},
       {{"export", "csv", campaign, "-o", folder / "x.csv"},
        "is a campaign; export one of its sessions, such as"},
