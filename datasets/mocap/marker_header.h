@@ -8,9 +8,9 @@
 
 namespace trilat {
 
-// A file of nothing but markers, with tabs between the cells, of which `first_line` has been read already; the
-// next line is then the first of the data. Axes stay as they are. InputError with the line where something is
-// missing or contradictory.
+// A file of nothing but markers, with tabs between the cells, of which `first_line` has been read already;
+// the next line is then the first of the data. Axes stay as they are. InputError with the line where
+// something is missing or contradictory.
 
 bool is_trc(std::string_view first_line);
 // OpenSim's TRC: lengths in the unit that the header states.
