@@ -230,6 +230,10 @@ void JsonObject::format(const std::string& name, std::int64_t version) {
   noted("version")->schema = {{"const", version}};
 }
 
+void JsonObject::gone(const std::string& key, const std::string& instead) const {
+  if (value_->contains(key)) refuse(key, "is not there any more; " + instead);
+}
+
 bool JsonObject::has(const std::string& key) { return find(key) != nullptr; }
 
 double JsonObject::as_number(const std::string& key, const Json& value) const {

@@ -97,6 +97,8 @@ class JsonObject {
 
   // An error at `key` of this object.
   [[noreturn]] void refuse(const std::string& key, const std::string& problem) const;
+  // Refuses a key of what the program could once do; `instead`: what to do now.
+  void gone(const std::string& key, const std::string& instead) const;
   std::string place_of(const std::string& key) const;
   const std::string& file() const { return place_; }
 

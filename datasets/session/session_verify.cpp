@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/clock/arrival_lag.h"
 #include "datasets/session/clock/session_clock.h"
 
 namespace trilat {
@@ -89,23 +88,15 @@ struct StampCounts {
 void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream stream, std::uint64_t frames,
                    double gap_periods, const Place& place, const std::string& part) {
   StampCounts counts;
-  ArrivalLagFinder lag(session.header().sensors[sensor].tick_ns);
   std::optional<FrameStamp> last;
   for (std::uint64_t first = 0; first < frames; first += kVerifiedBlock) {
     for (const FrameStamp& stamp :
          session.stamps(sensor, stream, first, std::min(kVerifiedBlock, frames - first))) {
       if (last) counts.add(*last, stamp, session.header().sensors[sensor], gap_periods);
-      lag.add(stamp);
       last = stamp;
     }
   }
   counts.say(place, part);
-  if (const double behind_s = lag.finish().behind_s; behind_s > 0.0)
-    place.say(
-        Severity::warning, part,
-        fmt::format("arrivals fall behind the sensor's ticks by {:.1f} s: the computer could not keep up",
-                    behind_s),
-        kTimes);
 }
 
 struct BodyCounts {

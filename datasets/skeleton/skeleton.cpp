@@ -106,4 +106,6 @@ std::optional<std::string_view> group_of(Joint joint) {
   return std::nullopt;
 }
 
+std::string table_group(Joint joint) { return std::string(group_of(joint).value_or(name_of(joint))); }
+
 }  // namespace trilat

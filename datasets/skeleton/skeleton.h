@@ -73,5 +73,7 @@ struct JointGroup {
 std::span<const JointGroup> joint_groups();
 // The group a joint belongs to; nothing for joints the tables do not show (hands, feet, spine).
 std::optional<std::string_view> group_of(Joint joint);
+// The row a joint belongs to in the tables: its group, or its own name.
+std::string table_group(Joint joint);
 
 }  // namespace trilat

@@ -33,7 +33,6 @@ constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
 constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
 constexpr std::uint64_t kQuickMapParticipants = 2, kQuickMapRows = 4, kQuickMapSteps = 4;
-constexpr double kQuickCapture_s = 5.0;
 constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
 
 SimulationSpec campaign_spec(const char* text, const std::string& place,
@@ -154,7 +153,6 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
   if (arguments.scale == "quick") {
     spec.frames = std::min(spec.frames, kQuickRecordingFrames);
     spec.runs = std::min(spec.runs, kQuickRecordingRuns);
-    spec.capture_s = std::min(spec.capture_s, kQuickCapture_s);
   }
   run_into(folder, recording_study(spec), arguments);
 }

@@ -2,16 +2,14 @@
 #include "pipeline/gate/accept_results.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <vector>
-
-#include <fcntl.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "pipeline/gate/found_results.h"
+#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
@@ -33,41 +31,12 @@ std::string content_of(const fs::path& folder) {
 
 void copy_folder(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  fs::remove_all(to, error);
   fs::copy(from, to, fs::copy_options::recursive, error);
   if (error)
     throw OutputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
 }
 
 bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
-
-// Where a file system cannot exchange two names in one step.
-std::error_code replace_in_two_steps(const fs::path& partial, const fs::path& baseline) {
-  const fs::path old = baseline.string() + ".old";
-  std::error_code error, ignored;
-  fs::remove_all(old, ignored);
-  fs::rename(baseline, old, error);
-  if (error) return error;
-  fs::rename(partial, baseline, error);
-  if (error)
-    fs::rename(old, baseline, ignored);
-  else
-    fs::remove_all(old, ignored);
-  return error;
-}
-
-void put_in_place(const fs::path& partial, const fs::path& baseline) {
-  std::error_code error;
-  if (!fs::exists(baseline)) {
-    fs::rename(partial, baseline, error);
-  } else if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, baseline.c_str(), RENAME_EXCHANGE) == 0) {
-    std::error_code ignored;
-    fs::remove_all(partial, ignored);
-  } else {
-    error = replace_in_two_steps(partial, baseline);
-  }
-  if (error) throw OutputError(baseline.string(), "cannot be put in place: " + error.message());
-}
 
 }  // namespace
 
@@ -97,24 +66,23 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
     if (const auto older = read_accepted(baseline)) accepted.replaces_time = older->time;
     keeps_others = set.single && !before.single;
   }
-  const fs::path partial = partial_name(baseline);
-  std::error_code ignored;
-  fs::remove_all(partial, ignored);
+  const ResultsFolder folder(baseline);
+  const fs::path& partial = folder.partial();
   if (keeps_others) {
     copy_folder(baseline, partial);
     std::string name = set.results[0].name;
     for (const FoundResults& other : find_results(baseline).results)
       if (other.study == set.results[0].study) name = other.name;
+    fs::remove_all(partial / name);
     copy_folder(set.results[0].folder, partial / name);
   } else if (set.single) {
     copy_folder(set.results[0].folder, partial);
   } else {
-    make_folder(partial);
     for (const FoundResults& found : set.results) copy_folder(found.folder, partial / found.name);
   }
   accepted.sha256 = content_of(partial);
   write_accepted(partial, accepted);
-  put_in_place(partial, baseline);
+  folder.put_in_place();
   return accepted;
 }
 

@@ -188,8 +188,10 @@ class Comparison {
     NumberChanges changes =
         judge_numbers(pair.now.name, pair.now.summary, pair.before.summary, options_.limits);
     report_.looked_at += changes.differing;
-    verdict.note += fmt::format("{}{} numbers differ, the largest change is {:.2g} %",
+    verdict.note += fmt::format("{}{} values differ, the largest change is {:.2g} %",
                                 verdict.note.empty() ? "" : "; ", changes.differing, changes.largest_percent);
+    if (changes.findings.size() == kMostNumbers)
+      verdict.note += fmt::format("; the {} largest are listed", kMostNumbers);
     std::move(changes.findings.begin(), changes.findings.end(), std::back_inserter(report_.findings));
   }
 

@@ -42,11 +42,8 @@ struct PairedSet {
 // The studies that both nights have: by folder name, or by the study's own where one side is a single one.
 PairedSet pair_results(ResultsSet now, ResultsSet before);
 
-// Where two documents differ: JSON pointer and both values as text ("nothing" where one has none).
-struct JsonDifference {
-  std::string pointer, now, before;
-};
-std::vector<JsonDifference> json_differences(const Json& now, const Json& before);
+// A single value as it is, of a list or object as much as a message has room for.
+std::string shortened(const Json& value);
 
 // What may differ between two runs of one configuration: the program's version, hashes that follow from the
 // study, and what the code under test makes of the inputs. What is left must be equal.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,17 +12,15 @@
 namespace trilat {
 
 struct NumberChanges {
-  std::vector<GateFinding>
-      findings;  // larger than the smallest effect, largest first, a place of the document each
-  std::uint64_t differing = 0;   // numbers that differ at all
-  double largest_percent = 0.0;  // of these
+  std::vector<GateFinding> findings;  // alarms, the largest first; at most kMostNumbers
+  std::uint64_t differing = 0;        // values that differ at all
+  double largest_percent = 0.0;       // of the numbers among them
 };
+inline constexpr std::size_t kMostNumbers = 100;
 
-// The numbers of a deterministic study, which are equal when nothing changed. Sizes are relative to the
-// number before; where that is nearly 0 beside its fellows (the same key all over the document), to their
-// root mean square. Whether more is worse is known by the key (errors, iterations: more; digits, answered:
-// fewer); where it is not, a change is an alarm too, because somebody should look. Ends of intervals and
-// spreads are told, not judged; long lists of samples are judged by their mean.
+// What differs between two documents of a deterministic study, which are equal when nothing changed: numbers
+// by more than the smallest effect of the number before, and whatever else. Whether more is better nobody
+// says, so each is an alarm: somebody should look.
 NumberChanges judge_numbers(const std::string& study, const Json& now, const Json& before,
                             const GateLimits& limits);
 

@@ -12,7 +12,6 @@
 #include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
 #include "evaluators/solvers/point_estimate.h"
-#include "pipeline/accuracy/take/plan.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {

@@ -112,7 +112,7 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   spec.body_tracking_s = number_within(object, "body_tracking_s", spec.body_tracking_s, 0.0, 1.0);
   spec.body_tracking_jitter_s =
       number_within(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, 0.0, 1.0);
-  spec.capture_s = number_within(object, "capture_s", spec.capture_s, 0.0, 86'400.0);
+  object.gone("capture_s", "build/release/tests/benchmarks/capture_benchmark records in real time");
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
   object.about({{"name", "of the study"},
@@ -129,7 +129,6 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
                 {"late_s", "the most by which a frame may be late for the paper's queue"},
                 {"body_tracking_s", "of a depth image"},
                 {"body_tracking_jitter_s", "mean of the exponential part"},
-                {"capture_s", "of recording in real time, to time it; 0: not timed"},
                 {"networks", "over which clocks are compared"},
                 {"methods", "that are timed, frame by frame"}});
   object.finish();
@@ -155,7 +154,6 @@ Json resolved_json(const RecordingSpec& s) {
             {"late_s", s.late_s},
             {"body_tracking_s", s.body_tracking_s},
             {"body_tracking_jitter_s", s.body_tracking_jitter_s},
-            {"capture_s", s.capture_s},
             {"networks", Json::array()},
             {"methods", Json::array()}};
   for (const NetworkSpec& network : s.networks) json["networks"].push_back(json_of(network));

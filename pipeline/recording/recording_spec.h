@@ -43,7 +43,6 @@ struct RecordingSpec {
   double late_s = 1.0 / 30.0;
   double body_tracking_s = 0.005;         // of a depth image on the sensor's machine
   double body_tracking_jitter_s = 0.001;  // mean of the exponential part
-  double capture_s = 30.0;                // of recording in real time, to time it; 0: not timed
   // Frames are also trilaterated and timed, by each of these.
   std::vector<MethodSpec> methods;
 };

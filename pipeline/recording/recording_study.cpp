@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/recording/recording_study.h"
 
-#include <algorithm>
-#include <iterator>
-
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/recording_summary.h"
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
-#include "pipeline/recording/time_capture.h"
 #include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
-
-constexpr double kProcessingShare = 0.3;  // of the time that timing takes
 
 RecordingSummary summarise(const RecordingSpec& spec, const Outcomes& outcomes) {
   RecordingSummary summary{spec.name, spec.seed, false, spec.frames, spec.sensors,
@@ -24,17 +18,6 @@ RecordingSummary summarise(const RecordingSpec& spec, const Outcomes& outcomes) 
   summary.fits = std::move(clocks.fits);
   summary.queues = std::move(clocks.queues);
   return summary;
-}
-
-StageTimings time_stages(const RecordingSpec& spec, const std::filesystem::path& scratch,
-                         const Watch& watch) {
-  const auto share = [&](double before, double part) {
-    return Watch{watch.stop_requested, share_of(watch.progress, before, part)};
-  };
-  StageTimings timings{spec.name, processor_name(), time_processing(spec, share(0.0, kProcessingShare))};
-  std::ranges::move(time_capture(spec, scratch, share(kProcessingShare, 1.0 - kProcessingShare)),
-                    std::back_inserter(timings.stages));
-  return timings;
 }
 
 }  // namespace
@@ -51,10 +34,9 @@ Study recording_study(const RecordingSpec& spec) {
               .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
                                const Watch&) { write_recording_summary(results, summarise(spec, outcomes)); },
               .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
-  if (spec.capture_s > 0.0 || !spec.methods.empty())
-    study.time = [spec](const std::filesystem::path& folder, const std::filesystem::path& scratch,
-                        const Watch& watch) {
-      write_stage_timings(folder, time_stages(spec, scratch, watch));
+  if (!spec.methods.empty())
+    study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {
+      write_stage_timings(folder, {spec.name, processor_name(), time_processing(spec, watch)});
     };
   return study;
 }

@@ -240,8 +240,7 @@ ItemTally run_study(const Study& study, const fs::path& output, const StudyOptio
     run.compute();
     tally = run.tally();
     if (study.write_beside) study.write_beside(folder);
-    if (study.time && options.shard.number == 1)
-      study.time(folder, folder / kAside, watch_of(options, "timing"));
+    if (study.time && options.shard.number == 1) study.time(folder, watch_of(options, "timing"));
     Json times = run.times();
     times.update(
         Json{{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}});

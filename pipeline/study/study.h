@@ -63,11 +63,8 @@ struct Study {
   std::vector<Item> items = {};
   // Writes what depends on no item, as simulator.json. A part has it, too.
   std::function<void(const std::filesystem::path& folder)> write_beside = {};
-  // Measures what depends on the machine and on no item, and writes it beside, as timings.json; `scratch`
-  // does not exist.
-  std::function<void(const std::filesystem::path& folder, const std::filesystem::path& scratch,
-                     const Watch& watch)>
-      time = {};
+  // Measures what depends on the machine and on no item, and writes it beside, as timings.json.
+  std::function<void(const std::filesystem::path& folder, const Watch& watch)> time = {};
   // Writes the summary of all items.
   std::function<void(const Outcomes& outcomes, const std::filesystem::path& results, const Watch& watch)>
       reduce;

@@ -10,21 +10,18 @@
 
 namespace trilat {
 
-// Trials that are summed up as one; every sum over more is exact, so that results depend on nothing else.
+// Trials that one thread sums up; the sums of a cell's chunks are added in their order.
 inline constexpr std::size_t kChunkTrials = 8192;
-// An item has no more trials than that, some seconds, unless there would be more than kMostSweepItems.
+// An item has no more trials than that, some seconds, unless a single cell has more.
 inline constexpr std::uint64_t kItemTrials = std::uint64_t{1} << 22;
-inline constexpr std::uint64_t kMostSweepItems = 20'000;
 // One threshold alone is an item only when it has so many, so that many small ones cost little.
 inline constexpr std::uint64_t kFewTrials = std::uint64_t{1} << 17;
 
-// Cells of one reading that follow each other, those of one threshold or of all, or a run of their chunks.
+// Cells of one reading that follow each other.
 struct SweepItem {
   std::string id;
   std::size_t first_cell = 0, cells = 0;
-  std::uint64_t first_chunk = 0, chunks = 0;  // of these cells, one after the other
 };
-std::uint64_t chunks_per_cell(const SweepPlan& plan);
 std::uint64_t trials_in(const SweepPlan& plan, const SweepItem& item);
 // In the order of the cells.
 std::vector<SweepItem> items_of(const SweepPlan& plan);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
 
 namespace trilat {
 namespace {
@@ -18,6 +19,14 @@ struct LaneSums {
   std::array<double, kLanes> of{};
   double total() const { return ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])); }
 };
+
+void describe_digits(const SweepSums& sums, SweepCell& cell) {
+  const SweepCounts& counts = sums.counts;
+  cell.digits_trials = counts.digit_bins.all();
+  cell.mean_digits = sums.sum[SweepSums::digits] / static_cast<double>(cell.digits_trials);
+  cell.p50_digits = std::clamp(bin_digits(counts.digit_bins.quantile(0.5)), counts.min_digits, kMostDigits);
+  cell.min_digits = counts.min_digits;
+}
 
 }  // namespace
 
@@ -57,14 +66,6 @@ std::size_t digit_bin(double digits) {
 
 double bin_digits(std::size_t bin) { return (static_cast<double>(bin) + 0.5) / kBinsPerDigit; }
 
-void SweepCounts::clear() {
-  for (Counts* bins : {&distance_bins, &iteration_counts, &digit_bins}) bins->clear();
-  asked = starts = 0;
-  statuses = {};
-  max_m = 0.0;
-  min_digits = kMostDigits;
-}
-
 void SweepCounts::add(const SweepCounts& other) {
   asked += other.asked;
   starts += other.starts;
@@ -76,9 +77,9 @@ void SweepCounts::add(const SweepCounts& other) {
   digit_bins.add(other.digit_bins);
 }
 
-void SweepSums::clear() {
-  counts.clear();
-  sum = {};
+void SweepSums::add(const SweepSums& later) {
+  counts.add(later.counts);
+  for (std::size_t term = 0; term < sum.size(); ++term) sum[term] += later.sum[term];
 }
 
 void SweepSums::add_starts(const SweepOutcomeRows& rows) {
@@ -124,6 +125,41 @@ void SweepSums::add_digits(double digits_of_trial) {
   sum[digits] += digits_of_trial;
   counts.min_digits = std::min(counts.min_digits, digits_of_trial);
   counts.digit_bins.add(digit_bin(digits_of_trial));
+}
+
+SweepCell cell_of(const SweepSums& sums) {
+  const SweepCounts& counts = sums.counts;
+  SweepCell cell;
+  cell.asked = counts.asked;
+  for (std::size_t i = 0; i < counts.statuses.size(); ++i) {
+    if (counts.statuses[i] == 0) continue;
+    cell.statuses[std::string(name_of(static_cast<SolveStatus>(i)))] = counts.statuses[i];
+    if (is_usable(static_cast<SolveStatus>(i))) cell.answered += counts.statuses[i];
+  }
+  const auto mean = [&](SweepSums::Term term, std::uint64_t n) {
+    return sums.sum[term] / static_cast<double>(n);
+  };
+  if (counts.starts > 0) cell.start_mae_m = mean(SweepSums::start, counts.starts);
+  if (cell.asked > 0) {
+    cell.mean_iterations = mean(SweepSums::iterations, cell.asked);
+    cell.p50_iterations = static_cast<double>(counts.iteration_counts.quantile(0.5));
+    cell.p99_iterations = static_cast<double>(counts.iteration_counts.quantile(0.99));
+    cell.max_iterations = static_cast<double>(counts.iteration_counts.quantile(1.0));
+  }
+  const std::uint64_t n = cell.answered;
+  if (n == 0) return cell;
+  cell.mae_m = mean(SweepSums::distance, n);
+  cell.axis_mae_m = {mean(SweepSums::x, n), mean(SweepSums::y, n), mean(SweepSums::z, n)};
+  const double mean_square_m2 = mean(SweepSums::square, n);
+  cell.rmse_m = std::sqrt(mean_square_m2);
+  if (n > 1)
+    cell.mae_standard_error_m =
+        std::sqrt(std::max(0.0, mean_square_m2 - cell.mae_m * cell.mae_m) / (static_cast<double>(n) - 1.0));
+  cell.p50_m = std::min(counts.max_m, bin_distance_m(counts.distance_bins.quantile(0.5)));
+  cell.p95_m = std::min(counts.max_m, bin_distance_m(counts.distance_bins.quantile(0.95)));
+  cell.max_m = counts.max_m;
+  if (counts.digit_bins.all() > 0) describe_digits(sums, cell);
+  return cell;
 }
 
 }  // namespace trilat

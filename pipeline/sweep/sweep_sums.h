@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "datasets/results/studies/sweep_summary.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
@@ -31,11 +32,9 @@ class Counts {
     for (std::size_t i = 0; i < other.counts_.size(); ++i)
       if (other.counts_[i] > 0) add(i, other.counts_[i]);
   }
-  void clear() { counts_.clear(); }
   // The smallest value that is not exceeded by this share of all; 0 of none.
   std::size_t quantile(double share) const;
   std::uint64_t all() const;
-  const std::vector<std::uint64_t>& of_value() const { return counts_; }
 
  private:
   std::vector<std::uint64_t> counts_;
@@ -59,20 +58,21 @@ struct SweepCounts {
   double min_digits = kMostDigits;
   Counts distance_bins, iteration_counts, digit_bins;
 
-  void clear();
   void add(const SweepCounts& other);
 };
 
-// Over the trials of a chunk, in their order.
+// Over trials, in their order.
 struct SweepSums {
   enum Term { x, y, z, distance, square, start, iterations, digits, kTerms };
   SweepCounts counts;
   std::array<double, kTerms> sum{};
 
-  void clear();
   void add_starts(const SweepOutcomeRows& rows);  // position_m: the starts
   void add_outcomes(const SweepOutcomeRows& rows);
   void add_digits(double digits);  // of one trial
+  void add(const SweepSums& later);
 };
+// Everything but the cell's place.
+SweepCell cell_of(const SweepSums& sums);
 
 }  // namespace trilat

@@ -20,8 +20,8 @@ struct DrawnFigure {
 // when gnuplot is not installed or refuses, with what it says.
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures);
 
-// A picture as gnuplot drew it, with one rule more: what belongs to an entry of the legend without being named in
-// it (medians of boxes, intervals) goes when the entry is switched off.
+// A picture as gnuplot drew it, with one rule more: what belongs to an entry of the legend without being
+// named in it (medians of boxes, intervals) goes when the entry is switched off.
 std::string svg_with_rules(std::string svg);
 
 }  // namespace trilat

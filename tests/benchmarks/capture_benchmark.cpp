@@ -16,8 +16,8 @@
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_layout.h"
 #include "recorders/capture.h"
-#include "recorders/looped_source.h"
 #include "recorders/open_source.h"
+#include "tests/benchmarks/looped_source.h"
 
 namespace trilat {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/session/clock/arrival_lag.h"
 #include "tests/datasets/simulated_clocks.h"
 
 namespace trilat {
@@ -46,13 +45,13 @@ TEST(ClockDoubt, NinetyNineFramesOfAHundredLieWithinWhatIsStated) {
 TEST(ClockDoubt, AFullRecordingIsNotCalledUncertain) {
   const ClockEvidence evidence = clock_errors({}).evidence;
   EXPECT_LT(evidence.offset_sigma_ns, 100'000);
-  EXPECT_LT(evidence.offset_bound_ns, 600'000);
+  EXPECT_LT(evidence.offset_bound_ns, 700'000);
 }
 
-TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinAMillisecond) {
+TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinTwoMilliseconds) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    EXPECT_LE(clock_errors({.seed = seed, .jitter_back_ms = 20.0}).max_ms(), 1.0) << seed;
-    EXPECT_LE(clock_errors({.seed = seed, .jitter_ms = 20.0, .jitter_back_ms = 0.5}).max_ms(), 1.0) << seed;
+    EXPECT_LE(clock_errors({.seed = seed, .jitter_back_ms = 20.0}).max_ms(), 2.0) << seed;
+    EXPECT_LE(clock_errors({.seed = seed, .jitter_ms = 20.0, .jitter_back_ms = 0.5}).max_ms(), 2.0) << seed;
   }
 }
 
@@ -72,42 +71,6 @@ TEST(ClockDoubt, ADriftThatIsLeftOutIsTold) {
       clock_errors({.seconds = 4.0, .sensor_drift_ppm = 5000.0, .arrival_jitter_ms = 0.1});
   EXPECT_NEAR(errors.evidence.drift_left_out_ppm, -5000.0, 200.0);
   EXPECT_EQ(clock_errors({}).evidence.drift_left_out_ppm, 0.0);
-}
-
-EachStamp each_of(const std::vector<SimulatedClocks::Frame>& frames) {
-  return [&frames](const std::function<void(const FrameStamp&)>& take) {
-    for (const auto& frame : frames) take(frame.stamp);
-  };
-}
-
-ArrivalLag lag_of(const std::vector<SimulatedClocks::Frame>& frames) {
-  SensorDescription sensor;
-  ArrivalLagFinder finder(sensor.tick_ns);
-  each_of(frames)([&](const FrameStamp& stamp) { finder.add(stamp); });
-  return finder.finish();
-}
-
-TEST(ArrivalLag, AComputerThatCannotKeepUpIsTold) {
-  auto frames = SimulatedClocks{.seconds = 20.0}.frames();
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    frames[i].stamp.arrival_ns += static_cast<std::int64_t>(i) * 10'700'000;
-  EXPECT_NEAR(lag_of(frames).behind_s, 6.4, 0.4);
-  // in leaps, as a queue is emptied
-  frames = SimulatedClocks{.seconds = 20.0}.frames();
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    frames[i].stamp.arrival_ns += static_cast<std::int64_t>(i / 60) * 640'000'000;
-  EXPECT_NEAR(lag_of(frames).behind_s, 5.8, 0.4);
-}
-
-TEST(ArrivalLag, ClocksThatAreSetOnceOrDriftOrFramesLateForAWhileAreNone) {
-  EXPECT_EQ(lag_of(SimulatedClocks{}.frames()).behind_s, 0.0);
-  EXPECT_EQ(lag_of(SimulatedClocks{.agent_drift_ppm = 300.0}.frames()).behind_s, 0.0);
-  EXPECT_EQ(lag_of(SimulatedClocks{.agent_step_at_s = 301.7, .agent_step_s = 3.0}.frames()).behind_s, 0.0);
-  EXPECT_EQ(lag_of(SimulatedClocks{.sensor_restart_at_s = 250.0}.frames()).behind_s, 0.0);
-  EXPECT_EQ(lag_of(SimulatedClocks{.burst_every_s = 120.0, .burst_length_s = 40.0, .burst_ms = 50.0}.frames())
-                .behind_s,
-            0.0);
-  EXPECT_EQ(lag_of({}).behind_s, 0.0);
 }
 
 }  // namespace

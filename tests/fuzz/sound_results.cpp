@@ -40,7 +40,7 @@ void write_sweep(const fs::path& scratch) {
 void write_recording(const fs::path& scratch) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 100,
-          "sensors": 3, "runs": 1, "capture_s": 0, "methods": [{"name": "linear", "method": "linear"}]})";
+          "sensors": 3, "runs": 1, "methods": [{"name": "linear", "method": "linear"}]})";
   const Study study =
       recording_study(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"));
   run_study(study, scratch / "recording", {.threads = 1});

@@ -32,7 +32,7 @@ constexpr const char* kCalibration = R"({"format": "trilat.study", "version": 1,
     "distortion_frames": 1, "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 2, "positions": 4, "position_frames": 1,
     "bodies_s": 0.5, "bodies_instants": 3, "effect_joints": 50, "sensor_sigmas_m": [0.01]})";
 constexpr const char* kRecording = R"({"format": "trilat.study", "version": 1, "kind": "recording",
-    "name": "tiny", "frames": 60, "sensors": 2, "runs": 2, "capture_s": 0,
+    "name": "tiny", "frames": 60, "sensors": 2, "runs": 2, 
     "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}],
     "methods": [{"method": "linear"}, {"method": "nonlinear"}]})";
 constexpr const char* kBudget = R"({"format": "trilat.study", "version": 1, "kind": "error_budget",
@@ -290,7 +290,7 @@ TEST(Items, AFileThatWasThrownAwayIsMadeAgain) {
 TEST(Items, ARecordingStudyThatTimesNothingIsLeftAloneWhenNothingChanged) {
   StudyFiles study(
       R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "tiny", "frames": 60,
-      "sensors": 2, "runs": 2, "capture_s": 0, "networks": [{"name": "quiet"}]})");
+      "sensors": 2, "runs": 2, "networks": [{"name": "quiet"}]})");
   ASSERT_EQ(study.run("whole").code, 0);
   EXPECT_FALSE(std::filesystem::exists(study.folder / "whole/timings.json"));
   const auto written = std::filesystem::last_write_time(study.folder / "whole/summary.json");

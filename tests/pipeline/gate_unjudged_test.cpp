@@ -110,7 +110,7 @@ TEST(GateUnjudged, OtherNumbersOfChangedSamplesAreTold) {
   write_file(nights.folder / "before/summary.json", summary.dump());
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 0) << ended.out;
-  EXPECT_THAT(ended.out, HasSubstr("mean_iterations: +200.0 %, 3 -> 9"));
+  EXPECT_THAT(ended.out, HasSubstr("mean_iterations (nonlinear, walking, head, none): +200.0 %, 3 -> 9"));
 }
 
 TEST(GateUnjudged, PartsOfTwoRunsInOneFolderAreRefused) {
@@ -172,7 +172,7 @@ TEST(GateUnjudged, LongValuesThatDifferAreToldWhereTheyDiffer) {
     write_file(nights.folder / night / "manifest.json", manifest.dump());
   }
   const Ended ended = nights.gate();
-  expect_refused(ended, "/study/note is …");
+  expect_refused(ended, "/study/note is ");
   EXPECT_THAT(ended.err, HasSubstr("änow"));
   EXPECT_THAT(ended.err, HasSubstr("äbefore"));
 }

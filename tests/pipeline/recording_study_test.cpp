@@ -21,8 +21,7 @@ using testing::HasSubstr;
 
 RecordingSpec spec_of(const std::string& members) {
   const std::string text =
-      R"({"format": "trilat.study", "version": 1, "kind": "recording", "capture_s": 0, "name": "test")" +
-      members + "}";
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "test")" + members + "}";
   return parse_recording_spec(parse_json(text, "study.json"), "study.json");
 }
 
@@ -149,7 +148,7 @@ TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {
   const std::string results = folder / "results";
   const std::string study = file_with(
       folder, "study.json",
-      R"({"format": "trilat.study", "version": 1, "kind": "recording", "capture_s": 0.5, "name": "clocks", "frames": 300, "runs": 1,
+      R"({"format": "trilat.study", "version": 1, "kind": "recording", "name": "clocks", "frames": 300, "runs": 1,
           "methods": [{"method": "mean"}]})");
   const Ended plan = run_trilat(folder, {"run", study, "--dry-run", "--json"});
   EXPECT_EQ(only_json(plan)["samples_of_each_network"], 1200);

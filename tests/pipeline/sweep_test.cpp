@@ -9,7 +9,6 @@
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
 #include "pipeline/sweep/sweep_block.h"
-#include "pipeline/sweep/sweep_totals.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 
@@ -211,9 +210,7 @@ TEST(SweepSums, FollowFromTheTrialsByPencil) {
   const SolveStatus status[2] = {SolveStatus::converged, SolveStatus::converged};
   SweepSums sums;
   sums.add_outcomes({2, 2, truth_m, position_m, iterations, status});
-  SweepTotals all;
-  all.add(sums);
-  const SweepCell cell = all.cell();
+  const SweepCell cell = cell_of(sums);
   EXPECT_EQ(cell.mae_m, 4.0);  // 5 and 3
   EXPECT_EQ(cell.axis_mae_m, (std::array<double, 3>{2.0, 1.0, 3.0}));
   EXPECT_EQ(cell.axis_mean_mae_m(), 2.0);
@@ -230,9 +227,7 @@ TEST(SweepSums, DigitsFollowFromTheTrialsByPencil) {
   SweepSums sums;
   sums.counts.asked = sums.counts.statuses[static_cast<std::size_t>(SolveStatus::converged)] = 3;
   for (const double digits : {3.0, 15.0, 4.5}) sums.add_digits(digits);
-  SweepTotals all;
-  all.add(sums);
-  const SweepCell cell = all.cell();
+  const SweepCell cell = cell_of(sums);
   EXPECT_EQ(cell.digits_trials, 3u);
   EXPECT_EQ(cell.mean_digits, 7.5);
   EXPECT_EQ(cell.min_digits, 3.0);

@@ -6,7 +6,6 @@
 
 #include "datasets/session/clock/offset_samples.h"
 #include "datasets/session/clock/offset_wander.h"
-#include "datasets/session/clock/one_sided_fit.h"
 
 namespace trilat {
 namespace {
@@ -14,6 +13,7 @@ namespace {
 constexpr std::int64_t kShortestDriftSpan_ns = 10'000'000'000;
 constexpr double kUnknownDrift = 50e-6;  // standard deviation, of common crystals
 constexpr std::size_t kFewestOfSpread = 3;
+constexpr double kWarmingDrift = 1e-6;  // standard deviation of a drift's change where nothing shows it
 
 // Of agent against host.
 struct KnownDrift {
@@ -55,7 +55,7 @@ void bend(FittedSegment& fitted, const std::vector<WanderWindow>& windows) {
     fitted.used += w.exchanges;
   }
   segment.host_from_agent = through(knots, segment.line);
-  segment.spread = {segment.first, segment.last, sigma_ns, drift_spread(segment), {}};
+  segment.spread = {segment.first, segment.last, sigma_ns, drift_spread(segment)};
 }
 
 void lay_along(AgentSegment& segment, const OffsetLine& line, std::int64_t base_ns) {
@@ -67,7 +67,7 @@ void lay_along(AgentSegment& segment, const OffsetLine& line, std::int64_t base_
 
 void spread_from_middle(AgentSegment& segment, double sigma_ns, double drift_sigma) {
   const AgentTime middle{segment.first.ns + (segment.last - segment.first).ns / 2};
-  segment.spread = {middle, middle, sigma_ns, drift_sigma, {}};
+  segment.spread = {middle, middle, sigma_ns, drift_sigma};
 }
 
 // `known` where the segment is too short to tell its drift.
@@ -86,35 +86,20 @@ OffsetLine fit_line(AgentSegment& segment, const std::vector<OffsetSample>& samp
   return line;
 }
 
-void fit_straight_or_bent(FittedSegment& fitted, const std::vector<ClockExchange>& exchanges,
-                          const std::vector<ClockExchange>& used, std::int64_t base_ns, KnownDrift known) {
-  AgentSegment& segment = fitted.segment;
-  const OffsetLine line = fit_line(segment, samples_of(used, base_ns), base_ns, known);
-  const SteadyWay steady = steady_way(exchanges, base_ns, line);
-  std::vector<WanderWindow> windows;
-  if (steady == SteadyWay::both) {
-    windows = wander_windows(exchanges, base_ns, line, most_delay_ns(used));
-  } else {
-    const OneSidedFit fit = fit_one_sided(exchanges, base_ns, line, steady,
-                                          segment.has_drift ? SlopeOf::exchanges : SlopeOf::line);
-    lay_along(segment, fit.line, base_ns);
-    spread_from_middle(segment, fit.sigma_ns, segment.has_drift ? fit.slope_sigma : known.sigma);
-    fitted.used = exchanges.size();
-    windows = fit.windows;
+// Unlike delays of both ways move the midpoint of an exchange by half of its delay at most.
+void state_doubt(AgentSegment& segment, const std::vector<ClockExchange>& used) {
+  for (const ClockExchange& e : used) {
+    const HostTime midpoint{e.t1_ns + (e.t4_ns - e.t1_ns) / 2};
+    const HostTime fitted = segment.host_from_agent({e.t2_ns + (e.t3_ns - e.t2_ns) / 2});
+    segment.offset_bound_ns =
+        std::max(segment.offset_bound_ns, delay_ns(e) / 2 + std::abs((fitted - midpoint).ns));
   }
-  if (segment.has_drift && !is_straight(windows)) bend(fitted, windows);
-}
-
-void state_doubt(AgentSegment& segment, const std::vector<ClockExchange>& exchanges) {
-  segment.spread.windows = corridor_windows(exchanges, segment.host_from_agent);
-  for (const CorridorWindow& w : segment.spread.windows)
-    segment.offset_bound_ns = std::max(segment.offset_bound_ns, w.bound_ns);
-  // one or two show no spread; anywhere in the corridor is as likely
-  if (exchanges.size() < kFewestOfSpread)
+  // one or two show no spread; anywhere within the bound is as likely
+  if (used.size() < kFewestOfSpread)
     segment.spread.sigma_ns =
         std::max(segment.spread.sigma_ns, static_cast<double>(segment.offset_bound_ns) / std::sqrt(3.0));
   for (AgentTime end : {segment.first, segment.last})
-    segment.offset_sigma_ns = std::max(segment.offset_sigma_ns, doubt_at(segment.spread, end).sigma_ns);
+    segment.offset_sigma_ns = std::max(segment.offset_sigma_ns, segment.doubt(end).sigma_ns);
 }
 
 FittedSegment fit_segment(const std::vector<ClockExchange>& exchanges, KnownDrift known) {
@@ -123,8 +108,13 @@ FittedSegment fit_segment(const std::vector<ClockExchange>& exchanges, KnownDrif
   fitted.used = used.size();
   fitted.segment.first = {exchanges.front().t2_ns};
   fitted.segment.last = {exchanges.back().t3_ns};
-  fit_straight_or_bent(fitted, exchanges, used, twice_offset_ns(used.front()) / 2, known);
-  state_doubt(fitted.segment, exchanges);
+  const std::int64_t base_ns = twice_offset_ns(used.front()) / 2;
+  const OffsetLine line = fit_line(fitted.segment, samples_of(used, base_ns), base_ns, known);
+  if (fitted.segment.has_drift)
+    if (const auto windows = wander_windows(exchanges, base_ns, line, most_delay_ns(used));
+        !is_straight(windows))
+      bend(fitted, windows);
+  state_doubt(fitted.segment, used);
   return fitted;
 }
 
@@ -142,24 +132,32 @@ KnownDrift drift_of_longest(const std::vector<std::vector<ClockExchange>>& segme
   return known;
 }
 
-std::int64_t distance_ns(const AgentSegment& s, AgentTime t) {
-  return std::max({std::int64_t{0}, (s.first - t).ns, (t - s.last).ns});
+std::int64_t distance_ns(AgentTime first, AgentTime last, AgentTime t) {
+  return std::max({std::int64_t{0}, (first - t).ns, (t - last).ns});
 }
 
 const AgentSegment& nearest(const std::vector<AgentSegment>& segments, AgentTime t) {
   return *std::min_element(segments.begin(), segments.end(), [&](const auto& a, const auto& b) {
-    return distance_ns(a, t) < distance_ns(b, t);
+    return distance_ns(a.first, a.last, t) < distance_ns(b.first, b.last, t);
   });
 }
 
 }  // namespace
+
+OffsetDoubt AgentSegment::doubt(AgentTime t) const {
+  const auto away_ns = static_cast<double>(distance_ns(spread.rest_from, spread.rest_to, t));
+  const Duration outside{distance_ns(first, last, t)};
+  const double sigma_ns = std::hypot(spread.sigma_ns, spread.drift_sigma * away_ns,
+                                     kWarmingDrift * static_cast<double>(outside.ns));
+  return {std::llround(sigma_ns), offset_bound_ns, outside};
+}
 
 HostTime AgentClock::operator()(AgentTime t) const {
   return segments.empty() ? HostTime{t.ns} : nearest(segments, t).host_from_agent(t);
 }
 
 OffsetDoubt AgentClock::doubt(AgentTime t) const {
-  return segments.empty() ? OffsetDoubt{} : doubt_at(nearest(segments, t).spread, t);
+  return segments.empty() ? OffsetDoubt{} : nearest(segments, t).doubt(t);
 }
 
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {

@@ -6,9 +6,27 @@
 #include <span>
 #include <vector>
 
-#include "datasets/session/clock/offset_wander.h"
+#include "datasets/base/time.h"
+#include "datasets/session/session_types.h"
 
 namespace trilat {
+
+struct AgentTag {};
+using AgentTime = Instant<AgentTag>;
+
+// How well an agent's clock is known at an instant.
+struct OffsetDoubt {
+  std::int64_t sigma_ns = 0;  // standard deviation, of delays alike both ways
+  std::int64_t bound_ns = 0;  // the most that unlike delays can do to it
+  Duration outside;           // to the first or last exchange
+};
+
+// The spread of one fitted stretch of a clock; beyond its exchanges another ppm is added for warming.
+struct OffsetSpread {
+  AgentTime rest_from, rest_to;  // between these `sigma_ns` holds
+  double sigma_ns = 0.0;
+  double drift_sigma = 0.0;  // adds with the distance from there
+};
 
 // One setting of an agent's clock, from its first exchange to its last: the clock runs on, at a rate of its
 // own that may wander.
@@ -19,7 +37,10 @@ struct AgentSegment {
   bool has_drift = false;  // long enough to tell it
   OffsetSpread spread;
   std::int64_t offset_sigma_ns = 0;  // the largest from `first` to `last`
-  std::int64_t offset_bound_ns = 0;  // likewise
+  // Of the exchanges of least delay the worst: half its delay, and how far the clock is from its midpoint.
+  std::int64_t offset_bound_ns = 0;
+
+  OffsetDoubt doubt(AgentTime t) const;
 };
 
 // How the clock of the machine that stamps arrivals relates to the recording's host clock. Without exchanges
@@ -39,9 +60,8 @@ struct AgentClock {
 
 // From four-stamp exchanges: per segment a straight line through the exchanges of least delay (Theil and
 // Sen's median slope; no drift of its own when they span less than 10 s), or, where that leaves more than 0.3
-// ms in the medians of two neighbouring 10 s, straight pieces through those medians. Where one way queues and
-// the other does not, the same midway between the least delays of each way. A constant difference between the
-// delays of both ways moves the clock by half of it, which no exchange can show.
+// ms in the medians of two neighbouring 10 s, straight pieces through those medians. A constant difference
+// between the delays of both ways moves the clock by half of it, which no exchange can show.
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
 
 }  // namespace trilat

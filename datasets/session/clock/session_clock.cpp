@@ -46,7 +46,7 @@ const ClockMap<HostClock, SensorClock>& checked(const ClockMap<HostClock, Sensor
   if (std::abs(line.drift) > kMaxDrift)
     throw InputError(place,
                      fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check tick_ns "
-                                 "and arrival_ns",
+                                 "and arrival_ns, and whether the computer kept up",
                                  line.drift * kPpm));
   return line;
 }

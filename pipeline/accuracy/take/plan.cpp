@@ -310,9 +310,4 @@ std::vector<std::string> activities_of(const Plan& plan) {
   return activities;
 }
 
-std::string table_group(Joint joint) {
-  const auto group = group_of(joint);
-  return std::string(group ? *group : name_of(joint));
-}
-
 }  // namespace trilat

@@ -79,7 +79,4 @@ bool judges_places(const StudySpec& study);
 // Each once, in the order of the takes.
 std::vector<std::string> activities_of(const Plan& plan);
 
-// The row a joint belongs to in the tables: its group, or its own name.
-std::string table_group(Joint joint);
-
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "datasets/skeleton/skeleton.h"
 #include "evaluators/fusion/ray_variances.h"
 #include "pipeline/study/parallel.h"
 

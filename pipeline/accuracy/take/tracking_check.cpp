@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/skeleton/skeleton.h"
 #include "datasets/synthetic/tracker/tracker_truth.h"
 
 namespace trilat {

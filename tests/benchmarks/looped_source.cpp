@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/looped_source.h"
+#include "tests/benchmarks/looped_source.h"
 
 #include <map>
 #include <thread>
