@@ -132,6 +132,15 @@ std::vector<Table> tables_of(const ReportContent& content) {
   return tables;
 }
 
+std::vector<Table> main_tables_of(const ReportContent& content) {
+  std::vector<Table> tables;
+  if (content.claims) tables.push_back(*content.claims);
+  for (const Chapter& chapter : content.chapters)
+    tables.insert(tables.end(), chapter.tables.begin(),
+                  chapter.tables.begin() + static_cast<std::ptrdiff_t>(chapter.first_tables));
+  return tables;
+}
+
 std::vector<Figure> figures_of(const ReportContent& content) {
   std::vector<Figure> figures;
   for (const Chapter& chapter : content.chapters)

@@ -28,6 +28,8 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
 
 // Every table, in the order of the report.
 std::vector<Table> tables_of(const ReportContent& content);
+// Those that answer what was asked.
+std::vector<Table> main_tables_of(const ReportContent& content);
 std::vector<Figure> figures_of(const ReportContent& content);
 
 }  // namespace trilat

@@ -15,7 +15,7 @@
 #include "datasets/base/folder_lock.h"
 #include "datasets/base/version.h"
 #include "reports/page/page.h"
-#include "reports/render/article_numbers.h"
+#include "reports/render/latex.h"
 #include "reports/render/render.h"
 #include "reports/report_content.h"
 
@@ -69,14 +69,6 @@ std::string markdown_of(const ReportContent& content) {
   }
   for (const Table& table : content.parameters) markdown += "\n" + markdown_of(table);
   return markdown;
-}
-
-std::vector<std::string> remarks_on(const std::vector<Figure>& figures) {
-  if (figures.empty()) return {};
-  std::string names;
-  for (const Figure& figure : figures) names += (names.empty() ? "" : ", ") + figure.id + ".svg";
-  return {"Figures are left out here; they lie beside this document, each with its numbers as CSV: " + names +
-          "."};
 }
 
 std::string time_of_day() {
@@ -165,8 +157,7 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   Writer write(folder, report);
   write("report.html", page);
   write("report.md", markdown_of(content));
-  write("report.tex", latex_document(report.tables, remarks_on(report.figures)));
-  write("numbers.tex", latex_of(article_numbers(report.tables)));
+  write("numbers.tex", latex_of(article_numbers(main_tables_of(content))));
   write("citation.bib", citation_bibtex());
   write_studies(content, write);
   for (std::size_t t = 0; t < report.tables.size(); ++t) {

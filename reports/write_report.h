@@ -29,10 +29,10 @@ struct ReportFiles {
 };
 
 // Reads results folders and writes into `folder`: report.html (the page, needs nothing else), report.md,
-// report.tex (compiles as it is, without figures), numbers.tex (a macro for every number), citation.bib, the
-// resolved studies, per table ID.csv and ID.tex, by-take, by-participant and by-joint of a study as CSV, and
-// per figure ID.svg, ID.pdf and ID.csv. Nothing is computed again: the same results give the same bytes on
-// one machine, the page's time stamp apart.
+// numbers.tex (a macro for every number of the main tables), citation.bib, the resolved studies, per table
+// ID.csv and ID.tex, by-take, by-participant and by-joint of a study as CSV, and per figure ID.svg, ID.pdf
+// and ID.csv. Nothing is computed again: the same results give the same bytes on one machine, the page's time
+// stamp apart.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                          const std::filesystem::path& folder, const ReportOptions& options = {});
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "reports/figures/figure_look.h"
+#include "reports/render/text_lines.h"
 
 namespace trilat {
 namespace {
@@ -29,25 +30,10 @@ std::string gnuplot_text(const std::string& text) {
   return result + "'";
 }
 
-std::size_t characters_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-}
-
 std::string wrapped_title(const std::string& text) {
-  std::vector<std::string> lines{""};
-  std::string word;
-  const auto end_word = [&] {
-    if (word.empty()) return;
-    if (!lines.back().empty() && characters_of(lines.back()) + 1 + characters_of(word) > kTitleCharacters)
-      lines.emplace_back();
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-    word.clear();
-  };
-  for (char c : text) c == ' ' || c == '\n' ? end_word() : word.push_back(c);
-  end_word();
-  std::string result = gnuplot_text(lines[0]);
-  for (std::size_t i = 1; i < lines.size(); ++i) result += ".\"\\n\"." + gnuplot_text(lines[i]);
+  std::string result;
+  for (const std::string& line : lines_of(text, kTitleCharacters))
+    result += (result.empty() ? "" : ".\"\\n\".") + gnuplot_text(line);
   return result;
 }
 
@@ -125,7 +111,7 @@ std::string settings_of(const Figure& figure) {
       text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(figure.x_names[k]), k);
     text += ")\n";
     std::size_t characters = 0;
-    for (const std::string& name : figure.x_names) characters = std::max(characters, characters_of(name));
+    for (const std::string& name : figure.x_names) characters = std::max(characters, width_of(name));
     if (characters * figure.x_names.size() > kTitleCharacters) text += "set xtics rotate by -30\n";
   }
   text += x_range(figure) + y_range(figure);

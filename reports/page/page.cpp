@@ -129,10 +129,8 @@ std::string lead_html(const ReportContent& content) {
 }
 
 std::string citation_html(const std::string& citation) {
-  return "<p>Every number of every table is a LaTeX macro in <a href=\"numbers.tex\">numbers.tex</a>; all "
-         "tables are in "
-         "<a href=\"report.tex\">report.tex</a>, which compiles as it is, and in <a "
-         "href=\"report.md\">report.md</a>.</p>\n"
+  return "<p>The numbers of the main tables are LaTeX macros in <a href=\"numbers.tex\">numbers.tex</a>; all "
+         "tables are in <a href=\"report.md\">report.md</a>, and each is a LaTeX file of its own.</p>\n"
          "<pre>" +
          html_text(citation) + "</pre>\n";
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "reports/render/article_numbers.h"
-
 #include <algorithm>
 #include <limits>
 #include <set>
 
 #include <gmock/gmock.h>
+
+#include "reports/render/latex.h"
 
 namespace trilat {
 namespace {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "reports/figures/figures.h"
+#include "reports/render/latex.h"
 #include "reports/render/render.h"
 #include "reports/tables/calibration_findings.h"
 #include "reports/tables/tables.h"

@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include "reports/render/latex.h"
+
 namespace trilat {
 namespace {
 
@@ -110,17 +112,9 @@ TEST(Render, LatexCompilesWhateverANameHolds) {
   EXPECT_THAT(latex_of(table_with("\xff")), HasSubstr("[U+FFFD]"));
 }
 
-TEST(Render, LatexHeadsAreBrokenAndLettersSmallerWhereTheLineIsFull) {
-  Table table;
-  table.id = "wide";
-  table.columns = {{"joint", "joint", true}};
-  for (int c = 0; c < 20; ++c)
-    table.columns.push_back({"share below two metres (%)", "k" + std::to_string(c)});
-  table.rows.push_back({TableValue::of("head")});
-  for (int c = 0; c < 20; ++c) table.rows[0].push_back(TableValue::of(1.0, 1));
-  const std::string text = latex_of(table);
-  EXPECT_THAT(text, HasSubstr("share below\\\\two metres\\\\(\\%)"));
-  EXPECT_THAT(text, HasSubstr("{\\tiny"));
+TEST(Render, LatexBreaksLongTextsIntoLines) {
+  EXPECT_THAT(latex_of(table_with("what needs more than a line of its own")),
+              HasSubstr("{longtable}{p{45mm}r}"));
 }
 
 TEST(Render, WhatRoundsToNothingHasNoSign) {
