@@ -110,9 +110,8 @@ Chapter sweep_chapter(const std::filesystem::path& path) {
   const std::optional<SweepTimings> timings = read_sweep_timings(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
-      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell{}.",
-      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials,
-      s.interrupted ? " (interrupted: some cells hold fewer)" : "");
+      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
+      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
   chapter.sentences = search_sentences(s);
   append(chapter, table1(s, timings));
   append(chapter, search_tables(s));
@@ -126,9 +125,9 @@ Chapter calibration_chapter(const std::filesystem::path& path) {
   const CalibrationSummary s = read_calibration_summary(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
-      "Calibration, **simulated** (seed {}{}): every number here is one of simulated depth images and "
+      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and "
       "sensors, except those that are called the paper's.",
-      s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
+      s.seed);
   chapter.sentences = calibration_sentences(s);
   append(chapter, calibration_tables(s));
   chapter.first_tables = chapter.tables.size();
@@ -165,9 +164,9 @@ Chapter recording_chapter(const std::filesystem::path& path) {
   const std::optional<StageTimings> timings = read_stage_timings(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
-      "Clocks and processing times, **simulated** recordings (seed {}{}); the times that frames take are "
+      "Clocks and processing times, **simulated** recordings (seed {}); the times that frames take are "
       "measured.",
-      s.seed, s.interrupted ? "; interrupted: some parts are missing" : "");
+      s.seed);
   append(chapter, table4(s, timings));
   append(chapter, clock_figures(s));
   chapter.first_tables = chapter.tables.size();

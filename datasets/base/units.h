@@ -15,7 +15,6 @@ inline constexpr double kSquareMetresPerSquareCentimetre = 1e-4;
 inline constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 inline constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
 inline constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-inline constexpr std::int64_t kNsPerMillisecond = 1'000'000;
 inline constexpr double kNsPerMicrosecond = 1e3;
 
 // The length units an OptiTrack export may name.

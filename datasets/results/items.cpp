@@ -38,9 +38,7 @@ void write_unsynced(const fs::path& path, const std::string& text) {
   if (!file) throw OutputError(path.string(), std::string("cannot be written: ") + std::strerror(errno));
 }
 
-// Nothing of an older version, which no item of this program's can be in.
-std::optional<ItemsHead> read_items_head(JsonObject& object) {
-  if (object.text("format") == "trilat.items" && object.integer("version") == 1) return std::nullopt;
+ItemsHead read_items_head(JsonObject& object) {
   check_format(object, "trilat.items", 2);
   ItemsHead head{object.text("key"), {}};
   JsonObject files = object.object("files");
@@ -186,7 +184,7 @@ ItemsHead read_items_head(const fs::path& results) {
   if (end != "]}") throw InputError(path.string(), "is not whole");
   const Json json = parse_json(head + "]}", path.string());
   JsonObject object(json, path.string(), "");
-  return read_items_head(object).value_or(ItemsHead{});
+  return read_items_head(object);
 }
 
 bool has_all_files(const fs::path& results, const ItemsHead& head) {
@@ -208,7 +206,7 @@ std::vector<DoneItem> read_items(const fs::path& results) {
   if (!fs::exists(path)) return items;
   const Json json = parse_json(read_file(path, kMostItemsBytes), path.string());
   JsonObject object(json, path.string(), "");
-  if (!read_items_head(object)) return items;
+  read_items_head(object);
   for (JsonObject& entry : object.objects("items")) items.push_back(read_item(entry));
   object.finish();
   return items;

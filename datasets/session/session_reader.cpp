@@ -264,8 +264,8 @@ std::vector<SensorNotice> SessionReader::notices(std::size_t sensor) const {
   const SensorTables& t = state_->sensors.at(sensor);
   std::vector<SensorNotice> result(t.counts.notices);
   if (result.empty()) return result;
-  const auto times = read_rows<std::int64_t>(t.notices->host_ns, 0, result.size());
-  const auto texts = read_rows<std::uint8_t>(t.notices->text, 0, result.size());
+  const auto times = read_rows<std::int64_t>(t.notice_host_ns, 0, result.size());
+  const auto texts = read_rows<std::uint8_t>(t.notice_text, 0, result.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto begin = texts.begin() + static_cast<std::ptrdiff_t>(i * layout::kNoticeBytes);
     const auto end = begin + static_cast<std::ptrdiff_t>(layout::kNoticeBytes);

@@ -35,7 +35,7 @@ void check_rows(const SensorTables& t) {
   if (t.depth_frames) check_rows(*t.depth_frames, kMostFrames);
   check_rows(t.clock_exchanges, kMostExchanges);
   check_rows(t.drop_counts, kMostDropCounts);
-  if (t.notices) check_rows(t.notices->text, kMostNotices);
+  check_rows(t.notice_text, kMostNotices);
 }
 
 // The rows that all tables have, and how many some have beyond.
@@ -137,8 +137,7 @@ void accept_torn_ends(SensorTables& t) {
     for (H5Table* table :
          {&t.depth_stamps->sequence, &t.depth_stamps->device_ticks, &t.depth_stamps->arrival_ns})
       all.push_back(table);
-  if (t.notices) all.insert(all.end(), {&t.notices->host_ns, &t.notices->text});
-  all.insert(all.end(), {&t.clock_exchanges, &t.drop_counts});
+  all.insert(all.end(), {&t.clock_exchanges, &t.drop_counts, &t.notice_host_ns, &t.notice_text});
   for (H5Table* table : all) table->accept_torn_end();
 }
 
@@ -158,7 +157,7 @@ void count_depth(SensorTables& t, std::uint64_t limit) {
 }
 
 SensorTables open_all(const H5Node& node) {
-  const H5Node frames = node.group("body_frames");
+  const H5Node frames = node.group("body_frames"), notices = node.group("notices");
   SensorTables t{StampColumns(frames),
                  open_column(frames, layout::kBodyFrameColumns[3]),
                  open_column(frames, layout::kBodyFrameColumns[4]),
@@ -167,14 +166,10 @@ SensorTables open_all(const H5Node& node) {
                  {},
                  open_column(node, layout::kClockExchanges),
                  open_column(node, layout::kDropCounts),
-                 {},
+                 open_column(notices, layout::kNoticeColumns[0]),
+                 open_column(notices, layout::kNoticeColumns[1]),
                  {},
                  {}};
-  if (node.has("notices")) {
-    const H5Node notices = node.group("notices");
-    t.notices = NoticeColumns{open_column(notices, layout::kNoticeColumns[0]),
-                              open_column(notices, layout::kNoticeColumns[1])};
-  }
   if (node.has("depth")) {
     const H5Node depth = node.group("depth");
     t.depth_stamps.emplace(depth);
@@ -211,7 +206,7 @@ SensorTables open_sensor_tables(const H5Node& sensor, bool complete) {
   if (t.depth_frames) count_depth(t, limits[2]);
   t.counts.clock_exchanges = std::min(t.clock_exchanges.rows(), limits[3]);
   t.counts.drop_counts = std::min(t.drop_counts.rows(), limits[4]);
-  if (t.notices) t.counts.notices = std::min({t.notices->host_ns.rows(), t.notices->text.rows(), limits[5]});
+  t.counts.notices = std::min({t.notice_host_ns.rows(), t.notice_text.rows(), limits[5]});
   return t;
 }
 

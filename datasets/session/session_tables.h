@@ -23,10 +23,6 @@ struct BodyColumns {
   explicit BodyColumns(const H5Node& node);
 };
 
-struct NoticeColumns {
-  H5Table host_ns, text;
-};
-
 struct SensorTables {
   StampColumns body_stamps;
   H5Table floor_plane, body_count;
@@ -34,7 +30,7 @@ struct SensorTables {
   std::optional<StampColumns> depth_stamps;
   std::optional<H5Table> depth_frames;
   H5Table clock_exchanges, drop_counts;
-  std::optional<NoticeColumns> notices;    // not in sessions of the first writers
+  H5Table notice_host_ns, notice_text;
   std::vector<std::uint64_t> body_row_at;  // of every kBodyCheckpoint-th frame
   SensorCounts counts;
 };

@@ -250,11 +250,4 @@ void solve_bone_window(const BodyPath& path, const BoneWindows& windows, std::si
   Window(path, windows, windows.windows[window], options).solve(estimates);
 }
 
-void solve_bone_windows(const BodyPath& path, const BoneWindowOptions& options,
-                        std::span<PointEstimate> estimates) {
-  const BoneWindows windows = plan_bone_windows(path, options);
-  for (std::size_t k = 0; k < windows.windows.size(); ++k)
-    solve_bone_window(path, windows, k, options, estimates);
-}
-
 }  // namespace trilat

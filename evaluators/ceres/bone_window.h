@@ -80,8 +80,4 @@ struct BoneWindows {
 void solve_bone_window(const BodyPath& path, const BoneWindows& windows, std::size_t window,
                        const BoneWindowOptions& options, std::span<PointEstimate> estimates);
 
-// All windows one after the other.
-void solve_bone_windows(const BodyPath& path, const BoneWindowOptions& options,
-                        std::span<PointEstimate> estimates);
-
 }  // namespace trilat

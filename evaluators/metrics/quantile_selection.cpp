@@ -55,21 +55,6 @@ void QuantileSelection::add(double value) {
   ++prefix->histogram[digit_of(bits, shift_)];
 }
 
-void QuantileSelection::merge_pass(const QuantileSelection& later) {
-  TRILAT_CHECK(
-      shift_ == later.shift_ && wanted_ == later.wanted_ && prefixes_.size() == later.prefixes_.size(),
-      "only the same pass of the same selection merges");
-  shown_ += later.shown_;
-  for (std::size_t p = 0; p < prefixes_.size(); ++p) {
-    Prefix& mine = prefixes_[p];
-    const Prefix& other = later.prefixes_[p];
-    TRILAT_CHECK(mine.bits == other.bits, "both follow the same values");
-    mine.histogram.resize(std::max(mine.histogram.size(), other.histogram.size()));
-    for (std::size_t d = 0; d < other.histogram.size(); ++d) mine.histogram[d] += other.histogram[d];
-    mine.values.insert(mine.values.end(), other.values.begin(), other.values.end());
-  }
-}
-
 void QuantileSelection::start_ranks() {
   count_ = shown_;
   if (count_ == 0) return;

@@ -27,9 +27,6 @@ class QuantileSelection {
   void add(double value);
   // InternalError when a pass has shown another number of values than the first.
   void end_pass();
-  // The passes one after the other, as if `later`'s values of this pass had been added here.
-  // Counts are integers: any order of merging gives the same result.
-  void merge_pass(const QuantileSelection& later);
 
   // Values a pass.
   std::int64_t count() const { return count_; }

@@ -122,10 +122,6 @@ struct RunArguments {
   bool json = false;
 };
 int run(const RunArguments& arguments);
-// The same for a study of kind accuracy, already read.
-int run_accuracy_study(const RunArguments& arguments, const Json& study);
-// And for one of kind threshold_sweep.
-int run_sweep_study(const RunArguments& arguments, const Json& study);
 
 struct MergeArguments {
   std::vector<std::filesystem::path> parts;

@@ -57,9 +57,6 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   found.study = study["name"].get<std::string>();
   found.name = name.empty() ? found.study : name;
   refuse_mixed(found, study);
-  if (found.summary.value("interrupted", Json(false)) == true)
-    throw InputError((folder / "summary.json").string() + " /interrupted",
-                     "is true: the run was not finished. Run it again");
   if (found.kind == StudyKind::accuracy) {
     if (!fs::exists(folder / "samples.h5"))
       throw InputError((folder / "samples.h5").string(), "is missing: results are compared sample by sample");

@@ -27,7 +27,7 @@ struct ResultsSet {
 };
 
 // A results folder, or all that are directly inside a folder, in the order of their names. InputError, with
-// the place, for results that are not finished (NAME.partial, interrupted), of another version, empty or
+// the place, for results that are not finished (NAME.partial), of another version, empty or
 // damaged, and when there are none.
 ResultsSet find_results(const std::filesystem::path& folder);
 

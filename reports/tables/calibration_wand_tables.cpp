@@ -148,9 +148,8 @@ Table calibration_wand_table(const CalibrationSummary& s) {
   table.id = "calibration_wand";
   table.title = fmt::format(
       "Finding the wand, simulated: {} units with {} samples each, the mean of {} frames a sample, ball of "
-      "{:g} cm radius, seed {}{}",
-      s.units, s.samples, s.frames, s.ball_radius_m * kCentimetresPerMetre, s.seed,
-      s.interrupted ? "; interrupted" : "");
+      "{:g} cm radius, seed {}",
+      s.units, s.samples, s.frames, s.ball_radius_m * kCentimetresPerMetre, s.seed);
   table.columns = {{"method", "method", true},
                    {"scene", "scene", true},
                    {"inside: asked", "inside_asked"},

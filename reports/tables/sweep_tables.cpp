@@ -38,9 +38,8 @@ std::vector<std::size_t> readings_in_full(const SweepSummary& s) {
 Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
   Table table;
   table.id = usable_id(fmt::format("sweep-{}-{}", s.study, s.interpretations[reading].id));
-  table.title = fmt::format("Threshold sweep, simulated: {}; {} trials a cell, seed {}{}",
-                            s.interpretations[reading].id, s.trials, s.seed,
-                            s.interrupted ? "; interrupted, the cells' own n count" : "");
+  table.title = fmt::format("Threshold sweep, simulated: {}; {} trials a cell, seed {}",
+                            s.interpretations[reading].id, s.trials, s.seed);
   table.columns = {{"error range (cm)", "range_cm", true},
                    {"C (" + s.interpretations[reading].threshold_unit + ")", "threshold", false, true},
                    {"n", "n", false},

@@ -107,7 +107,6 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
       "iterations of all trials, the failed ones included. Answered: the share with a usable estimate.",
       "E7+E8: eq. 17 and the stop rule of eq. 19 as they stand. E7: eq. 17 as it stands, stop when the "
       "change of F is below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
-  if (s.interrupted) table.notes.push_back("The sweep was interrupted; its cells hold fewer trials.");
   return table;
 }
 

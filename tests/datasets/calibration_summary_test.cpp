@@ -24,7 +24,6 @@ CalibrationSummary full_summary() {
   CalibrationSummary s;
   s.study = "calibration";
   s.seed = 7;
-  s.interrupted = true;
   s.samples = 3;
   s.units = 2;
   s.frames = 5;
@@ -48,7 +47,6 @@ TEST(CalibrationSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   const CalibrationSummary read = read_calibration_summary(folder.path());
   EXPECT_EQ(read.study, "calibration");
   EXPECT_EQ(read.seed, 7u);
-  EXPECT_TRUE(read.interrupted);
   EXPECT_EQ(read.positions, 50u);
   EXPECT_EQ(read.ball_radius_m, 0.075);
   ASSERT_EQ(read.wand.size(), 2u);

@@ -5,7 +5,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/geometry/depth_camera.h"
-#include "datasets/geometry/frames.h"
 #include "datasets/geometry/rigid_transform.h"
 
 namespace trilat {
@@ -27,15 +26,6 @@ TEST(RigidTransform, ComposesAndInverts) {
 
 // A sensor in front of the world's origin, on the +z side, looking back at it: its left is the
 // world's -x.
-TEST(Frames, SensorAxesAreLeftUpAndOutOfTheLens) {
-  const RigidTransform world_from_sensor = world_from_sensor_looking_at({0, 1, 2}, {0, 1, 0});
-  EXPECT_LT((world_from_sensor.rotation * Vector3d::UnitZ() - Vector3d(0, 0, -1)).norm(), kTight);
-  EXPECT_LT((world_from_sensor.rotation * Vector3d::UnitY() - Vector3d(0, 1, 0)).norm(), kTight);
-  EXPECT_LT((world_from_sensor.rotation * Vector3d::UnitX() - Vector3d(-1, 0, 0)).norm(), kTight);
-  EXPECT_NEAR(world_from_sensor.rotation.toRotationMatrix().determinant(), 1.0, kTight);
-  EXPECT_EQ(kFrames[1].name, "sensor");
-}
-
 TEST(Frames, AVerticalViewIsRefused) {
   EXPECT_THROW(world_from_sensor_looking_at({0, 2, 0}, {0, 0, 0}), InternalError);
 }

@@ -28,7 +28,7 @@ TimeSpread small_spread() {
 
 RecordingSummary small_summary() {
   constexpr double kNone = TimeSpread::kNone;
-  RecordingSummary s{"table4", 18'000'000'000'000'000'000u, true, 6, 2, 1, {}, {}, 0.02, {}};
+  RecordingSummary s{"table4", 18'000'000'000'000'000'000u, 6, 2, 1, {}, {}, 0.02, {}};
   s.clocks = {{"lan", "corrected", 7, small_spread(), 1.0 / 6.0, 0.1, 0.2, {{3, 2, 0, 1}, {4, 4, 1, 2}}},
               {"lan", "none", 6, {}, kNone, kNone, kNone, {{6, 0, 0, 0}, {}}}};
   s.fits = {{"lan", 1e-5, 2e-4, 1.0, 0.25}, {"cut"}};
@@ -41,7 +41,6 @@ TEST(RecordingSummary, IsReadAsItWasWritten) {
   write_recording_summary(folder.path(), small_summary());
   const RecordingSummary read = read_recording_summary(folder.path());
   EXPECT_EQ(read.seed, 18'000'000'000'000'000'000u);
-  EXPECT_TRUE(read.interrupted);
   ASSERT_EQ(read.clocks.size(), 2u);
   EXPECT_EQ(read.clocks[0].asked, 7u);
   EXPECT_EQ(read.clocks[0].error.bins[5], 3u);

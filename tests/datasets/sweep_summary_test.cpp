@@ -35,7 +35,6 @@ SweepSummary two_cells() {
   s.study = "sweep";
   s.seed = 7;
   s.trials = 10;
-  s.interrupted = true;
   s.thresholds = {1.0, 1e-2};
   s.ranges = {{0.15, 0.3}};
   s.interpretations = {{"flat/centre",
@@ -62,7 +61,6 @@ TEST(SweepSummary, WhatIsWrittenIsReadBackAndNaNStaysNaN) {
   write_sweep_summary(folder.path(), written);
   const SweepSummary read = read_sweep_summary(folder.path());
   EXPECT_TRUE(read.simulated);
-  EXPECT_TRUE(read.interrupted);
   EXPECT_EQ(read.thresholds, written.thresholds);
   EXPECT_EQ(read.ranges.at(0).high_m, 0.3);
   EXPECT_EQ(read.interpretations.at(0).sensors_m, written.interpretations[0].sensors_m);

@@ -72,7 +72,10 @@ Scene scene_of(std::size_t instants, double noise_m, const std::vector<Joint>& j
 
 std::vector<PointEstimate> solve(const Scene& scene, const BoneWindowOptions& options) {
   std::vector<PointEstimate> estimates(scene.truth_m.size());
-  solve_bone_windows(scene.path(), options, estimates);
+  const BodyPath path = scene.path();
+  const BoneWindows windows = plan_bone_windows(path, options);
+  for (std::size_t k = 0; k < windows.windows.size(); ++k)
+    solve_bone_window(path, windows, k, options, estimates);
   return estimates;
 }
 

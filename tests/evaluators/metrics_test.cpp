@@ -69,22 +69,6 @@ TEST(Quantiles, InfinityIsTheLargestValue) {
   EXPECT_THAT(quantiles_of(std::vector<double>{inf, 1.0, 2.0}, {0.5, 1.0}), testing::ElementsAre(2.0, inf));
 }
 
-TEST(Quantiles, MergedPassesAreThoseOfTheWhole) {
-  const RandomStream random{32, Purpose::test, 0};
-  std::vector<double> values;
-  for (std::uint32_t i = 0; i < 1000; ++i) values.push_back(random.uniform(i));
-  QuantileSelection whole({0.5, 0.9});
-  while (!whole.done()) {
-    QuantileSelection part = whole;
-    for (std::size_t i = 0; i < 400; ++i) whole.add(values[i]);
-    for (std::size_t i = 400; i < 1000; ++i) part.add(values[i]);
-    whole.merge_pass(part);
-    whole.end_pass();
-  }
-  EXPECT_EQ(whole.quantiles(), quantiles_of(values, {0.5, 0.9}));
-  EXPECT_EQ(whole.count(), 1000);
-}
-
 // Many values of a few leading bits: no pass can keep them before their digits have told them apart.
 TEST(Quantiles, ManyValuesCloseTogetherNeedMorePassesThanFewDo) {
   const RandomStream random{33, Purpose::test, 0};

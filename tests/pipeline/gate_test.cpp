@@ -186,10 +186,6 @@ TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
   write_file(nights.folder / "now" / "summary.json", other.dump());
   expect_refused(nights.gate(), "/version: is another version");
   other = summary;
-  other["interrupted"] = true;
-  write_file(nights.folder / "now" / "summary.json", other.dump());
-  expect_refused(nights.gate(), "/interrupted: is true");
-  other = summary;
   other["cells"] = Json::array();
   write_file(nights.folder / "now" / "summary.json", other.dump());
   expect_refused(nights.gate(), "/cells: is empty");

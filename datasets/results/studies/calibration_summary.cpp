@@ -229,7 +229,6 @@ void write_calibration_summary(const std::filesystem::path& folder, const Calibr
   json["study"] = s.study;
   json["simulated"] = true;
   json["seed"] = s.seed;
-  json["interrupted"] = s.interrupted;
   json["samples"] = s.samples;
   json["units"] = s.units;
   json["frames"] = s.frames;
@@ -251,7 +250,6 @@ CalibrationSummary read_calibration_summary(const std::filesystem::path& folder)
   s.study = object.text("study");
   object.boolean("simulated", true);
   s.seed = object.count("seed");
-  s.interrupted = object.boolean("interrupted", false);
   s.samples = object.count("samples");
   s.units = object.count("units");
   s.frames = object.count("frames");

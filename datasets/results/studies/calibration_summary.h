@@ -94,7 +94,6 @@ struct EffectRow {
 struct CalibrationSummary {
   std::string study;
   std::uint64_t seed = 0;
-  bool interrupted = false;
   std::uint64_t samples = 0, units = 0, frames = 0;  // samples a unit, frames a position
   double ball_radius_m = 0.0;
   std::vector<WandRow> wand;

@@ -139,7 +139,6 @@ void write_recording_summary(const std::filesystem::path& folder, const Recordin
   json["study"] = s.study;
   json["simulated"] = true;
   json["seed"] = s.seed;
-  json["interrupted"] = s.interrupted;
   json["frames"] = s.frames;
   json["sensors"] = s.sensors;
   json["runs"] = s.runs;
@@ -161,7 +160,6 @@ RecordingSummary read_recording_summary(const std::filesystem::path& folder) {
   s.study = object.text("study");
   object.boolean("simulated", true);
   s.seed = object.count("seed");
-  s.interrupted = object.boolean("interrupted", false);
   s.frames = object.count("frames");
   s.sensors = object.count("sensors");
   s.runs = object.count("runs");

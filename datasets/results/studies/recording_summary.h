@@ -62,7 +62,6 @@ struct ClockFitRow {
 struct RecordingSummary {
   std::string study;
   std::uint64_t seed = 0;
-  bool interrupted = false;
   std::uint64_t frames = 0, sensors = 0, runs = 0;
   std::vector<ClockErrorRow> clocks;
   std::vector<ClockFitRow> fits;

@@ -170,7 +170,6 @@ void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary
   json["seed"] = s.seed;
   json["trials"] = s.trials;
   json["max_iterations"] = s.max_iterations;
-  json["interrupted"] = s.interrupted;
   json["skipped"] = s.skipped;
   json["thresholds"] = s.thresholds;
   for (const char* list : {"ranges", "interpretations", "cells"}) json[list] = Json::array();
@@ -192,7 +191,6 @@ SweepSummary read_sweep_summary(const std::filesystem::path& folder) {
   s.seed = object.count("seed");
   s.trials = object.count("trials");
   s.max_iterations = object.count("max_iterations");
-  s.interrupted = object.boolean("interrupted", false);
   s.skipped = object.count("skipped");
   s.thresholds = object.numbers("thresholds", object.value("thresholds").size());
   for (JsonObject& range : object.objects("ranges")) s.ranges.push_back(read_range(range));

@@ -106,7 +106,6 @@ struct SweepSummary {
   std::uint64_t seed = 0;
   std::uint64_t trials = 0;  // asked of each cell
   std::uint64_t max_iterations = 0;
-  bool interrupted = false;
   std::uint64_t skipped = 0;       // combinations that contradict themselves or repeat another
   std::vector<double> thresholds;  // C as in the study, in each interpretation's unit
   std::vector<ErrorRange> ranges;

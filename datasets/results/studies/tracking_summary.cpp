@@ -80,10 +80,8 @@ std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path
   for (JsonObject& row : object.objects("exchanges")) s.exchanges.push_back(read_exchange(row));
   for (JsonObject& row : object.objects("clocks")) s.clocks.push_back(read_clock(row));
   for (JsonObject& row : object.objects("ranges")) s.ranges.push_back(read_range_row(row));
-  if (object.has("rays"))  // earlier versions had none
-    for (JsonObject& row : object.objects("rays")) s.rays.push_back(read_ray(row));
-  if (object.has("predictions"))
-    for (JsonObject& row : object.objects("predictions")) s.predictions.push_back(read_prediction(row));
+  for (JsonObject& row : object.objects("rays")) s.rays.push_back(read_ray(row));
+  for (JsonObject& row : object.objects("predictions")) s.predictions.push_back(read_prediction(row));
   object.finish();
   return s;
 }
