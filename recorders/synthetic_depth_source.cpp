@@ -12,7 +12,7 @@ constexpr std::size_t kFramesAtOnce = 32;  // 14 MB
 
 SyntheticDepthSource::SyntheticDepthSource(SensorSpec spec, SimulatedItem item, Motion motion,
                                            std::vector<SimulatedSensor> sensors, double duration_s,
-                                           SyntheticDepth depth, std::optional<SyntheticTracker> tracker)
+                                           SyntheticDepth depth, SyntheticTracker tracker)
     : spec_(spec),
       item_(item),
       sensors_(std::move(sensors)),

@@ -29,7 +29,7 @@ class SyntheticDepthSource : public FrameSource {
  public:
   SyntheticDepthSource(SensorSpec spec, SimulatedItem item, Motion motion,
                        std::vector<SimulatedSensor> sensors, double duration_s, SyntheticDepth depth,
-                       std::optional<SyntheticTracker> tracker = {});
+                       SyntheticTracker tracker);
   const SessionHeader& header() const override { return header_; }
   std::optional<SourceEvent> next() override;
 

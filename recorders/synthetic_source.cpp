@@ -5,7 +5,7 @@ namespace trilat {
 
 SyntheticSource::SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion,
                                  std::vector<SimulatedSensor> sensors, double duration_s,
-                                 std::optional<SyntheticTracker> tracker)
+                                 SyntheticTracker tracker)
     : spec_(spec),
       item_(item),
       motion_(std::move(motion)),
@@ -17,9 +17,8 @@ SyntheticSource::SyntheticSource(SensorSpec spec, SimulatedItem item, Motion mot
   header_.simulated = true;
   header_.note = "simulated";
   for (const SimulatedSensor& sensor : sensors_) header_.sensors.push_back(description_of(sensor, spec_));
-  if (!tracker_) return;
   for (const SimulatedSensor& sensor : sensors_)
-    trackers_.emplace_back(tracker_->spec, spec_, sensor, item_, 1 + tracker_->bystanders.size());
+    trackers_.emplace_back(tracker_.spec, spec_, sensor, item_, 1 + tracker_.bystanders.size());
 }
 
 std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
@@ -32,16 +31,15 @@ std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
 }
 
 std::optional<BodyFrame> SyntheticSource::simulate(std::size_t sensor, std::uint64_t frame) {
-  if (!tracker_) return simulate_body_frame(sensors_[sensor], spec_, item_, motion_, frame);
   // the tracker also sees frames that are lost on their way
   const double time_s = (exposure_of(sensors_[sensor], spec_, frame) - kMotionStart).seconds();
   std::vector<SkeletonPose> poses{motion_(time_s)};
-  for (const Motion& bystander : tracker_->bystanders) poses.push_back(bystander(time_s));
+  for (const Motion& bystander : tracker_.bystanders) poses.push_back(bystander(time_s));
   TrackedFrame tracked = trackers_[sensor].observe(frame, poses);
   std::optional<BodyFrame> result = simulate_empty_frame(sensors_[sensor], spec_, item_, frame);
   if (!result) return std::nullopt;
   result->bodies = std::move(tracked.bodies);
-  if (tracker_->on_truth) tracker_->on_truth(sensor, tracked.truth);
+  if (tracker_.on_truth) tracker_.on_truth(sensor, tracked.truth);
   return result;
 }
 

@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-// The realistic body tracker of virtual Kinects, who else is there, and who gets the truth: called for every
+// The body tracker of virtual Kinects, who else is there, and who gets the truth: called for every
 // frame that is delivered, a sensor's in their order.
 struct SyntheticTracker {
   BodyTrackerSpec spec;
@@ -19,11 +19,11 @@ struct SyntheticTracker {
 };
 
 // Virtual Kinects watching a motion for `duration_s`. Frames of all sensors come frame number by frame
-// number, with the clock exchanges between them. Without a tracker bodies come from the plain model.
+// number, with the clock exchanges between them.
 class SyntheticSource : public FrameSource {
  public:
   SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion, std::vector<SimulatedSensor> sensors,
-                  double duration_s, std::optional<SyntheticTracker> tracker = {});
+                  double duration_s, SyntheticTracker tracker);
   const SessionHeader& header() const override { return header_; }
   std::optional<SourceEvent> next() override;
 
@@ -37,8 +37,8 @@ class SyntheticSource : public FrameSource {
   Motion motion_;
   std::vector<SimulatedSensor> sensors_;
   double duration_s_;
-  std::optional<SyntheticTracker> tracker_;
-  std::vector<BodyTracker> trackers_;  // one a sensor, or none
+  SyntheticTracker tracker_;
+  std::vector<BodyTracker> trackers_;  // one a sensor
   SessionHeader header_;
   std::vector<std::uint64_t> next_frame_;
   std::vector<std::uint64_t> next_exchange_;

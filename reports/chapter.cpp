@@ -10,7 +10,6 @@
 #include "reports/tables/calibration_findings.h"
 #include "reports/tables/sensor_counts.h"
 #include "reports/tables/table.h"
-#include "reports/tables/table_cells.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -79,7 +78,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path) {
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
-  if (s.left_out) chapter.sentences.push_back(truth_note(s));
+  if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   if (s.cross_check)
     chapter.sentences.push_back(fmt::format(
         "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",

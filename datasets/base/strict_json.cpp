@@ -92,12 +92,6 @@ std::string json_text(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-Json numbers_json(std::span<const double> numbers) {
-  Json array = Json::array();
-  for (const double number : numbers) array.push_back(std::isfinite(number) ? Json(number) : Json());
-  return array;
-}
-
 std::string first_repeated(const std::vector<std::string>& texts) {
   std::set<std::string> seen;
   for (const std::string& text : texts)
@@ -228,6 +222,10 @@ void JsonObject::format(const std::string& name, std::int64_t version) {
   if (!fields_) return;
   noted("format")->schema = {{"const", name}};
   noted("version")->schema = {{"const", version}};
+}
+
+void JsonObject::refuse_below(const std::string& path, const std::string& problem) const {
+  throw InputError(place_ + " " + pointer_ + "/" + path, problem);
 }
 
 void JsonObject::gone(const std::string& key, const std::string& instead) const {
@@ -367,36 +365,6 @@ std::vector<double> JsonObject::numbers(const std::string& key, std::size_t size
   std::vector<double> result;
   note_list(key, "number", size);
   for (const Json& element : need_array(key, size, "numbers")) result.push_back(as_number(key, element));
-  return result;
-}
-
-std::vector<double> JsonObject::numbers_or_none(const std::string& key, std::size_t size) {
-  std::vector<double> result;
-  for (const Json& element : need_array(key, size, "numbers or null"))
-    result.push_back(element.is_null() ? std::numeric_limits<double>::quiet_NaN() : as_number(key, element));
-  return result;
-}
-
-std::vector<std::int64_t> JsonObject::integers(const std::string& key, std::size_t size) {
-  std::vector<std::int64_t> result;
-  note_list(key, "integer", size);
-  for (const Json& element : need_array(key, size, "integers")) {
-    if (!element.is_number_integer() ||
-        (element.is_number_unsigned() &&
-         element.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max()))
-      refuse(key, "must hold integers below 2^63, has " + type_of(element));
-    result.push_back(element.get<std::int64_t>());
-  }
-  return result;
-}
-
-std::vector<std::uint64_t> JsonObject::counts(const std::string& key, std::size_t size) {
-  std::vector<std::uint64_t> result;
-  note_list(key, "integer", size);
-  for (const Json& element : need_array(key, size, "counts")) {
-    if (!element.is_number_unsigned()) refuse(key, "must hold integers >= 0, has " + type_of(element));
-    result.push_back(element.get<std::uint64_t>());
-  }
   return result;
 }
 

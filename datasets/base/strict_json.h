@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <set>
 #include <span>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 namespace trilat {
@@ -26,9 +28,6 @@ Json read_json(const std::filesystem::path& path);
 
 // The document as text. Names from outside need not be UTF-8: bytes that are not become U+FFFD.
 std::string json_text(const Json& json, int indent);
-
-// An array of numbers, with null for what is not finite; JsonObject::numbers_or_none reads it.
-Json numbers_json(std::span<const double> numbers);
 
 // The first text that an earlier one equals; empty when all differ.
 std::string first_repeated(const std::vector<std::string>& texts);
@@ -73,10 +72,6 @@ class JsonObject {
   // The same for a word that decides which other keys there are.
   std::size_t branch(const std::string& key, const std::vector<std::string>& known);
   std::vector<double> numbers(const std::string& key, std::size_t size);
-  // The same with null for what is not finite, which JSON has no number for; it comes back as NaN.
-  std::vector<double> numbers_or_none(const std::string& key, std::size_t size);
-  std::vector<std::int64_t> integers(const std::string& key, std::size_t size);
-  std::vector<std::uint64_t> counts(const std::string& key, std::size_t size);
   std::vector<std::string> texts(const std::string& key);
   std::vector<std::string> texts(const std::string& key, std::vector<std::string> fallback);
   JsonObject object(const std::string& key);
@@ -100,6 +95,11 @@ class JsonObject {
   // Refuses a key of what the program could once do; `instead`: what to do now.
   void gone(const std::string& key, const std::string& instead) const;
   std::string place_of(const std::string& key) const;
+  // An error, and a reader of `value`, at `path` below this object: keys with '/' between them.
+  [[noreturn]] void refuse_below(const std::string& path, const std::string& problem) const;
+  JsonObject below(const std::string& path, const Json& value) const {
+    return {value, place_, pointer_ + "/" + path};
+  }
   const std::string& file() const { return place_; }
 
  private:
@@ -121,5 +121,55 @@ class JsonObject {
   std::set<std::string> known_;
   std::shared_ptr<JsonFields> fields_;
 };
+
+// Numbers of a JSON object that must lie in a range.
+inline double within(JsonObject& object, const std::string& key, double value, double low, double high) {
+  object.range(key, low, high);
+  if (!(value >= low && value <= high))
+    object.refuse(key, "must lie between " + Json(low).dump() + " and " + Json(high).dump());
+  return value;
+}
+
+inline double number_within(JsonObject& object, const std::string& key, double low, double high) {
+  return within(object, key, object.number(key), low, high);
+}
+
+inline double number_within(JsonObject& object, const std::string& key, double fallback, double low,
+                            double high) {
+  return within(object, key, object.number(key, fallback), low, high);
+}
+
+inline std::uint64_t within(JsonObject& object, const std::string& key, std::uint64_t count,
+                            std::uint64_t least, std::uint64_t most) {
+  object.range(key, static_cast<double>(least), static_cast<double>(most));
+  if (count < least || count > most)
+    object.refuse(key, "must be " + std::to_string(least) + " to " + std::to_string(most) + ", is " +
+                           std::to_string(count));
+  return count;
+}
+
+inline std::uint64_t count_within(JsonObject& object, const std::string& key, std::uint64_t least,
+                                  std::uint64_t most) {
+  return within(object, key, object.count(key), least, most);
+}
+
+inline std::uint64_t count_within(JsonObject& object, const std::string& key, std::uint64_t fallback,
+                                  std::uint64_t least, std::uint64_t most) {
+  return within(object, key, object.count(key, fallback), least, most);
+}
+
+inline double share_within(JsonObject& object, const std::string& key, double fallback) {
+  const double value = object.number(key, fallback);
+  object.range(key, 0.0, 1.0);
+  if (!(value >= 0.0 && value <= 1.0)) object.refuse(key, "must lie between 0 and 1");
+  return value;
+}
+
+inline double not_negative(JsonObject& object, const std::string& key, double fallback) {
+  const double value = object.number(key, fallback);
+  object.range(key, 0.0, std::numeric_limits<double>::infinity());
+  if (!(value >= 0.0)) object.refuse(key, "must not be negative");
+  return value;
+}
 
 }  // namespace trilat

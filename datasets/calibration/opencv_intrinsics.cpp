@@ -2,14 +2,15 @@
 #include "datasets/calibration/opencv_intrinsics.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/core.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
@@ -21,93 +22,57 @@ constexpr const char* kWanted =
     "wanted is an OpenCV file with cameraMatrix and distortionCoefficients, such as calib_ir.yaml";
 
 constexpr std::size_t kMostBytes = 1u << 20;
-constexpr int kMostBrackets = 8;  // inside each other
 
-// "name:", a comment, something indented below a name, or nothing.
-bool is_line_of_a_map(const std::string& line, bool names_before) {
-  const std::size_t first = line.find_first_not_of(" \r");
-  if (first == std::string::npos || line[first] == '#') return true;
-  if (first > 0) return names_before;
-  const std::size_t colon =
-      line.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.");
-  return line[0] != '-' && line[0] != '.' && colon != std::string::npos && colon > 0 && line[colon] == ':';
-}
-
-bool brackets_are_shallow(const std::string& text) {
-  int depth = 0;
-  for (const char c : text) {
-    depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
-    if (depth > kMostBrackets) return false;
-  }
-  return true;
-}
-
-// OpenCV's parser (4.6) never comes back from some texts with a second document or a name that is not in the
-// first column, nor from deep brackets: they must not reach it.
-bool is_one_map(const std::string& text) {
-  if (text.size() > kMostBytes || !text.starts_with("%YAML") || !brackets_are_shallow(text)) return false;
-  std::istringstream lines(text);
-  std::string line;
-  std::getline(lines, line);
-  for (bool names = false, begins = true; std::getline(lines, line); begins = false) {
-    if (begins && line.starts_with("---") && line.find_first_not_of(" \r", 3) == std::string::npos) continue;
-    if (!is_line_of_a_map(line, names)) return false;
-    names |= !line.empty() && line[0] != ' ' && line[0] != '#' && line[0] != '\r';
-  }
-  return true;
-}
-
-// OpenCV prints every error it throws to stderr; we say it once, ourselves.
-class SilentOpenCv {
- public:
-  SilentOpenCv()
-      : before_(cv::redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; })) {
-  }
-  ~SilentOpenCv() { cv::redirectError(before_); }
-  SilentOpenCv(const SilentOpenCv&) = delete;
-  SilentOpenCv& operator=(const SilentOpenCv&) = delete;
-
- private:
-  cv::ErrorCallback before_;
-};
-
+// The YAML that OpenCV writes: names in the first column, in each a matrix or a list whose numbers stand in
+// brackets.
 class IntrinsicsFile {
  public:
-  IntrinsicsFile(const std::filesystem::path& path, const std::string& text) : place_(path.string()) {
-    if (text.empty()) refuse(fmt::format("is empty; {}", kWanted));
-    if (text.find('\0') != std::string::npos) refuse(fmt::format("is not text; {}", kWanted));
-    if (!is_one_map(text)) refuse(fmt::format("is not YAML as OpenCV writes it; {}", kWanted));
-    if (!storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY))
-      refuse(fmt::format("cannot be read by OpenCV; {}", kWanted));
+  explicit IntrinsicsFile(const std::filesystem::path& path) : place_(path.string()) {
+    std::istringstream lines(read_file(path, kMostBytes));
+    std::string line;
+    if (!std::getline(lines, line) || !line.starts_with("%YAML"))
+      refuse(fmt::format("is not YAML as OpenCV writes it; {}", kWanted));
+    while (std::getline(lines, line)) {
+      const bool continues = line.starts_with(' ') || line.starts_with('\t');
+      if (!continues && std::isalpha(static_cast<unsigned char>(line[0])) != 0)
+        entries_.emplace_back(line.substr(0, line.find(':')), line);
+      else if (continues && !entries_.empty())
+        entries_.back().second += line;
+    }
   }
 
   [[noreturn]] void refuse(const std::string& problem) const { throw InputError(place_, problem); }
 
   // The numbers of a matrix, row by row, under one of its names.
   std::vector<double> numbers(std::initializer_list<const char*> names, const char* what) const {
-    for (const char* name : names) {
-      const cv::FileNode node = storage_[name];
-      if (node.empty()) continue;
-      const cv::FileNode data = node.isMap() ? node["data"] : node;
-      std::vector<double> values;
-      if (data.isSeq())
-        for (const cv::FileNode& value : data) {
-          if (!value.isInt() && !value.isReal())
-            refuse(fmt::format("{} holds something that is no number", name));
-          values.push_back(static_cast<double>(value));
-        }
-      if (values.empty()) refuse(fmt::format("{} holds no numbers", name));
-      return values;
+    std::vector<std::string> keys;
+    for (const auto& [key, text] : entries_) {
+      keys.push_back(key);
+      if (std::find(names.begin(), names.end(), key) != names.end()) return in_brackets(key, text);
     }
-    const std::vector<std::string> keys =
-        storage_.root().isMap() ? storage_.root().keys() : std::vector<std::string>{};
     refuse(keys.empty() ? fmt::format("holds no {}; {}", what, kWanted)
                         : fmt::format("holds {} but no {}; {}", fmt::join(keys, ", "), what, kWanted));
   }
 
  private:
+  std::vector<double> in_brackets(const std::string& name, const std::string& text) const {
+    const std::size_t begin = text.find('['), end = text.find(']', begin);
+    if (begin == std::string::npos || end == std::string::npos)
+      refuse(fmt::format("{} holds no numbers in brackets", name));
+    std::vector<double> values;
+    std::istringstream words(text.substr(begin + 1, end - begin - 1));
+    for (std::string word; std::getline(words, word, ',');) {
+      const std::size_t first = word.find_first_not_of(" \t\r");
+      word = first == std::string::npos ? "" : word.substr(first, word.find_last_not_of(" \t\r") + 1 - first);
+      char* rest = nullptr;
+      values.push_back(word == ".Nan" ? std::nan("") : std::strtod(word.c_str(), &rest));
+      if (word.empty() || (rest && *rest)) refuse(fmt::format("{} holds something that is no number", name));
+    }
+    return values;
+  }
+
   std::string place_;
-  cv::FileStorage storage_;
+  std::vector<std::pair<std::string, std::string>> entries_;  // name, and its lines
 };
 
 void take_camera_matrix(const IntrinsicsFile& file, DepthIntrinsics& in) {
@@ -144,8 +109,10 @@ bool looks_like_colour(const DepthIntrinsics& in) {
          std::abs(in.cx_px - 960.0) < 200.0 && std::abs(in.cy_px - 540.0) < 120.0;
 }
 
-DepthIntrinsics read(const std::filesystem::path& path, int width_px, int height_px) {
-  const IntrinsicsFile file(path, read_file(path));
+}  // namespace
+
+DepthIntrinsics read_opencv_intrinsics(const std::filesystem::path& path, int width_px, int height_px) {
+  const IntrinsicsFile file(path);
   DepthIntrinsics in;
   in.width_px = width_px;
   in.height_px = height_px;
@@ -158,22 +125,6 @@ DepthIntrinsics read(const std::filesystem::path& path, int width_px, int height
                     static_cast<int>(in.fx_px)));
   if (const std::string problem = implausibility_of(in); !problem.empty()) file.refuse(problem);
   return in;
-}
-
-}  // namespace
-
-DepthIntrinsics read_opencv_intrinsics(const std::filesystem::path& path, int width_px, int height_px) {
-  const SilentOpenCv silent;
-  const InputError not_one(path.string(), fmt::format("is not a file of OpenCV's FileStorage; {}", kWanted));
-  try {
-    return read(path, width_px, height_px);
-  } catch (const cv::Exception&) {
-    throw not_one;
-  } catch (const std::length_error&) {  // its parser lets these through
-    throw not_one;
-  } catch (const std::out_of_range&) {
-    throw not_one;
-  }
 }
 
 }  // namespace trilat

@@ -23,6 +23,18 @@ struct RigidTransform {
     const Eigen::Quaterniond back = rotation.conjugate();
     return {back, -(back * translation_m)};
   }
+
+  // As numbers (described.h): the quaternion's w, x, y, z, and metres.
+  static constexpr bool as_list = true;
+  static void fields(auto& self, auto&& field) {
+    field("w", self.rotation.w());
+    field("qx", self.rotation.x());
+    field("qy", self.rotation.y());
+    field("qz", self.rotation.z());
+    field("x", self.translation_m.x());
+    field("y", self.translation_m.y());
+    field("z", self.translation_m.z());
+  }
 };
 
 // The angle between two orientations, in [0, pi].

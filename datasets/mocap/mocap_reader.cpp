@@ -8,7 +8,6 @@
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
-#include "datasets/mocap/marker_header.h"
 #include "datasets/mocap/motive_header.h"
 #include "datasets/mocap/trackable_header.h"
 #include "datasets/mocap/trackable_rows.h"

@@ -5,12 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
+
 namespace trilat {
 
 // A value that a simulation assumes, and what it rests on.
 struct DeclaredParameter {
   std::string name, value, unit, source;
   bool operator==(const DeclaredParameter&) const = default;
+
+  TRILAT_FIELDS(name, value, unit, source)
 };
 
 // The source of a value that is not the declared default.

@@ -12,51 +12,17 @@ namespace trilat {
 
 namespace {
 
+constexpr const char* kHistoryFormat = "trilat.history";
 constexpr int kVersion = 2;
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
-
-Json json_of(const std::map<std::string, double>& values) {
-  Json json = Json::object();
-  for (const auto& [name, value] : values) json[name] = value;
-  return json;
-}
-
-std::map<std::string, double> read_values(JsonObject object) {
-  std::map<std::string, double> values;
-  for (const std::string& name : object.keys()) values[name] = number_or_nan(object, name);
-  return values;
-}
-
-Json json_of(const HistoryEntry& e) {
-  return {{"format", "trilat.history"},
-          {"version", kVersion},
-          {"time", e.time},
-          {"program", e.program},
-          {"accepted", e.accepted},
-          {"reason", e.reason},
-          {"quiet", e.quiet},
-          {"alarms", e.alarms},
-          {"not_judged", e.not_judged},
-          {"error_m", json_of(e.error_m)},
-          {"coverage", json_of(e.coverage)}};
-}
 
 HistoryEntry read_entry(const std::string& line, const std::string& place) {
   const Json json = parse_json(line, place);
   JsonObject object(json, place, "");
-  check_format(object, "trilat.history", kVersion);
-  HistoryEntry e;
-  e.time = object.text("time");
-  e.program = object.text("program");
-  e.accepted = object.boolean("accepted", false);
-  e.reason = object.text("reason");
-  e.quiet = object.boolean("quiet", true);
-  e.alarms = object.texts("alarms");
-  e.not_judged = object.texts("not_judged");
-  e.error_m = read_values(object.object("error_m"));
-  e.coverage = read_values(object.object("coverage"));
-  object.finish();
-  return e;
+  check_format(object, kHistoryFormat, kVersion);
+  HistoryEntry entry;
+  read_fields(object, entry);
+  return entry;
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -98,36 +64,17 @@ void append_history(const std::filesystem::path& path, const HistoryEntry& entry
     else
       text.resize(last);
   }
-  write_file(path, text + json_text(json_of(entry), -1) + "\n");
+  Json json{{"format", kHistoryFormat}, {"version", kVersion}};
+  json.update(json_of(entry));
+  write_file(path, text + json_text(json, -1) + "\n");
 }
 
-void write_accepted(const std::filesystem::path& folder, const AcceptedBaseline& a) {
-  const Json json{{"format", "trilat.accepted"},
-                  {"version", 1},
-                  {"reason", a.reason},
-                  {"time", a.time},
-                  {"program", a.program},
-                  {"sha256", a.sha256},
-                  {"replaces_sha256", a.replaces_sha256},
-                  {"replaces_time", a.replaces_time}};
-  write_file(folder / "accepted.json", json_text(json, 1) + "\n");
+void write_accepted(const std::filesystem::path& folder, const AcceptedBaseline& accepted) {
+  write_beside(folder / "accepted.json", "trilat.accepted", accepted);
 }
 
 std::optional<AcceptedBaseline> read_accepted(const std::filesystem::path& folder) {
-  const auto path = folder / "accepted.json";
-  if (!std::filesystem::exists(path)) return std::nullopt;
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  check_format(object, "trilat.accepted", 1);
-  AcceptedBaseline a;
-  a.reason = object.text("reason");
-  a.time = object.text("time");
-  a.program = object.text("program");
-  a.sha256 = object.text("sha256");
-  a.replaces_sha256 = object.text("replaces_sha256");
-  a.replaces_time = object.text("replaces_time");
-  object.finish();
-  return a;
+  return read_beside<AcceptedBaseline>(folder / "accepted.json", "trilat.accepted");
 }
 
 }  // namespace trilat

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
+
 namespace trilat {
 
 // One line of a history: what a gate saw in one night, or that a change was accepted.
@@ -21,6 +23,8 @@ struct HistoryEntry {
   std::vector<std::string> not_judged;    // studies of which nobody can say whether they are worse
   std::map<std::string, double> error_m;  // mean absolute error by cell
   std::map<std::string, double> coverage;
+
+  TRILAT_FIELDS(time, program, accepted, reason, quiet, alarms, not_judged, error_m, coverage)
 };
 
 struct History {
@@ -44,6 +48,8 @@ struct AcceptedBaseline {
   std::string sha256;           // of its results: names and contents of their files
   std::string replaces_sha256;  // of the baseline before; empty: there was none
   std::string replaces_time;    // when that one had been accepted; empty when not known
+
+  TRILAT_FIELDS(reason, time, program, sha256, replaces_sha256, replaces_time)
 };
 
 // accepted.json (trilat.accepted, version 1) in the baseline's folder.

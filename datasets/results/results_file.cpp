@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/results_file.h"
 
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -82,22 +81,6 @@ void check_format(JsonObject& object, const std::string& format, int version) {
   if (object.text("format") != format) object.refuse("format", "must be \"" + format + '"');
   if (object.integer("version") != version)
     object.refuse("version", fmt::format("is another version; this program reads version {}", version));
-}
-
-double number_or_nan(JsonObject& object, const std::string& key) {
-  return object.value(key).is_null() ? std::numeric_limits<double>::quiet_NaN() : object.number(key);
-}
-
-Json counts_json(const std::map<std::string, std::uint64_t>& counts) {
-  Json json = Json::object();
-  for (const auto& [name, count] : counts) json[name] = count;
-  return json;
-}
-
-std::map<std::string, std::uint64_t> read_counts(JsonObject object) {
-  std::map<std::string, std::uint64_t> counts;
-  for (const std::string& name : object.keys()) counts[name] = object.count(name);
-  return counts;
 }
 
 }  // namespace trilat

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <string>
 
+#include "datasets/base/described.h"
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -35,10 +37,42 @@ void check_results_head(JsonObject& object, StudyKind wanted);
 // Refuses other formats and versions of a file that stands beside the summary.
 void check_format(JsonObject& object, const std::string& format, int version);
 
-// A number, or the null that stands for NaN.
-double number_or_nan(JsonObject& object, const std::string& key);
+// summary.json of a study.
+template <Described T>
+void write_results(const std::filesystem::path& folder, StudyKind kind, const T& summary, int indent = 1) {
+  Json json = results_head(kind);
+  json.update(json_of(summary));
+  write_file(folder / "summary.json", json_text(json, indent) + "\n");
+}
+// InputError with file and pointer when it is not there, or not one of that kind.
+template <Described T>
+T read_results(const std::filesystem::path& folder, StudyKind kind) {
+  const Json json = read_results_json(folder);
+  JsonObject object(json, (folder / "summary.json").string(), "");
+  check_results_head(object, kind);
+  T summary;
+  read_fields(object, summary);
+  return summary;
+}
 
-Json counts_json(const std::map<std::string, std::uint64_t>& counts);
-std::map<std::string, std::uint64_t> read_counts(JsonObject object);
+// A file that stands beside the summary, with a format of its own.
+template <Described T>
+void write_beside(const std::filesystem::path& path, const std::string& format, const T& value,
+                  int indent = 1) {
+  Json json{{"format", format}, {"version", 1}};
+  json.update(json_of(value));
+  write_file(path, json_text(json, indent) + "\n");
+}
+// Nothing without the file; InputError when it is not one of these.
+template <Described T>
+std::optional<T> read_beside(const std::filesystem::path& path, const std::string& format) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const Json json = read_json(path);
+  JsonObject object(json, path.string(), "");
+  check_format(object, format, 1);
+  std::optional<T> value(std::in_place);
+  read_fields(object, *value);
+  return value;
+}
 
 }  // namespace trilat

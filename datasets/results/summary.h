@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
+
 namespace trilat {
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
@@ -17,6 +19,10 @@ inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 // The plain mean of the groups of a condition, as the paper's last row: mae_m and its interval; counts are
 // sums, all other numbers NaN.
 inline constexpr const char* kAverageGroup = "average";
+
+// Where the truth of results comes from.
+inline constexpr const char* kMocapTruth = "mocap";
+inline constexpr const char* kLeftOutTruth = "left_out_sensor";
 
 // Of the samples of an activity's takes that at least one sensor sees occluded.
 inline std::string occluded_condition(const std::string& activity) { return activity + ", occluded"; }
@@ -54,6 +60,14 @@ struct SummaryCell {
   double coverage() const {
     return asked == 0 ? kNoNumber : static_cast<double>(answered) / static_cast<double>(asked);
   }
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(method, condition, group, alignment, asked, answered)
+    field("coverage", self.coverage());
+    TRILAT_EACH(statuses, mae_m, axis_mae_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m, max_m,
+                mean_gdop, rms_gdop, gdop_rmse_m, mean_iterations, mae_low_m, mae_high_m, clusters,
+                one_frame_m)
+  }
 };
 
 // One take that could not be evaluated, or something to know of one that was.
@@ -62,6 +76,8 @@ struct TakeNote {
   bool failed = false;
   std::string place;
   std::string text;
+
+  TRILAT_FIELDS(take, failed, place, text)
 };
 
 // How far `nonlinear` and Ceres were apart on the well-posed samples.
@@ -73,6 +89,11 @@ struct CrossCheck {
   double limit_m = 0.0;
   std::string worst_at;
   bool passed() const { return disagreements == 0 && worst_m <= limit_m; }
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(method, samples, disagreements, worst_m, limit_m, worst_at)
+    field("passed", self.passed());
+  }
 };
 
 inline constexpr double kSameDistance_m = 1e-6;
@@ -99,6 +120,13 @@ struct DifferenceCell {
   double complete_percent = kNoNumber, complete_percent_low = kNoNumber, complete_percent_high = kNoNumber;
   // The interval leaves 0 out, by more than solvers that end at the same place differ.
   bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(method, condition, group, alignment, n, clusters, difference_m, low_m, high_m)
+    field("significant", self.significant());
+    TRILAT_EACH(percent_of_reference, percent_low, percent_high, percent_of_method, complete_percent,
+                complete_percent_low, complete_percent_high)
+  }
 };
 
 // A method's whole bodies. An instant counts when every joint that has a truth is answered, in mpjpe_m also
@@ -121,6 +149,13 @@ struct BodyCell {
   double bone_length_sd_m = kNoNumber;                         // over a take, mean over bones and takes
   double jitter_m_s3 = kNoNumber;                              // mean length of the jerk
   double truth_jitter_m_s3 = kNoNumber;
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(method, condition, alignment, instants, clusters, mpjpe_m, mpjpe_low_m, mpjpe_high_m,
+                pa_mpjpe_m, pa_mpjpe_low_m, pa_mpjpe_high_m)
+    field("pck_5cm_10cm_15cm", self.pck);
+    TRILAT_EACH(bones, bone_length_sd_m, jitter_m_s3, truth_jitter_m_s3)
+  }
 };
 
 // What no method can be seen to beat: how exactly the truth of a group is known.
@@ -131,18 +166,27 @@ struct TruthFloor {
   double mean_speed_m_s = kNoNumber;  // of the truth
   double clock_error_s = kNoNumber;   // as the study states it
   double clock_m() const { return mean_speed_m_s * clock_error_s; }
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(condition, group, mocap_noise_m, mean_speed_m_s, clock_error_s)
+    field("clock_m", self.clock_m());
+  }
 };
 
 // A method and the study's reference on the same samples, each aligned on just these: their mean distances.
 struct PairedErrors {
   std::uint64_t n = 0;
   double mae_m = kNoNumber, reference_mae_m = kNoNumber;
+
+  TRILAT_FIELDS(n, mae_m, reference_mae_m)
 };
 
 // Mean distances in the slower and the faster half of a joint's answered samples, by its speed.
 struct SpeedErrors {
   std::uint64_t slow = 0, fast = 0;  // samples
   double slow_mae_m = kNoNumber, fast_mae_m = kNoNumber;
+
+  TRILAT_FIELDS(slow, slow_mae_m, fast, fast_mae_m)
 };
 
 // One joint of one take and method under the study's first alignment: where an odd take, person or side
@@ -155,6 +199,9 @@ struct TakeJointRow {
   PairedErrors complete =
       {};  // where any of the two does: its error stands for both where the other is silent
   SpeedErrors by_speed = {};  // of all samples; empty in conditions of occluded ones
+
+  TRILAT_FIELDS(take, participant, condition, group, joint, method, asked, answered, mae_m, both, complete,
+                by_speed)
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
@@ -162,6 +209,8 @@ struct MethodFamily {
   std::string name;
   std::uint64_t sensors = 0;  // in a set
   std::vector<std::string> methods;
+
+  TRILAT_FIELDS(name, sensors, methods)
 };
 
 // A family in one condition, on average over the joint groups, under the study's first alignment; intervals
@@ -172,6 +221,8 @@ struct FamilyCell {
   double answered = kNoNumber;                                      // share of what they are asked
   std::string best, worst;  // methods, by their ratio to the reference on common samples
   double best_m = kNoNumber, worst_m = kNoNumber;
+
+  TRILAT_FIELDS(family, condition, mae_m, low_m, high_m, answered, best, best_m, worst, worst_m)
 };
 
 struct ResultsSummary {
@@ -181,7 +232,6 @@ struct ResultsSummary {
   std::uint64_t takes = 0;
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
-  bool left_out = false;  // the truth is what a sensor sees that is left out; a take counts once for each
   std::vector<std::string> methods;    // in the order of the study
   std::vector<MethodFamily> families;  // of some of them
   std::vector<FamilyCell> family_cells;
@@ -197,7 +247,16 @@ struct ResultsSummary {
   std::uint64_t resamples = 0;        // of the intervals; 0: there are none
   double block_s = kNoNumber;         // length of their blocks
   std::vector<TakeNote> notes;
+  std::string truth = kMocapTruth;
   std::optional<CrossCheck> cross_check;
+
+  // The truth is what a sensor sees that is left out; a take counts once for each.
+  bool left_out() const { return truth == kLeftOutTruth; }
+
+  TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
+                family_cells, reference, conditions, groups, alignments, resamples, block_s, cells,
+                differences, bodies, truth_floor, by_take, notes, truth, cross_check)
+  void check(const JsonObject& object) const;
 };
 
 // summary.json (results format 5, kind accuracy). NaN is written as null.

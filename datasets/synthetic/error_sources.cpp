@@ -110,13 +110,11 @@ const std::vector<ErrorSource>& error_sources() {
 std::string name_of(ErrorSource source) { return named(source).name; }
 std::string description_of(ErrorSource source) { return named(source).description; }
 
-SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source, const std::string& place) {
-  if (!spec.body_tracker)
-    throw InputError(place + " /body_tracker", "is missing; an error budget takes a body tracker apart");
+SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source) {
   if (source == ErrorSource::all) return spec;
   SimulationSpec only = spec;
   only.body_tracker = exact_body_tracker();
-  copy_tracker(*spec.body_tracker, source, *only.body_tracker);
+  copy_tracker(spec.body_tracker, source, only.body_tracker);
   if (source != ErrorSource::dropped) only.sensor.dropped_share = 0.0;
   if (source != ErrorSource::clocks) {
     only.sensor.clock_drift_ppm = 0.0;

@@ -32,9 +32,8 @@ std::string name_of(ErrorSource source);
 // What a reader of a table wants to know of it.
 std::string description_of(ErrorSource source);
 
-// The simulation with only this source of error; its persons, motions and rig stay. InputError unless the
-// simulation has a body tracker.
-SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source, const std::string& place);
+// The simulation with only this source of error; its persons, motions and rig stay.
+SimulationSpec with_only(const SimulationSpec& spec, ErrorSource source);
 
 // The calibration with every sensor moved and turned by normal errors of these sizes an axis (rotation
 // vectors in world axes); the same for the same seed.

@@ -10,41 +10,14 @@ namespace trilat {
 namespace {
 
 constexpr std::int64_t kTick_ns = 100;
-constexpr double kInferredStretch_s = 0.5;
 
 RandomStream stream_of(const SimulatedItem& item, Purpose purpose, std::uint64_t sensor, std::uint64_t part,
                        std::uint64_t step) {
   return {item.seed, purpose, random_item(item.take, sensor, part, step)};
 }
 
-Eigen::Vector3d normal_vector(const RandomStream& random) {
-  const auto xy = random.normal_pair(0);
-  return {xy[0], xy[1], random.normal(1)};
-}
-
 double exponential(const RandomStream& random, std::uint32_t index, double mean) {
   return -mean * std::log(random.uniform(index));
-}
-
-struct ObservedJoint {
-  Eigen::Vector3d point_in_sensor_m;
-  TrackingState state;
-};
-
-ObservedJoint observe(const SimulatedSensor& sensor, const SensorSpec& spec, const SimulatedItem& item,
-                      const Eigen::Vector3d& point_in_world_m, std::uint64_t joint, std::uint64_t frame) {
-  const Eigen::Vector3d truth = sensor.pose.world_from_sensor.inverse() * point_in_world_m;
-  if (!is_in_view(sensor, spec, truth)) return {Eigen::Vector3d::Zero(), TrackingState::not_tracked};
-  const auto stretch =
-      static_cast<std::uint64_t>(static_cast<double>(frame) / (spec.rate_hz * kInferredStretch_s));
-  const bool inferred =
-      stream_of(item, Purpose::joint_state, sensor.index, joint, stretch).uniform(0) < spec.inferred_share;
-  const RandomStream bias{item.seed, Purpose::joint_bias,
-                          random_item(item.participant, sensor.index, joint, 0)};
-  const double noise_m = spec.joint_noise_sigma_m * (inferred ? spec.inferred_noise_factor : 1.0);
-  return {truth + spec.joint_bias_sigma_m * normal_vector(bias) +
-              noise_m * normal_vector(stream_of(item, Purpose::joint_noise, sensor.index, joint, frame)),
-          inferred ? TrackingState::inferred : TrackingState::tracked};
 }
 
 }  // namespace
@@ -123,30 +96,6 @@ std::optional<BodyFrame> simulate_empty_frame(const SimulatedSensor& sensor, con
       sensor.pose.world_from_sensor.rotation.conjugate() * Eigen::Vector3d::UnitY();
   result.floor_plane = {static_cast<float>(up_in_sensor.x()), static_cast<float>(up_in_sensor.y()),
                         static_cast<float>(up_in_sensor.z()), height_m};
-  return result;
-}
-
-std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
-                                             const SimulatedItem& item, const Motion& motion,
-                                             std::uint64_t frame) {
-  std::optional<BodyFrame> result = simulate_empty_frame(sensor, spec, item, frame);
-  if (!result) return std::nullopt;
-  const HostTime exposure = exposure_of(sensor, spec, frame);
-  const SkeletonPose pose = motion((exposure - kMotionStart).seconds());
-  Body body;
-  // as the SDK does, ids above 2^56; a person keeps the id for the take
-  body.tracking_id = (std::uint64_t{1} << 56) + (sensor.index + 1) * 1000 + item.take + 1;
-  bool seen = false;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    if (!pose.present[j]) continue;
-    const ObservedJoint joint = observe(sensor, spec, item, pose.joint_in_world_m[j], j, frame);
-    if (joint.state == TrackingState::not_tracked) continue;
-    seen = true;
-    body.tracking_state[j] = static_cast<std::uint8_t>(joint.state);
-    for (int axis = 0; axis < 3; ++axis)
-      body.position_m[j][static_cast<std::size_t>(axis)] = static_cast<float>(joint.point_in_sensor_m[axis]);
-  }
-  if (seen) result->bodies.push_back(body);
   return result;
 }
 

@@ -48,13 +48,6 @@ bool is_in_view(const SimulatedSensor& sensor, const SensorSpec& spec,
 std::optional<BodyFrame> simulate_empty_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
                                               const SimulatedItem& item, std::uint64_t frame);
 
-// The frame as the recorder would get it, or nothing when it was dropped, by the plain model: fixed bias and
-// white noise. Joints outside the image or the range are not tracked; a share of stretches is inferred. (See
-// BodyTracker for occlusion and all else.)
-std::optional<BodyFrame> simulate_body_frame(const SimulatedSensor& sensor, const SensorSpec& spec,
-                                             const SimulatedItem& item, const Motion& motion,
-                                             std::uint64_t frame);
-
 // Exchange number `number`; one every spec.exchange_period_s from the start of the motion.
 ClockExchange simulate_exchange(const SimulatedSensor& sensor, const SensorSpec& spec,
                                 const SimulatedItem& item, std::uint64_t number);

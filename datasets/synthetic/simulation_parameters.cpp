@@ -55,14 +55,6 @@ void add_sensor(const SensorSpec& s, std::vector<TrackerParameter>& list) {
   list.push_back({"exchange jitter", text(s.exchange_jitter_s), "s, mean of exponential", kAssumption});
 }
 
-void add_simple_tracker(const SensorSpec& s, std::vector<TrackerParameter>& list) {
-  list.push_back({"joint bias", text(s.joint_bias_sigma_m), "m, sigma an axis",
-                  "simple model; Wang et al. 2015, arXiv 1512.04134: 50 to 100 mm"});
-  list.push_back({"joint noise", text(s.joint_noise_sigma_m), "m, sigma an axis", kAssumption});
-  list.push_back({"inferred", text(s.inferred_share), "of half seconds", kAssumption});
-  list.push_back({"noise of inferred joints", text(s.inferred_noise_factor), "times", kAssumption});
-}
-
 void add_mocap(const MocapSpec& m, std::vector<TrackerParameter>& list) {
   list.push_back({"mocap rate", text(m.rate_hz), "Hz", "OptiTrack V100:R2 of the paper"});
   list.push_back({"marker noise", text(m.marker_noise_sigma_m), "m, sigma an axis", kAssumption});
@@ -77,11 +69,8 @@ std::vector<TrackerParameter> simulation_parameters(const SimulationSpec& spec) 
   add_persons(spec, list);
   add_rig(spec.rig, list);
   add_sensor(spec.sensor, list);
-  if (spec.body_tracker)
-    for (TrackerParameter& parameter : tracker_parameters(*spec.body_tracker))
-      list.push_back(std::move(parameter));
-  else
-    add_simple_tracker(spec.sensor, list);
+  for (TrackerParameter& parameter : tracker_parameters(spec.body_tracker))
+    list.push_back(std::move(parameter));
   if (!spec.recorded) add_mocap(spec.mocap, list);
   return list;
 }

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 #include "datasets/synthetic/generated_person.h"
 
@@ -87,10 +87,10 @@ SensorSpec read_sensor(JsonObject object) {
   s.nearest_m = not_negative(object, "nearest_m", s.nearest_m);
   s.farthest_m = object.positive("farthest_m", s.farthest_m);
   if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
-  s.joint_bias_sigma_m = not_negative(object, "joint_bias_sigma_m", s.joint_bias_sigma_m);
-  s.joint_noise_sigma_m = not_negative(object, "joint_noise_sigma_m", s.joint_noise_sigma_m);
-  s.inferred_share = share_within(object, "inferred_share", s.inferred_share);
-  s.inferred_noise_factor = not_negative(object, "inferred_noise_factor", s.inferred_noise_factor);
+  object.gone("joint_bias_sigma_m", "say \"bias_sigma_m\" in \"body_tracker\"");
+  object.gone("joint_noise_sigma_m", "say \"jitter_sigma_m\" in \"body_tracker\"");
+  for (const char* key : {"inferred_share", "inferred_noise_factor"})
+    object.gone(key, "joints are inferred where they are hidden; see \"body_tracker\"");
   s.dropped_share = share_within(object, "dropped_share", s.dropped_share);
   s.clock_drift_ppm = number_within(object, "clock_drift_ppm", s.clock_drift_ppm, 0.0, 500.0);
   s.latency_s = number_within(object, "latency_s", s.latency_s, 0.0, 1.0);
@@ -100,24 +100,18 @@ SensorSpec read_sensor(JsonObject object) {
   s.free_running = object.boolean("free_running", s.free_running);
   s.focal_spread_px = number_within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
   s.centre_spread_px = number_within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
-  object.about(
-      {{"rate_hz", "of frames"},
-       {"nearest_m", "at which a joint is seen"},
-       {"farthest_m", "at which a joint is seen"},
-       {"joint_bias_sigma_m",
-        "an axis, fixed per participant, sensor and joint; without body_tracker only, as the next four"},
-       {"joint_noise_sigma_m", "an axis and frame"},
-       {"inferred_share", "of half-second stretches in which a joint is only inferred"},
-       {"inferred_noise_factor", "on the noise of inferred joints"},
-       {"dropped_share", "of frames"},
-       {"clock_drift_ppm", "uniform in +-, of sensor and machine"},
-       {"latency_s", "exposure to arrival, the constant part"},
-       {"arrival_jitter_s", "mean of the exponential part"},
-       {"exchange_period_s", "between two exchanges of clock messages"},
-       {"exchange_jitter_s", "mean of the exponential part of their delay"},
-       {"free_running", "each sensor has its own phase, clock origin and drift"},
-       {"focal_spread_px", "uniform in +-, between units"},
-       {"centre_spread_px", "uniform in +-, between units"}});
+  object.about({{"rate_hz", "of frames"},
+                {"nearest_m", "at which a joint is seen"},
+                {"farthest_m", "at which a joint is seen"},
+                {"dropped_share", "of frames"},
+                {"clock_drift_ppm", "uniform in +-, of sensor and machine"},
+                {"latency_s", "exposure to arrival, the constant part"},
+                {"arrival_jitter_s", "mean of the exponential part"},
+                {"exchange_period_s", "between two exchanges of clock messages"},
+                {"exchange_jitter_s", "mean of the exponential part of their delay"},
+                {"free_running", "each sensor has its own phase, clock origin and drift"},
+                {"focal_spread_px", "uniform in +-, between units"},
+                {"centre_spread_px", "uniform in +-, between units"}});
   object.finish();
   return s;
 }
@@ -222,8 +216,6 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
   if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object.object("body_tracker"));
   spec.bystanders = count_within(object, "bystanders", spec.bystanders, 0, kMostBystanders);
-  if (spec.bystanders > 0 && !spec.body_tracker)
-    object.refuse("bystanders", "are seen by nobody without \"body_tracker\": {} beside it");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
   if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
@@ -240,7 +232,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
                 {"activities", "of every person; without it walking"},
                 {"rig", "where the virtual sensors stand"},
                 {"sensor", "the virtual sensor"},
-                {"body_tracker", "errors of its body tracker; without it those of sensor"},
+                {"body_tracker", "errors of its body tracker"},
                 {"bystanders", "who walk through the room"},
                 {"mocap", "the virtual OptiTrack"},
                 {"room", "what depth sees besides persons"},

@@ -33,20 +33,16 @@ struct RigSpec {
   std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
 };
 
-// The virtual sensor and, where there is no BodyTrackerSpec, its body tracker. Every value is a declared
-// assumption; sources in docs/simulator.md. Nothing is tuned to the paper's tables.
+// The virtual sensor. Every value is a declared assumption; sources in docs/simulator.md. Nothing is tuned to
+// the paper's tables.
 struct SensorSpec {
   double rate_hz = 30.0;
   double nearest_m = 0.5;
   double farthest_m = 4.5;
-  double joint_bias_sigma_m = 0.03;    // per axis, fixed per participant, sensor and joint
-  double joint_noise_sigma_m = 0.015;  // per axis and frame
-  double inferred_share = 0.05;        // share of half-second stretches in which a joint is only inferred
-  double inferred_noise_factor = 3.0;  // on the noise of inferred joints
-  double dropped_share = 0.01;         // of frames
-  double clock_drift_ppm = 30.0;       // uniform in +-, of sensor and of its PC
-  double latency_s = 0.020;            // exposure to arrival, the constant part
-  double arrival_jitter_s = 0.001;     // mean of the exponential part
+  double dropped_share = 0.01;      // of frames
+  double clock_drift_ppm = 30.0;    // uniform in +-, of sensor and of its PC
+  double latency_s = 0.020;         // exposure to arrival, the constant part
+  double arrival_jitter_s = 0.001;  // mean of the exponential part
   double exchange_period_s = 0.25;
   double exchange_jitter_s = 0.0003;  // mean of the exponential part of each way's delay
   bool free_running = true;           // each sensor with its own phase, clock origin and drift
@@ -88,8 +84,8 @@ struct SimulationSpec {
   std::optional<RecordedSpec> recorded;
   RigSpec rig;
   SensorSpec sensor;
-  std::optional<BodyTrackerSpec> body_tracker;  // of takes; none: the plain model in `sensor`
-  std::uint64_t bystanders = 0;                 // with body_tracker only
+  BodyTrackerSpec body_tracker = default_body_tracker();
+  std::uint64_t bystanders = 0;
   MocapSpec mocap;
   RoomSpec room;
   DepthSpec depth;

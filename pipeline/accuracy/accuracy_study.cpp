@@ -99,8 +99,8 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& re
     const auto found = outcomes.find(item_of(planned));
     if (found == outcomes.end())
       throw InputError(planned.take.id, "is a take of the study, but none of its items");
-    run.takes.push_back(
-        {found->second.folder, read_take_result(found->second.json(), found->second.place())});
+    run.takes.push_back({found->second.folder,
+                         read_as<TakeResult>(JsonObject(found->second.json(), found->second.place(), ""))});
   }
   const Stopwatch time(run.clocks.summarise_ns);
   gather_takes(run.plan, run.takes, run.options.cross_check, results, run.options.memory_bytes, watch);
@@ -302,7 +302,7 @@ PartNotes notes_of_part(const fs::path& part) {
   for (const PartItem& item : work.items) {
     if (item.shard != work.number) continue;
     const Outcome outcome{"", item_folder(part, item.id), {}};
-    const TakeResult result = read_take_result(outcome.json(), outcome.place());
+    const TakeResult result = read_as<TakeResult>(JsonObject(outcome.json(), outcome.place(), ""));
     found.notes.insert(found.notes.end(), result.notes.begin(), result.notes.end());
     ++found.takes;
   }

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/take/plan.h"
 
@@ -69,8 +69,6 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
     spec.inputs = WatchedFiles({spec.simulation.recorded->mocap, spec.simulation.recorded->mapping});
   spec.sha256 = hash_of_inputs(json, path.empty() ? path : (folder / path).string(), spec.simulation);
   document.check();
-  if (!spec.simulation.body_tracker)
-    object.refuse("simulation", "has no \"body_tracker\", whose errors a budget takes apart");
   spec.simulation.seed = object.count("seed", spec.simulation.seed);
   if (spec.simulation.recorded && object.has("participants"))
     object.refuse("participants", "is of no use: the simulation watches a recorded take, which has one");

@@ -30,9 +30,8 @@ void perturb(const BudgetSpec& spec, const std::filesystem::path& folder, Campai
 ResultsSummary evaluate_source(const BudgetSpec& spec, ErrorSource source,
                                const std::filesystem::path& folder, std::uint64_t memory_bytes,
                                const Watch& watch) {
-  Campaign campaign =
-      simulate_campaign(with_only(spec.simulation, source, spec.simulation.name), folder / "campaign",
-                        {watch.stop_requested, share_of(watch.progress, 0.0, kSimulating)});
+  Campaign campaign = simulate_campaign(with_only(spec.simulation, source), folder / "campaign",
+                                        {watch.stop_requested, share_of(watch.progress, 0.0, kSimulating)});
   if (source == ErrorSource::calibration || source == ErrorSource::all)
     perturb(spec, folder / "campaign", campaign);
   ExecuteOptions options{.stop_requested = watch.stop_requested,
@@ -100,7 +99,7 @@ void add_source(ErrorSource source, const Outcome& outcome, BudgetSummary& budge
   budget.sources.push_back(name_of(source));
   budget.descriptions.push_back(description_of(source));
   for (const Json& row : outcome.json())
-    budget.rows.push_back(read_budget_row(JsonObject(row, outcome.place(), "")));
+    budget.rows.push_back(read_as<BudgetRow>(JsonObject(row, outcome.place(), "")));
 }
 
 }  // namespace

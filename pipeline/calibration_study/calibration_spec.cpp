@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 
 namespace trilat {
 namespace {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/described.h"
 #include "datasets/results/studies/calibration_summary.h"
 
 namespace trilat {
@@ -32,6 +33,7 @@ struct PoseMisfit {
          position_z2 = ErrorSpread::kNone;   // (error / sigma)^2, mean of 3 axes
   double mahalanobis2 = ErrorSpread::kNone;  // of all six together
   std::uint64_t covered = 0, asked = 0;      // axes whose 95 % interval holds the truth
+  TRILAT_FIELDS(rotation_z2, position_z2, mahalanobis2, covered, asked)
 };
 PoseMisfit misfit_of(const Eigen::Matrix<double, 6, 1>& error, const Eigen::Matrix<double, 6, 6>& covariance);
 

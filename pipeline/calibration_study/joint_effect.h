@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
@@ -15,6 +16,7 @@ namespace trilat {
 // Poses of one rig's sensors as somebody has calibrated them, in the true world.
 struct CalibratedRig {
   std::vector<RigidTransform> world_from_sensor;
+  TRILAT_FIELDS(world_from_sensor)
 };
 // What one method made of the rig, in several runs.
 struct RigCalibrations {

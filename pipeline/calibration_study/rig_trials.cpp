@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/rig_trials.h"
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -63,6 +63,7 @@ std::vector<Method> methods() {
 struct PoseError {
   double position_m = ErrorSpread::kNone, rotation_rad = ErrorSpread::kNone;
   PoseMisfit misfit = {};
+  TRILAT_FIELDS(position_m, rotation_rad, misfit)
 };
 
 struct RunOutcome {
@@ -70,6 +71,13 @@ struct RunOutcome {
   double reduced_chi2 = ErrorSpread::kNone;
   std::vector<PoseError> sensors;
   CalibratedRig in_world;
+  TRILAT_FIELDS(failed, reduced_chi2, sensors, in_world)
+};
+
+// One run, by method.
+struct RunOutcomes {
+  std::vector<RunOutcome> methods;
+  TRILAT_FIELDS(methods)
 };
 
 // None of the sensors that were asked for has a pose.
@@ -260,95 +268,14 @@ std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vect
   return outcomes;
 }
 
-// What is stored of every sensor besides counts: a name and where it is.
-struct StoredNumber {
-  const char* key;
-  double& (*of)(PoseError&);
-};
-constexpr std::array kStoredNumbers{
-    StoredNumber{"position_m", [](PoseError& e) -> double& { return e.position_m; }},
-    StoredNumber{"rotation_rad", [](PoseError& e) -> double& { return e.rotation_rad; }},
-    StoredNumber{"position_z2", [](PoseError& e) -> double& { return e.misfit.position_z2; }},
-    StoredNumber{"rotation_z2", [](PoseError& e) -> double& { return e.misfit.rotation_z2; }},
-    StoredNumber{"mahalanobis2", [](PoseError& e) -> double& { return e.misfit.mahalanobis2; }}};
-
-Json json_of(RunOutcome outcome) {
-  std::vector<double> poses_wxyz_m;
-  std::vector<std::uint64_t> covered, asked;
-  Json json{{"failed", outcome.failed}, {"reduced_chi2", numbers_json(std::vector{outcome.reduced_chi2})}};
-  for (const StoredNumber& stored : kStoredNumbers) {
-    std::vector<double> numbers;
-    for (PoseError& e : outcome.sensors) numbers.push_back(stored.of(e));
-    json[stored.key] = numbers_json(numbers);
-  }
-  for (const PoseError& e : outcome.sensors) {
-    covered.push_back(e.misfit.covered);
-    asked.push_back(e.misfit.asked);
-  }
-  for (const RigidTransform& pose : outcome.in_world.world_from_sensor) {
-    const Eigen::Quaterniond& q = pose.rotation;
-    const Eigen::Vector3d& t = pose.translation_m;
-    poses_wxyz_m.insert(poses_wxyz_m.end(), {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
-  }
-  json["covered"] = covered;
-  json["asked"] = asked;
-  json["poses_wxyz_m"] = numbers_json(poses_wxyz_m);
-  return json;
-}
-
-// `sensors`: of the rig.
-RunOutcome read_outcome(JsonObject& object, std::size_t sensors) {
-  RunOutcome outcome;
-  if (!object.has("failed")) object.refuse("failed", "is missing");
-  outcome.failed = object.boolean("failed", true);
-  outcome.reduced_chi2 = object.numbers_or_none("reduced_chi2", 1)[0];
-  const std::size_t judged = object.value("position_m").size();
-  // bodies place all but one; nobody who failed need have any
-  if (judged > sensors || (!outcome.failed && judged + 1 < sensors))
-    object.refuse("position_m", "must be one number for each sensor that is placed");
-  outcome.sensors.resize(judged);
-  for (const StoredNumber& stored : kStoredNumbers) {
-    const auto numbers = object.numbers_or_none(stored.key, judged);
-    for (std::size_t s = 0; s < judged; ++s) stored.of(outcome.sensors[s]) = numbers[s];
-  }
-  const auto covered = object.counts("covered", judged), asked = object.counts("asked", judged);
-  for (std::size_t s = 0; s < judged; ++s) {
-    PoseError& e = outcome.sensors[s];
-    e.misfit.covered = covered[s];
-    e.misfit.asked = asked[s];
-    const bool stated = asked[s] > 0;
-    if (e.position_m < 0.0 || e.rotation_rad < 0.0 ||
-        std::isnan(e.position_m) != std::isnan(e.rotation_rad) || covered[s] > asked[s] || asked[s] > 6 ||
-        stated != (e.misfit.mahalanobis2 >= 0.0) || stated != (e.misfit.position_z2 >= 0.0) ||
-        stated != (e.misfit.rotation_z2 >= 0.0))
-      object.refuse("position_m", "and the lists beside it hold what no pose's error is");
-  }
-  const std::size_t placed = outcome.failed && object.value("poses_wxyz_m").empty() ? 0 : sensors;
-  const auto n = object.numbers_or_none("poses_wxyz_m", 7 * placed);
-  for (std::size_t s = 0; s < placed; ++s)
-    outcome.in_world.world_from_sensor.push_back(
-        {Eigen::Quaterniond(n[7 * s], n[7 * s + 1], n[7 * s + 2], n[7 * s + 3]),
-         {n[7 * s + 4], n[7 * s + 5], n[7 * s + 6]}});
-  for (const RigidTransform& pose : outcome.in_world.world_from_sensor)
-    if (!outcome.failed && !(std::abs(pose.rotation.norm() - 1.0) < 1e-6 && pose.translation_m.norm() < 1e6))
-      object.refuse("poses_wxyz_m", "must be rotations of unit length and places");
-  object.finish();
-  return outcome;
-}
-
-Json json_of(const std::vector<RunOutcome>& outcomes) {
-  Json methods = Json::array();
-  for (const RunOutcome& outcome : outcomes) methods.push_back(json_of(outcome));
-  return {{"methods", methods}};
-}
-
-std::vector<RunOutcome> read_run(const Json& json, const std::string& place, std::size_t sensors) {
-  JsonObject object(json, place, "");
-  std::vector<RunOutcome> outcomes;
-  for (JsonObject& method : object.objects("methods")) outcomes.push_back(read_outcome(method, sensors));
-  if (outcomes.size() != methods().size())
-    object.refuse("methods", "must be " + std::to_string(methods().size()));
-  object.finish();
+std::vector<RunOutcome> read_run(const Outcome& outcome, std::size_t sensors) {
+  const Json json = outcome.json();
+  std::vector<RunOutcome> outcomes = read_as<RunOutcomes>(JsonObject(json, outcome.place(), "")).methods;
+  const auto whole = [&](const RunOutcome& o) {
+    return o.failed || o.in_world.world_from_sensor.size() == sensors;
+  };
+  if (outcomes.size() != methods().size() || !std::all_of(outcomes.begin(), outcomes.end(), whole))
+    throw InputError(outcome.place(), "must have every method and, where it did not fail, every sensor");
   return outcomes;
 }
 
@@ -367,7 +294,7 @@ std::vector<Item> rig_items(const CalibrationSpec& spec) {
   std::vector<Item> items;
   for (std::uint64_t r = 0; r < spec.runs; ++r)
     items.push_back({rig_item(r), cost, [spec, r](const std::filesystem::path& scratch, const Watch& watch) {
-                       return json_of(measure_run(spec, true_rig(spec), r, scratch, watch));
+                       return json_of(RunOutcomes{measure_run(spec, true_rig(spec), r, scratch, watch)});
                      }});
   return items;
 }
@@ -378,8 +305,7 @@ RigTrialResults read_rigs(const CalibrationSpec& spec, const Outcomes& outcomes_
   const std::vector<Method> all = methods();
   std::vector<std::vector<RunOutcome>> outcomes(all.size());
   for (std::uint64_t r = 0; r < spec.runs; ++r) {
-    const Outcome& outcome = outcomes_by_id.at(rig_item(r));
-    std::vector<RunOutcome> run = read_run(outcome.json(), outcome.place(), spec.rig.heights_m.size());
+    std::vector<RunOutcome> run = read_run(outcomes_by_id.at(rig_item(r)), spec.rig.heights_m.size());
     for (std::size_t m = 0; m < all.size(); ++m) outcomes[m].push_back(std::move(run[m]));
   }
   for (std::size_t m = 0; m < all.size(); ++m) {

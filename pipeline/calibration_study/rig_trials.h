@@ -6,7 +6,7 @@
 #include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/joint_effect.h"
-#include "pipeline/calibration_study/study_units.h"
+#include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

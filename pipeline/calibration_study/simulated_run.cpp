@@ -8,10 +8,19 @@
 #include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/synthetic/tracker/body_tracker.h"
 #include "datasets/synthetic/wand_motion.h"
 #include "evaluators/calibration/wand_positions.h"
 
 namespace trilat {
+
+StudyUnit draw_study_unit(std::uint64_t seed, std::uint64_t unit) {
+  const DepthNoiseSpec noise;
+  const DepthIntrinsics intrinsics = draw_sensor(SensorSpec{}, {seed, 0, 0}, unit, {}).intrinsics;
+  const DepthUnit depth = draw_depth_unit(noise, seed, unit);
+  return {depth, depth_rays(intrinsics), DepthRenderer(intrinsics, noise, depth)};
+}
+
 namespace {
 
 constexpr double kTapeSigma_m = 0.001;
@@ -103,8 +112,15 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
 
 void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
                 std::uint64_t run, bool with_bias, const std::filesystem::path& session) {
-  SensorSpec sensor_spec;
-  if (!with_bias) sensor_spec.joint_bias_sigma_m = 0.0;
+  const SensorSpec sensor_spec;
+  BodyTrackerSpec tracker_spec = default_body_tracker();
+  if (!with_bias) {  // what averages out alone
+    const BodyTrackerSpec all = tracker_spec;
+    tracker_spec = exact_body_tracker();
+    tracker_spec.jitter_sigma_m = all.jitter_sigma_m;
+    tracker_spec.wander_sigma_m = all.wander_sigma_m;
+    tracker_spec.wander_time_s = all.wander_time_s;
+  }
   const SimulatedItem item{spec.seed + 1'000'003 * (run + 1), 0, run};
   const Motion walk = generated_motion(draw_person(spec.seed, run, 1.70, 0.17), Activity::walking);
   std::vector<SimulatedSensor> sensors;
@@ -120,9 +136,15 @@ void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& 
   SessionWriter writer(session, header);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const auto frames = static_cast<std::uint64_t>(spec.bodies_s * sensor_spec.rate_hz);
-    for (std::uint64_t f = 0; f < frames; ++f)
-      if (const auto frame = simulate_body_frame(sensors[s], sensor_spec, item, walk, f))
-        writer.add_body_frame(s, *frame);
+    BodyTracker tracker(tracker_spec, sensor_spec, sensors[s], item, 1);
+    for (std::uint64_t f = 0; f < frames; ++f) {
+      const SkeletonPose pose = walk((exposure_of(sensors[s], sensor_spec, f) - kMotionStart).seconds());
+      TrackedFrame tracked = tracker.observe(f, {&pose, 1});
+      auto frame = simulate_empty_frame(sensors[s], sensor_spec, item, f);
+      if (!frame) continue;
+      frame->bodies = std::move(tracked.bodies);
+      writer.add_body_frame(s, *frame);
+    }
     const auto exchanges = static_cast<std::uint64_t>(spec.bodies_s / sensor_spec.exchange_period_s);
     for (std::uint64_t e = 0; e < exchanges; ++e)
       writer.add_clock_exchange(s, simulate_exchange(sensors[s], sensor_spec, item, e));

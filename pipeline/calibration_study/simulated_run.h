@@ -5,12 +5,23 @@
 #include <filesystem>
 #include <vector>
 
+#include "datasets/depth/depth_rays.h"
+#include "datasets/synthetic/depth/depth_renderer.h"
 #include "pipeline/calibration/calibrate_views.h"
 #include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/calibration_study/study_units.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {
+
+// One simulated Kinect of the study, as what it renders with and what its depth is read with.
+struct StudyUnit {
+  DepthUnit depth;
+  DepthRays rays;
+  DepthRenderer renderer;
+};
+
+// Optics and depth errors are functions of the seed and the unit's number; the declared noise model.
+StudyUnit draw_study_unit(std::uint64_t seed, std::uint64_t unit);
 
 // One run of the study: what the sensors saw of the wand, and the truth.
 struct SimulatedRun {

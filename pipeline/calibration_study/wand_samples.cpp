@@ -131,7 +131,14 @@ struct SampleOutcome {
   // by variant; errors are NaN without an answer
   std::vector<double> error_m;
   std::vector<double> distance_error_m;
-  std::vector<WandStatus> status;
+  std::vector<std::string> status;
+  TRILAT_FIELDS(error_m, distance_error_m, status)
+};
+
+// Of one unit: sample by sample, in each the far wall first.
+struct UnitOutcomes {
+  std::vector<SampleOutcome> images;
+  TRILAT_FIELDS(images)
 };
 
 // The mean of the frames in which the ball was found, when it was in at least half of them.
@@ -146,7 +153,7 @@ void conclude(const std::vector<std::vector<WandSighting>>& sightings, const Sam
       else
         failure = sighting.status;
     const bool answered = 2 * found.size() >= frames.size();
-    outcome.status.push_back(answered ? WandStatus::found : failure);
+    outcome.status.push_back(name_of(answered ? WandStatus::found : failure));
     const Eigen::Vector3d centre_m =
         answered ? mean_of_rest(found, 0, WandPositionOptions{}.deviation).centre_in_sensor_m
                  : Eigen::Vector3d::Constant(ErrorSpread::kNone);
@@ -194,7 +201,6 @@ std::vector<Sample> draw_samples(const CalibrationSpec& spec, std::uint64_t unit
   return samples;
 }
 
-// Every sample of a unit in both scenes: sample by sample, in each the far wall first.
 std::vector<SampleOutcome> measure_samples(const CalibrationSpec& spec, std::uint64_t number,
                                            const Watch& watch) {
   const std::vector<Variant> methods = variants(spec.ball_radius_m);
@@ -212,41 +218,14 @@ std::vector<SampleOutcome> measure_samples(const CalibrationSpec& spec, std::uin
   return outcomes;
 }
 
-Json json_of(const std::vector<SampleOutcome>& outcomes) {
-  Json images = Json::array();
-  for (const SampleOutcome& outcome : outcomes) {
-    Json statuses = Json::array();
-    for (const WandStatus status : outcome.status) statuses.push_back(static_cast<unsigned>(status));
-    images.push_back({{"error_m", numbers_json(outcome.error_m)},
-                      {"distance_error_m", numbers_json(outcome.distance_error_m)},
-                      {"status", statuses}});
-  }
-  return {{"images", images}};
-}
-
-// `images`: both of every sample; `methods`: that each was searched with.
-std::vector<SampleOutcome> read_outcomes(const Json& json, const std::string& place, std::size_t images,
-                                         std::size_t methods) {
-  JsonObject object(json, place, "");
-  std::vector<SampleOutcome> outcomes;
-  for (JsonObject& image : object.objects("images")) {
-    const auto errors_m = [&](const char* key) {
-      std::vector<double> values = image.numbers_or_none(key, methods);
-      if (std::any_of(values.begin(), values.end(), [](double e) { return e < 0.0; }))
-        image.refuse(key, "must be 0 or more");
-      return values;
-    };
-    SampleOutcome outcome{errors_m("error_m"), errors_m("distance_error_m"), {}};
-    for (const std::uint64_t status : image.counts("status", methods)) {
-      if (status > static_cast<std::uint64_t>(WandStatus::not_ended))
-        image.refuse("status", "must hold numbers of statuses");
-      outcome.status.push_back(static_cast<WandStatus>(status));
-    }
-    outcomes.push_back(std::move(outcome));
-    image.finish();
-  }
-  if (outcomes.size() != images) object.refuse("images", "must be " + std::to_string(images));
-  object.finish();
+std::vector<SampleOutcome> read_outcomes(const Outcome& outcome, std::size_t images, std::size_t methods) {
+  const Json json = outcome.json();
+  std::vector<SampleOutcome> outcomes = read_as<UnitOutcomes>(JsonObject(json, outcome.place(), "")).images;
+  const auto whole = [&](const SampleOutcome& o) {
+    return o.error_m.size() == methods && o.distance_error_m.size() == methods && o.status.size() == methods;
+  };
+  if (outcomes.size() != images || !std::all_of(outcomes.begin(), outcomes.end(), whole))
+    throw InputError(outcome.place(), fmt::format("must have {} images with {} methods", images, methods));
   return outcomes;
 }
 
@@ -270,7 +249,7 @@ void add_unit(std::uint64_t unit, const std::vector<Sample>& samples,
         errors[row].recommended_distance.push_back(distance);
       }
       if (sample.near) continue;
-      ++results.rows[row].statuses[name_of(outcomes[k].status[m])];
+      ++results.rows[row].statuses[outcomes[k].status[m]];
       results.samples.push_back(
           {row, unit, sample.distance_m, sample.angle_rad, error.error_m, distance.error_m});
     }
@@ -285,7 +264,7 @@ std::vector<Item> wand_items(const CalibrationSpec& spec) {
   for (std::uint64_t u = 0; u < spec.units && images > 0; ++u)
     items.push_back({wand_item(u), static_cast<double>(images),
                      [spec, u](const std::filesystem::path&, const Watch& watch) {
-                       return json_of(measure_samples(spec, u, watch));
+                       return json_of(UnitOutcomes{measure_samples(spec, u, watch)});
                      }});
   return items;
 }
@@ -300,8 +279,7 @@ WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcome
       results.rows.push_back({variant.name, kind == Scene::far_wall ? "far wall" : "room", {}, {}, {}, {}});
   std::vector<RowErrors> errors(results.rows.size());
   for (std::uint64_t u = 0; u < spec.units; ++u) {
-    const Outcome& outcome = outcomes.at(wand_item(u));
-    add_unit(u, draw_samples(spec, u), read_outcomes(outcome.json(), outcome.place(), images, methods.size()),
+    add_unit(u, draw_samples(spec, u), read_outcomes(outcomes.at(wand_item(u)), images, methods.size()),
              results, errors);
   }
   for (std::size_t row = 0; row < results.rows.size(); ++row) {

@@ -2,10 +2,16 @@
 // `trilat record`.
 #include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <deque>
 #include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -18,7 +24,6 @@
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/live_display.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/simulated_mocap.h"
@@ -28,7 +33,110 @@
 #include "recorders/steady_time.h"
 
 namespace trilat {
+
 namespace {
+
+// What a running recording shows on stderr: a line over itself on a terminal, now and then elsewhere, and
+// what there is to say above it. Written by a thread of its own, so that a terminal that takes nothing holds
+// up nobody; what cannot be written is left out. Any thread may call it.
+class LiveDisplay {
+ public:
+  LiveDisplay();
+  // Waits a moment for what is still to be shown.
+  ~LiveDisplay();
+  LiveDisplay(const LiveDisplay&) = delete;
+  LiveDisplay& operator=(const LiveDisplay&) = delete;
+
+  // `picture` is drawn over the whole screen first.
+  void show(const CaptureStatus& status, std::string picture = {});
+  void say(const std::string& text);
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+};
+
+// Outlives the display when its thread is stuck in a terminal.
+struct LiveDisplay::Shared {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<std::string> texts;
+  std::string picture, line;
+  bool line_changed = false, ended = false, done = false;
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  double next_s = 0.0;
+
+  bool something() const { return !texts.empty() || line_changed || ended; }
+
+  void run() {
+    std::unique_lock lock(mutex);
+    while (true) {
+      changed.wait(lock, [&] { return something(); });
+      std::string out;
+      if (terminal) out += "\r\033[K";
+      for (const std::string& text : texts) out += text + "\n";
+      texts.clear();
+      if (line_changed && !ended) out += picture + line + (terminal ? "" : "\n");
+      line_changed = false;
+      const bool last = ended;
+      lock.unlock();
+      std::fputs(out.c_str(), stderr);  // nobody to tell when this fails
+      std::fflush(stderr);
+      lock.lock();
+      if (last) break;
+    }
+    done = true;
+    changed.notify_all();
+  }
+};
+
+LiveDisplay::LiveDisplay() : shared_(std::make_shared<Shared>()) {
+  std::thread([shared = shared_] { shared->run(); }).detach();
+}
+
+LiveDisplay::~LiveDisplay() {
+  std::unique_lock lock(shared_->mutex);
+  shared_->ended = true;
+  shared_->changed.notify_all();
+  shared_->changed.wait_for(lock, std::chrono::seconds(1), [&] { return shared_->done; });
+}
+
+// The line itself.
+std::string status_line(const CaptureStatus& status) {
+  const double written =
+      status.elapsed_s > 0.0 ? static_cast<double>(status.file_bytes) / status.elapsed_s : 0.0;
+  std::string line = fmt::format("{:4.0f} s ", status.elapsed_s);
+  std::int64_t lost = 0;
+  for (const SensorStatus& s : status.sensors) {
+    line += fmt::format(" {} {:.1f} Hz", s.name, s.rate_hz);
+    lost += s.lost_at_source + s.lost_in_queue;
+  }
+  line += fmt::format(
+      "  lost {}  queue {:.0f} %  {:.1f} MB/s  {:.1f} GB free", lost,
+      100.0 * static_cast<double>(status.queue_bytes) / static_cast<double>(status.queue_limit_bytes),
+      1e-6 * written, 1e-9 * static_cast<double>(status.disk_free_bytes));
+  if (written > 0.0)
+    line += fmt::format(" ({:.0f} min)", static_cast<double>(status.disk_free_bytes) / written / 60.0);
+  return line;
+}
+
+void LiveDisplay::show(const CaptureStatus& status, std::string picture) {
+  constexpr double kLinePeriod_s = 10.0;  // where lines stay
+  const std::lock_guard lock(shared_->mutex);
+  if (!shared_->terminal && status.elapsed_s < shared_->next_s) return;
+  shared_->next_s = status.elapsed_s + kLinePeriod_s;
+  shared_->picture = std::move(picture);
+  shared_->line = status_line(status);
+  shared_->line_changed = true;
+  shared_->changed.notify_all();
+}
+
+void LiveDisplay::say(const std::string& text) {
+  constexpr std::size_t kMostTexts = 200;  // while the terminal takes nothing
+  const std::lock_guard lock(shared_->mutex);
+  if (shared_->texts.size() < kMostTexts) shared_->texts.push_back(text);
+  shared_->changed.notify_all();
+}
 
 // What only the simulator knows of a recording of `synthetic` sensors, so that it can be evaluated: a folder
 // with the OptiTrack export, the mapping, the sensors' true poses, and a campaign whose one take is the

@@ -39,12 +39,6 @@ Json with_methods(Json study, bool as_instants) {
   return study;
 }
 
-SimulationSpec tracked_simulation() {
-  SimulationSpec simulation;
-  simulation.body_tracker.emplace();
-  return simulation;
-}
-
 Json simulation_schema() {
   const Json start{{"format", "trilat.simulation"}, {"version", 1}};
   std::vector<Json> examples(2, start);
@@ -144,8 +138,7 @@ Json calibration_study_schema() {
 
 Json budget_schema() {
   const Json example = with_methods(study("error_budget", R"({"alignments": ["mean"]})"), false);
-  return schema_of({example},
-                   [](const Json& json) { parse_budget(json, "example", {}, tracked_simulation()); });
+  return schema_of({example}, [](const Json& json) { parse_budget(json, "example", {}, SimulationSpec{}); });
 }
 
 Json recording_schema() {

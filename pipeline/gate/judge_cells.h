@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "datasets/base/strict_json.h"
 #include "pipeline/gate/gate_report.h"
 
 namespace trilat {
@@ -24,5 +27,18 @@ struct GateLimits {
 // is an alarm. `studies_with_same_inputs`: whose recordings are the baseline's.
 std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const GateLimits& limits,
                                      const std::vector<std::string>& studies_with_same_inputs);
+
+struct NumberChanges {
+  std::vector<GateFinding> findings;  // alarms, the largest first; at most kMostNumbers
+  std::uint64_t differing = 0;        // values that differ at all
+  double largest_percent = 0.0;       // of the numbers among them
+};
+inline constexpr std::size_t kMostNumbers = 100;
+
+// What differs between two documents of a deterministic study, which are equal when nothing changed: numbers
+// by more than the smallest effect of the number before, and whatever else. Whether more is better nobody
+// says, so each is an alarm: somebody should look.
+NumberChanges judge_numbers(const std::string& study, const Json& now, const Json& before,
+                            const GateLimits& limits);
 
 }  // namespace trilat

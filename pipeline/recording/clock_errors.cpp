@@ -189,9 +189,9 @@ ClockErrorResults read_clocks(const RecordingSpec& spec, const Outcomes& outcome
     const Outcome& outcome = outcomes.at(clock_item(n));
     const Json json = outcome.json();
     JsonObject object(json, outcome.place(), "");
-    for (const JsonObject& row : object.objects("rows")) results.rows.push_back(read_clock_error(row));
-    results.fits.push_back(read_clock_fit(object.object("fit")));
-    for (const JsonObject& row : object.objects("queues")) results.queues.push_back(read_queue(row));
+    for (const JsonObject& row : object.objects("rows")) results.rows.push_back(read_as<ClockErrorRow>(row));
+    results.fits.push_back(read_as<ClockFitRow>(object.object("fit")));
+    for (const JsonObject& row : object.objects("queues")) results.queues.push_back(read_as<QueueRow>(row));
   }
   return results;
 }

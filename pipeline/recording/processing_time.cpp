@@ -8,7 +8,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 #include "datasets/synthetic/generated_person.h"
-#include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/synthetic/tracker/body_tracker.h"
 #include "evaluators/metrics/quantile_selection.h"
 #include "pipeline/accuracy/methods/method.h"
 
@@ -26,6 +26,7 @@ struct RigFrame {
 struct Rig {
   SensorSpec spec;
   std::vector<SimulatedSensor> sensors;
+  std::vector<BodyTracker> trackers;
   std::vector<RigidTransform> world_from_sensor;
   std::vector<std::string> names;
 };
@@ -42,17 +43,20 @@ Rig make_rig(const RecordingSpec& spec) {
   for (std::uint64_t s = 0; s < spec.sensors; ++s) poses.heights_m.push_back(heights_m[s % heights_m.size()]);
   for (const SensorPose& pose : rig_poses(poses, {0.0, 1.0, 0.0})) {
     rig.sensors.push_back(draw_sensor(rig.spec, {spec.seed, 0, 0}, rig.sensors.size(), pose));
+    rig.trackers.emplace_back(default_body_tracker(), rig.spec, rig.sensors.back(),
+                              SimulatedItem{spec.seed, 0, 0}, 1);
     rig.world_from_sensor.push_back(pose.world_from_sensor);
     rig.names.push_back(pose.name);
   }
   return rig;
 }
 
-RigFrame see(const Rig& rig, const RecordingSpec& spec, const Motion& motion, std::uint64_t frame) {
+RigFrame see(Rig& rig, const Motion& motion, std::uint64_t frame) {
   RigFrame result;
-  for (const SimulatedSensor& sensor : rig.sensors) {
-    const auto seen = simulate_body_frame(sensor, rig.spec, {spec.seed, 0, 0}, motion, frame);
-    result.bodies.push_back(seen && !seen->bodies.empty() ? seen->bodies.front() : Body{});
+  for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
+    const SkeletonPose pose = motion((exposure_of(rig.sensors[s], rig.spec, frame) - kMotionStart).seconds());
+    const TrackedFrame seen = rig.trackers[s].observe(frame, {&pose, 1});
+    result.bodies.push_back(seen.bodies.empty() ? Body{} : seen.bodies.front());
   }
   return result;
 }
@@ -89,7 +93,7 @@ double body_tracking_s(const RecordingSpec& spec, std::uint64_t frame) {
 std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch) {
   using Clock = std::chrono::steady_clock;
   if (spec.methods.empty()) return {};
-  const Rig rig = make_rig(spec);
+  Rig rig = make_rig(spec);
   StudySpec study;
   study.methods = spec.methods;
   const std::vector<Method> methods = resolve_methods(study, rig.names);
@@ -98,7 +102,7 @@ std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch&
   std::vector<PointEstimate> estimates(kJointCount);
   for (std::uint64_t f = 0; f < kWarmUpFrames + spec.frames; ++f) {
     watch.check();
-    const RigFrame frame = see(rig, spec, motion, f);
+    const RigFrame frame = see(rig, motion, f);
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const Clock::time_point start = Clock::now();
       trilaterate(rig, frame, methods[m], estimates);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 
 namespace trilat {

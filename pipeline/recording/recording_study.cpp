@@ -11,8 +11,13 @@ namespace trilat {
 namespace {
 
 RecordingSummary summarise(const RecordingSpec& spec, const Outcomes& outcomes) {
-  RecordingSummary summary{spec.name, spec.seed, false, spec.frames, spec.sensors,
-                           spec.runs, {},        {},    spec.late_s, {}};
+  RecordingSummary summary;
+  summary.study = spec.name;
+  summary.seed = spec.seed;
+  summary.frames = spec.frames;
+  summary.sensors = spec.sensors;
+  summary.runs = spec.runs;
+  summary.late_s = spec.late_s;
   ClockErrorResults clocks = read_clocks(spec, outcomes);
   summary.clocks = std::move(clocks.rows);
   summary.fits = std::move(clocks.fits);

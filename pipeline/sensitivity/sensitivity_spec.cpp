@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/methods/method.h"
 

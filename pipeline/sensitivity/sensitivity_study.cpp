@@ -180,22 +180,23 @@ std::size_t campaigns_of(const SensitivitySpec& spec) {
 Study sensitivity_study(const SensitivitySpec& spec) {
   const auto shared = std::make_shared<const SensitivitySpec>(spec);
   const Json resolved = resolved_json(spec);
-  Study study{
-      .kind = name_of(StudyKind::sensitivity),
-      .work = resolved,
-      .reduce =
-          [shared](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-            SensitivitySummary summary = shared->head;
-            for (const Row& row : rows_of(summary)) {
-              const Outcome& outcome = outcomes.at(row.item);
-              for (const Json& point : outcome.json())
-                summary.points.push_back(read_sensitivity_point(
-                    JsonObject(point, outcome.place(), ""), summary.factors.size(), summary.methods.size()));
-            }
-            analyse(summary);
-            write_sensitivity_summary(results, summary);
-          },
-      .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+  Study study{.kind = name_of(StudyKind::sensitivity),
+              .work = resolved,
+              .reduce =
+                  [shared](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
+                    SensitivitySummary summary = shared->head;
+                    for (const Row& row : rows_of(summary)) {
+                      const Outcome& outcome = outcomes.at(row.item);
+                      for (const Json& point : outcome.json()) {
+                        const JsonObject object(point, outcome.place(), "");
+                        summary.points.push_back(read_as<SensitivityPoint>(object));
+                        summary.check(object);
+                      }
+                    }
+                    analyse(summary);
+                    write_sensitivity_summary(results, summary);
+                  },
+              .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
   study.write_beside = [shared](const std::filesystem::path& folder) {
     const std::vector<double> as_it_is(shared->head.factors.size(), kNoNumber);
     write_declared_parameters(folder,

@@ -81,15 +81,11 @@ void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, cons
   const std::vector<Motion> bystanders =
       bystander_motions(plan.item.seed, plan.item.take, spec.bystanders, rig.centre_m, spec.stature_mean_m,
                         spec.stature_half_range_m);
-  std::optional<TrackerTruthWriter> truth;
-  std::optional<SyntheticTracker> tracker;
-  if (!tracker_truth.empty()) {
-    std::vector<std::string> names;
-    for (const SimulatedSensor& sensor : sensors) names.push_back(sensor.pose.name);
-    truth.emplace(tracker_truth, names);
-    tracker = SyntheticTracker{*spec.body_tracker, bystanders,
-                               [&](std::size_t sensor, const TrackerTruth& t) { truth->append(sensor, t); }};
-  }
+  std::vector<std::string> names;
+  for (const SimulatedSensor& sensor : sensors) names.push_back(sensor.pose.name);
+  TrackerTruthWriter truth(tracker_truth, names);
+  SyntheticTracker tracker{spec.body_tracker, bystanders,
+                           [&](std::size_t sensor, const TrackerTruth& t) { truth.append(sensor, t); }};
   RecordOptions options;
   options.stop_requested = watch.stop_requested;
   if (spec.depth.takes) {
@@ -101,7 +97,7 @@ void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, cons
     SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker));
     record(source, session, options);
   }
-  if (truth) truth->finish();
+  truth.finish();
 }
 
 }  // namespace
@@ -114,7 +110,7 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
     sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
     sensors.back().unit = draw_depth_unit(spec.depth.noise, plan.item.seed, sensors.back().index);
   }
-  const std::filesystem::path tracker_truth = spec.body_tracker ? folder / "tracker_truth.h5" : "";
+  const std::filesystem::path tracker_truth = folder / "tracker_truth.h5";
   record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
   if (plan.recorded_mocap.empty()) {
     write_simulated_mocap(spec.mocap, plan, folder, watch.stop_requested);

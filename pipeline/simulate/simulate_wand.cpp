@@ -89,7 +89,7 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
     return seen;
   };
   SyntheticDepthSource source =
-      watched_depth_source(spec, item, motion, sensors, wand.duration_s(), scene, watch);
+      watched_depth_source(spec, item, motion, sensors, wand.duration_s(), scene, watch, {spec.body_tracker});
   RecordOptions options;
   options.stop_requested = watch.stop_requested;
   record(source, folder / "session.h5", options);
@@ -100,7 +100,7 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
 SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
                                           const Motion& motion, const std::vector<SimulatedSensor>& sensors,
                                           double duration_s, SceneMotion scene, const Watch& watch,
-                                          std::optional<SyntheticTracker> tracker) {
+                                          SyntheticTracker tracker) {
   const double expected =
       std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
   const ForEach for_each = [watch, expected, done = 0.0](

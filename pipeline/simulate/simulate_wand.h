@@ -14,7 +14,7 @@ namespace trilat {
 SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
                                           const Motion& motion, const std::vector<SimulatedSensor>& sensors,
                                           double duration_s, SceneMotion scene, const Watch& watch,
-                                          std::optional<SyntheticTracker> tracker = {});
+                                          SyntheticTracker tracker);
 
 double wand_duration_s(const WandSpec& wand);
 // The wand recording's place among the campaign's random numbers: behind all takes.

@@ -8,7 +8,7 @@
 #include "datasets/results/summary.h"
 #include "reports/claims/claims.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 
 namespace trilat {
 namespace {

@@ -7,7 +7,6 @@
 #include "datasets/paper/printed_tables.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/table.h"
-#include "reports/tables/table_cells.h"
 
 namespace trilat {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "reports/figures/figure_look.h"
-#include "reports/render/text_lines.h"
+#include "reports/render/render.h"
 
 namespace trilat {
 namespace {

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "reports/render/render.h"
-#include "reports/render/text_lines.h"
 
 namespace trilat {
 namespace {

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "reports/tables/table.h"
 
 namespace trilat {
+
+// Characters of a text, not bytes: UTF-8 continuation bytes do not count.
+std::size_t width_of(const std::string& text);
+
+// Texts from outside may hold line breaks, which would end a row or a paragraph: spaces instead.
+std::string one_line(std::string text);
+
+// The words of a text in lines of so many characters at most; a longer word has a line of its own.
+std::vector<std::string> lines_of(const std::string& text, std::size_t width);
 
 // A value as Markdown and LaTeX print it; NaN becomes a dash.
 std::string printed(const TableValue& value);

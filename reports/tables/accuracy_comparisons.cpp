@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

@@ -8,7 +8,7 @@
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -74,7 +74,7 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
       "MAE is the mean Euclidean distance; n counts instants and joints with a truth that the method "
       "answered; coverage is n over all that have one.",
       "x, y, z are the world's axes, y up.", interval_note(s)};
-  if (s.left_out) table.notes.insert(table.notes.begin(), truth_note(s));
+  if (s.left_out()) table.notes.insert(table.notes.begin(), truth_note(s));
   add_coverage_note(s, condition, alignment, table);
   add_floor_notes(s, condition, alignment, table);
   add_take_notes(s, table);
@@ -145,7 +145,7 @@ std::vector<Table> accuracy_tables(const ResultsSummary& summary) {
 }
 
 std::vector<Table> table3(const ResultsSummary& summary) {
-  if (summary.left_out) return {};  // the paper's numbers are of mocap
+  if (summary.left_out()) return {};  // the paper's numbers are of mocap
   const PrintedTable3 printed = printed_table3();
   std::vector<Table> tables;
   for (const std::string& condition : summary.conditions) {

@@ -13,13 +13,13 @@ std::string about(const ResultsSummary& s, const std::string& condition, const s
   return fmt::format("{}, {}{}; {}{}{} of {} takes, {} participant{}", s.campaign,
                      condition.empty() ? "" : condition + ", ",
                      s.simulated ? "simulated sensors" : "recorded sensors",
-                     s.left_out ? "against the sensor left out; " : "",
+                     s.left_out() ? "against the sensor left out; " : "",
                      alignment.empty() ? "" : "alignment: " + alignment + "; ", s.takes - s.takes_failed,
                      s.takes, s.participants, s.participants == 1 ? "" : "s");
 }
 
 std::string truth_note(const ResultsSummary& s) {
-  if (!s.left_out) return {};
+  if (!s.left_out()) return {};
   return "There is no ground truth. Each sensor in turn is left out, and its tracked joints are held against "
          "what the others say; each take counts once for every sensor. What all sensors have in common, such "
          "as a bias of the body model, cannot be seen. The sensor's own error is in every number: compare "

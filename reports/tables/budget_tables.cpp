@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "reports/tables/budget_parts.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

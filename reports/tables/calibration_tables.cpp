@@ -6,7 +6,7 @@
 
 #include "datasets/paper/printed_tables.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

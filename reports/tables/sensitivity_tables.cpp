@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

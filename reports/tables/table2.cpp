@@ -6,7 +6,7 @@
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -45,7 +45,7 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
 }  // namespace
 
 std::vector<Table> table2(const ResultsSummary& summary) {
-  if (summary.left_out) return {};
+  if (summary.left_out()) return {};
   const PrintedTable2 printed = printed_table2();
   Table table;
   table.id = "table2";

@@ -7,7 +7,7 @@
 
 #include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table_cells.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

@@ -57,6 +57,5 @@ Contestant one_at_a_time(std::string name, std::vector<std::string> stop_rules) 
 
 std::vector<Contestant> own_contestants(const ComparisonProblems& problems);
 std::vector<Contestant> ceres_contestants();  // ceres::Solve first, then the same problem reused, TinySolver
-std::vector<Contestant> minpack_contestants();  // Eigen, cminpack, GSL
 
 }  // namespace trilat

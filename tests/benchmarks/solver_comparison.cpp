@@ -257,7 +257,7 @@ int run(int argc, char** argv) {
   const ComparisonProblems problems = comparison_problems();
   std::vector<Entry> entries;
   for (const double wanted_m : kWanted_m)
-    for (const auto& contestants : {ceres_contestants(), minpack_contestants(), own_contestants(problems)})
+    for (const auto& contestants : {ceres_contestants(), own_contestants(problems)})
       for (const Contestant& contestant : contestants)
         entries.push_back(with_best_rule(contestant, problems, wanted_m));
   double load[1] = {std::nan("")};

@@ -87,14 +87,9 @@ TEST(Items, NoneAreAList) {
   EXPECT_EQ(read_items_head(folder.path()).key, "all");
 }
 
-TEST(Items, OfAnOlderVersionAreNoneAndOfANewerAreRefused) {
+TEST(Items, OfAnotherVersionAreRefused) {
   const ScratchFolder folder;
-  write_file(folder / "items.json", R"({"format":"trilat.items","version":1,"key":"k","items":[
-]}
-)");
-  EXPECT_TRUE(read_items(folder.path()).empty());
-  EXPECT_EQ(read_items_head(folder.path()).key, "");
-  write_file(folder / "items.json", R"({"format":"trilat.items","version":3,"key":"k","files":[],"items":[
+  write_file(folder / "items.json", R"({"format":"trilat.items","version":1,"key":"k","files":{},"items":[
 ]}
 )");
   EXPECT_THAT(message_of([&] { read_items(folder.path()); }), HasSubstr("/version: is another version"));

@@ -215,18 +215,6 @@ TEST(Summary, OneWithoutAnyAlignmentIsRefused) {
               HasSubstr("/alignments: must name at least one"));
 }
 
-TEST(Summary, ADifferenceThatContradictsItsIntervalIsRefused) {
-  const ScratchFolder folder;
-  ResultsSummary summary = summary_of({});
-  summary.differences = {{"mean", "walking", "head", "none", 93, 4, 0.1, -0.1, 0.3, 10.0, -10.0, 30.0, 9.0}};
-  write_summary(folder.path(), summary);
-  std::string text = read_file(folder / "summary.json");
-  text.replace(text.find("\"significant\": false"), 20, "\"significant\": true");
-  write_file(folder / "summary.json", text);
-  EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
-              HasSubstr("/differences/0/significant: does not follow from low_m and high_m"));
-}
-
 // File names and asset names come from outside and need not be UTF-8.
 TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
   const ScratchFolder folder;

@@ -4,24 +4,14 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/error.h"
-#include "datasets/base/json_ranges.h"
 #include "datasets/base/json_schema.h"
+#include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 JsonObject reader_of(const Json& json) { return {json, "a.json", "/methods/0"}; }
 
@@ -71,26 +61,6 @@ TEST(StrictJson, ChoicesListWhatIsKnown) {
                 object.choice("damping", {"none", "lm"});
               }),
               HasSubstr("is \"lw\", which is unknown; known are: none, lm"));
-}
-
-TEST(StrictJson, ListsHaveTheirLengthAndKindAndNullIsNoNumber) {
-  const Json json = parse_json(
-      R"({"a": [1, null, -0.5], "b": [3, -4], "c": [3, 1e300], "d": [18446744073709551615]})", "f.json");
-  JsonObject object(json, "f.json", "");
-  const std::vector<double> numbers = object.numbers_or_none("a", 3);
-  EXPECT_EQ(numbers[0], 1.0);
-  EXPECT_TRUE(std::isnan(numbers[1]));
-  EXPECT_EQ(numbers_json(numbers), json["a"]);
-  EXPECT_EQ(object.integers("b", 2), (std::vector<std::int64_t>{3, -4}));
-  EXPECT_EQ(message_of([&] { object.numbers_or_none("a", 2); }),
-            "f.json /a: must be an array of 2 numbers or null");
-  EXPECT_THAT(message_of([&] { object.counts("b", 2); }),
-              testing::HasSubstr("f.json /b: must hold integers >= 0"));
-  EXPECT_THAT(message_of([&] { object.integers("c", 2); }),
-              testing::HasSubstr("f.json /c: must hold integers"));
-  EXPECT_THAT(message_of([&] { object.integers("d", 1); }), testing::HasSubstr("integers below 2^63"));
-  EXPECT_THAT(message_of([&] { object.counts("c", 2); }),
-              testing::HasSubstr("f.json /c: must hold integers"));
 }
 
 TEST(StrictJson, OnlyADocumentMayNameItsSchema) {

@@ -10,6 +10,7 @@
 #include "reports/claims/claims.h"
 #include "reports/figures/figure_script.h"
 #include "reports/provenance.h"
+#include "reports/render/latex.h"
 #include "reports/render/render.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/sound_files.h"

@@ -49,7 +49,7 @@ void read_study_of_any_kind(const Json& json) {
   }
 }
 
-void read_as(std::uint8_t reader, std::span<const std::uint8_t> bytes) {
+void read_with(std::uint8_t reader, std::span<const std::uint8_t> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (reader == 0) return read_study_of_any_kind(parse_json(text, kPlace));
   if (reader == 1) {
@@ -70,7 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr std::uint8_t kReaders = 5;
   if (size == 0) return 0;
   try {
-    trilat::read_as(data[0] % kReaders, {data + 1, size - 1});
+    trilat::read_with(data[0] % kReaders, {data + 1, size - 1});
   } catch (const trilat::InputError&) {
   }
   return 0;

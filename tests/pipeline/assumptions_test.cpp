@@ -26,7 +26,7 @@ StudySpec mean_study() { return study_of(R"("alignments": ["none"], "methods": [
 SimulationSpec tracked(double lag_s) {
   SimulationSpec spec = walking_spec(1);
   spec.body_tracker = default_body_tracker();
-  spec.body_tracker->lag_s = lag_s;
+  spec.body_tracker.lag_s = lag_s;
   return spec;
 }
 

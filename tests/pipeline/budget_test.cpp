@@ -141,8 +141,6 @@ TEST(BudgetSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
   EXPECT_THAT(unknown, HasSubstr("budget.json /simulatoin: is an unknown key"));
   EXPECT_THAT(unknown,
               AllOf(HasSubstr("simulation"), HasSubstr("calibration_sigma_deg"), HasSubstr("methods")));
-  EXPECT_THAT(budget_refusal(good, walking_spec(1)),
-              HasSubstr("budget.json /simulation: has no \"body_tracker\""));
   SimulationSpec recorded = tracked_walk(1, 1.0);
   recorded.recorded = RecordedSpec{"take.csv", "mapping.json"};
   EXPECT_THAT(budget_refusal(good + R"(, "participants": 3)", recorded),
@@ -223,9 +221,6 @@ TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   refused(R"("simulation": "absent.json")", "absent.json");
   refused(R"("conditions": ["flying"])",
           "has \"flying\", which the simulation does not have; its activities are \"walking\"");
-  file_with(folder, "plain.json", R"({"format": "trilat.simulation", "version": 1, "participants": 1,
-      "activities": [{"name": "walking", "duration_s": 1}]})");
-  refused(R"("simulation": "plain.json")", "bad.json /simulation: has no \"body_tracker\"");
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 

@@ -12,12 +12,17 @@
 
 namespace trilat {
 
-// Persons who walk for a second, watched with all the noise there is.
+// Persons who walk for a second. Each sensor's tracker has a bias and white noise of its own and is else
+// exact.
 inline SimulationSpec walking_spec(std::uint64_t participants, double duration_s = 1.0) {
   SimulationSpec spec;
   spec.name = "tiny";
   spec.seed = 5;
   spec.participants = participants;
+  spec.body_tracker = exact_body_tracker();
+  spec.body_tracker.bias_sigma_m.fill(0.03);
+  spec.body_tracker.jitter_sigma_m.fill(0.015);
+  spec.body_tracker.own_bias_share = 1.0;
   spec.activities = {{Activity::walking,
                       duration_s,
                       {Joint::head, Joint::shoulder_left, Joint::shoulder_right, Joint::elbow_left,
@@ -27,9 +32,7 @@ inline SimulationSpec walking_spec(std::uint64_t participants, double duration_s
 
 // The same with sensors and mocap that are exact; clocks are as before.
 inline SimulationSpec without_noise(SimulationSpec spec) {
-  spec.sensor.joint_bias_sigma_m = 0.0;
-  spec.sensor.joint_noise_sigma_m = 0.0;
-  spec.sensor.inferred_share = 0.0;
+  spec.body_tracker = exact_body_tracker();
   spec.sensor.dropped_share = 0.0;
   spec.mocap.marker_noise_sigma_m = 0.0;
   spec.mocap.gap_share = 0.0;

@@ -146,18 +146,16 @@ class EveryKind : public testing::TestWithParam<KindOfStudy> {
   }
 };
 
+// What the engine does, whatever it computes.
+class AnyKind : public EveryKind {};
+
 TEST_P(EveryKind, MergesToTheBytesOfOneRun) {
   run_study(study(), path("whole"), {});
-  const auto merges = [&](std::uint64_t shards, const StudyOptions& options) {
+  for (const std::uint64_t shards : {1, 3}) {
     const std::string merged = fmt::format("merged{}", shards);
-    merge(parts(shards, options), merged);
+    merge(parts(shards), merged);
     expect_same_results(path("whole"), path(merged));
-  };
-  merges(1, {});
-  merges(2, {});
-  const StudyOptions known{.reuse = {path("part1of1")}};
-  merges(7, known);
-  merges(64, known);
+  }
 }
 
 TEST_P(EveryKind, GoesOnAfterAStopToTheSameBytes) {
@@ -169,7 +167,7 @@ TEST_P(EveryKind, GoesOnAfterAStopToTheSameBytes) {
   expect_same_results(path("whole"), path("results"));
 }
 
-TEST_P(EveryKind, AShardGoesOnAfterAStopToTheSameBytes) {
+TEST_P(AnyKind, AShardGoesOnAfterAStopToTheSameBytes) {
   run_study(study(), path("whole"), {});
   const std::size_t finished = stop_after_one("part1of2", {1, 2});
   EXPECT_THAT(message_of([&] { read_part(path("part1of2")); }), HasSubstr("is not finished yet"));
@@ -179,12 +177,12 @@ TEST_P(EveryKind, AShardGoesOnAfterAStopToTheSameBytes) {
   expect_same_results(path("whole"), path("merged"));
 }
 
-TEST_P(EveryKind, FreshGoesOnWithNothing) {
+TEST_P(AnyKind, FreshGoesOnWithNothing) {
   stop_after_one("results");
   EXPECT_THAT(run_study(study(), path("results"), {.fresh = true}).continued, testing::IsEmpty());
 }
 
-TEST_P(EveryKind, AnItemThatWasTornOrIsOfOtherSettingsIsComputedAgain) {
+TEST_P(AnyKind, AnItemThatWasTornOrIsOfOtherSettingsIsComputedAgain) {
   const auto part = parts(1)[0];
   const auto unfinished = partial_name(part);
   Json other = read_json(first_item(part.filename()));
@@ -201,7 +199,7 @@ TEST_P(EveryKind, AnItemThatWasTornOrIsOfOtherSettingsIsComputedAgain) {
   expect_same_results(path("whole"), path("merged"));
 }
 
-TEST_P(EveryKind, AFinishedPartIsTakenOverAlsoWithoutThePartFile) {
+TEST_P(AnyKind, AFinishedPartIsTakenOverAlsoWithoutThePartFile) {
   run_study(study(), path("whole"), {});
   const auto part = parts(1)[0];
   std::filesystem::remove(part / "part.json");
@@ -211,7 +209,7 @@ TEST_P(EveryKind, AFinishedPartIsTakenOverAlsoWithoutThePartFile) {
   expect_same_results(path("whole"), path("merged"));
 }
 
-TEST_P(EveryKind, PartsThatAreNotWholeAreNotMerged) {
+TEST_P(AnyKind, PartsThatAreNotWholeAreNotMerged) {
   const auto part = parts(1)[0];
   const auto item = first_item(part.filename());
   const Json good = read_json(item);
@@ -229,7 +227,7 @@ TEST_P(EveryKind, PartsThatAreNotWholeAreNotMerged) {
   EXPECT_FALSE(std::filesystem::exists(path("merged")));
 }
 
-TEST_P(EveryKind, TakesNothingFromWhatIsReplacedMeanwhile) {
+TEST_P(AnyKind, TakesNothingFromWhatIsReplacedMeanwhile) {
   run_study(study(), path("whole"), {});
   run_study(study(), path("again"), {});
   std::once_flag once;
@@ -248,18 +246,6 @@ TEST_P(EveryKind, TakesNothingFromWhatIsReplacedMeanwhile) {
               HasSubstr("nowhere: is no folder whose results could be used again"));
 }
 
-TEST_P(EveryKind, TheProgramMergesItsPartsToTheBytesOfItsOneRun) {
-  StudyFiles& study = files;
-  ASSERT_EQ(study.run("whole").code, 0);
-  for (const char* k : {"1", "2"}) {
-    const Ended part = study.run(fmt::format("part{}", k), {"--shard", fmt::format("{}/2", k)});
-    ASSERT_EQ(part.code, 0) << part.err;
-  }
-  const Ended merged = study.merge(2, "merged");
-  ASSERT_EQ(merged.code, 0) << merged.err;
-  expect_same_results(study.folder / "whole", study.folder / "merged");
-}
-
 TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
   StudyFiles& study = files;
   ASSERT_EQ(study.run("whole").code, 0);
@@ -275,6 +261,8 @@ TEST_P(EveryKind, TakesWhatDidNotChangeFromEarlierResults) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EveryKind, testing::ValuesIn(kKinds),
+                         [](const auto& kind) { return std::string(kind.param.name); });
+INSTANTIATE_TEST_SUITE_P(Kinds, AnyKind, testing::Values(KindOfStudy{"recording", kRecording}),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 TEST(Items, AFileThatWasThrownAwayIsMadeAgain) {
@@ -348,33 +336,6 @@ TEST(Merge, RefusesPartsOfDifferentKindsAndWhatIsNoPart) {
   EXPECT_THAT(missing.err, HasSubstr("part2: holds no part.json"));
 }
 
-TEST(SimulateParts, MergeToTheCampaignThatOneSimulationMakes) {
-  const ScratchFolder folder;
-  write_file(folder / "simulation.json",
-             R"({"format": "trilat.simulation", "version": 1, "name": "short", "seed": 3, "participants": 3,
-                 "activities": [{"name": "walking", "duration_s": 0.5}], "body_tracker": {}})");
-  const auto simulate = [&](const std::string& output, std::vector<std::string> more = {}) {
-    more.insert(more.begin(),
-                {"simulate", (folder / "simulation.json").string(), "-o", (folder / output).string()});
-    return run_trilat(folder, more).code;
-  };
-  ASSERT_EQ(simulate("whole"), 0);
-  std::vector<std::string> merge;
-  for (const int shards : {1, 2, 7, 64}) {
-    const std::string output = (folder / fmt::format("merged{}", shards)).string();
-    merge = {"merge", "-o", output};
-    for (int k = 1; k <= shards; ++k) {
-      const std::string part = fmt::format("part{}of{}", k, shards);
-      ASSERT_EQ(simulate(part, {"--shard", fmt::format("{}/{}", k, shards)}), 0);
-      merge.push_back((folder / part).string());
-    }
-    const Ended merged = run_trilat(folder, merge);
-    ASSERT_EQ(merged.code, 0) << merged.err;
-    expect_same_results(folder / "whole", output);
-  }
-  EXPECT_THAT(run_trilat(folder, merge).err, HasSubstr("recordings are never replaced"));
-}
-
 // Three recordings of half a second.
 struct Simulated {
   ScratchFolder folder;
@@ -399,6 +360,21 @@ struct Simulated {
     return run_trilat(folder, more);
   }
 };
+
+TEST(SimulateParts, MergeToTheCampaignThatOneSimulationMakes) {
+  Simulated simulated;
+  simulated.spec(1);
+  const std::filesystem::path& folder = simulated.folder.path();
+  simulate_campaign(read_simulation(folder / "simulation.json"), folder / "whole", {});
+  std::vector<std::filesystem::path> parts;
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    parts.push_back(folder / fmt::format("part{}", k));
+    simulated.part(parts.back(), {.shard = {k, 3}});
+  }
+  const std::vector<FoundPart> found = read_parts(parts);
+  merge_parts(campaign_of_parts(found[0].part.work, "part.json"), found, folder / "merged", {});
+  expect_same_results(folder / "whole", folder / "merged");
+}
 
 TEST(SimulateParts, ADocumentThatIsReplacedMeanwhileIsRefused) {
   Simulated simulated;

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/gate/judge_numbers.h"
+#include "pipeline/gate/judge_cells.h"
 
 namespace trilat {
 namespace {

@@ -9,7 +9,7 @@
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"
-#include "pipeline/gate/judge_numbers.h"
+#include "pipeline/gate/judge_cells.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 

@@ -84,7 +84,7 @@ TEST(RunLaw, ClockErrorsCostNoMoreThanTheMovementMeanwhile) {
 TEST(Run, NoiseOfTheSensorsIsWhatASingleSensorShows) {
   const ScratchFolder folder;
   SimulationSpec spec = synchronised(without_noise(walking_spec(1, 20.0)));
-  spec.sensor.joint_noise_sigma_m = 0.02;
+  spec.body_tracker.jitter_sigma_m.fill(0.02);
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary summary =
       execute_study(study_with(R"(["none"])", R"("methods": [{"method": "single"}, {"method": "mean"}])"),

@@ -90,10 +90,10 @@ TEST(SensitivitySpec, PositionsAreValuesOfTheFactors) {
   EXPECT_NEAR(spec.head.value_at(0, 0.5), std::sqrt(0.1 * 5.0), 1e-12);
   EXPECT_EQ(spec.head.text_at(1, 0.9), "[0.5,2.0,1.0,1.5]");
   const SimulationSpec there = simulation_at(spec, {1.0, 0.9}, 7);
-  EXPECT_NEAR(there.body_tracker->ray_ratio, 5.0, 1e-12);
+  EXPECT_NEAR(there.body_tracker.ray_ratio, 5.0, 1e-12);
   EXPECT_EQ(there.rig.heights_m[1], 2.0);
   EXPECT_EQ(there.seed, 7u);
-  EXPECT_EQ(simulation_at(spec, {kNoNumber, kNoNumber}, 7).body_tracker->ray_ratio, 1.0);
+  EXPECT_EQ(simulation_at(spec, {kNoNumber, kNoNumber}, 7).body_tracker.ray_ratio, 1.0);
 }
 
 // Independent errors along the rays hurt ranges, those across do not: what an own model of them says, too.

@@ -55,12 +55,5 @@ TEST(SimulateTracker, IsTheSameToTheByteOnOneThreadAndOnSeveral) {
       EXPECT_EQ(read_file(folder / "one" / take / file), read_file(folder / "several" / take / file)) << file;
 }
 
-TEST(SimulateTracker, WithoutATrackerThereIsNoTruthOfOne) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder.path(), walking_spec(1));
-  EXPECT_TRUE(campaign.takes.at(0).tracker_truth.empty());
-  EXPECT_FALSE(std::filesystem::exists(folder / "p01-walking/tracker_truth.h5"));
-}
-
 }  // namespace
 }  // namespace trilat

@@ -188,7 +188,7 @@ std::vector<Spoiled> all_spoiled() {
        calibrated([](Calibration& c) {
          for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;
        }),
-       {"calibration.json", "places the sensors too far apart: all measure 4.", "% too short"}},
+       {"calibration.json", "places the sensors too far apart: all measure 5.", "% too short"}},
       {"exchanged_poses",
        calibrated(
            [](Calibration& c) { std::swap(c.sensors[0].world_from_sensor, c.sensors[1].world_from_sensor); }),

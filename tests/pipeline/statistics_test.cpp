@@ -277,7 +277,7 @@ TEST(Statistics, TheTruthsFloorFindsTheNoiseThatWasPutIn) {
 TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
   Evaluated evaluated;
   SimulationSpec spec = walking_spec(4, 2.0);
-  spec.sensor.inferred_share = 0.2;
+  spec.body_tracker.least_visible_share = 0.5;  // what other parts of the body hide is inferred
   const ResultsSummary summary =
       evaluated.of(spec, statistics_study(R"("alignments": ["mean", "none"], "occluded_apart": true)"));
   EXPECT_THAT(summary.conditions, testing::ElementsAre("walking", "walking, occluded"));

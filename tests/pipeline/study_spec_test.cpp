@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
-#include "pipeline/accuracy/methods/sensor_sets.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -20,9 +20,8 @@ constexpr const char* kEstimated =
 struct SeenTake {
   explicit SeenTake(double bias_m = 0.0) {
     SimulationSpec spec = walking_spec(1, 8.0);
-    spec.sensor.joint_bias_sigma_m = bias_m;
-    spec.sensor.joint_noise_sigma_m = 0.03;
-    spec.sensor.inferred_share = 0.0;
+    spec.body_tracker.bias_sigma_m.fill(bias_m);
+    spec.body_tracker.jitter_sigma_m.fill(0.03);
     campaign = simulate_into(folder.path() / "campaign", spec);
     plan = make_plan(study_of(kEstimated), campaign);
     data = load_take(plan, plan.takes[0], {});

@@ -25,7 +25,7 @@ constexpr const char* kMean = R"("methods": [{"method": "mean"}])";
 SimulationSpec tracking_spec(std::uint64_t participants, double duration_s) {
   SimulationSpec spec = walking_spec(participants, duration_s);
   spec.body_tracker = exact_body_tracker();
-  spec.body_tracker->least_visible_share = 0.5;
+  spec.body_tracker.least_visible_share = 0.5;
   return spec;
 }
 
@@ -39,8 +39,8 @@ double mae_m(const ResultsSummary& summary, const std::string& method, const std
 TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
   const ScratchFolder folder;
   SimulationSpec spec = tracking_spec(2, 12.0);
-  spec.body_tracker->back_view_angle_rad = 2.1;
-  spec.body_tracker->exchanged_share = 1.0;
+  spec.body_tracker.back_view_angle_rad = 2.1;
+  spec.body_tracker.exchanged_share = 1.0;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary repaired = execute_study(study(kMean), campaign, folder / "repaired", {});
   const ResultsSummary as_given = execute_study(study(std::string(R"("repair_exchanges": false, )") + kMean),
@@ -93,7 +93,7 @@ TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
 TEST(Tracking, AnUnoccludedSensorIsBetterThanAHiddenOne) {
   const ScratchFolder folder;
   SimulationSpec spec = tracking_spec(2, 6.0);
-  spec.body_tracker->inferred_error_sigma_m = 0.2;
+  spec.body_tracker.inferred_error_sigma_m = 0.2;
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary summary = execute_study(study(R"("methods": [{"method": "mean"},
                                          {"method": "mean", "name": "chosen", "occlusion": "corrected"}])"),

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "recorders/network/agent_book.h"
 #include "recorders/network/link/message_link.h"
 #include "recorders/network/link/socket_link.h"
-#include "recorders/network/pending_strangers.h"
 #include "tests/recorders/network_rig.h"
 
 namespace trilat {

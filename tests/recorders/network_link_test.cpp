@@ -27,7 +27,13 @@ SyntheticDepthSource two_virtual_sensors() {
   for (const SensorPose& pose : rig_poses({}, {0.0, 1.0, 0.0}))
     if (sensors.size() < 2) sensors.push_back(draw_sensor(spec, item, sensors.size(), pose));
   const SceneMotion empty_room = [](double) { return DepthScene{}; };
-  return {spec, item, generated_motion(Person{}, Activity::walking), sensors, 0.5, {empty_room, {}, {}}};
+  return {spec,
+          item,
+          generated_motion(Person{}, Activity::walking),
+          sensors,
+          0.5,
+          {empty_room, {}, {}},
+          {default_body_tracker()}};
 }
 
 TEST(NetworkLink, DeliversOverTlsWhatADirectRecordingWouldHold) {

@@ -31,7 +31,12 @@ std::vector<SimulatedSensor> rig_of(const SensorSpec& spec, const SimulatedItem&
 }
 
 SyntheticSource source_of(const SensorSpec& spec, const SimulatedItem& item, double duration_s) {
-  return {spec, item, generated_motion(Person{}, Activity::walking), rig_of(spec, item), duration_s};
+  return {spec,
+          item,
+          generated_motion(Person{}, Activity::walking),
+          rig_of(spec, item),
+          duration_s,
+          {exact_body_tracker()}};
 }
 
 TEST(Recorder, StoresTheFramesOfAllSensorsInTheirOrder) {

@@ -36,8 +36,9 @@ DepthScene moving_ball(double time_s) {
 }
 
 SyntheticDepthSource source_of(const ForEach& for_each = {}) {
-  return {sensor_spec(), kItem, generated_motion(Person{}, Activity::standing),
-          two_sensors(), 1.0,   {moving_ball, {}, for_each}};
+  return {sensor_spec(),         kItem, generated_motion(Person{}, Activity::standing),
+          two_sensors(),         1.0,   {moving_ball, {}, for_each},
+          {exact_body_tracker()}};
 }
 
 TEST(SyntheticDepthSource, EveryBodyFrameHasItsDepthWithTheSameStamps) {

@@ -30,7 +30,7 @@ ClockErrorRow clock_row(const std::string& method, std::uint64_t good, std::uint
 }
 
 RecordingSummary summary_of(std::uint64_t good, std::uint64_t bad) {
-  RecordingSummary s{"table4", 5, false, 100, 4, 2, {}, {{"lan", 1e-5, 2e-4, 1.0, 0.25}}, 1.0 / 30.0, {}};
+  RecordingSummary s{"table4", 5, 100, 4, 2, {}, {{"lan", 1e-5, 2e-4, 1.0, 0.25}}, 1.0 / 30.0, {}};
   s.clocks = {clock_row("corrected", good, bad), clock_row("as printed, on the client's clock", 950, 50)};
   s.queues = {{"lan", "corrected", "as they come", {1000, 1, 2, 7, 990}, 0.98, 1.0}};
   return s;

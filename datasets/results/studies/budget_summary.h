@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 
@@ -17,6 +18,8 @@ struct BudgetRow {
   std::uint64_t n = 0;  // answered
   double rmse_m = kNoNumber;
   double mae_m = kNoNumber;
+
+  TRILAT_FIELDS(source, method, condition, group, alignment, n, rmse_m, mae_m)
 };
 
 // An error budget: a simulated campaign evaluated once for every source of error alone and once with all.
@@ -28,10 +31,14 @@ struct BudgetSummary {
   std::vector<std::string> sources;       // in their order
   std::vector<std::string> descriptions;  // of each
   std::vector<BudgetRow> rows;
-};
 
-Json json_of(const BudgetRow& row);
-BudgetRow read_budget_row(JsonObject object);
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study, campaign)
+    field("simulated", true);
+    TRILAT_EACH(seed, participants, calibration_sigma_m, calibration_sigma_rad, sources, descriptions, rows)
+  }
+  void check(const JsonObject& object) const;
+};
 
 // summary.json (results format 1, kind error_budget). NaN is written as null.
 void write_budget_summary(const std::filesystem::path& folder, const BudgetSummary& summary);

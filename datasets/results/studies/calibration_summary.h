@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
+
 namespace trilat {
 
 // How a set of errors is spread. NaN where nothing answered.
@@ -22,6 +24,8 @@ struct ErrorSpread {
   double max_m = kNone;
   // 95 % interval of the mean, by bootstrap over units (each with its own depth offset), not over samples.
   double mean_low_m = kNone, mean_high_m = kNone;
+
+  TRILAT_FIELDS(asked, answered, mean_m, sd_m, median_m, p95_m, max_m, mean_low_m, mean_high_m)
 };
 
 // One way to find the wand, over all simulated samples of one scene.
@@ -34,6 +38,8 @@ struct WandRow {
   std::map<std::string, std::uint64_t> statuses;  // of `all`
   // Of the distance sensor - ball centre alone, in the recommended range: what a laser meter can tell.
   ErrorSpread recommended_distance = {};
+
+  TRILAT_FIELDS(method, scene, all, recommended, near, statuses, recommended_distance)
 };
 
 // One sample of the figure: error against distance and angle.
@@ -44,6 +50,9 @@ struct WandSample {
   double angle_rad = 0.0;
   double error_m = ErrorSpread::kNone;           // in three dimensions; NaN: no answer
   double distance_error_m = ErrorSpread::kNone;  // |measured - true| distance sensor - ball centre
+
+  static constexpr bool as_list = true;
+  TRILAT_FIELDS(row, unit, distance_m, angle_rad, error_m, distance_error_m)
 };
 
 // A flat wall, per column of the image's middle row; mean absolute values over all frames.
@@ -58,6 +67,10 @@ struct DistortionCurve {
       depth_residual_m;                 // of the depth less the row's mean error: without the constant offset
   std::vector<double> printed_error_m;  // sideways, eq. 4 as printed (E2)
   std::vector<double> lens_error_m;     // sideways, lens model
+
+  TRILAT_FIELDS(wall_m, frames, unit, unit_offset_m, valid, depth_error_m, depth_residual_m, printed_error_m,
+                lens_error_m)
+  void check(const JsonObject& object) const;
 };
 
 // One way to calibrate a rig, over simulated runs.
@@ -75,6 +88,10 @@ struct RigRow {
   double position_z_rms = ErrorSpread::kNone, rotation_z_rms = ErrorSpread::kNone;
   double mahalanobis2_mean = ErrorSpread::kNone;  // squared, of a pose's six numbers: 6 where it is right
   double reduced_chi2_mean = ErrorSpread::kNone;  // over runs
+
+  TRILAT_FIELDS(method, runs, failed_runs, position, rotation_mean_rad, rotation_max_rad, within_limits_share,
+                coverage_share, coverage_low, coverage_high, position_z_rms, rotation_z_rms,
+                mahalanobis2_mean, reduced_chi2_mean)
 };
 
 // How an uncertain calibration carries into joints.
@@ -88,6 +105,9 @@ struct EffectRow {
   double rmse_m = ErrorSpread::kNone;
   double bound_m = ErrorSpread::kNone;  // Cramer-Rao, of these ranges and uncertain sensors; for ranges only
   double ratio_low = ErrorSpread::kNone, ratio_high = ErrorSpread::kNone;  // 95 % interval of rmse / bound
+
+  TRILAT_FIELDS(calibration, sensor_sigma_m, range_sigma_m, method, joints, answered, rmse_m, bound_m,
+                ratio_low, ratio_high)
 };
 
 // summary.json of a study of kind "calibration". All of it is simulated.
@@ -102,6 +122,14 @@ struct CalibrationSummary {
   std::uint64_t positions = 0;  // of the wand in a run
   std::vector<RigRow> rigs;
   std::vector<EffectRow> effect;
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study)
+    field("simulated", true);
+    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs,
+                effect)
+  }
+  void check(const JsonObject& object) const;
 };
 
 void write_calibration_summary(const std::filesystem::path& folder, const CalibrationSummary& summary);

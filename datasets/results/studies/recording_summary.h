@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/studies/stage_timings.h"
 
@@ -16,6 +17,9 @@ namespace trilat {
 struct ClockUnit {
   std::uint64_t asked = 0, answered = 0, below_2ms = 0, below_4ms = 0;
   bool operator==(const ClockUnit&) const = default;
+
+  static constexpr bool as_list = true;
+  TRILAT_FIELDS(asked, answered, below_2ms, below_4ms)
 };
 
 // One way to put a sensor's machine on the server's clock, over one kind of network.
@@ -28,6 +32,8 @@ struct ClockErrorRow {
   double below_2ms = TimeSpread::kNone;
   double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
   std::vector<ClockUnit> units;  // one a run and sensor, all sensors of the first run first
+
+  TRILAT_FIELDS(network, method, asked, error, below_2ms, below_2ms_low, below_2ms_high, units)
 };
 
 // What became of a client's frames in the paper's queue at the server.
@@ -38,6 +44,8 @@ struct QueueCounts {
                 too_late = 0;  // stated time of sending too far from the server's time: dropped
   std::uint64_t taken = 0;
   bool operator==(const QueueCounts&) const = default;
+
+  TRILAT_FIELDS(came, untimed, too_early, too_late, taken)
 };
 
 // Of all runs and sensors, by one way to give a frame its time, over one kind of network.
@@ -47,6 +55,12 @@ struct QueueRow {
   QueueCounts counts;
   // Of the share that is taken, 95 % over sensors and runs.
   double taken_low = TimeSpread::kNone, taken_high = TimeSpread::kNone;
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(network, method, server)
+    QueueCounts::fields(self.counts, field);
+    TRILAT_EACH(taken_low, taken_high)
+  }
 };
 
 // What the corrected fit says of itself, over one kind of network: means over sensors and runs.
@@ -56,6 +70,8 @@ struct ClockFitRow {
   double offset_bound_s = TimeSpread::kNone;      // what unlike delays can add, at most
   double within_bound_share = TimeSpread::kNone;  // of frames whose error the bound and 4 sigma hold
   double exchanges_used_share = TimeSpread::kNone;
+
+  TRILAT_FIELDS(network, offset_sigma_s, offset_bound_s, within_bound_share, exchanges_used_share)
 };
 
 // summary.json of a study of kind "recording". All of it is simulated.
@@ -67,15 +83,14 @@ struct RecordingSummary {
   std::vector<ClockFitRow> fits;
   double late_s = 0.0;  // the queue's limit
   std::vector<QueueRow> queues;
-};
 
-// Its rows.
-Json json_of(const ClockErrorRow& row);
-Json json_of(const ClockFitRow& row);
-Json json_of(const QueueRow& row);
-ClockErrorRow read_clock_error(JsonObject object);
-ClockFitRow read_clock_fit(JsonObject object);
-QueueRow read_queue(JsonObject object);
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study)
+    field("simulated", true);
+    TRILAT_EACH(seed, frames, sensors, runs, clocks, fits, late_s, queues)
+  }
+  void check(const JsonObject& object) const;
+};
 
 void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& summary);
 // InputError with file and pointer when it is not one of these.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 
@@ -13,6 +14,9 @@ namespace trilat {
 
 struct Estimate {  // with its 95 % interval; NaN where there is none
   double value = kNoNumber, low = kNoNumber, high = kNoNumber;
+
+  static constexpr bool as_list = true;
+  TRILAT_FIELDS(value, low, high)
 };
 
 // What a sensitivity study varies: a setting of its simulation, in a range or a list.
@@ -22,6 +26,8 @@ struct SensitivityFactor {
   std::vector<std::string> values = {};  // of a list, as text; empty: a range
   double low = kNoNumber, high = kNoNumber;
   bool logarithmic = false, whole = false;  // whole numbers only
+
+  TRILAT_FIELDS(name, unit, setting, values, low, high, logarithmic, whole)
 };
 
 // One simulated campaign: where in the space it is, and what the methods' errors were.
@@ -35,6 +41,8 @@ struct SensitivityPoint {
   std::vector<double> paired_m = {};
   std::vector<double> answered = {};  // by method, share
   std::string problem = {};           // why there are no errors; empty when there are
+
+  TRILAT_FIELDS(design, row, position, paired_m, answered, problem)
 };
 
 // How a claim depends on one factor, all others anywhere in the space.
@@ -45,8 +53,11 @@ struct ClaimByFactor {
   struct Bin {
     double position = kNoNumber;  // of its middle, 0 to 1
     Estimate difference_percent, share;
+    TRILAT_FIELDS(position, difference_percent, share)
   };
   std::vector<Bin> bins;  // equal parts of the range, or the values of the list
+
+  TRILAT_FIELDS(factor, first, total, break_even, bins)
 };
 
 // "This method errs less than all of those": the difference is its error over theirs on the samples that both
@@ -62,12 +73,17 @@ struct SensitivityClaim {
   double worst_percent = kNoNumber;  // the largest difference in the space
   Estimate default_percent = {};     // of the simulation as it is
   std::vector<ClaimByFactor> factors = {};
+
+  TRILAT_FIELDS(name, better, than, margin_percent, silent, share, difference_percent, worst_percent,
+                default_percent, factors)
 };
 
 struct SensitivitySlice {
   std::string name, x, y;           // the factors
   std::uint64_t steps = 0;          // of each
   std::vector<std::string> claims;  // that are drawn
+
+  TRILAT_FIELDS(name, x, y, steps, claims)
 };
 
 struct SensitivitySummary {
@@ -83,10 +99,14 @@ struct SensitivitySummary {
 
   double value_at(std::size_t factor, double position) const;  // in the factor's unit; number in a list
   std::string text_at(std::size_t factor, double position) const;
-};
 
-Json json_of(const SensitivityPoint& point);
-SensitivityPoint read_sensitivity_point(JsonObject object, std::size_t factors, std::size_t methods);
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study)
+    field("simulated", true);
+    TRILAT_EACH(alignment, seed, participants, rows, methods, factors, slices, claims, best_share, points)
+  }
+  void check(const JsonObject& object) const;
+};
 
 // Of the claim at a point; NaN when no sample is answered by both.
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,

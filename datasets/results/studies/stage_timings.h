@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -23,11 +24,9 @@ struct TimeSpread {
   std::uint64_t n = 0;
   std::array<std::uint64_t, kTimeEdges_s.size()> bins{};
   double median_s = kNone, p95_s = kNone, p99_s = kNone, p999_s = kNone, max_s = kNone;
-};
 
-Json json_of(const TimeSpread& spread);
-// InputError when the bins do not add up.
-TimeSpread read_time_spread(JsonObject object);
+  TRILAT_FIELDS(n, bins, median_s, p95_s, p99_s, p999_s, max_s)
+};
 
 // From the depth images to the joints: body tracking as the study declares it, and trilateration as measured.
 inline constexpr const char* kDepthToJoints = "body tracking (simulated) and trilateration";
@@ -37,6 +36,8 @@ struct StageTiming {
   std::string name;    // "trilateration"
   std::string method;  // of the stage, where it has several; else empty
   TimeSpread time;     // a frame
+
+  TRILAT_FIELDS(name, method, time)
 };
 
 // What differs from machine to machine and run to run.
@@ -44,6 +45,8 @@ struct StageTimings {
   std::string study;
   std::string processor;
   std::vector<StageTiming> stages;
+
+  TRILAT_FIELDS(study, processor, stages)
 };
 
 // timings.json, beside the summary.json of a study of kind "recording".

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -25,6 +26,9 @@ struct SweepInterpretation {
   std::string threshold_unit;                      // cm2, m2
   std::string gradient, curvature, stop, damping;  // as of the method `nonlinear`
   std::string start;                               // linear, squared_ranges, mean, previous
+
+  TRILAT_FIELDS(id, rig, sensors_m, joint, error_model, threshold_unit, gradient, curvature, stop, damping,
+                start)
 };
 
 // One interpretation at one threshold and one range of errors. NaN where nothing answered. Errors are
@@ -57,6 +61,14 @@ struct SweepCell {
   double min_digits = kNone;
 
   double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(interpretation, threshold, range, asked, answered, statuses, mae_m, mae_standard_error_m,
+                axis_mae_m)
+    field("axis_mean_mae_m", self.axis_mean_mae_m());
+    TRILAT_EACH(rmse_m, p50_m, p95_m, max_m, start_mae_m, mean_iterations, p50_iterations, p99_iterations,
+                max_iterations, digits_trials, mean_digits, p50_digits, min_digits)
+  }
 };
 
 // How well a reading fits the printed table. Ratios are ours / printed.
@@ -66,6 +78,8 @@ struct SweepFit {
   double rms_log_ratio = 0.0;                  // natural logarithm
   double worst_factor = 1.0;                   // of the worst cell, 1 or more
   double us_per_iteration = SweepCell::kNone;  // times only: the one scale that fits best
+
+  TRILAT_FIELDS(interpretation, reported, rms_log_ratio, worst_factor, us_per_iteration)
 };
 
 struct SweepRanking {
@@ -73,6 +87,8 @@ struct SweepRanking {
   std::uint64_t ranked = 0;    // entries: each reading that answered nine trials in ten in every cell
   // rms_log_ratio over all ranked; NaN when none was
   double best_rms = SweepCell::kNone, median_rms = SweepCell::kNone, worst_rms = SweepCell::kNone;
+
+  TRILAT_FIELDS(ranked, best_rms, median_rms, worst_rms, best)
 };
 
 // Two readings that differ in the gradient, and perhaps the damping, only: what the smallest threshold costs
@@ -86,6 +102,9 @@ struct SweepCompromise {
   // The least share of trials that any of its cells answered: where it is low, the factors are those of the
   // easy trials.
   double printed_coverage = SweepCell::kNone, corrected_coverage = SweepCell::kNone;
+
+  TRILAT_FIELDS(best_for, printed, corrected, printed_iterations_factor, corrected_iterations_factor,
+                printed_error_factor, corrected_error_factor, printed_coverage, corrected_coverage)
 };
 
 // Which readings fit the printed Table I.
@@ -94,12 +113,15 @@ struct SweepSearch {
   SweepRanking errors;  // each reading counts twice: distance and axis_mean
   SweepRanking times;
   std::vector<SweepCompromise> compromises;
+
+  TRILAT_FIELDS(tried, errors, times, compromises)
 };
 
 // What a threshold sweep found. Everything in it is simulated.
 struct SweepSummary {
   struct ErrorRange {
     double low_m = 0.0, high_m = 0.0;
+    TRILAT_FIELDS(low_m, high_m)
   };
   std::string study;
   bool simulated = true;
@@ -116,20 +138,15 @@ struct SweepSummary {
   const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
     return cells.at((interpretation * thresholds.size() + threshold) * ranges.size() + range);
   }
+
+  TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, interpretations,
+                cells, search)
+  void check(const JsonObject& object) const;
 };
 
 // summary.json (results format 1, kind threshold_sweep). NaN is written as null.
 void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& summary);
 // InputError when it is not there, of another version or kind, or its cells do not fit its lists.
 SweepSummary read_sweep_summary(const std::filesystem::path& folder);
-
-// The member "search" of a sweep's summary.json.
-Json json_of(const SweepSearch& search);
-// Refuses numbers of interpretations that the summary does not have, and factors that are not one a range.
-SweepSearch read_search(JsonObject object, std::size_t interpretations, std::size_t ranges);
-
-// As in summary.json. What is read is equal to what was written, to the bit.
-Json json_of(const SweepCell& cell);
-SweepCell read_sweep_cell(JsonObject& object);
 
 }  // namespace trilat

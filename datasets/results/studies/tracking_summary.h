@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 
@@ -23,6 +24,13 @@ struct ViewRow {
   bool truth_known = false;    // the next two are counts of something
   std::uint64_t hidden = 0;    // truly
   std::uint64_t rightly = 0;   // rejected and truly hidden
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(condition, sensor, group, rule, views, rejected)
+    if (field.has("hidden", self.truth_known)) {
+      TRILAT_EACH(hidden, rightly)
+    }
+  }
 };
 
 // Left and right exchanged by one sensor: what was found, and what a simulation knows.
@@ -36,6 +44,13 @@ struct ExchangeRow {
   std::uint64_t rightly = 0;          // found and truly exchanged
   std::uint64_t true_stretches = 0;   // runs of truly exchanged bodies
   std::uint64_t stretches_found = 0;  // of them, found in at least 95 % of their instants
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(condition, sensor, instants, found, stretches)
+    if (field.has("exchanged", self.truth_known)) {
+      TRILAT_EACH(exchanged, rightly, true_stretches, stretches_found)
+    }
+  }
 };
 
 // The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
@@ -47,6 +62,8 @@ struct ClockRow {
   double drift_ppm = kNoNumber, drift_sigma_ppm = kNoNumber;
   double peak = kNoNumber, second = kNoNumber;  // correlation of speeds; the next peak as a share of it
   bool applied = false;
+
+  TRILAT_FIELDS(take, status, offset_s, low_s, high_s, drift_ppm, drift_sigma_ppm, peak, second, applied)
 };
 
 // How far the ranges of one joint group are off, over all sensors and takes of a condition: what
@@ -56,6 +73,8 @@ struct RangeRow {
   std::uint64_t n = 0;
   double mean_error_m = kNoNumber;  // range - true distance
   double rms_error_m = kNoNumber;
+
+  TRILAT_FIELDS(condition, group, n, mean_error_m, rms_error_m)
 };
 
 // By how much the sensors of one take disagree along their rays and across, without what all sensors have in
@@ -66,6 +85,8 @@ struct RayRow {
   std::string problem = {};
   double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
   double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
+
+  TRILAT_FIELDS(take, rows, problem, range_m, bearing_m, ratio, ratio_low, ratio_high)
 };
 
 // How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
@@ -77,6 +98,9 @@ struct PredictionRow {
   double range_m = kNoNumber, range_low_m = kNoNumber, range_high_m = kNoNumber;
   double bearing_m = kNoNumber, bearing_low_m = kNoNumber, bearing_high_m = kNoNumber;
   double mean_range_m = kNoNumber;  // above 0: farther than seen
+
+  TRILAT_FIELDS(condition, method, n, range_m, range_low_m, range_high_m, bearing_m, bearing_low_m,
+                bearing_high_m, mean_range_m)
 };
 
 struct TrackingSummary {
@@ -89,21 +113,13 @@ struct TrackingSummary {
   std::vector<RangeRow> ranges = {};
   std::vector<RayRow> rays = {};
   std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
+
+  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, ranges, rays, predictions)
 };
 
 // tracking.json, beside an accuracy study's summary.json. NaN is written as null.
 void write_tracking_summary(const std::filesystem::path& folder, const TrackingSummary& summary);
 // Nothing when there is none; InputError when the file is not one of these.
 std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path& folder);
-
-// The rows of tracking.json. Readers refuse counts that contradict each other.
-Json json_of(const ViewRow& row);
-Json json_of(const ExchangeRow& row);
-Json json_of(const ClockRow& row);
-Json json_of(const RayRow& row);
-ViewRow read_view(JsonObject& object);
-ExchangeRow read_exchange(JsonObject& object);
-ClockRow read_clock(JsonObject& object);
-RayRow read_ray(JsonObject& object);
 
 }  // namespace trilat

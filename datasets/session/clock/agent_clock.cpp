@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "datasets/session/clock/offset_samples.h"
-#include "datasets/session/clock/offset_wander.h"
 
 namespace trilat {
 namespace {

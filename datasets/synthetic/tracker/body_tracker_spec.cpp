@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "datasets/synthetic/embedded_tracker.h"
 
 namespace trilat {

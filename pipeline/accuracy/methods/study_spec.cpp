@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/json_ranges.h"
+#include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {

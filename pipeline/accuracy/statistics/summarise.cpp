@@ -246,7 +246,7 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   summary.study = plan.study.name;
   summary.campaign = plan.campaign.name;
   summary.simulated = plan.simulated;
-  summary.left_out = leaves_sensors_out(plan);
+  if (leaves_sensors_out(plan)) summary.truth = kLeftOutTruth;
   summary.takes = plan.takes.size();
   summary.takes_failed =
       static_cast<std::uint64_t>(std::count(outcome.evaluated.begin(), outcome.evaluated.end(), false));

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -16,6 +17,8 @@ struct PredictionSums {
   std::string participant, condition, method;
   std::uint64_t n = 0;
   double range_m = 0.0, abs_range_m = 0.0, bearing_m = 0.0;
+
+  TRILAT_FIELDS(participant, condition, method, n, range_m, abs_range_m, bearing_m)
 };
 
 // Of a take whose sensor is left out, after which no method sees that sensor: its tracked joints become the

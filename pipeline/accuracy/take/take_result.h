@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/take/plan.h"
@@ -20,6 +21,8 @@ struct TakeInput {
   std::string role, file;  // what it is, its name
   std::uintmax_t bytes = 0;
   std::string sha256;  // empty when it could not be read
+
+  TRILAT_FIELDS(role, file, bytes, sha256)
 };
 
 // How far the own solver and Ceres were apart in one take.
@@ -28,6 +31,8 @@ struct TakeCheck {
   double worst_m = 0.0;
   std::string worst_at, disagreed_at;  // the first
   void merge(const TakeCheck& later);
+
+  TRILAT_FIELDS(samples, disagreements, worst_m, worst_at, disagreed_at)
 };
 
 // All that evaluating one take gives besides its samples and its replay.
@@ -37,10 +42,9 @@ struct TakeResult {
   TakeCheck check;
   TakeTracking tracking;
   bool evaluated = false;
-};
 
-Json json_of(const TakeResult& result);
-TakeResult read_take_result(const Json& json, const std::string& place);
+  TRILAT_FIELDS(evaluated, inputs, notes, check, tracking)
+};
 
 // Where the samples of a take are: `folder`/samples.h5 and, when it is shown, `folder`/replay.h5, under its
 // id.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "datasets/base/described.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -12,6 +13,8 @@ struct RangeSums {
   std::string condition, group;
   std::uint64_t n = 0;
   double sum_m = 0.0, squares_m2 = 0.0;
+
+  TRILAT_FIELDS(condition, group, n, sum_m, squares_m2)
 };
 
 // What one take says of how its sensors tracked, as rows of one condition.
@@ -22,6 +25,8 @@ struct TakeTracking {
   RayRow rays = {};
   std::vector<RangeSums> ranges;
   std::vector<PredictionSums> predictions = {};
+
+  TRILAT_FIELDS(views, exchanges, ranges, predictions, clock, rays)
 };
 
 // Counts which views each rule and each method with an occlusion rule rejects, and which exchanges of left

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/network/event_queue.h"
+#include "recorders/network/server_state.h"
 
 namespace trilat {
+
 namespace {
 
 constexpr std::size_t kMaxSmallEvents = 100'000;
