@@ -12,6 +12,12 @@
 
 namespace trilat {
 
+// A field of a CSV file as RFC 4180 has it: between quotes where a comma, a quote or the end of a line stands
+// in it, with quotes doubled. Everything that writes CSV writes texts with it.
+std::string csv_field(std::string_view text);
+// The same, always between quotes.
+std::string csv_quoted(std::string_view text);
+
 // A file of any length that is written aside and gets its name by publish(); without that nothing is
 // left. OutputError with the path when the disk does not let us.
 class TextOutput {

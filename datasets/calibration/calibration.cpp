@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/settings.h"
 
 namespace trilat {
 namespace {
@@ -140,7 +141,7 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   object.format(kFormat);
   Calibration calibration;
   calibration.method = object.text("method");
-  calibration.world = object.text("world", calibration.world);
+  setting(object, "world", calibration.world, "whose frame the positions are in");
   calibration.simulated = object.boolean("simulated", false);
   calibration.positions = object.count("positions", 0);
   calibration.reduced_chi2 = not_negative(object, "reduced_chi2");
@@ -157,7 +158,6 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   if (object.has("sources"))
     for (JsonObject& entry : object.objects("sources")) calibration.sources.push_back(read_source(entry));
   object.about({{"method", "how the sensors were calibrated"},
-                {"world", "whose frame the positions are in"},
                 {"simulated", "every table says so"},
                 {"positions", "of the wand"},
                 {"reduced_chi2", "of the refinement"},

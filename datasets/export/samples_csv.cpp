@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/base/csv_field.h"
+#include "datasets/base/text_output.h"
 #include "datasets/export/export_frame.h"
 
 namespace trilat {

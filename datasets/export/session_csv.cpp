@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "datasets/base/csv_field.h"
+#include "datasets/base/text_output.h"
 #include "datasets/export/export_frame.h"
 
 namespace trilat {

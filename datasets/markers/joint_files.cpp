@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 
-#include "datasets/base/csv_field.h"
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
 #include "datasets/markers/c3d_parameters.h"

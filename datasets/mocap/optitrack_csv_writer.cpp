@@ -11,9 +11,9 @@
 
 #include <fmt/core.h>
 
-#include "datasets/base/csv_field.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/text_output.h"
 
 namespace trilat {
 namespace {

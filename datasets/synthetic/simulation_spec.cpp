@@ -6,14 +6,86 @@
 #include <numbers>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {
+
+namespace {
+
+constexpr const char* kPaper = "Yang, Dong, El Saddik, arXiv 2212.14771";
+constexpr const char* kAssumption = "assumption: no published figure";
+constexpr const char* kCalibrations = "public calibrations of Kinect v2 units";
+constexpr const char* kSensor = "Kinect for Windows SDK 2.0 documentation";
+
+std::string text(double value) { return fmt::format("{:g}", value); }
+std::string between(double half) { return fmt::format("+-{:g}", half); }
+
+void add_persons(const SimulationSpec& s, std::vector<TrackerParameter>& list) {
+  list.push_back({"participants", std::to_string(s.participants), "", kPaper});
+  if (s.recorded) {
+    list.push_back({"motion", "recorded take", "", s.recorded->mocap.filename().string()});
+  } else {
+    list.push_back({"stature", text(s.stature_mean_m) + between(s.stature_half_range_m), "m", kPaper});
+    list.push_back(
+        {"segments", "fractions of the stature", "", "Drillis and Contini 1966, as tabulated by Winter"});
+  }
+  if (s.bystanders > 0) list.push_back({"bystanders", std::to_string(s.bystanders), "", kAssumption});
+}
+
+void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
+  std::string heights;
+  for (double height_m : rig.heights_m) heights += (heights.empty() ? "" : ", ") + text(height_m);
+  list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
+  list.push_back({"sensor heights", heights, "m", "assumption: the paper does not say"});
+  list.push_back({"arc of the rig", text(rig.arc_rad / kRadPerDegree), "degrees", kAssumption});
+  list.push_back(
+      {"error of the calibration",
+       text(rig.position_sigma_m) + " m, " + text(rig.rotation_sigma_rad / kRadPerDegree) + " degrees",
+       "sigma an axis", kAssumption});
+}
+
+void add_sensor(const SensorSpec& s, std::vector<TrackerParameter>& list) {
+  list.push_back({"frame rate", text(s.rate_hz), "Hz", kSensor});
+  list.push_back({"range", text(s.nearest_m) + " to " + text(s.farthest_m), "m", kSensor});
+  list.push_back({"focal length between units", between(s.focal_spread_px), "px", kCalibrations});
+  list.push_back({"image centre between units", between(s.centre_spread_px), "px", kCalibrations});
+  list.push_back({"frames lost", text(s.dropped_share), "of frames", kAssumption});
+  list.push_back({"clock drift", between(s.free_running ? s.clock_drift_ppm : 0.0), "ppm",
+                  "tolerance of common crystal oscillators"});
+  list.push_back(
+      {"latency", text(s.latency_s), "s", "at least 20 ms by the sensor's makers; stated in the session"});
+  list.push_back({"arrival jitter", text(s.arrival_jitter_s), "s, mean of exponential", kAssumption});
+  list.push_back({"clock exchanges", "every " + text(s.exchange_period_s), "s", kAssumption});
+  list.push_back({"exchange jitter", text(s.exchange_jitter_s), "s, mean of exponential", kAssumption});
+}
+
+void add_mocap(const MocapSpec& m, std::vector<TrackerParameter>& list) {
+  list.push_back({"mocap rate", text(m.rate_hz), "Hz", "OptiTrack V100:R2 of the paper"});
+  list.push_back({"marker noise", text(m.marker_noise_sigma_m), "m, sigma an axis", kAssumption});
+  list.push_back({"marker gaps", text(m.gap_share), "of 0.2 s stretches", kAssumption});
+  list.push_back({"error of the stated start", between(m.clock_error_s), "s", kPaper});
+}
+
+}  // namespace
+
+std::vector<TrackerParameter> simulation_parameters(const SimulationSpec& spec) {
+  std::vector<TrackerParameter> list;
+  add_persons(spec, list);
+  add_rig(spec.rig, list);
+  add_sensor(spec.sensor, list);
+  for (TrackerParameter& parameter : tracker_parameters(spec.body_tracker))
+    list.push_back(std::move(parameter));
+  if (!spec.recorded) add_mocap(spec.mocap, list);
+  return list;
+}
+
 namespace {
 
 constexpr const char* kFormat = "trilat.simulation";
@@ -53,7 +125,7 @@ std::vector<double> read_height_range(JsonObject object) {
 
 RigSpec read_rig(JsonObject object) {
   RigSpec rig;
-  rig.radius_m = number_within(object, "radius_m", rig.radius_m, 0.3, 20.0);
+  setting(object, "radius_m", rig.radius_m, {0.3, 20.0}, "of the circle on which the sensors stand");
   if (object.has("heights_m")) {
     if (object.value("heights_m").is_object()) {
       rig.heights_m = read_height_range(object.object("heights_m"));
@@ -64,17 +136,16 @@ RigSpec read_rig(JsonObject object) {
     }
   }
   rig.arc_rad = kRadPerDegree * number_within(object, "arc_deg", rig.arc_rad / kRadPerDegree, 1.0, 360.0);
-  rig.position_sigma_m = number_within(object, "position_sigma_m", rig.position_sigma_m, 0.0, 1.0);
+  setting(object, "position_sigma_m", rig.position_sigma_m, {0.0, 1.0},
+          "error of the calibration that is written, an axis");
   rig.rotation_sigma_rad = kRadPerDegree * number_within(object, "rotation_sigma_deg",
                                                          rig.rotation_sigma_rad / kRadPerDegree, 0.0, 45.0);
   if (object.has("centre_m")) {
     const auto c = object.numbers("centre_m", 3);
     rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
   }
-  object.about({{"radius_m", "of the circle on which the sensors stand"},
-                {"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
+  object.about({{"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
                 {"arc_deg", "of the circle, in equal parts: a sensor stands in the middle of each"},
-                {"position_sigma_m", "error of the calibration that is written, an axis"},
                 {"rotation_sigma_deg", "and of its rotations"},
                 {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
   object.finish();
@@ -83,51 +154,39 @@ RigSpec read_rig(JsonObject object) {
 
 SensorSpec read_sensor(JsonObject object) {
   SensorSpec s;
-  s.rate_hz = number_within(object, "rate_hz", s.rate_hz, 1.0, 1000.0);
-  s.nearest_m = not_negative(object, "nearest_m", s.nearest_m);
+  setting(object, "rate_hz", s.rate_hz, {1.0, 1000.0}, "of frames");
+  setting(object, "nearest_m", s.nearest_m, {0.0, kUnlimited}, "at which a joint is seen");
   s.farthest_m = object.positive("farthest_m", s.farthest_m);
   if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
   object.gone("joint_bias_sigma_m", "say \"bias_sigma_m\" in \"body_tracker\"");
   object.gone("joint_noise_sigma_m", "say \"jitter_sigma_m\" in \"body_tracker\"");
   for (const char* key : {"inferred_share", "inferred_noise_factor"})
     object.gone(key, "joints are inferred where they are hidden; see \"body_tracker\"");
-  s.dropped_share = share_within(object, "dropped_share", s.dropped_share);
-  s.clock_drift_ppm = number_within(object, "clock_drift_ppm", s.clock_drift_ppm, 0.0, 500.0);
-  s.latency_s = number_within(object, "latency_s", s.latency_s, 0.0, 1.0);
-  s.arrival_jitter_s = number_within(object, "arrival_jitter_s", s.arrival_jitter_s, 0.0, 1.0);
-  s.exchange_period_s = number_within(object, "exchange_period_s", s.exchange_period_s, 0.01, 3600.0);
-  s.exchange_jitter_s = number_within(object, "exchange_jitter_s", s.exchange_jitter_s, 0.0, 1.0);
-  s.free_running = object.boolean("free_running", s.free_running);
-  s.focal_spread_px = number_within(object, "focal_spread_px", s.focal_spread_px, 0.0, 50.0);
-  s.centre_spread_px = number_within(object, "centre_spread_px", s.centre_spread_px, 0.0, 50.0);
-  object.about({{"rate_hz", "of frames"},
-                {"nearest_m", "at which a joint is seen"},
-                {"farthest_m", "at which a joint is seen"},
-                {"dropped_share", "of frames"},
-                {"clock_drift_ppm", "uniform in +-, of sensor and machine"},
-                {"latency_s", "exposure to arrival, the constant part"},
-                {"arrival_jitter_s", "mean of the exponential part"},
-                {"exchange_period_s", "between two exchanges of clock messages"},
-                {"exchange_jitter_s", "mean of the exponential part of their delay"},
-                {"free_running", "each sensor has its own phase, clock origin and drift"},
-                {"focal_spread_px", "uniform in +-, between units"},
-                {"centre_spread_px", "uniform in +-, between units"}});
+  setting(object, "dropped_share", s.dropped_share, {0.0, 1.0}, "of frames");
+  setting(object, "clock_drift_ppm", s.clock_drift_ppm, {0.0, 500.0}, "uniform in +-, of sensor and machine");
+  setting(object, "latency_s", s.latency_s, {0.0, 1.0}, "exposure to arrival, the constant part");
+  setting(object, "arrival_jitter_s", s.arrival_jitter_s, {0.0, 1.0}, "mean of the exponential part");
+  setting(object, "exchange_period_s", s.exchange_period_s, {0.01, 3600.0},
+          "between two exchanges of clock messages");
+  setting(object, "exchange_jitter_s", s.exchange_jitter_s, {0.0, 1.0},
+          "mean of the exponential part of their delay");
+  setting(object, "free_running", s.free_running, "each sensor has its own phase, clock origin and drift");
+  setting(object, "focal_spread_px", s.focal_spread_px, {0.0, 50.0}, "uniform in +-, between units");
+  setting(object, "centre_spread_px", s.centre_spread_px, {0.0, 50.0}, "uniform in +-, between units");
+  object.about({{"farthest_m", "at which a joint is seen"}});
   object.finish();
   return s;
 }
 
 MocapSpec read_mocap_spec(JsonObject object) {
   MocapSpec m;
-  m.rate_hz = number_within(object, "rate_hz", m.rate_hz, 1.0, 2000.0);
-  m.marker_noise_sigma_m = not_negative(object, "marker_noise_sigma_m", m.marker_noise_sigma_m);
-  m.marker_offset_m = not_negative(object, "marker_offset_m", m.marker_offset_m);
-  m.gap_share = share_within(object, "gap_share", m.gap_share);
-  m.clock_error_s = number_within(object, "clock_error_s", m.clock_error_s, 0.0, 10.0);
-  object.about({{"rate_hz", "of OptiTrack"},
-                {"marker_noise_sigma_m", "an axis"},
-                {"marker_offset_m", "of each of a joint's four markers from the joint"},
-                {"gap_share", "of 0.2 s stretches in which a marker is lost"},
-                {"clock_error_s", "uniform in +-, between the stated and the true start"}});
+  setting(object, "rate_hz", m.rate_hz, {1.0, 2000.0}, "of OptiTrack");
+  setting(object, "marker_noise_sigma_m", m.marker_noise_sigma_m, {0.0, kUnlimited}, "an axis");
+  setting(object, "marker_offset_m", m.marker_offset_m, {0.0, kUnlimited},
+          "of each of a joint's four markers from the joint");
+  setting(object, "gap_share", m.gap_share, {0.0, 1.0}, "of 0.2 s stretches in which a marker is lost");
+  setting(object, "clock_error_s", m.clock_error_s, {0.0, 10.0},
+          "uniform in +-, between the stated and the true start");
   object.finish();
   return m;
 }
@@ -150,7 +209,7 @@ std::vector<Joint> default_marker_joints(Activity activity) {
 ActivitySpec read_activity(JsonObject& object) {
   ActivitySpec activity;
   activity.activity = static_cast<Activity>(object.choice("name", activity_names()));
-  activity.duration_s = number_within(object, "duration_s", activity.duration_s, 0.1, 1e6);
+  setting(object, "duration_s", activity.duration_s, {0.1, 1e6}, "of the take");
   activity.marker_joints = default_marker_joints(activity.activity);
   if (object.has("marker_joints")) {
     activity.marker_joints.clear();
@@ -167,7 +226,6 @@ ActivitySpec read_activity(JsonObject& object) {
     if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
   }
   object.about({{"name", "what the person does"},
-                {"duration_s", "of the take"},
                 {"marker_joints", "joints that carry markers; without it the paper's of the activity"}});
   object.finish();
   return activity;
@@ -180,16 +238,15 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   JsonObject object(json, place, "");
   SimulationSpec spec;
   object.format(kFormat);
-  spec.name = object.text("name", spec.name);
-  spec.seed = object.count("seed", spec.seed);
-  spec.participants = count_within(object, "participants", spec.participants, 1, 10'000);
+  setting(object, "name", spec.name, "of the campaign");
+  setting(object, "seed", spec.seed, "of every random number");
+  setting(object, "participants", spec.participants, {1, 10'000}, "persons");
   if (object.has("stature_m")) {
     JsonObject stature = object.object("stature_m");
-    spec.stature_mean_m = number_within(stature, "mean", spec.stature_mean_m, 0.5, 2.5);
-    spec.stature_half_range_m = number_within(stature, "half_range", spec.stature_half_range_m, 0.0, 0.5);
+    setting(stature, "mean", spec.stature_mean_m, {0.5, 2.5}, "of the persons");
+    setting(stature, "half_range", spec.stature_half_range_m, {0.0, 0.5}, "to both sides, uniform");
     if (spec.stature_mean_m - spec.stature_half_range_m < 0.5)
       stature.refuse("half_range", "must leave everybody at least 0.5 m tall");
-    stature.about({{"mean", "of the persons"}, {"half_range", "to both sides, uniform"}});
     stature.finish();
   }
   if (object.has("recorded")) {
@@ -215,7 +272,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
   if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object.object("body_tracker"));
-  spec.bystanders = count_within(object, "bystanders", spec.bystanders, 0, kMostBystanders);
+  setting(object, "bystanders", spec.bystanders, {0, kMostBystanders}, "who walk through the room");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
   if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
@@ -224,16 +281,12 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     object.refuse("depth", "says nothing without \"takes\": true in it or \"wand\" beside it");
   if (object.has("room") && !spec.depth.takes && !spec.wand)
     object.refuse("room", "is seen by nobody without depth: \"takes\": true in \"depth\", or \"wand\"");
-  object.about({{"name", "of the campaign"},
-                {"seed", "of every random number"},
-                {"participants", "persons"},
-                {"stature_m", "of the persons"},
+  object.about({{"stature_m", "of the persons"},
                 {"recorded", "an OptiTrack take that is watched instead of generated persons"},
                 {"activities", "of every person; without it walking"},
                 {"rig", "where the virtual sensors stand"},
                 {"sensor", "the virtual sensor"},
                 {"body_tracker", "errors of its body tracker"},
-                {"bystanders", "who walk through the room"},
                 {"mocap", "the virtual OptiTrack"},
                 {"room", "what depth sees besides persons"},
                 {"depth", "errors of depth"},

@@ -102,4 +102,8 @@ SimulationSpec read_simulation(const std::filesystem::path& path,
 // The poses of the rig's sensors, named k1, k2, …; they look at the centre.
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m);
 
+// Everything that a simulated campaign assumes of persons, rig, sensors, tracker and mocap, with what each
+// value rests on: what a reader of its results has to know.
+std::vector<TrackerParameter> simulation_parameters(const SimulationSpec& spec);
+
 }  // namespace trilat

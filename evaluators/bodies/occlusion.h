@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "datasets/depth/depth_image.h"
+#include "datasets/depth/depth_rays.h"
 #include "datasets/geometry/depth_camera.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "datasets/depth/axial_noise.h"
+#include "datasets/depth/depth_rays.h"
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/solvers/point_estimate.h"
 

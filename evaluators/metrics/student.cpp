@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/metrics/student.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gsl/gsl_cdf.h>
@@ -8,6 +9,43 @@
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
+
+namespace {
+
+// The tests, the smallest probability first.
+std::vector<std::size_t> in_order(std::span<const double> p) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (!std::isnan(p[i])) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<double> holm_adjusted(std::span<const double> p) {
+  const std::vector<std::size_t> order = in_order(p);
+  std::vector<double> adjusted(p.size(), kNaN);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    largest = std::max(largest, std::min(1.0, static_cast<double>(order.size() - k) * p[order[k]]));
+    adjusted[order[k]] = largest;
+  }
+  return adjusted;
+}
+
+std::vector<double> holm_levels(std::span<const double> p, double alpha) {
+  const std::vector<std::size_t> order = in_order(p);
+  std::vector<double> levels(p.size(), kNaN);
+  bool stopped = false;
+  double level = alpha;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (!stopped) level = alpha / static_cast<double>(order.size() - k);
+    levels[order[k]] = level;
+    stopped |= p[order[k]] > level;  // it and all that are larger stay at this level
+  }
+  return levels;
+}
 
 double student_quantile(std::size_t degrees, double alpha) {
   return gsl_cdf_tdist_Qinv(0.5 * alpha, static_cast<double>(degrees));

@@ -15,7 +15,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/depth/depth_image.h"
 #include "datasets/depth/depth_rays.h"
 #include "evaluators/wand/ball_fit.h"
 

@@ -3,8 +3,6 @@
 
 #include <optional>
 
-#include "datasets/depth/axial_noise.h"
-#include "datasets/depth/depth_image.h"
 #include "datasets/depth/depth_rays.h"
 #include "evaluators/wand/wand_sighting.h"
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include "datasets/depth/depth_image.h"
 #include "datasets/depth/depth_rays.h"
 #include "evaluators/wand/wand_sighting.h"
 

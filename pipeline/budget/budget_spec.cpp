@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/take/plan.h"
@@ -69,19 +70,14 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
     spec.inputs = WatchedFiles({spec.simulation.recorded->mocap, spec.simulation.recorded->mapping});
   spec.sha256 = hash_of_inputs(json, path.empty() ? path : (folder / path).string(), spec.simulation);
   document.check();
-  spec.simulation.seed = object.count("seed", spec.simulation.seed);
+  setting(object, "seed", spec.simulation.seed, "instead of the simulation's");
   if (spec.simulation.recorded && object.has("participants"))
     object.refuse("participants", "is of no use: the simulation watches a recorded take, which has one");
-  spec.simulation.participants =
-      count_within(object, "participants", spec.simulation.participants, 1, 10'000);
-  spec.calibration_sigma_m = number_within(object, "calibration_sigma_m", spec.calibration_sigma_m, 0.0, 1.0);
-  spec.calibration_sigma_deg =
-      number_within(object, "calibration_sigma_deg", spec.calibration_sigma_deg, 0.0, 45.0);
-  object.about({{"simulation", "simulation.json, relative to this file; without it the paper's campaign"},
-                {"seed", "instead of the simulation's"},
-                {"participants", "instead of the simulation's"},
-                {"calibration_sigma_m", "error of a sensor's position, an axis"},
-                {"calibration_sigma_deg", "and of its rotation"}});
+  setting(object, "participants", spec.simulation.participants, {1, 10'000}, "instead of the simulation's");
+  setting(object, "calibration_sigma_m", spec.calibration_sigma_m, {0.0, 1.0},
+          "error of a sensor's position, an axis");
+  setting(object, "calibration_sigma_deg", spec.calibration_sigma_deg, {0.0, 45.0}, "and of its rotation");
+  object.about({{"simulation", "simulation.json, relative to this file; without it the paper's campaign"}});
   object.finish();
   check_fits(object, spec.study, spec.simulation);
   if (!spec.study.conditions.empty())  // nobody looks at the others

@@ -16,7 +16,7 @@
 #include "evaluators/calibration/rig_start.h"
 #include "evaluators/ceres/rig_refinement.h"
 #include "pipeline/accuracy/take/sensor_track.h"
-#include "pipeline/calibration/floor_plane.h"
+#include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/parallel.h"
 

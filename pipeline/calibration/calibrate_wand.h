@@ -10,7 +10,7 @@
 #include "datasets/calibration/calibration.h"
 #include "evaluators/calibration/two_positions.h"
 #include "pipeline/calibration/calibrate_views.h"
-#include "pipeline/calibration/floor_plane.h"
+#include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/calibration/wand_views.h"
 
 namespace trilat {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -10,10 +11,20 @@
 #include <Eigen/Core>
 
 #include "datasets/base/time.h"
+#include "datasets/session/session_reader.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/ceres/rig_refinement.h"
 
 namespace trilat {
+
+// The floor as the body tracker states it: its unit normal and how high the sensor hangs above it.
+struct FloorPlane {
+  Eigen::Vector3d up_in_sensor = Eigen::Vector3d::UnitY();
+  double height_m = 0.0;
+};
+
+// From the first of some hundred body frames, spread over the session, that has one.
+std::optional<FloorPlane> floor_seen_by(const SessionReader& session, std::size_t sensor);
 
 // Where an OptiTrack export has the wand's ball, in the order of time; without frozen stretches.
 struct WandTrack {

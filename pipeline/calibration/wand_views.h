@@ -14,7 +14,6 @@
 #include "datasets/session/session_reader.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"
-#include "pipeline/calibration/floor_plane.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/study/watch.h"
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -28,13 +29,13 @@ void read_sigmas(JsonObject& object, std::vector<double>& sigmas_m) {
 void read_rig_part(JsonObject& object, CalibrationSpec& spec) {
   if (object.has("rig")) {
     JsonObject rig = object.object("rig");
-    spec.rig.radius_m = number_within(rig, "radius_m", spec.rig.radius_m, 1.0, 4.0);
+    setting(rig, "radius_m", spec.rig.radius_m, {1.0, 4.0}, "of the circle of sensors");
     if (rig.has("heights_m")) {
       const std::size_t sensors = rig.value("heights_m").size();
       if (sensors < 2 || sensors > 8) rig.refuse("heights_m", "must hold 2 to 8 heights, one a sensor");
       spec.rig.heights_m = rig.numbers("heights_m", sensors);
     }
-    rig.about({{"radius_m", "of the circle of sensors"}, {"heights_m", "one a sensor"}});
+    rig.about({{"heights_m", "one a sensor"}});
     rig.finish();
   }
   spec.runs = count_within(object, "runs", spec.runs, 0, 10'000);
@@ -53,43 +54,34 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
   object.choice("kind", {"calibration"});
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
-  spec.seed = object.count("seed", spec.seed);
-  spec.ball_radius_m = number_within(object, "ball_radius_m", spec.ball_radius_m, 0.02, 0.3);
-  spec.units = count_within(object, "units", spec.units, 1, 1000);
-  spec.samples = count_within(object, "samples", spec.samples, 0, 100'000);
-  spec.near_samples = count_within(object, "near_samples", spec.near_samples, 0, 100'000);
+  setting(object, "seed", spec.seed, "of every random number");
+  setting(object, "ball_radius_m", spec.ball_radius_m, {0.02, 0.3}, "of the wand's ball");
+  setting(object, "units", spec.units, {1, 1000},
+          "sensors, each with its own depth offset, wiggle and optics");
+  setting(object, "samples", spec.samples, {0, 100'000}, "wand positions a unit");
+  setting(object, "near_samples", spec.near_samples, {0, 100'000}, "of them nearer than 0.5 m");
   if (spec.units * (spec.samples + spec.near_samples) > 200'000)
     object.refuse("samples", "make more than 200000 samples with these units");
-  spec.frames = count_within(object, "frames", spec.frames, 1, 100);
+  setting(object, "frames", spec.frames, {1, 100}, "whose mean is a sample");
   read_distances(object, spec.distances_m);
-  spec.largest_angle_deg = number_within(object, "largest_angle_deg", spec.largest_angle_deg, 0.0, 40.0);
-  spec.distortion_units = count_within(object, "distortion_units", spec.distortion_units, 0, 1000);
-  spec.distortion_frames = count_within(object, "distortion_frames", spec.distortion_frames, 1, 1'000'000);
-  spec.wall_m = number_within(object, "wall_m", spec.wall_m, 0.5, 8.0);
+  setting(object, "largest_angle_deg", spec.largest_angle_deg, {0.0, 40.0},
+          "of samples, from the central line");
+  setting(object, "distortion_units", spec.distortion_units, {0, 1000}, "that look at a flat wall");
+  setting(object, "distortion_frames", spec.distortion_frames, {1, 1'000'000}, "of the wall, a unit");
+  setting(object, "wall_m", spec.wall_m, {0.5, 8.0}, "distance of the wall");
   read_rig_part(object, spec);
-  spec.effect_joints = count_within(object, "effect_joints", spec.effect_joints, 0, 10'000'000);
-  spec.range_sigma_m = number_within(object, "range_sigma_m", spec.range_sigma_m, 1e-4, 1.0);
+  setting(object, "effect_joints", spec.effect_joints, {0, 10'000'000},
+          "that are found with uncertain sensors");
+  setting(object, "range_sigma_m", spec.range_sigma_m, {1e-4, 1.0}, "of their ranges");
   read_sigmas(object, spec.sensor_sigmas_m);
   object.about({{"name", "of the study"},
-                {"seed", "of every random number"},
-                {"ball_radius_m", "of the wand's ball"},
-                {"units", "sensors, each with its own depth offset, wiggle and optics"},
-                {"samples", "wand positions a unit"},
-                {"near_samples", "of them nearer than 0.5 m"},
-                {"frames", "whose mean is a sample"},
                 {"distances_m", "of samples: from, to"},
-                {"largest_angle_deg", "of samples, from the central line"},
-                {"distortion_units", "that look at a flat wall"},
-                {"distortion_frames", "of the wall, a unit"},
-                {"wall_m", "distance of the wall"},
                 {"rig", "of the calibrated rigs"},
                 {"runs", "rigs that are calibrated"},
                 {"positions", "of the wand, a rig"},
                 {"position_frames", "whose mean is a position"},
                 {"bodies_s", "of walking, for the calibration from bodies"},
                 {"bodies_instants", "at which the bodies are compared"},
-                {"effect_joints", "that are found with uncertain sensors"},
-                {"range_sigma_m", "of their ranges"},
                 {"sensor_sigmas_m", "of the sensors' positions"}});
   object.finish();
   return spec;

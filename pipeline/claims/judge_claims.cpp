@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/paper/printed_tables.h"
-#include "evaluators/metrics/holm.h"
 #include "evaluators/metrics/student.h"
 #include "pipeline/claims/measures.h"
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "evaluators/metrics/holm.h"
+#include "evaluators/metrics/student.h"
 #include "pipeline/gate/found_results.h"
 
 namespace trilat {

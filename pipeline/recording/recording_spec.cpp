@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 
@@ -20,20 +21,16 @@ NetworkSpec read_network(JsonObject& object) {
   NetworkSpec network;
   network.name = object.text("name");
   if (network.name.empty()) object.refuse("name", "must not be empty");
-  network.wire_s = number_within(object, "wire_s", network.wire_s, 0.0, 1.0);
-  network.asymmetry_s = number_within(object, "asymmetry_s", network.asymmetry_s, -1.0, 1.0);
+  setting(object, "wire_s", network.wire_s, {0.0, 1.0}, "constant delay of a message");
+  setting(object, "asymmetry_s", network.asymmetry_s, {-1.0, 1.0}, "more on the way to the sensor's machine");
   if (network.wire_s + network.asymmetry_s < 0.0)
     object.refuse("asymmetry_s", "makes messages arrive before they are sent; \"wire_s\" must outweigh it");
-  network.jitter_s = number_within(object, "jitter_s", network.jitter_s, 0.0, 1.0);
+  setting(object, "jitter_s", network.jitter_s, {0.0, 1.0}, "mean of the exponential part of the delay");
   if (object.has("jitter_back_s"))
     network.jitter_back_s = number_within(object, "jitter_back_s", network.jitter_s, 0.0, 1.0);
-  network.lost_share = share_within(object, "lost_share", network.lost_share);
+  setting(object, "lost_share", network.lost_share, {0.0, 1.0}, "of exchanges");
   object.about({{"name", "of the network"},
-                {"wire_s", "constant delay of a message"},
-                {"asymmetry_s", "more on the way to the sensor's machine"},
-                {"jitter_s", "mean of the exponential part of the delay"},
-                {"jitter_back_s", "the same of messages to the server; without it jitter_s"},
-                {"lost_share", "of exchanges"}});
+                {"jitter_back_s", "the same of messages to the server; without it jitter_s"}});
   object.finish();
   return network;
 }
@@ -98,37 +95,28 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   object.choice("kind", {"recording"});
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
-  spec.seed = object.count("seed", spec.seed);
-  spec.frames = count_within(object, "frames", spec.frames, 2, 200'000);
-  spec.rate_hz = number_within(object, "rate_hz", spec.rate_hz, 1.0, 1000.0);
-  spec.sensors = count_within(object, "sensors", spec.sensors, 1, 8);
-  spec.runs = count_within(object, "runs", spec.runs, 1, 250);
-  spec.clock_offset_s = number_within(object, "clock_offset_s", spec.clock_offset_s, 0.0, 1000.0);
-  spec.clock_drift_ppm = number_within(object, "clock_drift_ppm", spec.clock_drift_ppm, 0.0, 400.0);
-  spec.exchange_period_s = number_within(object, "exchange_period_s", spec.exchange_period_s, 0.01, 3600.0);
-  spec.latency_s = number_within(object, "latency_s", spec.latency_s, 0.0, 1.0);
-  spec.arrival_jitter_s = number_within(object, "arrival_jitter_s", spec.arrival_jitter_s, 0.0, 1.0);
-  spec.late_s = number_within(object, "late_s", spec.late_s, 0.0, 10.0);
-  spec.body_tracking_s = number_within(object, "body_tracking_s", spec.body_tracking_s, 0.0, 1.0);
-  spec.body_tracking_jitter_s =
-      number_within(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, 0.0, 1.0);
+  setting(object, "seed", spec.seed, "of every random number");
+  setting(object, "frames", spec.frames, {2, 200'000}, "of a recording");
+  setting(object, "rate_hz", spec.rate_hz, {1.0, 1000.0}, "of frames");
+  setting(object, "sensors", spec.sensors, {1, 8}, "each with a machine of its own");
+  setting(object, "runs", spec.runs, {1, 250}, "recordings, each with other clocks");
+  setting(object, "clock_offset_s", spec.clock_offset_s, {0.0, 1000.0},
+          "uniform in +-, of a machine's clock at the start");
+  setting(object, "clock_drift_ppm", spec.clock_drift_ppm, {0.0, 400.0},
+          "uniform in +-, of a machine and of a sensor");
+  setting(object, "exchange_period_s", spec.exchange_period_s, {0.01, 3600.0},
+          "between two exchanges of clock messages");
+  setting(object, "latency_s", spec.latency_s, {0.0, 1.0}, "exposure to arrival, known");
+  setting(object, "arrival_jitter_s", spec.arrival_jitter_s, {0.0, 1.0}, "mean of the exponential part");
+  setting(object, "late_s", spec.late_s, {0.0, 10.0},
+          "the most by which a frame may be late for the paper's queue");
+  setting(object, "body_tracking_s", spec.body_tracking_s, {0.0, 1.0}, "of a depth image");
+  setting(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, {0.0, 1.0},
+          "mean of the exponential part");
   object.gone("capture_s", "build/release/tests/benchmarks/capture_benchmark records in real time");
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
   object.about({{"name", "of the study"},
-                {"seed", "of every random number"},
-                {"frames", "of a recording"},
-                {"rate_hz", "of frames"},
-                {"sensors", "each with a machine of its own"},
-                {"runs", "recordings, each with other clocks"},
-                {"clock_offset_s", "uniform in +-, of a machine's clock at the start"},
-                {"clock_drift_ppm", "uniform in +-, of a machine and of a sensor"},
-                {"exchange_period_s", "between two exchanges of clock messages"},
-                {"latency_s", "exposure to arrival, known"},
-                {"arrival_jitter_s", "mean of the exponential part"},
-                {"late_s", "the most by which a frame may be late for the paper's queue"},
-                {"body_tracking_s", "of a depth image"},
-                {"body_tracking_jitter_s", "mean of the exponential part"},
                 {"networks", "over which clocks are compared"},
                 {"methods", "that are timed, frame by frame"}});
   object.finish();

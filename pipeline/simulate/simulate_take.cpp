@@ -10,7 +10,7 @@
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulated_markers.h"
-#include "datasets/synthetic/simulation_parameters.h"
+#include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/simulate/simulate_wand.h"
 #include "pipeline/simulate/simulated_mocap.h"
 #include "recorders/recorder.h"

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
@@ -269,13 +270,14 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   read_choices(object, "starts", kStarts, spec.starts);
   read_thresholds(object, spec.thresholds);
   read_ranges(object, spec.ranges);
-  spec.trials = count_within(object, "trials", spec.trials, 1, kMostTrials);
-  spec.seed = object.count("seed", spec.seed);
-  spec.max_iterations = count_within(object, "max_iterations", spec.max_iterations, 1, kMostSweepIterations);
-  spec.digits_trials = count_within(object, "digits_trials", spec.digits_trials, 0, kMostDigitsTrials);
-  spec.time_problems = count_within(object, "time_problems", spec.time_problems, 0, kMostTimed);
-  spec.time_repeats = count_within(object, "time_repeats", spec.time_repeats, 1, 1000);
-  spec.search = object.boolean("search", spec.search);
+  setting(object, "trials", spec.trials, {1, kMostTrials}, "of each cell");
+  setting(object, "seed", spec.seed, "of every random number");
+  setting(object, "max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
+  setting(object, "digits_trials", spec.digits_trials, {0, kMostDigitsTrials},
+          "the first of the trials, compared with the exact minimum");
+  setting(object, "time_problems", spec.time_problems, {0, kMostTimed}, "that are timed; 0: none");
+  setting(object, "time_repeats", spec.time_repeats, {1, 1000}, "of the timing");
+  setting(object, "search", spec.search, "rank all readings by their distance from the printed Table I");
   check_search(object, spec);
   object.about({{"name", "of the study"},
                 {"rigs", "each with its sensors"},
@@ -288,14 +290,7 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
                 {"dampings", "of the step"},
                 {"starts", "of the descent"},
                 {"thresholds", "C, in each unit"},
-                {"error_ranges_cm", "[low, high] of the errors"},
-                {"trials", "of each cell"},
-                {"seed", "of every random number"},
-                {"max_iterations", "of a descent"},
-                {"digits_trials", "the first of the trials, compared with the exact minimum"},
-                {"time_problems", "that are timed; 0: none"},
-                {"time_repeats", "of the timing"},
-                {"search", "rank all readings by their distance from the printed Table I"}});
+                {"error_ranges_cm", "[low, high] of the errors"}});
   object.finish();
   return spec;
 }

@@ -8,7 +8,6 @@
 #include "datasets/base/version.h"
 #include "reports/page/embedded_page.h"
 #include "reports/page/html.h"
-#include "reports/page/page_sections.h"
 
 namespace trilat {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "reports/page/html.h"
-#include "reports/page/page_sections.h"
+#include "reports/page/page.h"
 
 namespace trilat {
 namespace {

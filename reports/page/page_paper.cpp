@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "reports/page/html.h"
-#include "reports/page/page_sections.h"
+#include "reports/page/page.h"
 #include "reports/render/render.h"
 
 namespace trilat {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/csv_field.h"
+#include "datasets/base/text_output.h"
 
 namespace trilat {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,6 +10,173 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
+
+namespace {
+
+// A compromise worth the name: the smallest threshold costs this many times the steps of the largest.
+constexpr double kCostly = 5.0;
+constexpr double kWorthwhile = 0.9;  // and brings an error below this many times
+constexpr double kFewAnswers = 0.9;  // share of the trials; below it the factors are those of the easy ones
+
+// Of the mean errors of a reading's cells, relative.
+double worst_half_interval(const SweepSummary& s, std::size_t reading) {
+  double worst = 0.0;
+  for (const SweepCell& c : s.cells)
+    if (c.interpretation == reading) worst = std::max(worst, 1.96 * c.mae_standard_error_m / c.mae_m);
+  return worst;
+}
+
+Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool errors) {
+  Table table;
+  table.id = errors ? "table1-search-errors" : "table1-search-times";
+  table.title = fmt::format(
+      "Which reading of the paper gives the printed {} of Table I: the best {} of {}, simulated ({} tried; "
+      "{} answered nine trials in ten in every cell and are ranked{}; {} trials a cell, seed {})",
+      errors ? "errors" : "times", ranking.best.size(), ranking.ranked, s.search->tried,
+      s.search->times.ranked, errors ? ", each by two metrics" : "", s.trials, s.seed);
+  table.columns = {{"rank", "rank", false, true},
+                   {"reading", "reading", true},
+                   {"reported", "reported", true},
+                   {"typical factor", "typical_factor", false},
+                   {"worst factor", "worst_factor", false}};
+  if (!errors) table.columns.push_back({"us a step", "us_per_iteration", false});
+  for (std::size_t i = 0; i < ranking.best.size(); ++i) {
+    const SweepFit& fit = ranking.best[i];
+    table.rows.push_back({TableValue::of(static_cast<double>(i + 1), 0),
+                          TableValue::of(s.interpretations[fit.interpretation].id),
+                          TableValue::of(fit.reported), TableValue::of(std::exp(fit.rms_log_ratio), 2),
+                          TableValue::of(fit.worst_factor, 2)});
+    if (!errors) table.rows.back().push_back(TableValue::of(fit.us_per_iteration, 3));
+  }
+  table.notes = {fmt::format(
+      "The typical factor between ours and the printed numbers is exp of the root mean square of "
+      "their log ratios over the twelve cells. Over all readings: best {:.2f}, median {:.2f}, worst {:.2f}.",
+      std::exp(ranking.best_rms), std::exp(ranking.median_rms), std::exp(ranking.worst_rms))};
+  if (!errors)
+    table.notes.push_back(
+        "Printed times are compared with our numbers of iterations times one scale that fits best, because "
+        "processors differ.");
+  else if (!ranking.best.empty())
+    table.notes.push_back(
+        fmt::format("The mean error of a cell is known to within {:.1f} % (95 %, the worst cell of the first "
+                    "reading): neighbours in this list are ties. A search fits what it can: it shows which "
+                    "reading explains the "
+                    "table, not that the paper used it.",
+                    100.0 * worst_half_interval(s, ranking.best.front().interpretation)));
+  return table;
+}
+
+Table compromise_table(const SweepSummary& s) {
+  Table table;
+  table.id = "table1-search-compromise";
+  table.title = fmt::format(
+      "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with either "
+      "gradient, simulated ({} trials a cell)",
+      *std::min_element(s.thresholds.begin(), s.thresholds.end()),
+      *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials);
+  table.columns = {{"best for", "best_for", true},
+                   {"printed reading", "reading", true},
+                   {"corrected's damping", "corrected_damping", true},
+                   {"error range (cm)", "range_cm", true},
+                   {"steps x, printed", "printed_iterations_factor", false},
+                   {"steps x, corrected", "corrected_iterations_factor", false},
+                   {"error x, printed", "printed_error_factor", false},
+                   {"error x, corrected", "corrected_error_factor", false},
+                   {"answered, printed (%)", "printed_coverage_percent", false},
+                   {"answered, corrected (%)", "corrected_coverage_percent", false}};
+  table.notes = {
+      "Answered: the least share of trials with a usable estimate in any cell of the reading. Where it is "
+      "low, the factors are those of the easy trials: undamped Gauss-Newton diverges or cycles on nearly "
+      "flat rigs."};
+  for (const SweepCompromise& c : s.search->compromises)
+    for (std::size_t r = 0; r < s.ranges.size(); ++r)
+      table.rows.push_back(
+          {TableValue::of(c.best_for), TableValue::of(s.interpretations[c.printed].id),
+           TableValue::of(s.interpretations[c.corrected].damping),
+           TableValue::of(fmt::format("{:g}-{:g}", s.ranges[r].low_m * kCentimetresPerMetre,
+                                      s.ranges[r].high_m * kCentimetresPerMetre)),
+           TableValue::of(c.printed_iterations_factor[r], 1),
+           TableValue::of(c.corrected_iterations_factor[r], 1), TableValue::of(c.printed_error_factor[r], 2),
+           TableValue::of(c.corrected_error_factor[r], 2), TableValue::of(100.0 * c.printed_coverage, 1),
+           TableValue::of(100.0 * c.corrected_coverage, 1)});
+  return table;
+}
+
+std::string span_text(const std::vector<double>& factors) {
+  const auto [low, high] = std::minmax_element(factors.begin(), factors.end());
+  const auto text = [](double factor) {
+    return factor < 10.0 ? fmt::format("{:.2f}", factor) : fmt::format("{:.0f}", factor);
+  };
+  return text(*low) + " to " + text(*high);
+}
+
+bool all_finite(const std::vector<double>& factors) {
+  return std::all_of(factors.begin(), factors.end(), [](double f) { return std::isfinite(f); });
+}
+
+double most(const std::vector<double>& f) { return *std::max_element(f.begin(), f.end()); }
+double least(const std::vector<double>& f) { return *std::min_element(f.begin(), f.end()); }
+
+// Whether accuracy is bought with time: with the printed gradient, and still with the corrected one.
+std::string verdict_on(const SweepCompromise& c) {
+  if (!(std::min(c.printed_coverage, c.corrected_coverage) >= kFewAnswers))
+    return fmt::format("no verdict, because only {:.0f} % of the trials are answered",
+                       100.0 * std::min(c.printed_coverage, c.corrected_coverage));
+  const bool corrected_costs = most(c.corrected_iterations_factor) > kCostly;
+  if (!(most(c.printed_iterations_factor) > kCostly))
+    return "there is no compromise even with the printed gradient";
+  if (!(least(c.printed_error_factor) < kWorthwhile))
+    return std::string(
+               "small thresholds cost steps with the printed gradient and buy nothing, and with the "
+               "corrected one they cost ") +
+           (corrected_costs ? "steps too" : "next to nothing");
+  return corrected_costs ? "the compromise survives the corrected gradient"
+                         : "the compromise does not survive the corrected gradient";
+}
+
+std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c) {
+  for (const auto* factors : {&c.printed_iterations_factor, &c.corrected_iterations_factor,
+                              &c.printed_error_factor, &c.corrected_error_factor})
+    if (factors->empty() || !all_finite(*factors)) return "";
+  return fmt::format(
+      "In the reading that fits the printed {} best, the smallest threshold takes {} times the steps of the "
+      "largest with the printed gradient and {} times with the corrected one (damping {}), for {} and {} "
+      "times the "
+      "error: {}.",
+      c.best_for, span_text(c.printed_iterations_factor), span_text(c.corrected_iterations_factor),
+      s.interpretations[c.corrected].damping, span_text(c.printed_error_factor),
+      span_text(c.corrected_error_factor), verdict_on(c));
+}
+
+}  // namespace
+
+std::vector<Table> search_tables(const SweepSummary& s) {
+  if (!s.search) return {};
+  std::vector<Table> tables{ranking_table(s, s.search->errors, true),
+                            ranking_table(s, s.search->times, false)};
+  if (!s.search->compromises.empty()) tables.push_back(compromise_table(s));
+  return tables;
+}
+
+std::vector<std::string> search_sentences(const SweepSummary& s) {
+  std::vector<std::string> sentences;
+  if (!s.search) return sentences;
+  for (const auto& [what, ranking] :
+       {std::pair{"errors", &s.search->errors}, std::pair{"times", &s.search->times}}) {
+    if (ranking->best.empty()) continue;
+    const SweepFit& fit = ranking->best.front();
+    sentences.push_back(
+        fmt::format("Of {} readings tried, {} fits the printed {} best: typically within a factor of {:.2f}, "
+                    "at worst {:.2f} (the median reading: {:.2f}).",
+                    s.search->tried, s.interpretations[fit.interpretation].id, what,
+                    std::exp(fit.rms_log_ratio), fit.worst_factor, std::exp(ranking->median_rms)));
+  }
+  for (const SweepCompromise& c : s.search->compromises)
+    if (const std::string sentence = compromise_sentence(s, c); !sentence.empty())
+      sentences.push_back(sentence);
+  return sentences;
+}
+
 namespace {
 
 constexpr std::size_t kMostReadingsInFull = 12;

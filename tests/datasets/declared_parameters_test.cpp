@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/synthetic/simulation_parameters.h"
+#include "datasets/synthetic/simulation_spec.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 
-#include "evaluators/metrics/holm.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {

@@ -2,7 +2,7 @@
 // Every CSV that the program writes, read back by another reader: Python's.
 #include <gmock/gmock.h>
 
-#include "datasets/base/csv_field.h"
+#include "datasets/base/text_output.h"
 #include "tests/pipeline/program.h"
 
 namespace trilat {

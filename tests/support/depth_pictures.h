@@ -11,8 +11,6 @@
 #include <Eigen/Geometry>
 
 #include "datasets/base/philox.h"
-#include "datasets/depth/axial_noise.h"
-#include "datasets/depth/depth_image.h"
 #include "datasets/depth/depth_rays.h"
 
 namespace trilat {

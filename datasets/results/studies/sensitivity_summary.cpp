@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/csv_field.h"
 #include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
 #include "datasets/results/results_file.h"

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/clock/host_arrivals.h"
 #include "datasets/session/clock/tick_epochs.h"
 
 namespace trilat {

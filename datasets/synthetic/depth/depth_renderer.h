@@ -6,7 +6,7 @@
 #include <span>
 
 #include "datasets/base/philox.h"
-#include "datasets/depth/axial_noise.h"
+#include "datasets/depth/depth_rays.h"
 #include "datasets/geometry/depth_camera.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/synthetic/depth/room_scene.h"

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 
@@ -114,19 +115,18 @@ void write_newton(const MethodSpec& m, Json& entry) { write_descent(m.nonlinear,
 void read_range_bearing(JsonObject& object, MethodSpec& method) {
   RangeBearingOptions& o = method.range_bearing;
   method.sigma_is_estimated = object.choice("sigma", kSigmas, 0) == 1;
-  o.sigma.range_m = number_within(object, "range_sigma_m", o.sigma.range_m, 1e-6, 1e3);
-  o.sigma.bearing_m = number_within(object, "bearing_sigma_m", o.sigma.bearing_m, 1e-6, 1e3);
-  o.sigma.inferred_factor = number_within(object, "inferred_factor", o.sigma.inferred_factor, 1e-3, 1e3);
+  setting(object, "range_sigma_m", o.sigma.range_m, {1e-6, 1e3},
+          "standard deviation of a sensor's position along its ray");
+  setting(object, "bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3},
+          "and across it, in each of both directions");
+  setting(object, "inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
+          "on both, of an inferred joint; where sigma is estimated it is, too");
   o.loss = enum_choice(object, "loss", kLosses, o.loss);
-  o.loss_scale = number_within(object, "loss_scale", o.loss_scale, 1e-3, 1e3);
+  setting(object, "loss_scale", o.loss_scale, {1e-3, 1e3}, "of huber and cauchy, in sigmas");
   object.about({{"sigma",
                  "stated: the next two; estimated: from the disagreement of the sensors in the other half of "
                  "the take, and stated where that tells nothing"},
-                {"range_sigma_m", "standard deviation of a sensor's position along its ray"},
-                {"bearing_sigma_m", "and across it, in each of both directions"},
-                {"inferred_factor", "on both, of an inferred joint; where sigma is estimated it is, too"},
-                {"loss", "of a sensor's residual in sigmas"},
-                {"loss_scale", "of huber and cauchy, in sigmas"}});
+                {"loss", "of a sensor's residual in sigmas"}});
 }
 
 void write_range_bearing(const MethodSpec& m, Json& entry) {
@@ -141,11 +141,10 @@ void write_range_bearing(const MethodSpec& m, Json& entry) {
 
 void read_weighted_mean(JsonObject& object, MethodSpec& method) {
   WeightedMeanOptions& o = method.weighted;
-  o.inferred_weight = share_within(object, "inferred_weight", o.inferred_weight);
-  o.by_depth_noise = object.boolean("by_depth_noise", o.by_depth_noise);
-  object.about(
-      {{"inferred_weight", "of an inferred joint, where a tracked one has 1"},
-       {"by_depth_noise", "weights are also inverse to the variance of depth at the joint's range"}});
+  setting(object, "inferred_weight", o.inferred_weight, {0.0, 1.0},
+          "of an inferred joint, where a tracked one has 1");
+  setting(object, "by_depth_noise", o.by_depth_noise,
+          "weights are also inverse to the variance of depth at the joint's range");
 }
 
 void write_weighted_mean(const MethodSpec& m, Json& entry) {
@@ -156,15 +155,12 @@ void write_weighted_mean(const MethodSpec& m, Json& entry) {
 // What the methods over time have in common.
 template <class Options>
 void read_motion(JsonObject& object, Options& o) {
-  o.sigma_m = number_within(object, "sigma_m", o.sigma_m, 1e-6, 10.0);
-  o.inferred_factor = number_within(object, "inferred_factor", o.inferred_factor, 1e-3, 1e3);
-  o.acceleration_density_m2_s3 =
-      number_within(object, "acceleration_density_m2_s3", o.acceleration_density_m2_s3, 1e-9, 1e9);
-  o.longest_gap_s = number_within(object, "longest_gap_s", o.longest_gap_s, 1e-3, 3600.0);
-  object.about({{"sigma_m", "of a position, an axis"},
-                {"inferred_factor", "on sigma_m, of an inferred joint"},
-                {"acceleration_density_m2_s3", "of the white acceleration that drives the motion"},
-                {"longest_gap_s", "nothing is answered across a longer one"}});
+  setting(object, "sigma_m", o.sigma_m, {1e-6, 10.0}, "of a position, an axis");
+  setting(object, "inferred_factor", o.inferred_factor, {1e-3, 1e3}, "on sigma_m, of an inferred joint");
+  setting(object, "acceleration_density_m2_s3", o.acceleration_density_m2_s3, {1e-9, 1e9},
+          "of the white acceleration that drives the motion");
+  setting(object, "longest_gap_s", o.longest_gap_s, {1e-3, 3600.0},
+          "nothing is answered across a longer one");
 }
 
 template <class Options>
@@ -177,8 +173,8 @@ void write_motion(const Options& o, Json& entry) {
 
 void read_kalman(JsonObject& object, MethodSpec& method) {
   read_motion(object, method.kalman);
-  method.kalman.gate_sigma = number_within(object, "gate_sigma", method.kalman.gate_sigma, 1.0, 1e6);
-  object.about({{"gate_sigma", "positions farther from the prediction are left out"}});
+  setting(object, "gate_sigma", method.kalman.gate_sigma, {1.0, 1e6},
+          "positions farther from the prediction are left out");
 }
 
 void read_rts(JsonObject& object, MethodSpec& method) {
@@ -194,12 +190,10 @@ void write_kalman(const MethodSpec& m, Json& entry) {
 void read_window(JsonObject& object, MethodSpec& method) {
   BoneWindowOptions& o = method.window;
   read_motion(object, o);
-  o.window_s = number_within(object, "window_s", o.window_s, 0.1, 60.0);
-  o.bone_sigma_m = number_within(object, "bone_sigma_m", o.bone_sigma_m, 1e-4, 10.0);
-  o.loss_scale_m = number_within(object, "loss_scale_m", o.loss_scale_m, 1e-3, 10.0);
-  object.about({{"window_s", "length of a window; windows overlap by half"},
-                {"bone_sigma_m", "by how much a bone's length differs from its median over the take"},
-                {"loss_scale_m", "of Cauchy's loss"}});
+  setting(object, "window_s", o.window_s, {0.1, 60.0}, "length of a window; windows overlap by half");
+  setting(object, "bone_sigma_m", o.bone_sigma_m, {1e-4, 10.0},
+          "by how much a bone's length differs from its median over the take");
+  setting(object, "loss_scale_m", o.loss_scale_m, {1e-3, 10.0}, "of Cauchy's loss");
 }
 
 void write_window(const MethodSpec& m, Json& entry) {
@@ -343,8 +337,7 @@ const std::vector<MethodKind>& method_kinds() {
        .needs_ranges = false,
        .read =
            [](JsonObject& object, MethodSpec& method) {
-             method.robust.scale_m = number_within(object, "scale_m", method.robust.scale_m, 1e-6, 10.0);
-             object.about({{"scale_m", "of Cauchy's loss"}});
+             setting(object, "scale_m", method.robust.scale_m, {1e-6, 10.0}, "of Cauchy's loss");
            },
        .write = [](const MethodSpec& m, Json& entry) { entry["scale_m"] = m.robust.scale_m; },
        .evaluate =

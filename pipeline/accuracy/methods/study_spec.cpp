@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
 
@@ -60,7 +61,8 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   spec.sensors = different_texts(object, "sensors");
   spec.joints = different_texts(object, "joints");
   spec.conditions = different_texts(object, "conditions");
-  spec.occluded_apart = object.boolean("occluded_apart", spec.occluded_apart);
+  setting(object, "occluded_apart", spec.occluded_apart,
+          "samples that a sensor sees occluded make conditions of their own");
   spec.truth =
       static_cast<TruthSource>(object.choice("truth", kTruths, static_cast<std::size_t>(spec.truth)));
   spec.reference = object.text("reference", "");
@@ -74,14 +76,19 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   spec.cross_check_limit_m = object.positive("cross_check_limit_m", spec.cross_check_limit_m);
   spec.clock =
       static_cast<ClockSource>(object.choice("clock", kClocks, static_cast<std::size_t>(spec.clock)));
-  spec.clock_search_s = number_within(object, "clock_search_s", spec.clock_search_s, 0.02, 10.0);
-  spec.repair_exchanges = object.boolean("repair_exchanges", spec.repair_exchanges);
-  spec.training_share = number_within(object, "training_share", spec.training_share, 0.05, 0.95);
-  spec.block_s = number_within(object, "block_s", spec.block_s, 0.01, 3600.0);
-  spec.resamples = count_within(object, "resamples", spec.resamples, 0, 10'000);
+  setting(object, "clock_search_s", spec.clock_search_s, {0.02, 10.0},
+          "how far to both sides of the stated start motion is compared");
+  setting(object, "repair_exchanges", spec.repair_exchanges,
+          "left and right that a sensor has exchanged are exchanged back");
+  setting(object, "training_share", spec.training_share, {0.05, 0.95},
+          "of a take, at its start: what the alignment joint_offset learns from");
+  setting(object, "block_s", spec.block_s, {0.01, 3600.0},
+          "length of the time blocks that intervals are drawn from");
+  setting(object, "resamples", spec.resamples, {0, 10'000}, "of the intervals; 0: none, else at least 200");
   if (spec.resamples > 0 && spec.resamples < kFewestResamples)
     object.refuse("resamples", fmt::format("must be 0, for no intervals, or at least {}", kFewestResamples));
-  spec.clock_error_s = number_within(object, "clock_error_s", spec.clock_error_s, 0.0, 1.0);
+  setting(object, "clock_error_s", spec.clock_error_s, {0.0, 1.0},
+          "between truth and sensors, one standard deviation");
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
   object.words("joints", joint_words());
@@ -91,7 +98,6 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
        {"sensors", "those that are used; empty: those of the take that has most"},
        {"joints", "that are judged; empty: all that the mappings map"},
        {"conditions", "activities whose takes are evaluated; empty: all"},
-       {"occluded_apart", "samples that a sensor sees occluded make conditions of their own"},
        {"truth",
         "what estimates are held against: mocap, or what each sensor in turn sees, left out of every method; "
         "auto: mocap where any take has it"},
@@ -105,12 +111,6 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
        {"cross_check_limit_m", "`run --cross-check` fails beyond"},
        {"clock",
         "whether the stated start of the truth is taken as it is, checked by motion, or corrected by it"},
-       {"clock_search_s", "how far to both sides of the stated start motion is compared"},
-       {"repair_exchanges", "left and right that a sensor has exchanged are exchanged back"},
-       {"training_share", "of a take, at its start: what the alignment joint_offset learns from"},
-       {"block_s", "length of the time blocks that intervals are drawn from"},
-       {"resamples", "of the intervals; 0: none, else at least 200"},
-       {"clock_error_s", "between truth and sensors, one standard deviation"},
        {"methods", "that are compared"}});
   check_names(object, spec);
   return spec;
