@@ -4,10 +4,12 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -136,11 +138,16 @@ struct Reader {
     } else if constexpr (std::is_same_v<T, bool>) {
       want(json.is_boolean(), "true or false");
       into = json.get<bool>();
-    } else if constexpr (std::is_unsigned_v<T>) {
-      want(json.is_number_unsigned(), "an integer of 0 or more");
-      into = json.get<T>();
-    } else if constexpr (std::is_signed_v<T>) {
-      want(json.is_number_integer(), "an integer");
+    } else if constexpr (std::is_integral_v<T>) {
+      if constexpr (std::is_unsigned_v<T>)
+        want(json.is_number_unsigned(), "an integer of 0 or more");
+      else
+        want(json.is_number_integer(), "an integer");
+      using Limits = std::numeric_limits<T>;
+      const bool fits = json.is_number_unsigned() ? std::in_range<T>(json.get<std::uint64_t>())
+                                                  : std::in_range<T>(json.get<std::int64_t>());
+      if (!fits)
+        object.refuse_below(path, fmt::format("must lie between {} and {}", Limits::min(), Limits::max()));
       into = json.get<T>();
     } else if constexpr (std::is_same_v<T, std::string>) {
       want(json.is_string(), "a text");

@@ -46,7 +46,8 @@ NumberChanges judge_numbers(const std::string& study, const Json& now, const Jso
   NumberChanges changes;
   for (const Json& step : Json::diff(before, now)) {
     const Json::json_pointer place(step.at("path").get<std::string>());
-    const Json here = value_at(now, place), there = value_at(before, place);
+    // "/list/-" is where a new entry is appended
+    const Json here = step.value("value", Json()), there = value_at(before, place);
     ++changes.differing;
     GateFinding finding;
     finding.kind = FindingKind::number;

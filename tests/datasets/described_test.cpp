@@ -29,6 +29,7 @@ struct Whole {
   std::string id;
   bool sure = false;
   std::int64_t shift = 0;
+  std::int8_t few = 0;
   std::uint64_t count = 0;
   double mean = 0.0;
   std::array<double, 2> pair{};
@@ -42,7 +43,7 @@ struct Whole {
   double twice() const { return 2.0 * mean; }
   static void fields(auto& self, auto&& field) {
     field("name", self.id);
-    TRILAT_EACH(sure, shift, count, mean)
+    TRILAT_EACH(sure, shift, few, count, mean)
     field("twice", self.twice());
     TRILAT_EACH(pair, counts, parts, interval, extra)
     if (field.has("truth", self.has_truth)) {
@@ -58,6 +59,7 @@ Whole full() {
   return {"w",
           true,
           -3,
+          -128,
           7,
           0.1 + 0.2,
           {1.0, 2.0},
@@ -70,7 +72,7 @@ Whole full() {
 }
 
 constexpr const char* kText =
-    R"({"name":"w","sure":true,"shift":-3,"count":7,"mean":0.30000000000000004,"twice":0.6000000000000001,)"
+    R"({"name":"w","sure":true,"shift":-3,"few":-128,"count":7,"mean":0.30000000000000004,"twice":0.6000000000000001,)"
     R"("pair":[1.0,2.0],"counts":{"a":2,"b":1},"parts":[{"name":"p","values":[0.5,null]},{"name":"q","values":[]}],)"
     R"("interval":[0.25,null],"extra":{"name":"x","values":[1.0]},"truth":9})";
 
@@ -100,6 +102,9 @@ TEST(Described, WhatDoesNotFitIsRefusedWithItsPlace) {
   const std::pair<const char*, const char*> odd[] = {{"/name", "1"},
                                                      {"/sure", "1"},
                                                      {"/shift", "0.5"},
+                                                     {"/shift", "9223372036854775808"},
+                                                     {"/few", "128"},
+                                                     {"/few", "-129"},
                                                      {"/count", "-1"},
                                                      {"/count", "101"},
                                                      {"/mean", "\"small\""},

@@ -47,6 +47,13 @@ TEST(GateNumbers, AValueThatIsNotThereAnyMoreOrIsAnotherKindIsAnAlarm) {
   EXPECT_EQ(changes.findings[1].note, "0.1 before, nothing now");
 }
 
+TEST(GateNumbers, AnEntryThatIsNewIsShown) {
+  Json now{{"errors_m", {0.1, 0.2}}}, before{{"errors_m", {0.1}}};
+  const NumberChanges changes = judge_numbers("study", now, before, {});
+  ASSERT_THAT(changes.findings, SizeIs(1));
+  EXPECT_EQ(changes.findings[0].note, "nothing before, 0.2 now");
+}
+
 TEST(GateNumbers, OfAThousandTheLargestAreListed) {
   Json before{{"errors_m", Json::array()}}, now = before;
   for (int i = 0; i < 1000; ++i) {
