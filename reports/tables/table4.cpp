@@ -237,8 +237,9 @@ Table table4_fits(const RecordingSummary& s) {
     table.rows.push_back({TableValue::of(r.network), ms_cell(r.offset_sigma_s), ms_cell(r.offset_bound_s),
                           percent_cell(r.within_bound_share), percent_cell(r.exchanges_used_share)});
   table.notes = {
-      "Within both: an error of at most the bound, which is half the least delay, and four standard "
-      "deviations."};
+      "The bound is, of the exchanges that are used, the largest sum of half the delay and the clock's "
+      "distance "
+      "from the midpoint. Within both: an error of at most the bound and four standard deviations."};
   return table;
 }
 
@@ -270,9 +271,7 @@ Table table4_processing(const StageTimings& t) {
       "Body tracking is as the study declares it, and simulated. Trilateration is the way from the bodies of "
       "all sensors, simulated, to 25 joints, on one thread; the "
       "paper's time begins with the depth image at the client and includes body tracking and the network, so "
-      "the two cannot be set against each other. Capture to stored is the way of a depth frame from its "
-      "arrival at the sensor's machine, over compression, TLS on loopback and the recorder's queue, into the "
-      "session, with agents and recorder on the one machine and simulated images.",
+      "the two cannot be set against each other.",
       "Measured times differ from machine to machine and from run to run."};
   return table;
 }
