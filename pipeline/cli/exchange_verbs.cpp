@@ -1,46 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/cli/exchange_verbs.h"
 
-#include "datasets/import/import_formats.h"
+#include "datasets/base/error.h"
 #include "pipeline/cli/recording_verbs.h"
 
 namespace trilat {
 namespace {
 
-std::string format_table() {
-  std::string table = "Formats:\n";
-  for (const ImportFormat& format : import_formats())
-    table += "  " + std::string(format.name) + std::string(14 - std::string(format.name).size(), ' ') +
-             format.what + "\n";
-  return table;
-}
-
-void add_import(CLI::App& app, ImportArguments& i, int& code) {
-  auto* verb = app.add_subcommand("import", "somebody else's recording to a session");
-  verb->add_option("format", i.format, "one of those below")->required();
-  verb->add_option("files", i.files, "the recording")->required();
-  verb->add_option("-o,--output", i.output, "session.h5")->required();
-  verb->add_option("--rate-hz", i.rate_hz, "frames a second, where the files have no time stamps")
-      ->check(CLI::Range(0.1, 1000.0));
-  verb->add_option("--depth-unit-mm", i.depth_unit_mm,
-                   "png: what a value of 1 means; 1 for Kinect v2 and NTU, 0.2 for TUM")
-      ->check(CLI::Range(1e-4, 1e3));
-  verb->add_option("--timestamps", i.timestamps,
-                   "png: file with one time in seconds a line, in the order of the names");
-  verb->add_flag("--time-from-name", i.time_from_name,
-                 "png: the last number in a name is its time in seconds");
-  verb->add_option("--compression", i.compression, "of depth: blosc, deflate, none")
-      ->check(CLI::IsMember({"blosc", "deflate", "none"}))
-      ->capture_default_str();
-  add_force(*verb, i.force);
-  add_json(*verb, i.json);
-  verb->footer(
-      format_table() +
-      "\nExit code 1: rows were left out, and it says how many.\n"
-      "Example: trilat import ntu S001C001P001R001A001.skeleton S001C002P001R001A001.skeleton -o session.h5");
-  verb->callback([&] {
-    end_in_order();
-    code = import_session(i);
+// Its readers are Python now: a format is thirty lines there.
+void add_import(CLI::App& app) {
+  auto* verb = app.add_subcommand("import", "is not there any more; python3 -m trilat.convert does it");
+  verb->allow_extras();
+  verb->callback([] {
+    throw InputError("import",
+                     "is not there any more; PYTHONPATH=python python3 -m trilat.convert FORMAT FILE... -o "
+                     "session.h5 does it (docs/other_formats.md)");
   });
 }
 
@@ -98,7 +72,7 @@ void add_fuse(CLI::App& app, FuseArguments& f, int& code) {
 }  // namespace
 
 void add_exchange_verbs(CLI::App& app, ExchangeArguments& arguments, int& code) {
-  add_import(app, arguments.import, code);
+  add_import(app);
   add_export(app, arguments.output, code);
   add_fuse(app, arguments.fuse, code);
 }

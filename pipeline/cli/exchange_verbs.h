@@ -11,21 +11,6 @@
 
 namespace trilat {
 
-struct ImportArguments {
-  std::string format;
-  std::vector<std::filesystem::path> files;
-  std::filesystem::path output;
-  std::optional<double> rate_hz;
-  std::optional<double> depth_unit_mm;
-  std::filesystem::path timestamps;
-  bool time_from_name = false;
-  std::string compression = "blosc";
-  bool force = false;  // may replace what others wrote
-  bool json = false;
-};
-// kItemsFailed when rows were left out.
-int import_session(const ImportArguments& arguments);
-
 struct ExportArguments {
   std::string format;
   std::filesystem::path input;  // a session, or for csv a results folder
@@ -50,7 +35,6 @@ struct FuseArguments {
 int fuse(const FuseArguments& arguments);
 
 struct ExchangeArguments {
-  ImportArguments import;
   FuseArguments fuse;
   ExportArguments output;
 };

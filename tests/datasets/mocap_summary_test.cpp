@@ -44,7 +44,7 @@ MocapFrame frame_of(std::int64_t index, const MocapPose& pose) {
   return frame;
 }
 
-AssetSummary summary_of(const std::vector<MocapPose>& poses, MocapSummaryOptions options = {}) {
+AssetSummary asset_summary(const std::vector<MocapPose>& poses, MocapSummaryOptions options = {}) {
   MocapSummarizer summarizer(one_body(), options);
   std::int64_t index = 0;
   for (const MocapPose& pose : poses) summarizer.add(frame_of(index++, pose));
@@ -103,7 +103,7 @@ TEST(MocapSummary, SeparatesSamplesFromMissing) {
   append(poses, 4, MocapPose());
   poses.push_back(pose_at(1e-5));
   append(poses, 9, MocapPose());
-  const AssetSummary summary = summary_of(poses);
+  const AssetSummary summary = asset_summary(poses);
   EXPECT_EQ(summary.samples, 4);
   EXPECT_EQ(summary.missing, 13);
   EXPECT_DOUBLE_EQ(summary.longest_gap_s, 0.05);  // the missing tail is no gap
@@ -112,29 +112,29 @@ TEST(MocapSummary, SeparatesSamplesFromMissing) {
 TEST(MocapSummary, FrozenIsAStretchOfATenthOfASecondToTheBit) {
   std::vector<MocapPose> poses = moving(3);
   append(poses, 11, pose_at(0.5));
-  EXPECT_EQ(summary_of(poses).frozen, 11);
+  EXPECT_EQ(asset_summary(poses).frozen, 11);
   append(poses, 4, pose_at(0.5));
-  EXPECT_EQ(summary_of(poses).frozen, 15);
+  EXPECT_EQ(asset_summary(poses).frozen, 15);
   poses = moving(3);
   append(poses, 10, pose_at(0.5));  // spans 0.09 s
-  EXPECT_EQ(summary_of(poses).frozen, 0);
+  EXPECT_EQ(asset_summary(poses).frozen, 0);
 }
 
 TEST(MocapSummary, FrozenTakesFiveFramesAtALowRate) {
   const MocapSummaryOptions slow{.frozen = {.min_s = 0.01, .min_frames = 5}};
   std::vector<MocapPose> poses = moving(1);
   append(poses, 4, pose_at(0.5));
-  EXPECT_EQ(summary_of(poses, slow).frozen, 0);
+  EXPECT_EQ(asset_summary(poses, slow).frozen, 0);
   append(poses, 1, pose_at(0.5));
-  EXPECT_EQ(summary_of(poses, slow).frozen, 5);
+  EXPECT_EQ(asset_summary(poses, slow).frozen, 5);
 }
 
 TEST(MocapSummary, AStillBodyWithNoiseInTheLastDigitIsNotFrozen) {
   std::vector<MocapPose> poses;
   for (int i = 0; i < 100; ++i) poses.push_back(pose_at(0.5 + (i % 2) * 1e-6));
-  EXPECT_EQ(summary_of(poses).frozen, 0);
+  EXPECT_EQ(asset_summary(poses).frozen, 0);
   for (int i = 0; i < 100; ++i) poses[static_cast<std::size_t>(i)] = pose_at(0.5, 0.8 + (i % 2) * 1e-6);
-  EXPECT_EQ(summary_of(poses).frozen, 0);
+  EXPECT_EQ(asset_summary(poses).frozen, 0);
 }
 
 TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
@@ -142,25 +142,25 @@ TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
   append(poses, 8, pose_at(0.5));
   append(poses, 1, MocapPose());
   append(poses, 8, pose_at(0.5));
-  EXPECT_EQ(summary_of(poses).frozen, 0);
+  EXPECT_EQ(asset_summary(poses).frozen, 0);
 }
 
 TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
   // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
-  EXPECT_EQ(summary_of({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
-  EXPECT_EQ(summary_of({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
-  EXPECT_EQ(summary_of({pose_at(0), pose_at(0.19)}, {.frozen = {}, .jump_speed_m_s = 10.0}).jumps, 1);
+  EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
+  EXPECT_EQ(asset_summary({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
+  EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19)}, {.frozen = {}, .jump_speed_m_s = 10.0}).jumps, 1);
 }
 
 TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
   MocapPose at_zero;
   at_zero.position_m.setZero();
   at_zero.rotation = Eigen::Quaterniond(-1, 0, 0, 0);
-  EXPECT_EQ(summary_of({pose_at(0.1), at_zero, pose_at(0.1)}).sentinels, 1);
+  EXPECT_EQ(asset_summary({pose_at(0.1), at_zero, pose_at(0.1)}).sentinels, 1);
   const MocapPose parked = pose_at(0.3, 1.0);
-  EXPECT_EQ(summary_of({parked, parked, parked}).sentinels, 3);
-  EXPECT_EQ(summary_of({pose_at(0.30, 1.0), pose_at(0.31, 1.0), pose_at(0.32, 1.0)}).sentinels, 0);
-  EXPECT_EQ(summary_of({pose_at(0.3), pose_at(0.3), pose_at(0.3)}).sentinels, 0);
+  EXPECT_EQ(asset_summary({parked, parked, parked}).sentinels, 3);
+  EXPECT_EQ(asset_summary({pose_at(0.30, 1.0), pose_at(0.31, 1.0), pose_at(0.32, 1.0)}).sentinels, 0);
+  EXPECT_EQ(asset_summary({pose_at(0.3), pose_at(0.3), pose_at(0.3)}).sentinels, 0);
 }
 
 std::string take_of(const std::vector<int>& x_mm) {
@@ -179,7 +179,7 @@ TEST(MocapSummary, AMarkerExactlyAtTheOriginIsASentinel) {
   marker.position_m = Eigen::Vector3d(0.1, 0.2, 0.3);
   MocapPose lost;
   lost.position_m.setZero();
-  EXPECT_EQ(summary_of({marker, lost, lost, marker}).sentinels, 2);
+  EXPECT_EQ(asset_summary({marker, lost, lost, marker}).sentinels, 2);
 }
 
 std::vector<int> filtered(const std::vector<int>& x_mm, FrozenOptions options = {}) {

@@ -12,76 +12,10 @@
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/network/link/wire.h"
-#include "tests/datasets/import/made_up_xef.h"
 #include "tests/fuzz/chosen_seeds.h"
 
 namespace trilat {
 namespace {
-
-std::string joints(const std::string& text, const std::string& between = "") {
-  std::string all;
-  for (int j = 0; j < kJointCount; ++j) all += (j == 0 ? "" : between) + text;
-  return all;
-}
-
-std::string ntu_seed() {
-  const std::string body = "72057594037931648 0 1 3 0 2 0 0.25 -0.125 2\n25\n" +
-                           joints("0.1 0.2 2.5 270 180 900 500 0.9 0.1 0.2 0.3 2\n");
-  return "3\n1\n" + body + "0\n2\n" + body + body;
-}
-
-std::string node_kinect2_seed() {
-  const std::string joint = R"({"depthX":0.5,"depthY":0.5,"cameraX":0.1,"cameraY":0.2,"cameraZ":2.5,)"
-                            R"("orientationX":0,"orientationY":0,"orientationZ":0,"orientationW":1})";
-  const std::string front =
-      R"({"tracked":true,"trackingId":"72057594037931648","leftHandState":3,"rightHandState":2,)"
-      R"("joints":[)" +
-      joints(joint, ",") + R"(],"record_startime":1518026639637,"record_timestamp":)";
-  return "[" + front + "11}," + front + "44}]";
-}
-
-std::string kimore_seed() {
-  const std::string row = joints("0.1,0.2,2.5,2,") + "\n";
-  return "\n" + row + row + '\0' + "\n1000\n334333\n" + '\0' + "\n" + row + row;
-}
-
-std::string xef_seed(bool archived) {
-  MadeUpXef xef(2, archived);
-  xef.describe(1, kXefDepth);
-  xef.describe(2, kXefBodies);
-  for (const int i : {0, 1}) {
-    if (archived)
-      xef.event(1, 333'333 * i, static_cast<std::uint32_t>(i), std::string(xef::kDepthBytes, '\0'));
-    xef.event(2, 333'333 * i, static_cast<std::uint32_t>(i), made_up_bodies(i, 7));
-  }
-  if (!archived) xef.footer();
-  return xef.bytes();
-}
-
-std::string big_endian(std::uint32_t value) {
-  std::string text;
-  for (const int shift : {24, 16, 8, 0}) text += static_cast<char>(value >> shift);
-  return text;
-}
-
-std::string png_chunk(const std::string& type, const std::string& data) {
-  const std::string text = type + data;
-  const auto sum = ::crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
-  return big_endian(static_cast<std::uint32_t>(data.size())) + text +
-         big_endian(static_cast<std::uint32_t>(sum));
-}
-
-std::string png_seed() {
-  const std::string rows(kDepthHeight * std::size_t{1 + 2 * kDepthWidth}, '\0');
-  uLongf size = compressBound(rows.size());
-  std::string deflated(size, '\0');
-  compress(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
-           rows.size());
-  deflated.resize(size);
-  const std::string shape =
-      big_endian(kDepthWidth) + big_endian(kDepthHeight) + std::string("\x10\0\0\0\0", 5);
-  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", shape) + png_chunk("IDAT", deflated) + png_chunk("IEND", "");
-}
 
 std::string wire_seed() {
   HelloMessage hello;
@@ -160,21 +94,12 @@ void write_seeds(const std::filesystem::path& folder) {
     make_folder(folder / fuzzer);
     return folder / fuzzer / name;
   };
-  write_file(seed("kimore", "two_rows"), kimore_seed());
-  write_file(seed("labanotation", "two_rows"),
-             "1000," + joints("0.1,0.2,2.5,2,") + "\n334333," + joints("0,0,2,1,"));
-  write_file(seed("node_kinect2", "two_frames"), node_kinect2_seed());
-  write_file(seed("ntu", "three_frames"), ntu_seed());
-  write_file(seed("png", "zeros"), png_seed());
-  write_file(seed("xef", "plain"), xef_seed(false));
-  write_file(seed("xef", "archived"), xef_seed(true));
   write_file(seed("wire", "hello_and_bye"), wire_seed());
   write_session(seed("session", "three_frames"));
   write_motive(seed("mocap", "motive"));
   write_file(seed("mocap", "rows"), kRowFormat);
   write_file(seed("mocap", "trc"), kTrc);
   write_points(seed("mocap", "c3d"));
-  write_file(seed("umons_taichi", "two_rows"), "0" + joints(" 0.1 0.2 2.5") + "\n33" + joints(" 0 0 2"));
   write_file(seed("intrinsics", "kinect"), kIntrinsics);
   write_settings_seeds(seed);
   write_results_seeds(seed, folder / "sound_results");

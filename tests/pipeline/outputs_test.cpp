@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include "datasets/results/items.h"
-#include "datasets/skeleton/skeleton.h"
 #include "pipeline/cli/check_output.h"
 #include "tests/pipeline/program.h"
 
@@ -53,7 +52,6 @@ std::vector<Verb> verbs() {
        .folder = true,
        .inputs = {},
        .gone = "@/new.h5"},
-      {"import", {"import", "labanotation", "@/laban.csv"}, "-o", false, {"@/laban.csv"}, Older::kept},
       {"simulate", {"simulate", "@/spec/simulation.json"}, "-o", true, {"@/spec/simulation.json", "@/spec"}},
       {"simulate --shard",
        {"simulate", "@/spec/simulation.json", "--shard", "1/1"},
@@ -120,13 +118,6 @@ class Outputs : public testing::TestWithParam<Verb> {
       "participants": 1, "activities": [{"name": "walking", "duration_s": 3}]})");
     write_file(*data_ / "study.json", R"({"format": "trilat.study", "version": 1, "kind": "accuracy",
       "name": "test", "methods": [{"method": "mean"}, {"method": "median"}]})");
-    std::string rows;
-    for (int i = 0; i < 3; ++i) {
-      rows += std::to_string(333'333 * i);
-      for (int j = 0; j < kJointCount; ++j) rows += ",0.1,0.2,2.5,2";
-      rows += ",\n";
-    }
-    write_file(*data_ / "laban.csv", rows);
     for (const Words& words : std::vector<Words>{
              {"simulate", "@/spec/simulation.json", "-o", "@/campaign"},
              {"simulate", "@/spec/simulation.json", "--shard", "1/1", "-o", "@/recordings"},

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+"""Sessions and results of trilat in Python.
+
+    import trilat
+    errors = trilat.results("results").samples()          # a DataFrame
+    bodies = trilat.session("session.h5")["k1"].bodies()  # arrays
+    found = trilat.run("study.json", campaign="camp", output="results")
+
+Lengths are metres, times seconds or nanoseconds as their names say. Converters of other people's recordings:
+`python3 -m trilat.convert --help`.
+"""
+from trilat.errors import InputError, ProgramError
+from trilat.program import run
+from trilat.read_results import Results, results
+from trilat.read_session import Bodies, Sensor, Session, session
+from trilat.skeleton import JOINTS
+from trilat.write_session import SensorFrames, write_session
+
+__all__ = ["Bodies", "InputError", "JOINTS", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
+           "results", "run", "session", "write_session"]

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""python3 -m trilat.convert FORMAT FILES -o OUT: other people's recordings to a session or a campaign."""
+import argparse
+import sys
+from pathlib import Path
+
+from trilat.convert import kimore, labanotation, node_kinect2, ntu, png, umons_taichi, xef
+from trilat.errors import InputError
+
+FORMATS = {"kimore": kimore, "labanotation": labanotation, "node-kinect2": node_kinect2, "ntu": ntu, "png": png,
+           "umons-taichi": umons_taichi, "xef": xef}
+
+
+def arguments_of(words: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python3 -m trilat.convert", description="Converts other people's recordings to a session.",
+        epilog="What a format does not say is assumed as datasets/FORMATS.md has it, and stands in the session's note. Exit codes: "
+               "0 done; 1 done, but rows were left out, and it says which; 2 the input cannot be used.")
+    formats = parser.add_subparsers(dest="format", required=True, metavar="FORMAT")
+    for name, module in FORMATS.items():
+        verb = formats.add_parser(name, help=module.HELP, description=module.HELP)
+        verb.add_argument("files", nargs="+", type=Path, metavar="FILE", help="the recording")
+        verb.add_argument("-o", "--output", type=Path, required=True, help="session.h5")
+        verb.add_argument("--rate-hz", type=float, help="frames a second, where the files have no time stamps")
+        verb.add_argument("--force", action="store_true", help="replace what stands under the output's name")
+        verb.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else there")
+        if hasattr(module, "add_options"):
+            module.add_options(verb)
+    return parser.parse_args(words)
+
+
+def main(words: list[str] | None = None) -> int:
+    arguments = arguments_of(sys.argv[1:] if words is None else words)
+    try:
+        if arguments.rate_hz is not None and not 0.1 <= arguments.rate_hz <= 1000:
+            raise InputError("--rate-hz", "goes from 0.1 to 1000")
+        if arguments.output.resolve() in [file.resolve() for file in arguments.files]:
+            raise InputError(arguments.output, "is also read; an output is never an input, whatever is forced")
+        return FORMATS[arguments.format].convert(arguments)
+    except InputError as error:
+        print(f"trilat.convert: {error}", file=sys.stderr)
+    except ModuleNotFoundError as error:
+        print(f"trilat.convert: {error.name}: is missing; install it (Debian: python3-{error.name.lower()})", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

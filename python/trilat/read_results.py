@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""Reads a results folder of `trilat run` of an accuracy study."""
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+from trilat.errors import InputError
+from trilat.read_session import open_hdf5
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+    import pandas
+
+NEWEST_SUMMARY = 5
+NEWEST_SAMPLES = 2
+ANSWERS = ("converged", "closed_form", "clamped")
+AXES = "xyz"
+
+
+def _pandas():
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("tables need pandas (Debian: python3-pandas); columns() gives arrays without it") from error
+    return pandas
+
+
+class Results:
+    """The results of one accuracy study. `summary` is its summary.json as it stands."""
+
+    def __init__(self, folder: str | os.PathLike) -> None:
+        self.folder = Path(folder)
+        path = self.folder / "summary.json"
+        try:
+            self.summary: dict = json.loads(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(path, "cannot be read; a folder that `trilat run` wrote is expected") from error
+        except ValueError as error:
+            raise InputError(path, f"is no JSON: {error}") from error
+        if self.summary.get("kind") != "accuracy":
+            raise InputError(path, f'is of the kind "{self.summary.get("kind")}"; "accuracy" is expected')
+        if self.summary.get("version", 0) > NEWEST_SUMMARY:
+            raise InputError(path, f"has version {self.summary['version']}; this module reads up to {NEWEST_SUMMARY}: "
+                                   "take the one of the trilat that wrote it")
+        with self._samples() as file:
+            self.takes: tuple[str, ...] = tuple(_text(take.attrs["id"]) for take in file["takes"].values())
+            self.methods, self.joints, self._statuses = (
+                tuple(_text(name) for name in file.attrs[key]) for key in ("methods", "joints", "status_names"))
+
+    def _samples(self) -> h5py.File:
+        return open_hdf5(self.folder / "samples.h5", "trilat.samples", NEWEST_SAMPLES)
+
+    def _groups(self, take: str | None) -> Iterator[tuple[str, h5py.Group]]:
+        if take is not None and take not in self.takes:
+            raise InputError(self.folder, f'has no take "{take}"; it has {", ".join(self.takes)}')
+        with self._samples() as file:
+            for group in file["takes"].values():
+                if take in (None, _text(group.attrs["id"])):
+                    yield _text(group.attrs["id"]), group
+
+    def columns(self, take: str | None = None) -> dict[str, np.ndarray]:
+        """Every sample as arrays of equal length, of one take or of all.
+
+        take, condition, time_s (since the take's first instant), joint, method, status; truth_x_m to _z_m and
+        estimate_x_m to _z_m in the world, before alignment; error_x_m to _z_m and error_m (their length) after the
+        study's first alignment. NaN where there is none.
+        """
+        parts = [self._columns_of(name, group) for name, group in self._groups(take)]
+        return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+
+    def _columns_of(self, take: str, group: h5py.Group) -> dict[str, np.ndarray]:
+        time_ns = group["time_ns"][:]
+        shape = (len(time_ns), len(self.joints), len(self.methods))
+
+        def spread(values: np.ndarray, axis: int) -> np.ndarray:
+            return np.broadcast_to(np.expand_dims(values, tuple({0, 1, 2} - {axis})), shape).ravel()
+
+        truth_m = np.broadcast_to(group["truth_m"][:][:, :, None], (*shape, 3)).reshape(-1, 3)
+        estimate_m = group["estimate_m"][:].reshape(-1, 3)
+        error_m = group["error_m"][:].reshape(-1, 3).astype(float)
+        columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(group.attrs["condition"])),
+                   "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
+                   "method": spread(np.array(self.methods), 2),
+                   "status": np.array(self._statuses)[group["status"][:].ravel()]}
+        for name, values in (("truth", truth_m), ("estimate", estimate_m), ("error", error_m)):
+            columns.update({f"{name}_{axis}_m": values[:, i] for i, axis in enumerate(AXES)})
+        columns["error_m"] = np.sqrt((error_m ** 2).sum(axis=1))
+        return columns
+
+    def samples(self, take: str | None = None) -> "pandas.DataFrame":
+        """The columns of `columns()` as a DataFrame: one row an instant, joint and method."""
+        return _pandas().DataFrame(self.columns(take))
+
+    def list(self, name: str) -> "pandas.DataFrame":
+        """A list of summary.json, such as cells, differences or by_take (datasets/FORMATS.md), a row an entry."""
+        if not isinstance(self.summary.get(name), list):
+            lists = ", ".join(key for key, value in self.summary.items() if isinstance(value, list))
+            raise InputError(self.folder / "summary.json", f'has no list "{name}"; it has {lists}')
+        return _pandas().DataFrame(self.summary[name])
+
+    def table(self, statistic: str = "mae_m", condition: str | None = None, alignment: str | None = None) -> "pandas.DataFrame":
+        """Methods by joint groups: the mean distance in metres, or another number of `list("cells")`.
+
+        Of the study's first condition and first alignment unless others are named.
+        """
+        cells = self.list("cells")
+        for key, wanted in (("condition", condition), ("alignment", alignment)):
+            known = list(cells[key].unique())
+            if wanted is not None and wanted not in known:
+                raise InputError(self.folder, f'has no {key} "{wanted}"; it has {", ".join(known)}')
+            cells = cells[cells[key] == (known[0] if wanted is None else wanted)]
+        if statistic not in cells:
+            raise InputError(self.folder, f'has no number "{statistic}"; it has {", ".join(cells.columns)}')
+        table = cells.pivot(index="method", columns="group", values=statistic)
+        return table.reindex(index=cells["method"].unique(), columns=cells["group"].unique())
+
+    def timeline(self, take: str, joint: str) -> "pandas.DataFrame":
+        """Error in metres over time, a column a method; the index is time_s. NaN where a method has no answer."""
+        if joint not in self.joints:
+            raise InputError(self.folder, f'has no joint "{joint}"; it has {", ".join(self.joints)}')
+        samples = self.samples(take)
+        samples = samples[samples["joint"] == joint]
+        return samples.pivot(index="time_s", columns="method", values="error_m").reindex(columns=list(self.methods))
+
+    def plot(self, take: str, joint: str) -> "matplotlib.axes.Axes":
+        """Draws `timeline()` in centimetres and gives the axes; needs matplotlib."""
+        axes = (100.0 * self.timeline(take, joint)).plot(linewidth=0.8)
+        kind = "simulated" if self.summary.get("simulated") else "recorded"
+        axes.set(xlabel="time (s)", ylabel="error (cm)", title=f"{take}, {joint}, {kind}")
+        return axes
+
+
+def _text(value: object) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def results(folder: str | os.PathLike) -> Results:
+    """Opens the results of an accuracy study. InputError when they are none, or of a newer version."""
+    return Results(folder)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+"""Reads session.h5, format 1: bodies and depth of every sensor."""
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+import h5py
+import numpy as np
+
+from trilat.errors import InputError
+
+try:
+    import hdf5plugin  # noqa: F401  (the filter of depth that trilat records)
+except ImportError:
+    hdf5plugin = None
+
+
+def open_hdf5(path: Path, file_format: str, newest: int) -> h5py.File:
+    """The file, when it is of this format and of no newer version than `newest`."""
+    if not path.exists():
+        raise InputError(path, "is not there")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise InputError(path, "cannot be read as HDF5; is it cut short? `trilat recover` saves what a crash left of a "
+                               "session") from error
+    found = file.attrs.get("format", b"")
+    found = found.decode() if isinstance(found, bytes) else str(found)
+    version = int(file.attrs.get("version", 0))
+    if found != file_format:
+        raise InputError(path, f'is of the format "{found}"; "{file_format}" is expected')
+    if version > newest:
+        raise InputError(path, f"has version {version}; this module reads up to {newest}: take the one of the trilat "
+                               "that wrote it")
+    return file
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """All bodies that a sensor saw, B rows in the order of its frames.
+
+    frame (B,) number of the body's frame; time_s (B,) since the sensor's first frame, by its own clock;
+    tracking_id (B,); position_m (B, 25, 3) in the sensor's frame; orientation_xyzw (B, 25, 4);
+    tracking_state (B, 25) 0 not tracked, 1 inferred, 2 tracked.
+    """
+    frame: np.ndarray
+    time_s: np.ndarray
+    tracking_id: np.ndarray
+    position_m: np.ndarray
+    orientation_xyzw: np.ndarray
+    tracking_state: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+
+class Sensor:
+    """One sensor of a session. `attributes` has what the file says of it, its intrinsics included."""
+
+    def __init__(self, group: h5py.Group) -> None:
+        self._group = group
+        self.name = group.name.rsplit("/", 1)[-1]
+        self.attributes = {key: value.decode() if isinstance(value, bytes) else value
+                           for key, value in group.attrs.items()}
+
+    def frame_times_s(self) -> np.ndarray:
+        """(N,) seconds of the body frames since the first of them, by the sensor's own clock."""
+        ticks = self._group["body_frames/device_ticks"][:]
+        return (ticks - ticks[:1]) * (1e-9 * int(self.attributes["tick_ns"]))
+
+    def bodies(self) -> Bodies:
+        """All bodies of all frames."""
+        columns = {name: table[:] for name, table in self._group["bodies"].items()}
+        frame = columns["frame"].astype(np.int64)
+        return Bodies(frame, self.frame_times_s()[frame], columns["tracking_id"], columns["position_m"],
+                      columns["orientation_xyzw"], columns["tracking_state"])
+
+    @property
+    def depth_frames(self) -> int:
+        """How many depth images there are."""
+        return len(self._group["depth/sequence"]) if "depth" in self._group else 0
+
+    def depth(self, number: int) -> np.ndarray:
+        """Depth image (424, 512) in metres, float32; NaN where nothing was measured."""
+        if not 0 <= number < self.depth_frames:
+            raise IndexError(f"{self.name} has {self.depth_frames} depth images, not number {number}")
+        try:
+            image = self._group["depth/frame_mm"][number]
+        except OSError as error:
+            if hdf5plugin is None:
+                raise InputError(self._group.file.filename, "has depth that Blosc compressed; install hdf5plugin "
+                                                            "(Debian: python3-hdf5plugin)") from error
+            raise
+        return np.where(image == 0, np.float32(np.nan), np.float32(1e-3) * image)
+
+
+class Session:
+    """An open session; `session["k1"]` is a sensor. Use it in `with`, or close it."""
+
+    def __init__(self, path: str | os.PathLike) -> None:
+        self._file = open_hdf5(Path(path), "trilat.session", 1)
+        self.sensors: tuple[str, ...] = tuple(self._file["sensors"])
+        self.simulated = bool(self._file.attrs["simulated"])
+        note = self._file.attrs["note"]
+        self.note: str = note.decode() if isinstance(note, bytes) else note
+
+    def __getitem__(self, name: str) -> Sensor:
+        if name not in self.sensors:
+            raise InputError(self._file.filename, f'has no sensor "{name}"; it has {", ".join(self.sensors)}')
+        return Sensor(self._file["sensors"][name])
+
+    def close(self) -> None:
+        self._file.close()
+
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def session(path: str | os.PathLike) -> Session:
+    """Opens session.h5. InputError when it is none, is cut short, or is of a newer version."""
+    return Session(path)

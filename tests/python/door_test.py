@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: MIT
+"""Sessions, results and the program from Python, held to the program's own CSV, `verify` and `info`."""
+import csv
+import importlib.util
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import trilat
+from trilat.program import call, program_path
+
+STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "door", "alignments": ["none", "mean"],
+         "methods": [{"method": "nonlinear"}, {"method": "mean"}]}
+SIMULATION = {"format": "trilat.simulation", "version": 1, "participants": 2, "activities": [{"name": "walking", "duration_s": 3}]}
+
+
+def missing(*modules):
+    return [name for name in modules if importlib.util.find_spec(name) is None]
+
+
+class DoorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.holder.cleanup)
+        cls.folder = Path(cls.holder.name)
+        (cls.folder / "simulation.json").write_text(json.dumps(SIMULATION))
+        (cls.folder / "study.json").write_text(json.dumps(STUDY))
+        call("simulate", cls.folder / "simulation.json", "-o", cls.folder / "camp")
+        cls.results = trilat.run(cls.folder / "study.json", campaign=cls.folder / "camp", output=cls.folder / "results")
+
+    def test_a_failing_run_raises_with_the_programs_message(self):
+        with self.assertRaisesRegex(trilat.ProgramError, "absent.json") as raised:
+            trilat.run(self.folder / "absent.json", output=self.folder / "none")
+        self.assertEqual(raised.exception.code, 2)
+
+    def test_columns_are_those_of_the_programs_csv(self):
+        call("export", "csv", self.results.folder, "-o", self.folder / "samples.csv", "--force")
+        with open(self.folder / "samples.csv", newline="") as file:
+            rows = {(r["take"], r["time_ns"], r["joint"], r["method"]): r for r in csv.DictReader(file)}
+        columns, compared = self.results.columns(), 0
+        starts = {}
+        for key in rows:
+            starts[key[0]] = min(int(key[1]), starts.get(key[0], 2**63))
+        for i in range(0, len(columns["take"]), 3):
+            time_ns = starts[columns["take"][i]] + round(1e9 * columns["time_s"][i])
+            row = rows.get((columns["take"][i], str(time_ns), columns["joint"][i], columns["method"][i]))
+            if row is None:
+                continue
+            compared += 1
+            self.assertEqual(row["status"], columns["status"][i])
+            for kind in ("truth", "estimate"):
+                for axis in "xyz":
+                    cell, value = row[f"{kind}_{axis}_m"], columns[f"{kind}_{axis}_m"][i]
+                    self.assertTrue(np.isnan(value) if cell == "" else abs(float(cell) - value) < 1e-6, (cell, value))
+        self.assertGreater(compared, 800)
+
+    def test_mean_error_of_the_columns_is_the_tables(self):
+        columns = self.results.columns()
+        cell = next(c for c in self.results.summary["cells"]
+                    if (c["method"], c["group"], c["alignment"]) == ("mean", "wrist", "none"))
+        chosen = (columns["method"] == "mean") & np.isin(columns["joint"], ["wrist_left", "wrist_right"])
+        self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
+
+    @unittest.skipIf(missing("pandas"), "pandas is not installed (Debian: python3-pandas)")
+    def test_tables_and_timelines(self):
+        samples = self.results.samples("p01-walking")
+        self.assertEqual(set(samples["take"]), {"p01-walking"})
+        table = self.results.table()
+        self.assertEqual(list(table.index), ["nonlinear", "mean"])
+        cells = self.results.list("cells")
+        expected = cells[(cells.method == "mean") & (cells.group == "wrist") & (cells.alignment == "none")].mae_m.iloc[0]
+        self.assertEqual(table.loc["mean", "wrist"], expected)
+        timeline = self.results.timeline("p01-walking", "wrist_left")
+        self.assertEqual(list(timeline.columns), ["nonlinear", "mean"])
+        self.assertGreater(len(timeline), 80)
+        for wrong, words in ((lambda: self.results.table(alignment="rigid"), 'no alignment "rigid"; it has none, mean'),
+                             (lambda: self.results.timeline("p01-walking", "tail"), 'no joint "tail"; it has head'),
+                             (lambda: self.results.samples("p09"), 'no take "p09"; it has p01-walking'),
+                             (lambda: self.results.list("celts"), 'no list "celts"; it has')):
+            with self.assertRaisesRegex(trilat.InputError, words):
+                wrong()
+
+    @unittest.skipIf(missing("pandas", "matplotlib"), "pandas or matplotlib is not installed")
+    def test_a_plot_in_three_lines(self):
+        import matplotlib
+        matplotlib.use("Agg")
+        axes = trilat.results(self.results.folder).plot("p01-walking", "wrist_left")
+        axes.figure.savefig(self.folder / "plot.png")
+        self.assertEqual(axes.get_title(), "p01-walking, wrist_left, simulated")
+        self.assertEqual(len(axes.get_lines()), 2)
+
+    @unittest.skipIf(missing("pandas", "matplotlib"), "pandas or matplotlib is not installed")
+    def test_the_documents_example_runs(self):
+        page = (Path(__file__).resolve().parents[2] / "docs/python.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+        self.assertEqual(len(blocks), 4)
+        shutil.copytree(self.folder, self.folder.with_suffix(".page"), ignore=shutil.ignore_patterns("*.h5.partial"))
+        self.addCleanup(shutil.rmtree, self.folder.with_suffix(".page"))
+        subprocess.run([sys.executable, "-c", "import matplotlib; matplotlib.use('Agg')\n" + "\n".join(blocks)],
+                       cwd=self.folder.with_suffix(".page"), check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "PYTHONPATH": str(Path(trilat.__file__).resolve().parents[1])})
+        self.assertTrue((self.folder.with_suffix(".page") / "wrist.png").exists())
+        call("verify", self.folder.with_suffix(".page") / "own.h5")
+
+    def test_a_session_is_what_info_says(self):
+        path = self.folder / "camp/p01-walking/session.h5"
+        told = json.loads(call("info", "--json", path))["sensors"]
+        with trilat.session(path) as session:
+            self.assertEqual(session.sensors, tuple(s["name"] for s in told))
+            self.assertTrue(session.simulated)
+            for sensor in told:
+                bodies = session[sensor["name"]].bodies()
+                self.assertEqual(len(bodies), sensor["bodies"])
+                self.assertEqual(len(session[sensor["name"]].frame_times_s()), sensor["body_frames"])
+                self.assertTrue((bodies.position_m[bodies.tracking_state == 2][:, 2] > 0.4).all())
+                self.assertAlmostEqual(float(np.median(np.diff(np.unique(bodies.time_s)))), 1 / 30, 3)
+            with self.assertRaisesRegex(trilat.InputError, 'no sensor "k9"; it has k1, k2'):
+                session["k9"]
+
+    def sensor(self, frames=5):
+        position_m = np.zeros((frames, 25, 3), np.float32) + np.arange(3, dtype=np.float32)
+        return trilat.SensorFrames(device_ticks=np.arange(frames) * 333_333, frame=np.arange(frames), position_m=position_m,
+                                   tracking_state=np.full((frames, 25), 2),
+                                   depth=[(i, i * 333_333, i, np.full((424, 512), 1000 + i, np.uint16)) for i in range(frames)])
+
+    def test_a_written_session_is_sound_and_reads_back(self):
+        path = trilat.write_session(self.folder / "own.h5", {"k1": self.sensor(), "k2": self.sensor(3)}, note="made up")
+        verified = subprocess.run([program_path(), "verify", path], capture_output=True, text=True)
+        self.assertEqual(verified.returncode, 0, verified.stderr)
+        with trilat.session(path) as session:
+            self.assertEqual((session.note, session.sensors), ("made up", ("k1", "k2")))
+            np.testing.assert_array_equal(session["k1"].bodies().position_m, self.sensor().position_m)
+            self.assertAlmostEqual(float(session["k1"].depth(4)[0, 0]), 1.004, 6)
+            with self.assertRaisesRegex(IndexError, "5 depth images, not number 5"):
+                session["k1"].depth(5)
+        told = json.loads(call("info", "--json", path))["sensors"][1]
+        self.assertEqual((told["body_frames"], told["bodies"], told["depth_frames"]), (3, 3, 3))
+
+    def test_what_cannot_be_a_session_is_refused_and_leaves_nothing(self):
+        def with_(**changed):
+            sensor = self.sensor()
+            for key, value in changed.items():
+                setattr(sensor, key, value)
+            return {"k1": sensor}
+
+        nan = self.sensor().position_m.copy()
+        nan[2, 3] = np.nan
+        for sensors, words in (({}, "1 to 64 sensors"), ({"a/b": self.sensor()}, 'no "/"'),
+                               (with_(device_ticks=[0, 5, 5, 9, 10]), "do not rise after frame 1"),
+                               (with_(frame=[0, 1, 2, 3, 5]), "rise from 0 to at most 4"),
+                               (with_(position_m=np.zeros((5, 20, 3))), r"position_m has the shape \(5, 20, 3\); \(5, 25, 3\)"),
+                               (with_(position_m=nan), "call it not tracked"),
+                               (with_(tracking_state=np.full((5, 25), 3)), "goes from 0 to 2"),
+                               (with_(depth=[(0, 0, 0, np.zeros((10, 10)))]), "depth frame 0 has the shape")):
+            with self.assertRaisesRegex(trilat.InputError, words):
+                trilat.write_session(self.folder / "refused.h5", sensors)
+            self.assertEqual(list(self.folder.glob("refused*")), [])
+        path = self.folder / "kept.h5"
+        trilat.write_session(path, {"k1": self.sensor()})
+        with self.assertRaisesRegex(trilat.InputError, "is there already"):
+            trilat.write_session(path, {"k1": self.sensor()})
+
+    def test_newer_and_other_files_are_refused(self):
+        newer = self.folder / "newer"
+        shutil.copytree(self.results.folder, newer)
+        summary = json.loads((newer / "summary.json").read_text())
+        (newer / "summary.json").write_text(json.dumps({**summary, "version": 99}))
+        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 5"):
+            trilat.results(newer)
+        (newer / "summary.json").write_text(json.dumps(summary))
+        with h5py.File(newer / "samples.h5", "r+") as file:
+            file.attrs["version"] = 99
+        with self.assertRaisesRegex(trilat.InputError, "samples.h5: has version 99"):
+            trilat.results(newer)
+        with self.assertRaisesRegex(trilat.InputError, "a folder that `trilat run` wrote"):
+            trilat.results(self.folder / "camp")
+        with self.assertRaisesRegex(trilat.InputError, '"trilat.samples"; "trilat.session" is expected'):
+            trilat.session(self.results.folder / "samples.h5")
+        cut = self.folder / "cut.h5"
+        cut.write_bytes((self.folder / "camp/p01-walking/session.h5").read_bytes()[:5000])
+        with self.assertRaisesRegex(trilat.InputError, "cut short"):
+            trilat.session(cut)
+
+
+if __name__ == "__main__":
+    unittest.main()
