@@ -64,10 +64,14 @@ class Sensor:
         self.attributes = {key: value.decode() if isinstance(value, bytes) else value
                            for key, value in group.attrs.items()}
 
+    def frame_ticks_s(self) -> np.ndarray:
+        """(N,) seconds of the body frames by the sensor's own clock."""
+        return self._group["body_frames/device_ticks"][:] * (1e-9 * int(self.attributes["tick_ns"]))
+
     def frame_times_s(self) -> np.ndarray:
         """(N,) seconds of the body frames since the first of them, by the sensor's own clock."""
-        ticks = self._group["body_frames/device_ticks"][:]
-        return (ticks - ticks[:1]) * (1e-9 * int(self.attributes["tick_ns"]))
+        ticks_s = self.frame_ticks_s()
+        return ticks_s - ticks_s[:1]
 
     def bodies(self) -> Bodies:
         """All bodies of all frames."""

@@ -104,7 +104,7 @@ class DoorTest(unittest.TestCase):
         page = (Path(__file__).resolve().parents[2] / "docs/python.md").read_text(encoding="utf-8")
         blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
         self.assertEqual(len(blocks), 4)
-        shutil.copytree(self.folder, self.folder.with_suffix(".page"), ignore=shutil.ignore_patterns("*.h5.partial"))
+        shutil.copytree(self.folder, self.folder.with_suffix(".page"), ignore=shutil.ignore_patterns("own.h5"))
         self.addCleanup(shutil.rmtree, self.folder.with_suffix(".page"))
         subprocess.run([sys.executable, "-c", "import matplotlib; matplotlib.use('Agg')\n" + "\n".join(blocks)],
                        cwd=self.folder.with_suffix(".page"), check=True, stdout=subprocess.DEVNULL,

@@ -4,11 +4,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from trilat.convert import kimore, labanotation, node_kinect2, ntu, png, umons_taichi, xef
+from trilat.convert import (keraal, kimore, kinectmultitrack, labanotation, node_kinect2, ntu, png, ui_prmd, umons_taichi,
+                            xef)
 from trilat.errors import InputError
 
-FORMATS = {"kimore": kimore, "labanotation": labanotation, "node-kinect2": node_kinect2, "ntu": ntu, "png": png,
-           "umons-taichi": umons_taichi, "xef": xef}
+FORMATS = {"keraal": keraal, "kimore": kimore, "kinectmultitrack": kinectmultitrack, "labanotation": labanotation,
+           "node-kinect2": node_kinect2, "ntu": ntu, "png": png, "ui-prmd": ui_prmd, "umons-taichi": umons_taichi, "xef": xef}
 
 
 def arguments_of(words: list[str]) -> argparse.Namespace:
@@ -20,7 +21,7 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
     for name, module in FORMATS.items():
         verb = formats.add_parser(name, help=module.HELP, description=module.HELP)
         verb.add_argument("files", nargs="+", type=Path, metavar="FILE", help="the recording")
-        verb.add_argument("-o", "--output", type=Path, required=True, help="session.h5")
+        verb.add_argument("-o", "--output", type=Path, required=True, help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder")
         verb.add_argument("--rate-hz", type=float, help="frames a second, where the files have no time stamps")
         verb.add_argument("--force", action="store_true", help="replace what stands under the output's name")
         verb.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else there")
