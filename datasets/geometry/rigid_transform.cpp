@@ -7,10 +7,6 @@
 
 namespace trilat {
 
-double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return a.angularDistance(b);
-}
-
 RigidTransform world_from_sensor_looking_at(const Eigen::Vector3d& position_m,
                                             const Eigen::Vector3d& target_m) {
   const Eigen::Vector3d view = target_m - position_m;

@@ -37,9 +37,6 @@ struct RigidTransform {
   }
 };
 
-// The angle between two orientations, in [0, pi].
-double angle_between_rad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
-
 // A sensor at `position_m` that looks at `target_m` with its y axis as near to world up (+y) as can
 // be. World and sensor frames as in frames.h. InternalError when the view is vertical or the points
 // coincide.

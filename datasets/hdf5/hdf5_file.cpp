@@ -343,16 +343,6 @@ H5File H5File::open(const std::filesystem::path& path) {
   return file;
 }
 
-H5File H5File::open_for_update(const std::filesystem::path& path) {
-  prepare_library();
-  H5File file;
-  file.place_ = path.string() + ":";
-  const H5Handle access = access_list(file.place_);
-  file.id_ = wrap(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), close_file, path.string(),
-                  "cannot be opened for writing");
-  return file;
-}
-
 void H5File::start_swmr() {
   if (H5Fstart_swmr_write(id_.id()) < 0) refuse(place_, "cannot be written for followers");
 }

@@ -161,7 +161,6 @@ class H5File : public H5Node {
   // For reading. A file whose writer is at work, or was killed, is opened as an SWMR reader: what
   // was flushed is there.
   static H5File open(const std::filesystem::path& path);
-  static H5File open_for_update(const std::filesystem::path& path);
 
   // From now on nothing new can be created, and a reader may follow.
   void start_swmr();

@@ -83,14 +83,4 @@ void MocapReader::read_only(const std::vector<std::size_t>& assets) {
 
 bool MocapReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
 
-MocapTake read_mocap(const std::filesystem::path& path) {
-  MocapReader reader(path);
-  MocapTake take;
-  MocapFrame frame;
-  while (reader.next(frame)) take.frames.push_back(frame);
-  take.header = reader.header();
-  take.anomalies = reader.anomalies();
-  return take;
-}
-
 }  // namespace trilat

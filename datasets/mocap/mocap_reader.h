@@ -51,7 +51,4 @@ class MocapReader {
   MocapAnomalies anomalies_;
 };
 
-// The whole file at once, for small ones.
-MocapTake read_mocap(const std::filesystem::path& path);
-
 }  // namespace trilat

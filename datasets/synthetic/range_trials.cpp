@@ -227,13 +227,6 @@ void MakeTrials(const RangeTrialModel& model, std::uint64_t first_trial, std::si
     MakeOneVector(model, hn::Iota(u, first_trial + column), rows, column);
 }
 
-void MakeUniforms(std::uint64_t seed, std::uint64_t first_trial, std::uint32_t index, std::size_t count,
-                  double* uniforms) {
-  const U u;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(u))
-    hn::StoreU(Draws(seed, hn::Iota(u, first_trial + i)).uniform(index), D(), uniforms + i);
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace trilat
 HWY_AFTER_NAMESPACE();
@@ -241,7 +234,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace trilat {
 HWY_EXPORT(MakeTrials);
-HWY_EXPORT(MakeUniforms);
 
 void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, std::size_t count,
                        const RangeTrialRows& rows) {
@@ -250,11 +242,6 @@ void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, 
       rows.truth_m && rows.range_m && rows.stride >= (count + kTrialBlock - 1) / kTrialBlock * kTrialBlock,
       "trials have rows to go to");
   HWY_DYNAMIC_DISPATCH(MakeTrials)(model, first_trial, count, rows);
-}
-
-void trial_uniforms(std::uint64_t seed, std::uint64_t first_trial, std::uint32_t index, std::size_t count,
-                    double* uniforms) {
-  HWY_DYNAMIC_DISPATCH(MakeUniforms)(seed, first_trial, index, count, uniforms);
 }
 
 }  // namespace trilat

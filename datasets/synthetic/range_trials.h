@@ -63,8 +63,4 @@ inline constexpr std::uint32_t kPerSensor = 4;          // length, height, azimu
 inline constexpr std::uint32_t kRangeError = 3;
 }  // namespace trial_index
 
-// The uniforms of one index for `count` trials in a row: RandomStream::uniform of each.
-void trial_uniforms(std::uint64_t seed, std::uint64_t first_trial, std::uint32_t index, std::size_t count,
-                    double* uniforms);
-
 }  // namespace trilat

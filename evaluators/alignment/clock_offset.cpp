@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
@@ -214,13 +215,6 @@ struct Evidence {
 };
 using Blocks = std::map<std::int64_t, Evidence>;
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The median distance between the joints at one offset.
 double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s) {
   std::vector<double> sizes_m;
@@ -230,7 +224,7 @@ double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s) {
           (joint.estimate[i].position_m - joint.truth.position_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
-  return median_of(sizes_m);
+  return sizes_m.empty() ? kNaN : upper_median(sizes_m);
 }
 
 double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_s) {
@@ -241,7 +235,7 @@ double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_
           (joint.estimate[i].quick_m - joint.truth.quick_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
-  return sizes_m.empty() ? 0.0 : median_of(sizes_m);
+  return sizes_m.empty() ? 0.0 : upper_median(sizes_m);
 }
 
 void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, double block_s,

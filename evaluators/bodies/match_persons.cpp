@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 
 namespace trilat {
 namespace {
@@ -47,9 +48,7 @@ double likeness(const Tracklet& a, const Tracklet& b, const PersonOptions& optio
   if (together_s < options.least_overlap_s) return 0.0;
   std::vector<double> values_m = distances_m(a, b, options.longest_hole_s);
   if (values_m.empty()) return 0.0;
-  const auto middle = values_m.begin() + static_cast<std::ptrdiff_t>(values_m.size() / 2);
-  std::nth_element(values_m.begin(), middle, values_m.end());
-  return together_s * (1.0 - std::min(*middle / options.same_m, 2.0));
+  return together_s * (1.0 - std::min(upper_median(values_m) / options.same_m, 2.0));
 }
 
 // What speaks for joining two clusters is the sum over their tracklets. A cluster is named by one of them.

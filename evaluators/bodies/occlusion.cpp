@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 
 namespace trilat {
 namespace {
@@ -98,9 +99,7 @@ std::optional<double> surface_at_m(const DepthImageView& image, const Vector2d& 
     for (int u = std::max(0, middle - half); u <= std::min(image.width_px - 1, middle + half); ++u)
       if (const std::uint16_t depth_mm = image.at_mm(u, v); depth_mm > 0) valid_mm.push_back(depth_mm);
   if (valid_mm.empty() || static_cast<int>(valid_mm.size()) < options.fewest_valid_px) return std::nullopt;
-  const auto median = valid_mm.begin() + static_cast<std::ptrdiff_t>(valid_mm.size() / 2);
-  std::nth_element(valid_mm.begin(), median, valid_mm.end());
-  return 1e-3 * *median;
+  return 1e-3 * upper_median(valid_mm);
 }
 
 }  // namespace

@@ -4,23 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/base/median.h"
 namespace trilat {
 namespace {
 
 using Sightings = std::span<const TimedSighting>;
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Eigen::Vector3d median_centre_m(Sightings sightings) {
   Eigen::Vector3d median;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const TimedSighting& s : sightings) values.push_back(s.sighting.centre_in_sensor_m[axis]);
-    median[axis] = median_of(std::move(values));
+    median[axis] = upper_median(std::move(values));
   }
   return median;
 }
@@ -64,7 +59,7 @@ RestingBall mean_of_rest(Sightings rest, std::size_t sensor, double deviation) {
   for (const TimedSighting& s : rest)
     distances_m.push_back((s.sighting.centre_in_sensor_m - median_m).norm());
   // The median length of a normal vector in three dimensions is 1.538 standard deviations.
-  const double sigma_m = std::max(median_of(distances_m) / 1.538, 1e-6);
+  const double sigma_m = std::max(upper_median(distances_m) / 1.538, 1e-6);
   Eigen::Matrix3d stated_m2 = Eigen::Matrix3d::Zero(), scatter_m2 = Eigen::Matrix3d::Zero();
   std::vector<const TimedSighting*> used;
   for (std::size_t i = 0; i < rest.size(); ++i)

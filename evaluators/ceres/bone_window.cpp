@@ -11,6 +11,7 @@
 #include <ceres/solver.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 #include "evaluators/fusion/kalman.h"
 
 namespace trilat {
@@ -150,13 +151,6 @@ bool is_tracked(std::span<const JointObservation> observations) {
   return std::ranges::any_of(observations, [](const JointObservation& o) {
     return is_seen(o) && o.state == TrackingState::tracked;
   });
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 std::vector<MedianBone> bones_of(const BodyPath& path, const std::vector<Eigen::Vector3d>& position_m) {

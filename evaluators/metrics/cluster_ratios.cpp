@@ -3,11 +3,16 @@
 
 #include <cmath>
 
+#include "datasets/base/philox.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
 
 namespace {
+
+constexpr int kMeanResamples = 2000;
+constexpr std::size_t kFewestResampled = 4;
 
 // A mean of ratios whose numerators are scaled is their weighted sum.
 RatioRange add_ratios(const std::vector<WeightedRatio>& sum, RowMatrix& columns,
@@ -136,6 +141,25 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
   result.value = estimate.value;
   result.standard_error = estimate.standard_error;
   return result;
+}
+
+std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
+                                         std::uint64_t seed) {
+  if (sums.size() < kFewestResampled) return {kNaN, kNaN};
+  std::vector<double> means;
+  for (std::uint64_t r = 0; r < kMeanResamples; ++r) {
+    const RandomStream random{seed, Purpose::calibration_trial, random_item(0, 4, 0, r)};
+    double sum = 0.0, count = 0.0;
+    for (std::uint32_t k = 0; k < sums.size(); ++k) {
+      const auto pick = static_cast<std::size_t>(random.uniform(k) * static_cast<double>(sums.size()));
+      sum += sums[pick];
+      count += counts[pick];
+    }
+    if (count > 0.0) means.push_back(sum / count);
+  }
+  if (means.empty()) return {kNaN, kNaN};
+  const auto q = quantiles_of(means, {0.025, 0.975});
+  return {q[0], q[1]};
 }
 
 }  // namespace trilat

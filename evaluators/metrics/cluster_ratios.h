@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -99,5 +100,10 @@ struct ContrastEstimate {
 // NaN when a ratio has no samples at all. What coverage such intervals have: block_bootstrap.h, the row
 // "Student's t times se".
 ContrastEstimate solve_contrast(const Contrast& contrast);
+
+// 95 % interval of sum(sums) / sum(counts), one of each a cluster, by bootstrap over clusters; NaN with fewer
+// than four.
+std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
+                                         std::uint64_t seed);
 
 }  // namespace trilat

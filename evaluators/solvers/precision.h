@@ -24,10 +24,6 @@ struct Precision {
   // The Cramer-Rao bound (U^T V^-1 U)^-1 of unbiased estimates of the position, V the variances of
   // independent normal range errors. NaN when gdop is infinite.
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Constant(kNaN);
-
-  // gdop^2 = hdop^2 + vdop^2; y of the world is up.
-  double hdop() const { return std::sqrt(unit_variance.x() + unit_variance.z()); }
-  double vdop() const { return std::sqrt(unit_variance.y()); }
 };
 
 // From U^T U and U^T V^-1 U.

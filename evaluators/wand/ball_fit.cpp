@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "datasets/base/median.h"
 namespace trilat {
 namespace {
 
@@ -207,9 +208,7 @@ class Fitter {
     std::vector<float> sizes(seen.size());
     std::transform(seen.begin(), seen.end(), sizes.begin(),
                    [](const Seen& s) { return std::abs(s.in_sigmas); });
-    const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return std::clamp(1.4826 * static_cast<double>(*middle), 1.0, kMaxNoiseFactor);
+    return std::clamp(1.4826 * static_cast<double>(upper_median(sizes)), 1.0, kMaxNoiseFactor);
   }
 
   // Weights stay those of the centre at which the pixels were chosen.

@@ -8,35 +8,10 @@
 #include <Eigen/Cholesky>
 
 #include "datasets/base/philox.h"
+#include "evaluators/metrics/cluster_ratios.h"
 #include "evaluators/metrics/error_statistics.h"
 
 namespace trilat {
-namespace {
-
-constexpr int kResamples = 2000;
-constexpr std::size_t kFewestClusters = 4;
-
-}  // namespace
-
-std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
-                                         std::uint64_t seed) {
-  if (sums.size() < kFewestClusters) return {ErrorSpread::kNone, ErrorSpread::kNone};
-  std::vector<double> means;
-  for (std::uint64_t r = 0; r < kResamples; ++r) {
-    const RandomStream random{seed, Purpose::calibration_trial, random_item(0, 4, 0, r)};
-    double sum = 0.0, count = 0.0;
-    for (std::uint32_t k = 0; k < sums.size(); ++k) {
-      const auto pick = static_cast<std::size_t>(random.uniform(k) * static_cast<double>(sums.size()));
-      sum += sums[pick];
-      count += counts[pick];
-    }
-    if (count > 0.0) means.push_back(sum / count);
-  }
-  if (means.empty()) return {ErrorSpread::kNone, ErrorSpread::kNone};
-  const auto q = quantiles_of(means, {0.025, 0.975});
-  return {q[0], q[1]};
-}
-
 ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed) {
   ErrorSpread spread;
   std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count

@@ -22,10 +22,6 @@ struct ClusteredError {
 // four). `seed` makes the resampling; equal inputs give equal results.
 ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed);
 
-// 95 % interval of the mean of `values`, one a cluster, by bootstrap; NaN with fewer than four.
-std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,
-                                         std::uint64_t seed);
-
 // How an error of a pose (rotation vector, rad; position, m) stands to the covariance that is stated for it.
 // 0 axes where none is.
 struct PoseMisfit {

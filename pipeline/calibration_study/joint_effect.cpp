@@ -8,11 +8,11 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
+#include "evaluators/metrics/cluster_ratios.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/precision.h"
-#include "pipeline/calibration_study/error_spread.h"
 
 namespace trilat {
 namespace {

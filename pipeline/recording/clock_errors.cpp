@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "pipeline/calibration_study/error_spread.h"
+#include "evaluators/metrics/cluster_ratios.h"
 #include "pipeline/recording/clock_methods.h"
 #include "pipeline/recording/processing_time.h"
 #include "pipeline/study/parallel.h"

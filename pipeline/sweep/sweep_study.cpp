@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
@@ -74,13 +75,6 @@ class Stopwatch {
   SweepBlocks blocks_;
   std::vector<PointEstimate> estimates_;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 SweepCellTiming timing_of(const SweepCellPlace& place, const std::vector<Round>& rounds) {
   std::vector<double> scalar_ns, batched_ns;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/median.h"
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
 #include "reports/claims/claims.h"
@@ -162,11 +163,9 @@ std::string mean_spread_effect(const PaperEvidence& e) {
     if (std::isfinite(share)) shares.push_back(share);
   }
   if (shares.empty()) return {};
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::nth_element(shares.begin(), middle, shares.end());
   return fmt::format(
       "the mean of 5000 of our trials has a standard error of {:.1f} %, the median over readings and cells",
-      100.0 * *middle);
+      100.0 * upper_median(shares));
 }
 
 std::string both(const std::string& a, const std::string& b) {

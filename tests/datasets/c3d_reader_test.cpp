@@ -7,6 +7,7 @@
 #include "tests/datasets/made_up_c3d.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/scratch.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

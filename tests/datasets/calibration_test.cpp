@@ -24,7 +24,7 @@ TEST(Calibration, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(calibration.method, "wand");
   const SensorPose& read = pose_of(calibration, "k1", "here");
   EXPECT_EQ(read.world_from_sensor.translation_m, pose.world_from_sensor.translation_m);
-  EXPECT_LT(angle_between_rad(read.world_from_sensor.rotation, pose.world_from_sensor.rotation), 1e-15);
+  EXPECT_LT(read.world_from_sensor.rotation.angularDistance(pose.world_from_sensor.rotation), 1e-15);
   EXPECT_EQ(read.position_sigma_m, 0.004);
   EXPECT_EQ(read.rotation_sigma_rad, 0.002);
   EXPECT_THAT(message_of([&] { pose_of(calibration, "k9", "cal.json"); }),

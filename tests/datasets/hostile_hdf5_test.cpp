@@ -213,14 +213,19 @@ TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
   header.takes = {{"a", 5, "walking"}};
   SamplesFile::create(folder / "samples.h5", header).finish();
   const hid_t file = H5Fopen((folder / "samples.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  H5Adelete(file, "methods");
-  H5Adelete(file, "joints");
-  ASSERT_GE(H5Fclose(file), 0);
-  {
-    H5File again = H5File::open_for_update(folder / "samples.h5");
-    again.set_texts("methods", std::vector<std::string>(4000, "m"));
-    again.set_texts("joints", std::vector<std::string>(4000, "j"));
+  const hsize_t count = 4000;
+  for (const char* name : {"methods", "joints"}) {
+    const hid_t space = H5Screate_simple(1, &count, nullptr), type = H5Tcopy(H5T_C_S1);
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    H5Adelete(file, name);
+    const hid_t texts = H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    ASSERT_GE(H5Awrite(texts, type, std::string(count, 'm').c_str()), 0);
+    H5Aclose(texts);
+    H5Tclose(type);
+    H5Sclose(space);
   }
+  ASSERT_GE(H5Fclose(file), 0);
   EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "samples.h5"); }),
               HasSubstr("4000 joints x 4000 methods"));
 }

@@ -8,8 +8,8 @@
 
 #include "datasets/base/byte_file.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "tests/support/scratch.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/paths.h"
 #include "tests/support/scratch.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

@@ -11,6 +11,7 @@
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
 #include "tests/datasets/temporary_file.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

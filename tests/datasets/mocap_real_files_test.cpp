@@ -10,6 +10,7 @@
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
 #include "tests/support/paths.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "tests/datasets/temporary_file.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

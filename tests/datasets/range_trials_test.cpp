@@ -72,15 +72,18 @@ RangeMoments moments_of_errors(const RangeTrialModel& model) {
 }
 
 TEST(RangeTrials, DrawTheUniformsOfARandomStream) {
-  const std::uint64_t seed = 0xFEDCBA9876543210;
+  const RangeTrialModel model = model_with(TrialError::range_signed, 0.0, 0.0);
+  const double low_m[] = {-0.6, 0.1, -0.6}, high_m[] = {0.6, 1.9, 0.6};
   for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xFFFFFFF8}, std::uint64_t{1} << 40}) {
-    std::vector<double> uniforms(64);
-    for (const std::uint32_t index : {0u, 7u, 0xFFFFFFFFu}) {
-      trial_uniforms(seed, first, index, uniforms.size(), uniforms.data());
-      for (std::size_t i = 0; i < uniforms.size(); ++i)
-        EXPECT_EQ(uniforms[i], (RandomStream{seed, Purpose::range_trial, first + i}.uniform(index)))
-            << first + i << " " << index;
-    }
+    const Trials trials(model, first, 64);
+    for (std::size_t i = 0; i < 64; ++i)
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        const RandomStream stream{model.seed, Purpose::range_trial, first + i};
+        const double share = stream.uniform(trial_index::kJoint + axis);
+        EXPECT_NEAR(trials.truth_m[axis * trials.count + i],
+                    low_m[axis] + share * (high_m[axis] - low_m[axis]), 1e-12)
+            << first + i << " " << axis;
+      }
   }
 }
 

@@ -60,8 +60,7 @@ TEST(Precision, OfDirectionsAlongTheAxesIsTheVarianceOfEachRange) {
   const RangeProblem problem = problem_of({{2, 0, 0}, {0, 3, 0}, {0, 0, 1}}, {0, 0, 0});
   const Precision precision = precision_at(problem, {0, 0, 0}, variances_m2(problem));
   EXPECT_NEAR(precision.gdop, std::sqrt(3.0), 1e-12);
-  EXPECT_NEAR(precision.hdop(), std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(precision.vdop(), 1.0, 1e-12);
+  EXPECT_LT((precision.unit_variance - Vector3d::Ones()).norm(), 1e-12);
   const Matrix3d expected = Vector3d(1e-4, 4e-4, 2.5e-5).asDiagonal();
   EXPECT_LT((precision.covariance_m2 - expected).norm(), 1e-12 * expected.norm());
 }
@@ -70,8 +69,7 @@ TEST(Precision, OfATetrahedronIsThreeQuartersOfTheVariance) {
   const RangeProblem problem = problem_of({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {0, 0, 0});
   const Precision precision = precision_at(problem, {0, 0, 0}, std::vector<double>(4, 0.01));
   EXPECT_NEAR(precision.gdop, 1.5, 1e-12);
-  EXPECT_NEAR(precision.hdop(), std::sqrt(1.5), 1e-12);
-  EXPECT_NEAR(precision.vdop(), std::sqrt(0.75), 1e-12);
+  EXPECT_LT((precision.unit_variance - Vector3d::Constant(0.75)).norm(), 1e-12);
   EXPECT_LT((precision.covariance_m2 - 0.0075 * Matrix3d::Identity()).norm(), 1e-14);
 }
 
@@ -85,8 +83,9 @@ TEST(Precision, OfARingFollowsTheElevation) {
           precision_at(problem, joint_m, std::vector<double>(static_cast<std::size_t>(n), 1.0));
       const double horizontal = 4.0 / (n * std::cos(e) * std::cos(e));
       const double vertical = 1.0 / (n * std::sin(e) * std::sin(e));
-      EXPECT_NEAR(precision.hdop() / std::sqrt(horizontal), 1.0, 1e-12) << n << " " << e;
-      EXPECT_NEAR(precision.vdop() / std::sqrt(vertical), 1.0, 1e-12) << n << " " << e;
+      const Vector3d& variance = precision.unit_variance;
+      EXPECT_NEAR((variance.x() + variance.z()) / horizontal, 1.0, 1e-12) << n << " " << e;
+      EXPECT_NEAR(variance.y() / vertical, 1.0, 1e-12) << n << " " << e;
       EXPECT_NEAR(precision.gdop / std::sqrt(horizontal + vertical), 1.0, 1e-12) << n << " " << e;
     }
   }
@@ -110,7 +109,7 @@ TEST(Precision, IsNeverBelowThreeByTheRootOfTheNumberOfSensors) {
 TEST(Precision, IsInfiniteDilutionInThePlaneOfTheSensors) {
   const RangeProblem problem = problem_of(ring_m(0.9, 0.9, 0.9, 0.9), {0.2, 0.9, -0.3});
   const Precision precision = precision_at(problem, {0.2, 0.9, -0.3}, variances_m2(problem));
-  EXPECT_TRUE(std::isinf(precision.gdop) && std::isinf(precision.hdop()) && std::isinf(precision.vdop()));
+  EXPECT_TRUE(std::isinf(precision.gdop) && std::isinf(precision.unit_variance.y()));
   EXPECT_TRUE(precision.covariance_m2.array().isNaN().all());
   EXPECT_TRUE(std::isinf(precision_at({}, {0, 0, 0}, {}).gdop));
 }

@@ -66,7 +66,7 @@ TEST(TwoPositions, TakenToStandUprightATiltedSensorKeepsItsTilt) {
   const TwoPositionPose got = solve_for(truth, all_corrected());
   ASSERT_EQ(got.status, TwoPositionStatus::solved);
   EXPECT_LT((got.wand_from_sensor.rotation * Vector3d::UnitY() - Vector3d::UnitY()).norm(), 1e-12);
-  EXPECT_NEAR(angle_between_rad(got.wand_from_sensor.rotation, truth.rotation), 20.0 * kRadPerDegree, 1e-9);
+  EXPECT_NEAR(got.wand_from_sensor.rotation.angularDistance(truth.rotation), 20.0 * kRadPerDegree, 1e-9);
 }
 
 // A movement 30 degrees to one side of straight away from the lens; the sensor's x axis is to its left.
@@ -82,10 +82,10 @@ TEST(TwoPositions, TheArcCosineTakesAMovementToTheLeftForOneToTheRight) {
     EXPECT_EQ(pose.status, TwoPositionStatus::solved);
     return pose.wand_from_sensor.rotation;
   };
-  EXPECT_LT(angle_between_rad(rotation(right, printed_angle), rotation(right, all_corrected())), 1e-7);
-  EXPECT_NEAR(angle_between_rad(rotation(left, printed_angle), rotation(left, all_corrected())),
-              2.0 * angle_rad, 1e-9);
-  EXPECT_LT(angle_between_rad(rotation(left, printed_angle), rotation(right, printed_angle)), 1e-7);
+  EXPECT_LT(rotation(right, printed_angle).angularDistance(rotation(right, all_corrected())), 1e-7);
+  EXPECT_NEAR(rotation(left, printed_angle).angularDistance(rotation(left, all_corrected())), 2.0 * angle_rad,
+              1e-9);
+  EXPECT_LT(rotation(left, printed_angle).angularDistance(rotation(right, printed_angle)), 1e-7);
 }
 
 // With the sign both horizontal axes give the same pose; without it x takes a movement towards the sensor for
@@ -110,7 +110,7 @@ TEST(TwoPositions, TheTrajectoryCanBeComparedWithEitherHorizontalAxis) {
     const auto rotation = [&](const TwoPositionOptions& options) {
       return solve_two_positions(first, second, kMovement_m, options).wand_from_sensor.rotation;
     };
-    EXPECT_NEAR(angle_between_rad(rotation(printed_angle), rotation(along_x)),
+    EXPECT_NEAR(rotation(printed_angle).angularDistance(rotation(along_x)),
                 side > 0.0 ? 2.0 * angle_rad : 0.0, 1e-7);
   }
 }

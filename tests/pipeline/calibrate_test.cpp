@@ -35,7 +35,7 @@ RigidTransform wand_from_world(const std::vector<Vector3d>& places) {
 
 void expect_pose(const SensorPose& pose, const RigidTransform& truth, double limit_m, double limit_deg) {
   EXPECT_LT((pose.world_from_sensor.translation_m - truth.translation_m).norm(), limit_m) << pose.name;
-  EXPECT_LT(angle_between_rad(pose.world_from_sensor.rotation, truth.rotation), limit_deg * kRadPerDegree)
+  EXPECT_LT(pose.world_from_sensor.rotation.angularDistance(truth.rotation), limit_deg * kRadPerDegree)
       << pose.name;
 }
 
@@ -450,7 +450,7 @@ TEST(CalibrateTwoPositions, CorrectedTheyUseEachSensorsFloor) {
   // Taken to stand upright, they keep the angle by which they look up or down.
   const Calibration upright =
       calibrate_two_positions(views, "session.h5", kCorrected, std::nullopt, kNoFloors);
-  EXPECT_GT(angle_between_rad(upright.sensors[3].world_from_sensor.rotation, (wand * rig[3]).rotation),
+  EXPECT_GT(upright.sensors[3].world_from_sensor.rotation.angularDistance((wand * rig[3]).rotation),
             20.0 * kRadPerDegree);
 }
 

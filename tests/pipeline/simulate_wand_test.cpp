@@ -11,11 +11,11 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/depth/depth_rays.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
+#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {

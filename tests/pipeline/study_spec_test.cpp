@@ -166,10 +166,10 @@ TEST(Study, TheResolvedSettingsReadBackAsTheSameStudy) {
 }
 
 TEST(Study, ItsCampaignIsRelativeToItsFile) {
-  const ScratchFolder folder;
-  write_file(folder / "study.json", R"({"format": "trilat.study", "version": 1, "kind": "accuracy",
-      "name": "x", "campaign": "takes", "methods": [{"method": "mean"}]})");
-  EXPECT_EQ(read_study(folder / "study.json").campaign, folder / "takes");
+  const Json study = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "x",
+      "campaign": "takes", "methods": [{"method": "mean"}]})",
+                                "study.json");
+  EXPECT_EQ(parse_study(study, "study.json", "folder").campaign, std::filesystem::path("folder/takes"));
 }
 
 TEST(Methods, SingleWithoutSensorsBecomesOneMethodASensor) {

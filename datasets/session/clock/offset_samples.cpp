@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/base/median.h"
 namespace trilat {
 
 namespace {
@@ -40,13 +41,13 @@ std::vector<WanderWindow> wander_windows(const std::vector<ClockExchange>& excha
     if (used.size() < kFewestUsed) continue;
     const std::vector<OffsetSample> samples = samples_of(used, base_ns);
     const std::vector<double> residuals_ns = residuals_of(samples, line);
-    const double median_ns = median_of(residuals_ns);
+    const double median_ns = upper_median(residuals_ns);
     sigmas_ns.push_back(sigma_of(residuals_ns, median_ns));
     windows.push_back({samples.front().host_ns + (samples.back().host_ns - samples.front().host_ns) / 2,
                        median_ns, 0.0, used.size()});
   }
   if (windows.empty()) return windows;
-  const double sigma_ns = median_of(sigmas_ns);
+  const double sigma_ns = upper_median(sigmas_ns);
   for (WanderWindow& w : windows) w.sigma_ns = sigma_of_median(sigma_ns, w.exchanges);
   return windows;
 }
@@ -138,12 +139,6 @@ std::vector<double> residuals_of(const std::vector<OffsetSample>& samples, const
   return residuals;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double median_slope(const std::vector<OffsetSample>& samples) {
   const std::size_t step = std::max<std::size_t>(1, samples.size() / 200);
   const double least_span = static_cast<double>(samples.back().host_ns - samples.front().host_ns) / 3.0;
@@ -154,13 +149,13 @@ double median_slope(const std::vector<OffsetSample>& samples) {
       if (span > 0.0 && span >= least_span)
         slopes.push_back((samples[j].offset_ns - samples[i].offset_ns) / span);
     }
-  return slopes.empty() ? 0.0 : median_of(std::move(slopes));
+  return slopes.empty() ? 0.0 : upper_median(std::move(slopes));
 }
 
 double sigma_of(const std::vector<double>& values, double middle) {
   std::vector<double> deviations;
   for (double value : values) deviations.push_back(std::abs(value - middle));
-  return 1.4826 * median_of(std::move(deviations));
+  return 1.4826 * upper_median(std::move(deviations));
 }
 
 double sigma_of_median(double sigma, std::size_t count) {

@@ -124,10 +124,6 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   return spec;
 }
 
-StudySpec read_study(const std::filesystem::path& path) {
-  return parse_study(read_json(path), path.string(), path.parent_path());
-}
-
 Json resolved_json(const StudySpec& spec) {
   Json methods = Json::array();
   for (const MethodSpec& m : spec.methods) methods.push_back(resolved_json(m));

@@ -51,7 +51,6 @@ struct StudySpec {
 // What a study of accuracy and one that holds one have in common; `kind` and finish() are the caller's.
 StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder);
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
-StudySpec read_study(const std::filesystem::path& path);
 
 // Every setting written out, defaults included: what goes into the manifest and its hash.
 Json resolved_json(const StudySpec& spec);

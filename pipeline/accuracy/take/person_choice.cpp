@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 #include "datasets/session/clock/session_clock.h"
 #include "evaluators/bodies/match_persons.h"
 
@@ -105,10 +106,7 @@ double median_distance_m(const Plan& plan, const TakeData& data, const Tracklets
       if (off.allFinite()) distances_m.push_back(std::hypot(off.x(), off.z()));
     }
   }
-  if (distances_m.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-  std::nth_element(distances_m.begin(), middle, distances_m.end());
-  return *middle;
+  return distances_m.empty() ? std::numeric_limits<double>::infinity() : upper_median(distances_m);
 }
 
 // Whether one sensor sees two persons, given by their tracklets, at the same time.

@@ -2,6 +2,7 @@
 """A folder of depth images, 16-bit grey PNG of 512 x 424; the unit, and where times come from, must be said."""
 import argparse
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ from trilat.convert.recording import TICKS_PER_S, Recording, TornRow, finish, ne
 from trilat.errors import InputError
 from trilat.write_session import DEPTH_SHAPE
 
-HELP = "folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of --rate-hz, --timestamps, --time-from-name"
-NEAREST_MM, FARTHEST_MM = 500, 8000
+HELP = ("folder of depth images: 16-bit grey PNG, 512 x 424; needs --depth-unit-mm and one of --rate-hz, --timestamps, "
+        "--time-from-name")
+NEAREST_MM, FARTHEST_MM = 500, 8000  # that a Kinect v2 can measure
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -25,8 +27,8 @@ def read_image(path: Path, unit_mm: float) -> np.ndarray:
     try:
         with Image.open(path) as image:
             if image.size != DEPTH_SHAPE[::-1] or image.mode not in ("I;16", "I;16B", "I"):
-                raise InputError(path, f"is {image.size[0]} x {image.size[1]} of mode {image.mode}; depth images of a Kinect v2 are "
-                                       "512 x 424 with 16 bits, grey")
+                raise InputError(path, f"is {image.size[0]} x {image.size[1]} of mode {image.mode}; depth images of a Kinect "
+                                       "v2 are 512 x 424 with 16 bits, grey")
             depth_mm = np.round(np.asarray(image).astype(float) * unit_mm)
     except (OSError, SyntaxError) as error:
         raise TornRow(f"cannot be read: {error}") from error
@@ -41,12 +43,11 @@ def times_s(images: list[Path], arguments: argparse.Namespace) -> tuple[list[flo
         return [i / arguments.rate_hz for i in range(len(images))], "the image's number / rate"
     if arguments.time_from_name:
         found = [re.findall(r"\d+(?:\.\d+)?", image.stem) for image in images]
-        for image, numbers in zip(images, found, strict=True):
-            if not numbers:
-                raise InputError(image, "has no number in its name, and --time-from-name is given")
+        if [] in found:
+            raise InputError(images[found.index([])], "has no number in its name, and --time-from-name is given")
         return [float(numbers[-1]) for numbers in found], "the last number of each name, in seconds"
     try:
-        times = [float(line) for line in arguments.timestamps.read_text().splitlines() if line.strip()]
+        times = [float(line) for line in arguments.timestamps.read_text().split()]
     except (OSError, ValueError) as error:
         raise InputError(arguments.timestamps, f"cannot be read as one time in seconds a line: {error}") from error
     if len(times) != len(images):
@@ -54,38 +55,30 @@ def times_s(images: list[Path], arguments: argparse.Namespace) -> tuple[list[flo
     return times, f"those of {arguments.timestamps.name}"
 
 
-def note_on_depths(images: list[Path], unit_mm: float) -> str:
-    """How much of the images a Kinect v2 cannot have measured: infrared pictures look like depth images, too."""
-    values = outside = most_mm = 0
-    for image in images:
-        try:
-            depth_mm = read_image(image, unit_mm)
-        except TornRow:
-            continue  # is counted when the session is written
-        seen = depth_mm[depth_mm > 0]
-        values, outside = values + seen.size, outside + int(((seen < NEAREST_MM) | (seen > FARTHEST_MM)).sum())
-        most_mm = max(most_mm, int(depth_mm.max()))
-    if not outside:
-        return " All depths are ones that the sensor can measure."
-    return (f" Of {values} values that are not 0, {outside} ({100 * outside / values:.1f} %) lie outside the 0.5 to 8 m that the "
-            f"sensor can measure, up to {1e-3 * most_mm:.1f} m: are these depth images, and is --depth-unit-mm right?")
-
-
 def convert(arguments: argparse.Namespace) -> int:
-    folder, unit_mm = need_one(arguments.files, "is a second folder; a folder is a sensor and a session"), arguments.depth_unit_mm
+    folder = need_one(arguments.files, "is a second folder; a folder is a sensor and a session")
+    unit_mm, images = arguments.depth_unit_mm, sorted(folder.glob("*.png"))
     if not unit_mm or unit_mm <= 0:
-        raise InputError("--depth-unit-mm", "is missing or not above 0: what a value of 1 means is not in the images (1 for Kinect "
-                                            "v2 and NTU, 0.2 for TUM)")
-    ways = [arguments.rate_hz is not None, arguments.time_from_name, arguments.timestamps is not None]
-    if sum(ways) != 1:
+        raise InputError("--depth-unit-mm", "is missing or not above 0: what a value of 1 means is not in the images")
+    if (arguments.rate_hz is not None) + arguments.time_from_name + (arguments.timestamps is not None) != 1:
         raise InputError("--rate-hz, --timestamps, --time-from-name", "say when the images were made; give one of them")
-    images = sorted(folder.glob("*.png"))
     if not images:
         raise InputError(folder, "is no folder of depth images, or holds no .png")
     times, origin = times_s(images, arguments)
-    order = sorted(range(len(images)), key=times.__getitem__) if arguments.time_from_name else range(len(images))
-    recording = Recording("k1", folder, arguments.rate_hz or 30.0)
-    depth = recording.depth((str(images[i]), round(TICKS_PER_S * times[i]), None, lambda i=i: read_image(images[i], unit_mm))
-                            for i in order)
-    note = f"Values count {unit_mm:g} mm each; times are {origin}. Intrinsics: those of a typical Kinect v2."
-    return finish(arguments, [recording], note + note_on_depths(images, unit_mm), depth={"k1": depth})
+    recording, seen = Recording("k1", folder, arguments.rate_hz or 30.0), np.zeros(3, int)  # values, outside, farthest
+
+    def read(image: Path) -> np.ndarray:
+        depth_mm = read_image(image, unit_mm)
+        outside = (depth_mm > 0) & ((depth_mm < NEAREST_MM) | (depth_mm > FARTHEST_MM))
+        seen[:] = seen[0] + (depth_mm > 0).sum(), seen[1] + outside.sum(), max(seen[2], depth_mm.max())
+        return depth_mm
+
+    order = np.argsort(times, kind="stable") if arguments.time_from_name else range(len(images))
+    depth = recording.depth((str(images[i]), round(TICKS_PER_S * times[i]), None, lambda i=i: read(images[i])) for i in order)
+    code = finish(arguments, [recording], f"Values count {unit_mm:g} mm each; times are {origin}. Intrinsics: those of a typical "
+                                          "Kinect v2.", depth={"k1": depth})
+    # Infrared pictures look like depth images, too.
+    if seen[1]:
+        print(f"note: of {seen[0]} values that are not 0, {seen[1]} ({100 * seen[1] / seen[0]:.1f} %) lie outside the 0.5 to 8 m that "
+              f"the sensor can measure, up to {1e-3 * seen[2]:.1f} m: are these depth images, and is --depth-unit-mm right?", file=sys.stderr)
+    return code
