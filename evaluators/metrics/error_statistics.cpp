@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "datasets/base/error.h"
+#include "evaluators/metrics/quantiles.h"
 
 namespace trilat {
 
@@ -44,10 +46,8 @@ void ErrorSums::merge(const ErrorSums& later) {
   max_m_ = std::max(max_m_, later.max_m_);
 }
 
-ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, const QuantileSelection& distances_m) {
-  const std::vector<double> quantiles = distances_m.quantiles();
-  TRILAT_CHECK(quantiles.size() == kErrorQuantiles.size() && distances_m.count() == sums.answered_,
-               "quantiles are of the same items");
+ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, std::vector<double> distances_m) {
+  TRILAT_CHECK(std::ssize(distances_m) == sums.answered_, "distances are of the same items");
   ErrorStatistics result;
   result.asked = sums.asked_;
   result.answered = sums.answered_;
@@ -59,12 +59,9 @@ ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, const QuantileSelecti
   result.mae_m = sums.distance_m_.value() / n;
   for (int axis = 0; axis < 3; ++axis) result.axis_mae_m[axis] = sums.axis_distance_m_[axis].value() / n;
   result.rmse_m = std::sqrt(sums.squared_m2_.value() / n);
-  result.p05_m = quantiles[0];
-  result.p25_m = quantiles[1];
-  result.median_m = quantiles[2];
-  result.p75_m = quantiles[3];
-  result.p90_m = quantiles[4];
-  result.p95_m = quantiles[5];
+  const auto q = quantiles_of(std::move(distances_m), {0.05, 0.25, 0.5, 0.75, 0.9, 0.95});
+  std::tie(result.p05_m, result.p25_m, result.median_m) = std::tie(q[0], q[1], q[2]);
+  std::tie(result.p75_m, result.p90_m, result.p95_m) = std::tie(q[3], q[4], q[5]);
   result.max_m = sums.max_m_;
   return result;
 }

@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "evaluators/metrics/quantile_selection.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
@@ -68,9 +67,6 @@ class ErrorSums {
   double max_m_ = 0.0;
 };
 
-// The quantiles a cell needs, in this order; values are |error| of the answered items.
-inline const std::vector<double> kErrorQuantiles{0.05, 0.25, 0.5, 0.75, 0.9, 0.95};
-
 // Everything but the counts is NaN when nothing was answered; coverage is NaN when nothing was
 // asked.
 struct ErrorStatistics {
@@ -89,8 +85,8 @@ struct ErrorStatistics {
   double p95_m = kNaN;
   double max_m = kNaN;
 
-  // `distances_m` has seen the same items in every pass with kErrorQuantiles (InternalError).
-  static ErrorStatistics of(const ErrorSums& sums, const QuantileSelection& distances_m);
+  // `distances_m`: |error| of the same items (InternalError).
+  static ErrorStatistics of(const ErrorSums& sums, std::vector<double> distances_m);
 };
 
 }  // namespace trilat

@@ -103,7 +103,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& re
                          read_as<TakeResult>(JsonObject(found->second.json(), found->second.place(), ""))});
   }
   const Stopwatch time(run.clocks.summarise_ns);
-  gather_takes(run.plan, run.takes, run.options.cross_check, results, run.options.memory_bytes, watch);
+  gather_takes(run.plan, run.takes, run.options.cross_check, results, watch);
 }
 
 Json inputs_json(const AccuracyRun& run) {
@@ -247,11 +247,11 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
   return study;
 }
 
-Study accuracy_of_parts(const Json& work, const std::string& place, std::uint64_t memory_bytes) {
+Study accuracy_of_parts(const Json& work, const std::string& place) {
   const auto run = std::make_shared<AccuracyRun>();
   PlannedWork planned = read_planned_work(work, place);
   run->plan = std::move(planned.plan);
-  run->options = {planned.cross_check, memory_bytes};
+  run->options = {.cross_check = planned.cross_check};
   run->hashes = std::make_shared<HashCache>();
   return study_of(run, work, planned.parameters);
 }

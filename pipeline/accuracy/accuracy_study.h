@@ -32,8 +32,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
                      const std::shared_ptr<HashCache>& hashes, const Watch& watch,
                      std::vector<TakeNote>* unreadable = nullptr);
 // To put parts together: needs them only, not the campaign. InputError when `work` is not what they share.
-Study accuracy_of_parts(const Json& work, const std::string& place,
-                        std::uint64_t memory_bytes = half_of_memory_bytes());
+Study accuracy_of_parts(const Json& work, const std::string& place);
 
 // About how long a take takes, in instants.
 double cost_of(const PlannedTake& take);

@@ -117,13 +117,12 @@ std::vector<ReplayTake> gather_replays(const Plan& plan, std::span<const Evaluat
 }  // namespace
 
 void gather_takes(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check,
-                  const std::filesystem::path& results, std::uint64_t memory_bytes, const Watch& watch) {
+                  const std::filesystem::path& results, const Watch& watch) {
   SamplesFile samples = SamplesFile::create(results / "samples.h5", samples_header(plan));
   const RunOutcome outcome = outcome_of(plan, takes, cross_check);
   Gatherer gatherer(plan, takes, samples, watch);
   const ResultsSummary summary = summarise(
-      plan, outcome, samples, [&](std::size_t t) { return gatherer.bring(t); },
-      std::min(kDistancesInMemoryBytes, memory_bytes / 2), watch.progress);
+      plan, outcome, samples, [&](std::size_t t) { return gatherer.bring(t); }, watch.progress);
   samples.finish();
   write_summary(results, summary);
   write_tracking_summary(results, outcome.tracking);

@@ -10,6 +10,7 @@
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/cluster_ratios.h"
 #include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 
 namespace trilat {
 ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed) {

@@ -97,19 +97,14 @@ int print_tables(const std::filesystem::path& results, const std::vector<Table>&
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
       {StudyKind::accuracy, "takes", "", true, open_accuracy,
-       [](const Json& work, const std::string& place, const MergeArguments& arguments) {
-         return accuracy_of_parts(
-             work, place, arguments.memory_mb ? *arguments.memory_mb * 1'000'000 : half_of_memory_bytes());
-       },
+       [](const Json& work, const std::string& place) { return accuracy_of_parts(work, place); },
        print_accuracy, accuracy_schema},
       {StudyKind::threshold_sweep, "items",
        "a threshold sweep makes its own trials and places its own sensors", false, open_sweep,
-       [](const Json& work, const std::string& place, const MergeArguments&) {
-         return sweep_study(plan_of_work(work, place));
-       },
+       [](const Json& work, const std::string& place) { return sweep_study(plan_of_work(work, place)); },
        print_sweep, sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", false, open_calibration,
-       [](const Json& work, const std::string& place, const MergeArguments&) {
+       [](const Json& work, const std::string& place) {
          return calibration_study(parse_calibration_spec(work, place));
        },
        [](const std::filesystem::path& results, Json document, bool json) {
@@ -121,15 +116,13 @@ const std::vector<Kind>& kinds() {
        "an error budget simulates its own campaigns; name their simulation.json in the study, as "
        "\"simulation\"",
        true, open_budget,
-       [](const Json& work, const std::string& place, const MergeArguments&) {
-         return budget_of_parts(work, place);
-       },
+       [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
        [](const std::filesystem::path& results, Json document, bool json) {
          return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document), json);
        },
        budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
-       [](const Json& work, const std::string& place, const MergeArguments&) {
+       [](const Json& work, const std::string& place) {
          return recording_study(parse_recording_spec(work, place));
        },
        [](const std::filesystem::path& results, Json document, bool json) {
@@ -142,7 +135,7 @@ const std::vector<Kind>& kinds() {
        "in "
        "common",
        false, open_sensitivity,
-       [](const Json& work, const std::string& place, const MergeArguments&) {
+       [](const Json& work, const std::string& place) {
          return sensitivity_study(parse_sensitivity(work, place, {}, {}));
        },
        [](const std::filesystem::path& results, Json document, bool json) {

@@ -35,7 +35,7 @@ struct Kind {
   bool has_memory_limit;
   OpenedStudy (*open)(const RunArguments& arguments, const Json& study);
   // To put parts together; `place`: of the work that they share.
-  Study (*of_parts)(const Json& work, const std::string& place, const MergeArguments& arguments);
+  Study (*of_parts)(const Json& work, const std::string& place);
   // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
   int (*print)(const std::filesystem::path& results, Json document, bool json);
   Json (*schema)();  // JSON Schema of its study.json

@@ -154,10 +154,6 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   merge_verb->add_option("--threads", a.merge.threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  merge_verb
-      ->add_option("--memory-mb", a.merge.memory_mb,
-                   "summarise takes in so much memory; half of what there is")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
   add_force(*merge_verb, a.merge.force);
   add_json(*merge_verb, a.merge.json);
   merge_verb->callback([&] {

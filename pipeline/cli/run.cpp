@@ -52,8 +52,6 @@ ItemTally run_opened(const OpenedStudy& opened, const RunArguments& arguments, c
 MergeArguments checked(const MergeArguments& arguments, const FoundPart& first) {
   if (first.part.build != build_id())
     throw InputError(first.folder.string(), "was made by another build of the program; merge with that one");
-  if (arguments.memory_mb && first.part.kind != name_of(StudyKind::accuracy))
-    throw InputError("--memory-mb", "is for parts of kind accuracy; others need little");
   const OutputKind output = first.part.kind == kCampaign ? OutputKind::merged_campaign : OutputKind::results;
   check_output({arguments.output, output, arguments.parts, arguments.force});
   return arguments;
@@ -113,7 +111,7 @@ int merge(const MergeArguments& given) {
                          (first.part.kind == "wand_search"
                               ? " any more; calibrate the recording whole, which takes a minute or two"
                               : ""));
-  put_together(kind->of_parts(first.part.work, place, arguments), arguments, parts);
+  put_together(kind->of_parts(first.part.work, place), arguments, parts);
   return kind->print(arguments.output, {{"parts", parts.size()}}, arguments.json);
 }
 

@@ -127,8 +127,7 @@ struct MergeArguments {
   std::vector<std::filesystem::path> parts;
   std::filesystem::path output;
   int threads = 0;
-  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
-  bool force = false;                      // may replace what others wrote
+  bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int merge(const MergeArguments& arguments);

@@ -10,7 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/error_statistics.h"
-#include "evaluators/metrics/quantile_selection.h"
+#include "evaluators/metrics/quantiles.h"
 
 namespace trilat {
 namespace {
@@ -69,39 +69,10 @@ TEST(Quantiles, InfinityIsTheLargestValue) {
   EXPECT_THAT(quantiles_of(std::vector<double>{inf, 1.0, 2.0}, {0.5, 1.0}), testing::ElementsAre(2.0, inf));
 }
 
-// Many values of a few leading bits: no pass can keep them before their digits have told them apart.
-TEST(Quantiles, ManyValuesCloseTogetherNeedMorePassesThanFewDo) {
-  const RandomStream random{33, Purpose::test, 0};
-  const auto passes = [&](std::uint32_t count) {
-    std::vector<double> values;
-    for (std::uint32_t i = 0; i < count; ++i) values.push_back(1.0 + random.uniform(i, 0.0, 1e-4));
-    QuantileSelection selection(kErrorQuantiles);
-    int n = 0;
-    for (; !selection.done(); ++n) {
-      for (const double value : values) selection.add(value);
-      selection.end_pass();
-    }
-    expect_as_sorted(values);
-    return n;
-  };
-  EXPECT_EQ(passes(1000), 2);
-  EXPECT_EQ(passes(60'000), 4);
-}
-
-TEST(Quantiles, RefuseWhatBreaksThePromise) {
-  EXPECT_THROW(QuantileSelection({1.5}), InternalError);
-  QuantileSelection selection({0.5});
-  EXPECT_THROW(selection.add(-1.0), InternalError);
-  EXPECT_THROW(selection.add(std::numeric_limits<double>::quiet_NaN()), InternalError);
-  EXPECT_THROW((void)selection.quantiles(), InternalError);
-  selection.add(1.0);
-  selection.end_pass();
-  EXPECT_THROW(selection.end_pass(), InternalError);  // another number of values
-  QuantileSelection other({0.5});
-  other.add(1.0);
-  other.end_pass();
-  other.add(1000.0);
-  EXPECT_THROW(other.end_pass(), InternalError);  // another value
+TEST(Quantiles, RefuseWhatIsNoNumberAndQuantilesThatDoNotRise) {
+  EXPECT_THROW((void)quantiles_of({1.0, kNaN}, {0.5}), InternalError);
+  EXPECT_THROW((void)quantiles_of({1.0}, {1.5}), InternalError);
+  EXPECT_THROW((void)quantiles_of({1.0}, {0.5, 0.25}), InternalError);
 }
 
 struct Item {
@@ -110,13 +81,10 @@ struct Item {
 };
 
 ErrorStatistics statistics_of(const ErrorSums& sums, const std::vector<Item>& items) {
-  QuantileSelection quantiles(kErrorQuantiles);
-  while (!quantiles.done()) {
-    for (const Item& item : items)
-      if (is_usable(item.status)) quantiles.add(item.error_m.norm());
-    quantiles.end_pass();
-  }
-  return ErrorStatistics::of(sums, quantiles);
+  std::vector<double> distances_m;
+  for (const Item& item : items)
+    if (is_usable(item.status)) distances_m.push_back(item.error_m.norm());
+  return ErrorStatistics::of(sums, distances_m);
 }
 
 ErrorSums sums_of(std::span<const Item> items) {

@@ -62,12 +62,10 @@ struct Divided {
     }
     return names;
   }
-  std::filesystem::path merged(const std::vector<std::filesystem::path>& parts,
-                               std::uint64_t memory_bytes = half_of_memory_bytes()) {
+  std::filesystem::path merged(const std::vector<std::filesystem::path>& parts) {
     const std::filesystem::path output = folder / fmt::format("merged{}", parts.size());
     const std::vector<FoundPart> found = read_parts(parts);
-    merge_parts(accuracy_of_parts(found[0].part.work, (parts[0] / "part.json").string(), memory_bytes), found,
-                output, {});
+    merge_parts(accuracy_of_parts(found[0].part.work, (parts[0] / "part.json").string()), found, output, {});
     return output;
   }
 };

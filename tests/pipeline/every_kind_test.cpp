@@ -125,7 +125,7 @@ class EveryKind : public testing::TestWithParam<KindOfStudy> {
   }
   void merge(const std::vector<std::filesystem::path>& parts, const std::string& output) const {
     const std::vector<FoundPart> found = read_parts(parts);
-    merge_parts(kind.of_parts(found[0].part.work, "part.json", {}), found, path(output), {});
+    merge_parts(kind.of_parts(found[0].part.work, "part.json"), found, path(output), {});
   }
   // Runs until the first item is there; how many then are.
   std::size_t stop_after_one(const std::string& output, const Shard& shard = {}) const {

@@ -115,12 +115,6 @@ TEST(MemoryBudget, TheVerbsTakeTheLimitInMegabytes) {
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("more than the 1 MB allowed"), HasSubstr("--memory-mb")));
   EXPECT_EQ(run("results", "2000").code, 0);
-  // a limit too small to evaluate in is no obstacle to merging
-  EXPECT_EQ(run("part", "2000", {"--shard", "1/1"}).code, 0);
-  const std::string merged = (folder / "merged").string();
-  EXPECT_EQ(run_trilat(folder, {"merge", (folder / "part").string(), "-o", merged, "--memory-mb", "1"}).code,
-            0);
-  expect_same_results(folder / "results", merged);
 }
 
 }  // namespace

@@ -147,31 +147,6 @@ TEST(Run, EqualSeedsGiveEqualCampaignsAndOtherSeedsOthers) {
   }
 }
 
-TEST(Run, QuantilesAreTheSameFromMemoryAndFromTheFile) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
-  // the last cannot answer anywhere
-  const Plan plan = make_plan(study_with(R"(["mean", "none", "held_out"])",
-                                         R"("methods": [{"method": "mean"}, {"method": "single"},
-                                                        {"method": "geometric"},
-                                                        {"method": "nonlinear", "sensors": ["k1", "k2"]}])"),
-                              campaign);
-  execute_study(plan.study, campaign, folder / "results", {});
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan));
-  const SamplesFile evaluated = SamplesFile::open(folder / "results/samples.h5");
-  for (std::size_t t = 0; t < plan.takes.size(); ++t)
-    samples.write(t, evaluated.read(t, 0, plan.takes[t].instants));
-  const RunOutcome outcome = outcome_of(plan, std::vector<EvaluatedTake>(plan.takes.size()), false);
-  const auto summary_with = [&](const char* name, std::uint64_t budget_bytes) {
-    std::filesystem::create_directories(folder / name);
-    write_summary(folder / name, summarise(plan, outcome, samples, {}, budget_bytes));
-    return read_file(folder / name / "summary.json");
-  };
-  const std::string memory = summary_with("memory", kDistancesInMemoryBytes);
-  EXPECT_EQ(summary_with("file", 1'000'000), memory);
-  EXPECT_EQ(summary_with("one cell at a time", 0), memory);
-}
-
 // A campaign of four takes on one rig, of which one can be spoilt.
 struct Spoilt {
   ScratchFolder folder;

@@ -23,11 +23,6 @@ TEST(StudyPart, ThreeShardsMergeToTheBytesOfOneRun) {
   expect_same_results(whole, work.merged(work.parts(3, {.cross_check = true})));
 }
 
-TEST(StudyPart, MergedInHardlyAnyMemoryTheBytesAreTheSame) {
-  Divided work(2);
-  expect_same_results(work.whole(), work.merged(work.parts(2), 0));
-}
-
 TEST(StudyPart, TheSharesAreBalanced) {
   Divided work(6, false);
   std::array<double, 3> load{};

@@ -134,9 +134,6 @@ TEST(SweepStudy, TheProgramRunsAndMergesShards) {
   EXPECT_EQ(only_json(part)["items"], only_json(rest)["shard_items"]);
   expect_refused(run_trilat(folder, {"merge", path("a"), "-o", path("merged")}), "missing: shard 2/2");
   run_trilat(folder, {"run", study, "--shard", "2/2", "-o", path("b")});
-  expect_refused(
-      run_trilat(folder, {"merge", path("b"), path("a"), "-o", path("merged"), "--memory-mb", "500"}),
-      "--memory-mb: is for parts of kind accuracy");
   EXPECT_EQ(run_trilat(folder, {"merge", path("b"), path("a"), "-o", path("merged")}).code, 0);
   expect_same_results(path("one"), path("merged"));
   expect_refused(run_trilat(folder, {"run", study, "--shard", "3/2", "-o", path("c")}),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/base/median.h"
 #include "datasets/session/clock/offset_samples.h"
 
 namespace trilat {
@@ -77,7 +78,7 @@ OffsetLine fit_line(AgentSegment& segment, const std::vector<OffsetSample>& samp
   // a slope from a short burst would be carried far beyond it
   segment.has_drift = samples.back().host_ns - line.origin_ns >= kShortestDriftSpan_ns;
   if (segment.has_drift) line.slope = median_slope(samples);
-  line.intercept_ns = median_of(residuals_of(samples, line));
+  line.intercept_ns = upper_median(residuals_of(samples, line));
   lay_along(segment, line, base_ns);
   const double sigma_ns = sigma_of_median(sigma_of(residuals_of(samples, line), 0.0), samples.size());
   spread_from_middle(segment, sigma_ns,

@@ -33,7 +33,6 @@ std::vector<double> residuals_of(const std::vector<OffsetSample>& samples, const
 // recordings. Samples by time.
 double median_slope(const std::vector<OffsetSample>& samples);
 
-double median_of(std::vector<double> values);  // the upper one of an even number; at least one
 // Standard deviation of normal values with this median absolute deviation from `middle`.
 double sigma_of(const std::vector<double>& values, double middle);
 // Of the median of `count` normal values.

@@ -6,17 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <span>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include "datasets/base/error.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/aligned_errors.h"
 #include "pipeline/accuracy/statistics/participant_errors.h"
-#include "pipeline/accuracy/statistics/spilled_values.h"
 #include "pipeline/accuracy/statistics/statistics.h"
 #include "pipeline/study/parallel.h"
 
@@ -25,18 +23,13 @@ namespace {
 
 constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at the end of each
 
-// Of the answered samples of a cell.
-struct Distances {
-  CompensatedSum sum_m;
-  std::int64_t count = 0;
-};
+// By cell, |error| of its answered samples.
+using Distances = std::vector<std::vector<double>>;
 
-// Writes the error column of the first alignment and gives away the distances of answered samples: to the
-// groups of its condition, which begin at `first_group` with a cell each. What they are in all, by cell.
-std::vector<Distances> write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
-                                    const std::vector<AlignmentTable>& alignments,
-                                    SpilledValues::Writer distances_m, std::size_t first_group) {
-  std::vector<Distances> all(axes.cells());
+// Writes the error column of the first alignment and gives the distances of the take.
+Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
+                       const std::vector<AlignmentTable>& alignments) {
+  Distances distances_m(axes.cells());
   std::vector<float> errors;
   const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                          const SampleView& view) {
@@ -45,12 +38,8 @@ std::vector<Distances> write_errors(SamplesFile& samples, std::size_t take, cons
       const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
       if (!e.asked || !is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
-      for (std::size_t set = 0; set < view.sets(i, j); ++set) {
-        const std::size_t cell = axes.cell(set, axes.group_of_joint[j], m, a);
-        distances_m.add(first_group + cell, distance_m);
-        all[cell].sum_m.add(distance_m);
-        ++all[cell].count;
-      }
+      for (std::size_t set = 0; set < view.sets(i, j); ++set)
+        distances_m[axes.cell(set, axes.group_of_joint[j], m, a)].push_back(distance_m);
       for (int axis = 0; a == 0 && axis < 3; ++axis)
         errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
     }
@@ -60,38 +49,24 @@ std::vector<Distances> write_errors(SamplesFile& samples, std::size_t take, cons
     samples.write_errors(take, block.first_instant, errors);
     errors.clear();
   });
-  distances_m.finish();
-  return all;
+  return distances_m;
 }
 
 // The same distances were added in the same order when the take was summarised, so the sums are equal to the
 // bit.
-bool is_of_samples(const TakeSummary& summary, const std::vector<Distances>& distances) {
-  for (std::size_t cell = 0; cell < distances.size(); ++cell) {
+bool is_of_samples(const TakeSummary& summary, const Distances& distances_m) {
+  for (std::size_t cell = 0; cell < distances_m.size(); ++cell) {
     const ErrorSums& errors = summary.statistics.sums[cell].errors;
-    if (errors.distance_m().value() != distances[cell].sum_m.value() ||
-        errors.answered() != distances[cell].count)
+    CompensatedSum sum_m;
+    for (const double distance_m : distances_m[cell]) sum_m.add(distance_m);
+    if (errors.distance_m().value() != sum_m.value() || errors.answered() != std::ssize(distances_m[cell]))
       return false;
   }
   return true;
 }
 
-std::vector<QuantileSelection> quantiles_of(const SpilledValues& distances_m, std::size_t first_group,
-                                            std::size_t cells) {
-  std::vector<QuantileSelection> selections(cells, QuantileSelection(kErrorQuantiles));
-  parallel_for_index(cells, 1, [&](std::size_t cell) {
-    while (!selections[cell].done()) {
-      distances_m.visit(first_group + cell, [&](std::span<const double> values_m) {
-        for (double distance_m : values_m) selections[cell].add(distance_m);
-      });
-      selections[cell].end_pass();
-    }
-  });
-  return selections;
-}
-
-SummaryCell cell_of(const CellSums& sums, const QuantileSelection& quantiles) {
-  const ErrorStatistics s = ErrorStatistics::of(sums.errors, quantiles);
+SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
+  const ErrorStatistics s = ErrorStatistics::of(sums.errors, std::move(distances_m));
   SummaryCell result;
   result.asked = static_cast<std::uint64_t>(s.asked);
   result.answered = static_cast<std::uint64_t>(s.answered);
@@ -119,13 +94,23 @@ SummaryCell cell_of(const CellSums& sums, const QuantileSelection& quantiles) {
   return result;
 }
 
-void add_condition(const std::vector<QuantileSelection>& quantiles, const std::vector<std::size_t>& takes,
-                   const Axes& axes, const std::vector<TakeSummary>& by_take, const std::string& activity,
-                   ResultsSummary& summary) {
-  for (std::size_t c = 0; c < axes.cells(); ++c) {
+// Takes the distances of its takes.
+void add_condition(const std::vector<std::size_t>& takes, const Axes& axes,
+                   const std::vector<TakeSummary>& by_take, std::vector<Distances>& distances_m,
+                   const std::string& activity, ResultsSummary& summary) {
+  std::vector<SummaryCell> cells(axes.cells());
+  parallel_for_index(axes.cells(), 1, [&](std::size_t c) {
     CellSums sums;
-    for (std::size_t t : takes) sums.merge(by_take[t].statistics.sums[c]);
-    SummaryCell cell = cell_of(sums, quantiles[c]);
+    std::vector<double> all_m;
+    for (const std::size_t t : takes) {
+      sums.merge(by_take[t].statistics.sums[c]);
+      const std::vector<double> of_take_m = std::exchange(distances_m[t][c], {});
+      all_m.insert(all_m.end(), of_take_m.begin(), of_take_m.end());
+    }
+    cells[c] = cell_of(sums, std::move(all_m));
+  });
+  for (std::size_t c = 0; c < axes.cells(); ++c) {
+    SummaryCell& cell = cells[c];
     if (cell.asked == 0) continue;
     cell.alignment = summary.alignments[c % axes.alignments];
     cell.method = summary.methods[c / axes.alignments % axes.methods];
@@ -296,39 +281,30 @@ void compare_with(std::size_t reference, const SamplesFile& samples, StatisticsL
 }  // namespace
 
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         const BringTake& bring, std::uint64_t budget_bytes,
-                         const std::function<void(double)>& progress) {
+                         const BringTake& bring, const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
   StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
   add_families(plan, summary);
-  const std::vector<std::string> activities = activities_of(plan);
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  SpilledValues distances_m(activities.size() * axes.cells(), samples.path().parent_path(), budget_bytes,
-                            threads);
   std::vector<TakeSummary> takes(plan.takes.size());
+  std::vector<Distances> distances_m(takes.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    const Take& take = plan.takes[t].take;
-    const auto activity = std::find(activities.begin(), activities.end(), take.activity);
-    const auto first_group = static_cast<std::size_t>(activity - activities.begin()) * axes.cells();
     std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
     takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
-    const std::vector<Distances> distances =
-        write_errors(samples, t, axes, takes[t].alignments, SpilledValues::Writer(distances_m), first_group);
-    if (known && !is_of_samples(takes[t], distances))
+    distances_m[t] = write_errors(samples, t, axes, takes[t].alignments);
+    if (known && !is_of_samples(takes[t], distances_m[t]))
       throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
     takes[t].alignments = {};
     if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
   });
   if (const std::size_t reference = answering_reference(layout, takes); reference != layout.reference)
     compare_with(reference, samples, layout, takes, summary);
-  for (std::size_t a = 0; a < activities.size(); ++a) {
+  for (const std::string& activity : activities_of(plan)) {
     std::vector<std::size_t> of_activity;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
-      if (plan.takes[t].take.activity == activities[a]) of_activity.push_back(t);
-    add_condition(quantiles_of(distances_m, a * axes.cells(), axes.cells()), of_activity, axes, takes,
-                  activities[a], summary);
+      if (plan.takes[t].take.activity == activity) of_activity.push_back(t);
+    add_condition(of_activity, axes, takes, distances_m, activity, summary);
   }
   for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, layout, t, takes[t].statistics, summary);
   if (progress) progress(kCellsShare);

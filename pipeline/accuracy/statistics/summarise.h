@@ -14,20 +14,16 @@
 
 namespace trilat {
 
-inline constexpr std::uint64_t kDistancesInMemoryBytes = 256'000'000;
-
 // Called once for every take of the plan, from any thread, before its samples are read: puts them into the
 // file where they are not there yet, and says what is known of them. What is not is found from the samples.
 using BringTake = std::function<std::optional<TakeSummary>(std::size_t take)>;
 
 // Aligns every take's estimates, writes the error column of samples.h5 for the study's first alignment, and
-// computes all cells: condition x group x method x alignment. Streams the samples, so of
-// a take memory holds its sums only: distances, for their quantiles, are kept in memory while they fit in
-// `budget_bytes`, and beside the samples, in a file without a name, when they do not. Sums are taken in the
+// computes all cells: condition x group x method x alignment. Streams the samples: memory holds of each
+// answered one its distances alone, 8 bytes an alignment and set, for their quantiles. Sums are taken in the
 // order of the takes, whatever the threads. `progress` is told the share that is done. InputError when what
 // is known of a take is not of its samples.
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         const BringTake& bring = {}, std::uint64_t budget_bytes = kDistancesInMemoryBytes,
-                         const std::function<void(double)>& progress = {});
+                         const BringTake& bring = {}, const std::function<void(double)>& progress = {});
 
 }  // namespace trilat

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "evaluators/alignment/point_fit.h"
-#include "evaluators/metrics/quantile_selection.h"
+#include "evaluators/metrics/quantiles.h"
 
 namespace trilat {
 namespace {

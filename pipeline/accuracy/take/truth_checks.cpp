@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "evaluators/alignment/point_fit.h"
-#include "evaluators/metrics/quantile_selection.h"
+#include "evaluators/metrics/quantiles.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
