@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/study/shard.h"
-
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -8,6 +6,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/study/hash_cache.h"
+#include "pipeline/study/study.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/study/shard.h"
+#include "pipeline/study/study.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,6 +12,7 @@
 #include "datasets/results/items.h"
 
 namespace trilat {
+
 namespace {
 
 // Reads digits up to `end`; 0 when there is anything else.
