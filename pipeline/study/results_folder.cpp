@@ -78,12 +78,14 @@ void ResultsFolder::exchange() const {
   fs::remove_all(old, error);
   bool moved = false;
   if (fs::exists(output_)) {
-    if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) == 0) {
-      fs::remove_all(partial_, error);
+    const bool exchanged =
+        ::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) == 0;
+    fs::rename(exchanged ? partial_ : output_, old, error);
+    moved = !exchanged && !error;
+    if (exchanged) {  // what cannot be removed now is removed under this name the next time
+      fs::remove_all(error ? partial_ : old, error);
       return;
     }
-    fs::rename(output_, old, error);
-    moved = !error;
   }
   if (!error) fs::rename(partial_, output_, error);
   if (std::error_code ignored; error && moved) fs::rename(old, output_, ignored);

@@ -64,14 +64,22 @@ class Sensor:
         self.attributes = {key: value.decode() if isinstance(value, bytes) else value
                            for key, value in group.attrs.items()}
 
-    def frame_ticks_s(self) -> np.ndarray:
-        """(N,) seconds of the body frames by the sensor's own clock."""
-        return self._group["body_frames/device_ticks"][:] * (1e-9 * int(self.attributes["tick_ns"]))
+    def arrival_times_s(self) -> np.ndarray:
+        """(N,) when the body frames came, in seconds on the recording's host clock, to some milliseconds.
+
+        The clock of the sensor's machine is set by the exchange of least delay; `trilat run` does better.
+        """
+        arrival_s = 1e-9 * self._group["body_frames/arrival_ns"][:]
+        t1, t2, t3, t4 = self._group["clock_exchanges_ns"][:].astype(float).T
+        if len(t1) == 0:
+            return arrival_s
+        best = np.argmin((t4 - t1) - (t3 - t2))
+        return arrival_s - 0.5e-9 * ((t2 - t1) + (t3 - t4))[best]
 
     def frame_times_s(self) -> np.ndarray:
         """(N,) seconds of the body frames since the first of them, by the sensor's own clock."""
-        ticks_s = self.frame_ticks_s()
-        return ticks_s - ticks_s[:1]
+        ticks = self._group["body_frames/device_ticks"][:]
+        return (ticks - ticks[:1]) * (1e-9 * int(self.attributes["tick_ns"]))
 
     def bodies(self) -> Bodies:
         """All bodies of all frames."""
