@@ -10,6 +10,7 @@
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/take/rig_gdop.h"
+#include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
 #include "reports/render/render.h"
@@ -166,17 +167,20 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
           }};
 }
 
-int print_accuracy(const std::filesystem::path& results, Json document, bool json) {
+int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown) {
   const ResultsSummary summary = read_summary(results);
   print_notes(summary.notes);
   print_cross_check(summary);
   const bool passed = !summary.cross_check || summary.cross_check->passed();
-  if (json) {
+  if (shown.json) {
     document["results"] = results.string();
     document["takes"] = summary.takes;
     document["takes_failed"] = summary.takes_failed;
     document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
     fmt::print("{}\n", json_text(document, 2));
+  } else if (!shown.tables) {
+    fmt::print("{}results: {}\nnext: trilat report {} -o report; --tables prints all tables here\n",
+               outcome_text(without_sets(summary)), results.string(), results.string());
   } else {
     for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
     if (const auto tracking = read_tracking_summary(results)) {

@@ -81,8 +81,8 @@ OpenedStudy open_sensitivity(const RunArguments& arguments, const Json& study) {
 }
 
 int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
-                 bool json) {
-  if (json) {
+                 const Shown& shown) {
+  if (shown.json) {
     document.update(Json{{"results", results.string()}, {"simulated", true}});
     fmt::print("{}\n", json_text(document, 2));
     return kDone;
@@ -107,9 +107,9 @@ const std::vector<Kind>& kinds() {
        [](const Json& work, const std::string& place) {
          return calibration_study(parse_calibration_spec(work, place));
        },
-       [](const std::filesystem::path& results, Json document, bool json) {
+       [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, calibration_tables(read_calibration_summary(results)),
-                             std::move(document), json);
+                             std::move(document), shown);
        },
        calibration_study_schema},
       {StudyKind::error_budget, "sources of error",
@@ -117,17 +117,18 @@ const std::vector<Kind>& kinds() {
        "\"simulation\"",
        true, open_budget,
        [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
-       [](const std::filesystem::path& results, Json document, bool json) {
-         return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document), json);
+       [](const std::filesystem::path& results, Json document, const Shown& shown) {
+         return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document),
+                             shown);
        },
        budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
        [](const Json& work, const std::string& place) {
          return recording_study(parse_recording_spec(work, place));
        },
-       [](const std::filesystem::path& results, Json document, bool json) {
+       [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, table4(read_recording_summary(results), read_stage_timings(results)),
-                             std::move(document), json);
+                             std::move(document), shown);
        },
        recording_schema},
       {StudyKind::sensitivity, "rows of campaigns",
@@ -138,9 +139,9 @@ const std::vector<Kind>& kinds() {
        [](const Json& work, const std::string& place) {
          return sensitivity_study(parse_sensitivity(work, place, {}, {}));
        },
-       [](const std::filesystem::path& results, Json document, bool json) {
+       [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, sensitivity_tables(read_sensitivity_summary(results)),
-                             std::move(document), json);
+                             std::move(document), shown);
        },
        sensitivity_schema}};
   return kinds;

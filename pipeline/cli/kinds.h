@@ -27,6 +27,12 @@ struct OpenedStudy {
       print_part = {};
 };
 
+// How results are said.
+struct Shown {
+  bool json = false;
+  bool tables = false;  // all of them, however long
+};
+
 // A kind of study.
 struct Kind {
   StudyKind kind;
@@ -37,7 +43,7 @@ struct Kind {
   // To put parts together; `place`: of the work that they share.
   Study (*of_parts)(const Json& work, const std::string& place);
   // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
-  int (*print)(const std::filesystem::path& results, Json document, bool json);
+  int (*print)(const std::filesystem::path& results, Json document, const Shown& shown);
   Json (*schema)();  // JSON Schema of its study.json
 };
 
@@ -47,9 +53,9 @@ const std::vector<Kind>& kinds();
 const Kind* find_kind(const std::string& name);
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
-int print_accuracy(const std::filesystem::path& results, Json document, bool json);
+int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown);
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study);
-int print_sweep(const std::filesystem::path& results, Json document, bool json);
+int print_sweep(const std::filesystem::path& results, Json document, const Shown& shown);
 
 Json accuracy_schema();
 Json sweep_schema();

@@ -142,6 +142,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   add_allow_outside(*run_verb, a.run.outside, "campaign.json or simulation.json");
   add_force(*run_verb, a.run.force);
   add_json(*run_verb, a.run.json);
+  run_verb->add_flag("--tables", a.run.tables, "accuracy: print all tables, as Markdown");
   run_verb->callback([&] {
     end_in_order();
     code = run(a.run);
@@ -156,6 +157,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       ->capture_default_str();
   add_force(*merge_verb, a.merge.force);
   add_json(*merge_verb, a.merge.json);
+  merge_verb->add_flag("--tables", a.merge.tables, "accuracy: print all tables, as Markdown");
   merge_verb->callback([&] {
     end_in_order();
     code = merge(a.merge);

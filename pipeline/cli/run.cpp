@@ -83,7 +83,8 @@ int run(const RunArguments& arguments) {
     return kItemsFailed;
   }
   tell_reuse(kind.items, tally);
-  if (shard.whole()) return kind.print(arguments.output, tally_json(tally), arguments.json);
+  if (shard.whole())
+    return kind.print(arguments.output, tally_json(tally), {arguments.json, arguments.tables});
   if (opened.print_part) return opened.print_part(arguments.output, shard, tally, arguments.json);
   print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
@@ -112,7 +113,7 @@ int merge(const MergeArguments& given) {
                               ? " any more; calibrate the recording whole, which takes a minute or two"
                               : ""));
   put_together(kind->of_parts(first.part.work, place), arguments, parts);
-  return kind->print(arguments.output, {{"parts", parts.size()}}, arguments.json);
+  return kind->print(arguments.output, {{"parts", parts.size()}}, {arguments.json, arguments.tables});
 }
 
 }  // namespace trilat

@@ -13,6 +13,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_wand.h"
+#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {

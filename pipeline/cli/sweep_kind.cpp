@@ -103,9 +103,9 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
                                const Watch&) { return print_sweep_plan(*plan, shard, json); }};
 }
 
-int print_sweep(const std::filesystem::path& results, Json document, bool json) {
+int print_sweep(const std::filesystem::path& results, Json document, const Shown& shown) {
   const SweepSummary s = read_sweep_summary(results);
-  if (json) {
+  if (shown.json) {
     std::uint64_t asked = 0, answered = 0;
     for (const SweepCell& cell : s.cells) {
       asked += cell.asked;

@@ -120,6 +120,7 @@ struct RunArguments {
   bool fresh = false;                        // nothing is taken from the results that `output` holds
   bool force = false;                        // may replace what others wrote
   bool json = false;
+  bool tables = false;  // all of them are printed
 };
 int run(const RunArguments& arguments);
 
@@ -129,6 +130,7 @@ struct MergeArguments {
   int threads = 0;
   bool force = false;  // may replace what others wrote
   bool json = false;
+  bool tables = false;  // all of them are printed
 };
 int merge(const MergeArguments& arguments);
 

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/cli/accuracy_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kWidest = 100, kMostRows = 40;
+constexpr double kWhole = 0.995;  // of what is asked
+
+using Row = std::vector<std::string>;
+
+// In characters, not in bytes of UTF-8.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
+}
+
+const SummaryCell* cell_of(const ResultsSummary& s, const std::string& condition, const std::string& group,
+                           const std::string& method) {
+  const auto found = std::ranges::find_if(s.cells, [&](const SummaryCell& c) {
+    return c.condition == condition && c.group == group && c.method == method &&
+           c.alignment == s.alignments.front();
+  });
+  return found == s.cells.end() ? nullptr : &*found;
+}
+
+std::string error_text(const SummaryCell* cell) {
+  if (!cell || std::isnan(cell->mae_m)) return "–";
+  const double half_m = 0.5 * (cell->mae_high_m - cell->mae_low_m);
+  return fmt::format("{:.1f}", cell->mae_m * kCentimetresPerMetre) +
+         (std::isnan(half_m) ? "" : fmt::format("±{:.1f}", half_m * kCentimetresPerMetre));
+}
+
+// The difference of the mean errors where both answer, when it is real.
+std::string difference_text(const ResultsSummary& s, const std::string& condition, const std::string& group,
+                            const std::string& method) {
+  if (method == s.reference) return "";
+  for (const DifferenceCell& d : s.differences)
+    if (d.condition == condition && d.group == group && d.method == method &&
+        d.alignment == s.alignments.front() && !std::isnan(d.percent_low))
+      return d.significant() ? fmt::format("{:+.0f} %", d.percent_of_reference) : "≈";
+  return "–";
+}
+
+bool is_whole(const SummaryCell& cell) { return !(cell.coverage() < kWhole); }
+
+// The groups that have cells, the average first.
+std::vector<std::string> columns_of(const ResultsSummary& s) {
+  std::vector<std::string> groups = s.groups;
+  groups.insert(groups.begin(), kAverageGroup);
+  std::erase_if(groups, [&](const std::string& group) {
+    return std::ranges::none_of(s.cells, [&](const SummaryCell& c) { return c.group == group; });
+  });
+  return groups;
+}
+
+std::vector<std::string> by_error(const ResultsSummary& s, const std::string& condition,
+                                  const std::string& group) {
+  std::vector<std::string> methods = s.methods;
+  std::ranges::stable_sort(methods, {}, [&](const std::string& method) {
+    const SummaryCell* cell = cell_of(s, condition, group, method);
+    return cell && !std::isnan(cell->mae_m) ? cell->mae_m : std::numeric_limits<double>::infinity();
+  });
+  return methods;
+}
+
+std::string table_text(const ResultsSummary& s) {
+  const std::vector<std::string> groups = columns_of(s);
+  if (groups.empty()) return "no sample was answered\n";
+  const bool several = s.conditions.size() > 1, compared = s.methods.size() > 1,
+             silent = std::ranges::any_of(s.cells, [](const SummaryCell&c) { return !is_whole(c); });
+  std::vector<Row> rows{{several ? "condition, method" : "method"}};
+  if (compared) rows[0].push_back("difference");
+  if (silent) rows[0].push_back("answered");
+  rows[0].insert(rows[0].end(), groups.begin(), groups.end());
+  for (const std::string& condition : s.conditions)
+    for (const std::string& method : by_error(s, condition, groups.front())) {
+      Row& row = rows.emplace_back();
+      row.push_back((several ? condition + ", " : "") + method);
+      if (compared) row.push_back(difference_text(s, condition, groups.front(), method));
+      const SummaryCell* all = cell_of(s, condition, groups.front(), method);
+      if (silent)
+        row.push_back(!all || is_whole(*all) ? "" : fmt::format("{:.1f} %", 100.0 * all->coverage()));
+      for (const std::string& group : groups) row.push_back(error_text(cell_of(s, condition, group, method)));
+    }
+  std::vector<std::size_t> widths;
+  std::size_t total = 0;
+  for (std::size_t c = 0; c < rows[0].size(); ++c) {
+    std::size_t width = 0;
+    for (const Row& row : rows) width = std::max(width, width_of(row[c]));
+    if (c > 1 && total + width + 2 > kWidest) break;
+    total += width + 2;
+    widths.push_back(width);
+  }
+  std::string text;
+  const std::size_t shown = std::min(rows.size(), kMostRows + 1);
+  for (std::size_t r = 0; r < shown; ++r) {
+    std::string line;
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      const std::string blanks(widths[c] - width_of(rows[r][c]), ' ');
+      line += c == 0 ? rows[r][c] + blanks : "  " + blanks + rows[r][c];
+    }
+    text += line + "\n";
+  }
+  const std::size_t rows_left = rows.size() - shown, groups_left = rows[0].size() - widths.size();
+  if (rows_left > 0) text += fmt::format("{} rows more: --tables\n", rows_left);
+  if (groups_left > 0) text += fmt::format("{} more of the joint groups: --tables\n", groups_left);
+  if (compared)
+    text += fmt::format(
+        "\ndifference: from {}, of the average, where both answer; ≈ not told apart at 95 %\n", s.reference);
+  return text;
+}
+
+}  // namespace
+
+std::string outcome_text(const ResultsSummary& s) {
+  return fmt::format(
+             "{}, {}: {} of {} takes, {} participants\nmean error in cm (alignment {}), ± half of the 95 % "
+             "interval\n\n",
+             s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
+             s.participants, s.alignments.front()) +
+         table_text(s) + "\n";
+}
+
+}  // namespace trilat

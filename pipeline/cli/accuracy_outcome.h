@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "datasets/results/summary.h"
+
+namespace trilat {
+
+// What a terminal shows of an accuracy study: methods x joint groups, the mean error in cm with half of its
+// 95 % interval, at most 100 columns wide, the best method first; who answers less than all; and which
+// differences from the reference are real. Of the study's first alignment.
+std::string outcome_text(const ResultsSummary& summary);
+
+}  // namespace trilat
