@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "reports/chapter.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "datasets/results/results_file.h"
@@ -58,6 +61,45 @@ Table coverage_table(const ResultsSummary& s) {
   return table;
 }
 
+// Of each condition which method errs least on average over the joint groups, how many others lie within its
+// interval, and what that is against the reference.
+std::vector<std::string> findings_of(const ResultsSummary& s) {
+  std::vector<std::string> findings;
+  if (s.alignments.empty()) return findings;
+  const std::string group = s.groups.size() > 1 ? kAverageGroup : s.groups.empty() ? "" : s.groups[0];
+  const auto is_ours = [&](const auto& row, const std::string& condition) {
+    return row.condition == condition && row.group == group && row.alignment == s.alignments.front();
+  };
+  for (const std::string& condition : s.conditions) {
+    std::vector<const SummaryCell*> cells;
+    for (const SummaryCell& c : s.cells)
+      if (is_ours(c, condition) && !std::isnan(c.mae_m)) cells.push_back(&c);
+    if (cells.empty()) continue;
+    const SummaryCell& best = **std::ranges::min_element(cells, {}, &SummaryCell::mae_m);
+    const auto within = std::ranges::count_if(
+        cells, [&](const SummaryCell* c) { return c != &best && c->mae_m <= best.mae_high_m; });
+    std::string text = fmt::format("**{}**, {}: ", condition, s.simulated ? "simulated" : "recorded");
+    const char* errs = s.left_out() ? "differs from the sensor left out" : "errs";
+    if (cells.size() > 1) text += fmt::format("of {} methods ", cells.size());
+    text += fmt::format("`{}` {}{} by {:.1f} cm", best.method, errs, cells.size() > 1 ? " least," : "",
+                        best.mae_m * kCentimetresPerMetre);
+    if (!std::isnan(best.mae_low_m))
+      text += fmt::format(" (95 % interval {:.1f} to {:.1f}", best.mae_low_m * kCentimetresPerMetre,
+                          best.mae_high_m * kCentimetresPerMetre) +
+              (within == 0   ? ")"
+               : within == 1 ? "; one other lies within it)"
+                             : fmt::format("; {} others lie within it)", within));
+    for (const DifferenceCell& d : s.differences)
+      if (is_ours(d, condition) && d.method == best.method && best.method != s.reference)
+        text += d.significant()
+                    ? fmt::format(", {:.0f} % ({:.0f} to {:.0f}) less than `{}`", -d.percent_of_reference,
+                                  -d.percent_high, -d.percent_low, s.reference)
+                    : fmt::format(", not told apart from `{}`", s.reference);
+    findings.push_back(text + ".");
+  }
+  return findings;
+}
+
 void append(Chapter& chapter, std::vector<Table> more) {
   for (Table& table : more) chapter.tables.push_back(std::move(table));
 }
@@ -78,6 +120,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path) {
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
+  chapter.findings = findings_of(s);
   if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   if (s.cross_check)
     chapter.sentences.push_back(fmt::format(

@@ -20,6 +20,7 @@ struct Chapter {
   std::string
       about;  // one sentence: how much of what, simulated or recorded; **bold** and `code` as in Markdown
   bool simulated = true;
+  std::vector<std::string> findings = {};   // for the page's first screen, marked up alike
   std::vector<std::string> sentences = {};  // what it says, marked up alike
   std::vector<Table> tables = {};           // those that answer the study's question first
   std::size_t first_tables = 0;             // how many those are; the others are details

@@ -178,16 +178,20 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     document["takes_failed"] = summary.takes_failed;
     document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
     fmt::print("{}\n", json_text(document, 2));
-  } else if (!shown.tables) {
-    fmt::print("{}results: {}\nnext: trilat report {} -o report; --tables prints all tables here\n",
-               outcome_text(without_sets(summary)), results.string(), results.string());
   } else {
-    for (const Table& table : accuracy_tables(without_sets(summary))) fmt::print("{}\n", markdown_of(table));
-    if (const auto tracking = read_tracking_summary(results)) {
+    const auto tracking = read_tracking_summary(results);
+    if (shown.tables)
+      for (const Table& table : accuracy_tables(without_sets(summary)))
+        fmt::print("{}\n", markdown_of(table));
+    else
+      fmt::print("{}", outcome_text(without_sets(summary)));
+    if (tracking && (shown.tables || summary.left_out()))
       for (const Table& table : prediction_tables(*tracking)) fmt::print("{}\n", markdown_of(table));
+    if (tracking && shown.tables)
       for (const RayRow& row : tracking->rays) fmt::print("{}: {}\n", row.take, ray_text(row));
-    }
     fmt::print("results: {}\n", results.string());
+    if (!shown.tables)
+      fmt::print("next: trilat report {} -o report; --tables prints all tables here\n", results.string());
   }
   return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;
 }

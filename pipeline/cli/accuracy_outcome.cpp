@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "reports/tables/accuracy_words.h"
 
 namespace trilat {
 namespace {
@@ -123,12 +124,13 @@ std::string table_text(const ResultsSummary& s) {
 }  // namespace
 
 std::string outcome_text(const ResultsSummary& s) {
+  if (s.alignments.empty()) return "";
   return fmt::format(
-             "{}, {}: {} of {} takes, {} participants\nmean error in cm (alignment {}), ± half of the 95 % "
+             "{}, {}: {} of {} takes, {} participants\nmean error in cm{} (alignment {}), ± half of the 95 % "
              "interval\n\n",
              s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
-             s.participants, s.alignments.front()) +
-         table_text(s) + "\n";
+             s.participants, s.left_out() ? " against the sensor left out" : "", s.alignments.front()) +
+         table_text(s) + "\n" + (s.left_out() ? truth_note(s) + "\n" : "");
 }
 
 }  // namespace trilat

@@ -76,6 +76,40 @@ TEST(Page, SaysFirstWhetherItsNumbersAreSimulated) {
   EXPECT_THAT(recorded, Not(HasSubstr("no camera was used")));
 }
 
+TEST(Page, SaysOnItsFirstScreenWhatWasFound) {
+  const ScratchFolder folder;
+  ResultsSummary s = hand_made_summary();
+  s.methods = {"nonlinear", "mean"};
+  s.reference = "nonlinear";
+  s.conditions = {"walking"};
+  s.groups = {"head"};
+  s.alignments = {"mean"};
+  s.cells.resize(2);
+  s.differences.resize(1);
+  for (std::size_t m = 0; m < 2; ++m) {
+    SummaryCell& cell = s.cells[m];
+    cell.method = s.methods[m];
+    cell.condition = "walking";
+    cell.group = "head";
+    cell.alignment = "mean";
+    cell.mae_m = m == 0 ? 0.044 : 0.041;
+    cell.mae_low_m = cell.mae_m - 0.002;
+    cell.mae_high_m = cell.mae_m + 0.004;
+  }
+  DifferenceCell& d = s.differences[0];
+  d.method = "mean";
+  d.condition = "walking";
+  d.group = "head";
+  d.alignment = "mean";
+  std::tie(d.low_m, d.high_m) = std::pair(-0.004, -0.002);
+  std::tie(d.percent_of_reference, d.percent_low, d.percent_high) = std::tuple(-7.0, -9.0, -5.0);
+  const std::string page = page_with(folder, s);
+  const std::size_t at = page.find(
+      "<strong>walking</strong>, simulated: of 2 methods <code>mean</code> errs least, by 4.1 cm (95 % "
+      "interval 3.9 to 4.5; one other lies within it), 7 % (5 to 9) less than <code>nonlinear</code>.");
+  EXPECT_LT(at, page.find("<section"));
+}
+
 TEST(Page, HoldsEveryTableOnceWithLinksToItsFiles) {
   const ScratchFolder folder;
   const std::string page = page_with(folder, hand_made_summary());

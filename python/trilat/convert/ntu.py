@@ -42,10 +42,9 @@ def read_file(path: Path, camera: str, rate_hz: float) -> Recording:
     except TornRow as torn:
         raise InputError(lines[0][0], f"{torn}; this is no .skeleton file") from torn
     for frame in range(frames):
-        begin, torn = at, None
+        begin, torn, bodies = at, None, []
         count = int(lines[at][1]) if lines[at][1].strip().isdigit() else -1
         at += 1
-        bodies = []
         for _ in range(count):
             if at + JOINT_COUNT + 2 >= len(lines) or lines[at + 1][1].split() != [str(JOINT_COUNT)]:
                 count = -1
