@@ -169,6 +169,8 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   report_verb->add_option("-o,--output", a.report.output, "folder of the report");
   report_verb->add_option("--time", a.report.time,
                           "the time stamp of the page, any text; without it the time of the day");
+  report_verb->add_flag("--paper", a.report.paper,
+                        "judge the paper's claims by these results, and audit its tables, on the page");
   report_verb->add_flag("--audit", a.report.audit,
                         "print what the paper's own tables imply against what it says; needs no results");
   add_force(*report_verb, a.report.force);

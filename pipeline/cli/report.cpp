@@ -52,7 +52,7 @@ int report(const ReportArguments& arguments) {
   {
     Progress progress("writing the report");
     files = write_report(arguments.results, arguments.output,
-                         {.paper = judge_paper(arguments.results),
+                         {.paper = arguments.paper ? judge_paper(arguments.results) : std::nullopt,
                           .made = arguments.time,
                           .progress = [&](double share) { progress.set(share); }});
   }

@@ -210,6 +210,9 @@ TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
   const Json written = only_json(ended);
   for (const auto& file : written["files"])
     EXPECT_TRUE(std::filesystem::exists(file.get<std::string>())) << file;
+  EXPECT_THAT(read_file(folder / "report/report.html"), Not(HasSubstr("id=\"claims\"")));
+  EXPECT_EQ(run_trilat(folder, {"report", results, "-o", folder / "report", "--paper"}).code, 0);
+  EXPECT_THAT(read_file(folder / "report/report.html"), HasSubstr("id=\"claims\""));
 }
 
 TEST(RunVerb, ABrokenTakeGivesExitCodeOneAndItsPlace) {

@@ -261,6 +261,9 @@ class ConvertTest(unittest.TestCase):
         (images / "z-99.png").write_bytes((images / "d-9.5.png").read_bytes()[:300])
         report, _, _ = self.converted("png", images, code=1, options=["--depth-unit-mm", "1", "--rate-hz", "30"])
         self.assertEqual((report["k1"]["depth_frames"], report["k1"]["torn_rows"]), (3, 1))
+        for path in images.glob("d-*"):
+            path.unlink()
+        self.assertIn("holds no frame", self.refused("png", images, options=["--depth-unit-mm", "1", "--rate-hz", "30"]))
 
     # Rows and steps of two periods were counted with awk.
     def test_real_labanotation_files(self):

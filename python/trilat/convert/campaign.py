@@ -177,9 +177,12 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
                              + left_out[0])
         write_json(partial / "mapping.json", "mapping", {"joints": {joint: list(names) for joint, names in takes[0].mapping.items()}})
         write_json(partial / "campaign.json", "campaign", {"name": name, "simulated": False, "takes": entries})
+        older = output.with_name(output.name + ".old")
+        shutil.rmtree(older, ignore_errors=True)
         if output.exists():
-            shutil.rmtree(output)
+            os.replace(output, older)
         os.replace(partial, output)
+        shutil.rmtree(older, ignore_errors=True)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
     widths = [row["high_s"] - row["low_s"] for row in report]

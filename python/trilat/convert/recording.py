@@ -167,6 +167,8 @@ class Recording:
             if number is not None:
                 self.depth_frames += 1
                 yield number, ticks, ticks * TICK_NS, image
+        if not self.frames and not self.depth_frames:
+            raise InputError(self.file, "holds no frame that can be read; first: " + self.first_left_out)
 
     @contextmanager
     def row(self, place: str) -> Iterator[None]:
@@ -231,10 +233,6 @@ def finish(arguments: argparse.Namespace, recordings: list[Recording], note: str
         note += (" Intrinsics: fitted to the joints' depth pixels, without distortion."
                  if all(r.rms_px is not None for r in recordings) else " Intrinsics: those of a typical Kinect v2.")
     write_session(arguments.output, sensors, note=note, started_utc=started_utc, force=arguments.force)
-    for r in recordings:
-        if not r.frames and not r.depth_frames:
-            arguments.output.unlink()
-            raise InputError(r.file, "holds no frame that can be read; first: " + r.first_left_out)
     return say(arguments, [r.report() for r in recordings], note)
 
 
