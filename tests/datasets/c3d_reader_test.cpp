@@ -81,6 +81,7 @@ TEST(C3dReader, RefusesAnalogChannelsOnly) {
 }
 
 TEST(C3dReader, RefusesMoreFramesThanThereAre) {
+  EXPECT_THAT(c3d_refusal({.last = 3}), AllOf(HasSubstr("promises 3 frames"), HasSubstr("room for 2")));
   EXPECT_THAT(c3d_refusal({.last = 9}), AllOf(HasSubstr("promises 9 frames"), HasSubstr("room for 2")));
 }
 
