@@ -61,6 +61,8 @@ Table coverage_table(const ResultsSummary& s) {
   return table;
 }
 
+constexpr double kCompetes = 0.95;  // of what it is asked: to answer the easy samples alone wins nothing
+
 // Of each condition which method errs least on average over the joint groups, how many others lie within its
 // interval, and what that is against the reference.
 std::vector<std::string> findings_of(const ResultsSummary& s) {
@@ -74,6 +76,8 @@ std::vector<std::string> findings_of(const ResultsSummary& s) {
     std::vector<const SummaryCell*> cells;
     for (const SummaryCell& c : s.cells)
       if (is_ours(c, condition) && !std::isnan(c.mae_m)) cells.push_back(&c);
+    const auto is_silent = [](const SummaryCell* c) { return !(c->coverage() >= kCompetes); };
+    if (!std::ranges::all_of(cells, is_silent)) std::erase_if(cells, is_silent);
     if (cells.empty()) continue;
     const SummaryCell& best = **std::ranges::min_element(cells, {}, &SummaryCell::mae_m);
     const auto within = std::ranges::count_if(
@@ -83,6 +87,7 @@ std::vector<std::string> findings_of(const ResultsSummary& s) {
     if (cells.size() > 1) text += fmt::format("of {} methods ", cells.size());
     text += fmt::format("`{}` {}{} by {:.1f} cm", best.method, errs, cells.size() > 1 ? " least," : "",
                         best.mae_m * kCentimetresPerMetre);
+    if (is_silent(&best)) text += fmt::format(" on the {:.0f} % that it answers", 100.0 * best.coverage());
     if (!std::isnan(best.mae_low_m))
       text += fmt::format(" (95 % interval {:.1f} to {:.1f}", best.mae_low_m * kCentimetresPerMetre,
                           best.mae_high_m * kCentimetresPerMetre) +
@@ -92,8 +97,8 @@ std::vector<std::string> findings_of(const ResultsSummary& s) {
     for (const DifferenceCell& d : s.differences)
       if (is_ours(d, condition) && d.method == best.method && best.method != s.reference)
         text += d.significant()
-                    ? fmt::format(", {:.0f} % ({:.0f} to {:.0f}) less than `{}`", -d.percent_of_reference,
-                                  -d.percent_high, -d.percent_low, s.reference)
+                    ? fmt::format(", {:+.0f} % ({:+.0f} to {:+.0f}) against `{}`", d.percent_of_reference,
+                                  d.percent_low, d.percent_high, s.reference)
                     : fmt::format(", not told apart from `{}`", s.reference);
     findings.push_back(text + ".");
   }

@@ -48,7 +48,9 @@ std::string difference_text(const ResultsSummary& s, const std::string& conditio
   for (const DifferenceCell& d : s.differences)
     if (d.condition == condition && d.group == group && d.method == method &&
         d.alignment == s.alignments.front() && !std::isnan(d.percent_low))
-      return d.significant() ? fmt::format("{:+.0f} %", d.percent_of_reference) : "≈";
+      return !d.significant() ? "≈"
+                              : fmt::format("{:+.{}f} %", d.percent_of_reference,
+                                            std::abs(d.percent_of_reference) < 1.0 ? 1 : 0);
   return "–";
 }
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/pipeline/program.h"
+#include "tests/reports/summaries.h"
 
 namespace trilat {
 namespace {
@@ -13,14 +14,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 SummaryCell cell(const std::string& method, const std::string& group, double mae_m, std::uint64_t answered) {
-  SummaryCell c;
-  c.method = method;
-  c.condition = "walking";
-  c.group = group;
-  c.alignment = "mean";
+  SummaryCell c = cell_of(method, group, mae_m, answered);
   c.asked = 1000;
-  c.answered = answered;
-  c.mae_m = mae_m;
   c.mae_low_m = mae_m - 0.002;
   c.mae_high_m = mae_m + 0.004;
   return c;

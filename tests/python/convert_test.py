@@ -71,9 +71,10 @@ class ConvertTest(unittest.TestCase):
     def test_torn_repeated_and_backward_rows_are_counted_with_the_first_place(self):
         row = made.labanotation_row
         text = row(0, 1000) + "1,2,3\n" + row(1, 1000) + row(2, 500) + row(3, 1000 + ENDS).replace("\n", "\r\n") + row(4, 2)[:200]
+        text += "\n" + row(5, 10**9).replace(",0.", ",0_1.", 1)
         report, sensors, _ = self.converted("labanotation", self.file("a.csv", text), code=1)
         self.assertEqual(len(sensors["k1/body_frames/sequence"]), 2)
-        self.assertEqual([report["k1"][key] for key in ("torn_rows", "repeated_times", "backward_times")], [2, 1, 1])
+        self.assertEqual([report["k1"][key] for key in ("torn_rows", "repeated_times", "backward_times")], [3, 1, 1])
         self.assertIn("a.csv:2 has 3 cells", report["k1"]["first_left_out"])
 
     def test_what_cannot_be_meant_is_refused_with_its_place(self):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Clocks and poses from the motion, on made-up motion and on the real recordings of ../shared where they are there."""
 import contextlib
+import gzip
 import io
 import json
 import shutil
@@ -71,8 +72,10 @@ class MotionTest(unittest.TestCase):
 
     def test_recordings_that_do_not_overlap_are_refused(self):
         first, second, _ = self.pair(1, 1)
-        with self.assertRaisesRegex(trilat.InputError, "overlaps too little"):
+        with self.assertRaisesRegex(trilat.InputError, "overlap too little"):
             Comparison(Motion(first.time_s + 60, first.joint_m), second, 0.5)
+        with self.assertRaisesRegex(trilat.InputError, "have 1 and 600 samples; 20 are needed"):
+            Comparison(Motion(first.time_s[:1], first.joint_m[:1]), second, 0.5)
 
     def test_quaternions_turn_as_the_matrix_does(self):
         for seed in range(20):
@@ -145,12 +148,17 @@ class RealTest(unittest.TestCase):
         data = self.some_of_ui_prmd("m0[17]_s0[45]_e01_*")
         vicon = data / "Vicon/Positions"
         shutil.copy(SHARED / "ui-prmd/Vicon/Positions/m05_s04_e01_positions.txt.gz", vicon / "m07_s04_e01_positions.txt.gz")
+        for part, end in (("Kinect/Positions", "positions"), ("Kinect/Angles", "angles")):  # a take of ten frames
+            rows = gzip.open(data / part / f"m01_s04_e01_{end}.txt.gz", "rt").read().split("\n")
+            (data / part / f"m08_s04_e01_{end}.txt").write_text("\n".join(rows[:10]) + "\n")
+        (vicon / "m08_s04_e01_positions.txt").write_text(gzip.open(vicon / "m01_s04_e01_positions.txt.gz", "rt").read())
         torn = vicon / "m07_s05_e01_positions.txt.gz"
         torn.write_bytes(torn.read_bytes()[:2000])
         (data / "Kinect/Angles/m01_s05_e01_angles.txt.gz").unlink()
         text = self.converted("ui-prmd", data, "-o", self.folder / "campaign", code=1)
         self.assertIn("1 takes of 1 participants", text)
         self.assertRegex(text, r"m07-s04-e01: sensor and motion capture (show no motion in common|fit best|show a motion that does not)")
+        self.assertIn("m08-s04-e01: sensor and motion capture have 10 and", text)
         self.assertRegex(text, "m07_s05_e01_positions.txt.gz: cannot be read")
         self.assertRegex(text, "m01_s05_e01_positions.txt.gz, which has no Kinect/Angles")
         self.assertIn("Kinect/Positions", self.converted("ui-prmd", self.folder, "-o", self.folder / "c2", code=2))
@@ -176,7 +184,7 @@ class RealTest(unittest.TestCase):
         self.assertAlmostEqual(np.degrees(2 * np.arccos(dot)), 90.0, delta=5.0)  # as its authors placed them
         cut = self.folder / "cut.csv"
         cut.write_text("\n".join(file.read_text().split("\n")[:400]) + "\n2, 2, 1, 635")
-        self.converted("kinectmultitrack", cut, "-o", self.folder / "cut", code=1)
+        self.assertIn("1 rows are torn and left out; first: " + str(cut), self.converted("kinectmultitrack", cut, "-o", self.folder / "cut", code=1))
         cut.write_text("Study, Scenario\n1, 2\n")
         self.assertIn("has no column Skeleton_Time", self.converted("kinectmultitrack", cut, "-o", self.folder / "c3", code=2))
 

@@ -27,16 +27,15 @@ constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at t
 using Distances = std::vector<std::vector<double>>;
 
 // Writes the error column of the first alignment and gives the distances of the take.
-Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes, const TakeSummary& summary) {
+Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
+                       const std::vector<AlignmentTable>& alignments) {
   Distances distances_m(axes.cells());
-  for (std::size_t c = 0; c < axes.cells(); ++c)
-    distances_m[c].reserve(static_cast<std::size_t>(summary.statistics.sums[c].errors.answered()));
   std::vector<float> errors;
   const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
                          const SampleView& view) {
     errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t a = 0; a < axes.alignments; ++a) {
-      const AlignedError e = error_of(view, i, j, m, slot, summary.alignments[a]);
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
       if (!e.asked || !is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
       for (std::size_t set = 0; set < view.sets(i, j); ++set)
@@ -50,6 +49,7 @@ Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
     samples.write_errors(take, block.first_instant, errors);
     errors.clear();
   });
+  for (std::vector<double>& of_cell_m : distances_m) of_cell_m.shrink_to_fit();
   return distances_m;
 }
 
@@ -294,7 +294,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
     std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
     takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
-    distances_m[t] = write_errors(samples, t, axes, takes[t]);
+    distances_m[t] = write_errors(samples, t, axes, takes[t].alignments);
     if (known && !is_of_samples(takes[t], distances_m[t]))
       throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
     takes[t].alignments = {};

@@ -42,7 +42,7 @@ std::string unit_text(double times) {
     if (std::abs(times / unit.times - 1.0) < 0.03)
       return fmt::format(
           " (as {} are{})", unit.what,
-          std::abs(times - 1.0) < kMarkersOff ? ", and as markers do that stand off the joints" : "");
+          std::abs(times - 1.0) < kMarkersOff ? "; markers that stand off the joints do that, too" : "");
   return std::abs(times - 1.0) < kMarkersOff ? " (markers that stand off the joints do that, too)" : "";
 }
 

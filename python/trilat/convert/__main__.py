@@ -40,6 +40,9 @@ def main(words: list[str] | None = None) -> int:
         return FORMATS[arguments.format].convert(arguments)
     except InputError as error:
         print(f"trilat.convert: {error}", file=sys.stderr)
+    except BrokenPipeError:  # whoever read what is printed has gone
+        sys.stdout = None
+        return 1
     except ModuleNotFoundError as error:
         print(f"trilat.convert: {error.name}: is missing; install it (Debian: python3-{error.name.lower()})", file=sys.stderr)
     return 2

@@ -76,16 +76,27 @@ def means_m(first: Motion, second: Motion, pairing: Pairing) -> tuple[np.ndarray
                  for joint_m in (first.joint_m, other))
 
 
-def pair_takes(takes: list[Take], search_s: float, ratios: tuple[float, ...]) -> tuple[dict[str, Pairing], Pose]:
-    """The clocks of all takes of one participant and the sensor's one pose, in turn until both agree."""
-    motions = {take.id: take.motions() for take in takes}
-    compared = {key: Comparison(*pair, search_s, ratios) for key, pair in motions.items()}
+def pair_takes(takes: list[Take], search_s: float,
+               ratios: tuple[float, ...]) -> tuple[dict[str, Pairing], Pose | None, dict[str, str]]:
+    """The clocks of one participant's takes and the sensor's one pose, in turn until both agree; and why others fail."""
+    motions, compared, problems = {take.id: take.motions() for take in takes}, {}, {}
+    for key, pair in motions.items():
+        try:
+            compared[key] = Comparison(*pair, search_s, ratios)
+        except InputError as error:
+            problems[key] = error.problem
     pairings = {key: comparison.pairing() for key, comparison in compared.items()}
     for _ in range(ROUNDS):
         used = [key for key, pairing in pairings.items() if not pairing.problem] or list(pairings)
+        if not used:
+            return {}, None, problems
         rotation = rotation_of(sum(compared[key].covariance(pairings[key]) for key in used))
         pairings = {key: comparison.pairing(rotation) for key, comparison in compared.items()}
-    pairs = [(compared[key].covariance(pairings[key]), *means_m(*motions[key], pairings[key])) for key in used]
+    problems |= {key: pairing.problem for key, pairing in pairings.items() if pairing.problem}
+    pairings = {key: pairing for key, pairing in pairings.items() if not pairing.problem}
+    if not pairings:
+        return {}, None, problems
+    pairs = [(compared[key].covariance(pairing), *means_m(*motions[key], pairing)) for key, pairing in pairings.items()]
     pose = pose_of(pairs)
     if len(pairs) > 1:
         without = [pose_of(pairs[:i] + pairs[i + 1:]) for i in range(len(pairs))]
@@ -94,7 +105,7 @@ def pair_takes(takes: list[Take], search_s: float, ratios: tuple[float, ...]) ->
         shifts = [np.linalg.norm(p.position_m - np.mean([q.position_m for q in without], axis=0)) for p in without]
         pose.rotation_sigma_rad = float(spread * np.sqrt(np.mean(np.square(turns))))
         pose.position_sigma_m = float(spread * np.sqrt(np.mean(np.square(shifts))))
-    return pairings, pose
+    return pairings, pose, problems
 
 
 def quaternion_xyzw(rotation: np.ndarray) -> list[float]:
@@ -159,9 +170,11 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
             mine = [take for take in takes if take.participant == participant]
             if sys.stderr.isatty():
                 print(f"{participant}: setting {len(mine)} takes beside motion capture", file=sys.stderr)
-            pairings, pose = pair_takes(mine, search_s, ratios)
-            used = [take for take in mine if not pairings[take.id].problem]
-            left_out += [f"{take.id}: sensor and motion capture {pairings[take.id].problem}" for take in mine if take not in used]
+            pairings, pose, problems = pair_takes(mine, search_s, ratios)
+            left_out += [f"{key}: sensor and motion capture {problem}" for key, problem in problems.items()]
+            if pose is None:
+                continue
+            used = [take for take in mine if take.id in pairings]
             entries += [write_take(partial, take, pairings[take.id], note, f"import {arguments.format}") for take in used]
             write_json(partial / f"{participant}.json", "calibration", {
                 "method": f"fitted to the motion of {len(used)} takes; a constant difference between all markers and all joints "

@@ -134,11 +134,14 @@ def convert(arguments: argparse.Namespace) -> int:
         write_session(output / f"{name}.h5", {r.name: r.sensor("import kinectmultitrack") for r in recordings}, note=note,
                       force=arguments.force)
         report += [{"session": str(output / f"{name}.h5"), **r.report()} for r in recordings]
+    torn = [f"{place} {problem}" for sensor in sensors for place, problem in sensor.problems]
     if arguments.json:
-        print(json.dumps({"folder": str(output), "note": note, "sensors": report}, indent=2))
+        print(json.dumps({"folder": str(output), "note": note, "sensors": report, "torn_rows": torn}, indent=2))
     else:
         for row in report:
             print(f"{row['session']} {row['name']}: {row['body_frames']} frames; left out: {row['repeated_times']} that repeat the one "
                   f"before, {row['backward_times']} that go back in time, {row['torn_rows']} torn")
+        if torn:
+            print(f"{len(torn)} rows are torn and left out; first: {torn[0]}")
         print(note)
-    return int(any(row["torn_rows"] for row in report) or any(sensor.problems for sensor in sensors))
+    return int(bool(torn) or any(row["torn_rows"] for row in report))

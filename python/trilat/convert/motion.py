@@ -90,6 +90,8 @@ class Comparison:
     """All candidates of offset and ratio, compared once; what rotation lies between the axes is asked afterwards."""
 
     def __init__(self, first: Motion, second: Motion, search_s: float, ratios: Sequence[float] = (1.0,)) -> None:
+        if min(len(first.time_s), len(second.time_s)) < FEWEST_SAMPLES:
+            raise InputError("motion", f"have {len(first.time_s)} and {len(second.time_s)} samples; {FEWEST_SAMPLES} are needed")
         offsets_s = np.arange(-search_s, search_s + STEP_S / 2, STEP_S)
         self.candidates = np.array([(ratio, offset_s) for ratio in ratios for offset_s in offsets_s])
         block = ((first.time_s - first.time_s[0]) / BLOCK_S).astype(int)
@@ -106,7 +108,7 @@ class Comparison:
             for k, joint_m in enumerate((a, b)):
                 np.add.at(self.squares[k, i], block[rows], (joint_m**2).sum((1, 2)))
         if np.isnan(self.squares).all():
-            raise InputError("motion", f"of both overlaps too little within {search_s:g} s of each other")
+            raise InputError("motion", f"overlap too little within {search_s:g} s of each other")
 
     def pairing(self, second_from_first: np.ndarray | None = None) -> Pairing:
         """The candidate under which the joints' movements correlate most; without a rotation each has its own best."""

@@ -52,6 +52,8 @@ def numbers(cells: Iterable[str], what: str) -> np.ndarray:
     """The cells as finite numbers."""
     cells = list(cells)
     try:
+        if any("_" in cell for cell in cells):
+            raise ValueError("1_0 is no number in a data file")
         values = np.array(cells, float)
     except ValueError as error:
         raise TornRow(f"has a cell that is no number where {what} should be: {error}") from error
@@ -63,6 +65,8 @@ def numbers(cells: Iterable[str], what: str) -> np.ndarray:
 def integer(cell: str, what: str) -> int:
     """The cell as a whole number."""
     try:
+        if "_" in cell:
+            raise ValueError("1_0 is no number in a data file")
         return int(cell)
     except ValueError as error:
         raise TornRow(f'has "{cell[:24]}" where {what} should be') from error
