@@ -19,15 +19,13 @@ constexpr std::array<Named, 14> kSources{{
     {ErrorSource::none, "none",
      "everything exact; what interpolation between frames that are not taken at one time leaves"},
     {ErrorSource::jitter, "jitter", "the tracker's white noise"},
-    {ErrorSource::wander, "wander", "the tracker's slow wander"},
+    {ErrorSource::wander, "wander", "what the tracker's errors change by while a joint moves"},
     {ErrorSource::jumps, "jumps", "the tracker's jumps"},
     {ErrorSource::bias, "bias", "what the tracker systematically puts elsewhere, by joint and viewpoint"},
     {ErrorSource::unit_depth, "depth", "depth that is off by what the sensor's unit is"},
     {ErrorSource::lag, "lag", "the tracker's delay"},
-    {ErrorSource::hidden, "hidden",
-     "what the tracker makes of joints that the body hides (that their wander and jitter double shows in all "
-     "only)"},
-    {ErrorSource::exchange, "exchange", "left and right exchanged from behind, as far as not put right"},
+    {ErrorSource::hidden, "hidden", "what the tracker makes of joints that the body hides"},
+    {ErrorSource::exchange, "exchange", "the back taken for the front, as far as not put right"},
     {ErrorSource::dropped, "dropped", "frames that are lost"},
     {ErrorSource::clocks, "clocks", "clocks of sensors, their computers and the mocap"},
     {ErrorSource::mocap, "mocap", "noise and gaps of the markers"},
@@ -40,27 +38,17 @@ constexpr double kHardlyAny_m = 1e-6;
 
 const Named& named(ErrorSource source) { return kSources.at(static_cast<std::size_t>(source)); }
 
-// How errors split between sensors, joints and directions says nothing of their size.
-void copy_split(const BodyTrackerSpec& from, BodyTrackerSpec& to) {
-  to.viewpoint_share = from.viewpoint_share;
-  to.viewpoint_harmonic = from.viewpoint_harmonic;
-  to.own_bias_share = from.own_bias_share;
-  to.shared_wander_share = from.shared_wander_share;
-  to.limb_correlation = from.limb_correlation;
-  to.ray_ratio = from.ray_ratio;
-  to.azimuth_growth = from.azimuth_growth;
-  to.range_growth_per_m = from.range_growth_per_m;
-}
-
 void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSpec& to) {
-  copy_split(from, to);
+  to.ray_ratio = from.ray_ratio;  // says nothing of the size
   switch (source) {
     case ErrorSource::jitter:
       to.jitter_sigma_m = from.jitter_sigma_m;
       break;
     case ErrorSource::wander:
       to.wander_sigma_m = from.wander_sigma_m;
-      to.wander_time_s = from.wander_time_s;
+      to.view_wander_sigma_m = from.view_wander_sigma_m;
+      to.own_wander_sigma_m = from.own_wander_sigma_m;
+      to.wander_path_m = from.wander_path_m;
       break;
     case ErrorSource::jumps:
       to.jump_rate_per_minute = from.jump_rate_per_minute;
@@ -69,6 +57,8 @@ void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSp
       break;
     case ErrorSource::bias:
       to.bias_sigma_m = from.bias_sigma_m;
+      to.view_bias_sigma_m = from.view_bias_sigma_m;
+      to.own_bias_sigma_m = from.own_bias_sigma_m;
       break;
     case ErrorSource::unit_depth:
       to.unit_depth_share = from.unit_depth_share;
@@ -83,7 +73,6 @@ void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSp
       break;
     case ErrorSource::exchange:
       to.back_view_angle_rad = from.back_view_angle_rad;
-      to.back_view_hysteresis_rad = from.back_view_hysteresis_rad;
       to.exchanged_share = from.exchanged_share;
       break;
     case ErrorSource::none:

@@ -119,7 +119,9 @@ void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& 
     tracker_spec = exact_body_tracker();
     tracker_spec.jitter_sigma_m = all.jitter_sigma_m;
     tracker_spec.wander_sigma_m = all.wander_sigma_m;
-    tracker_spec.wander_time_s = all.wander_time_s;
+    tracker_spec.view_wander_sigma_m = all.view_wander_sigma_m;
+    tracker_spec.own_wander_sigma_m = all.own_wander_sigma_m;
+    tracker_spec.wander_path_m = all.wander_path_m;
   }
   const SimulatedItem item{spec.seed + 1'000'003 * (run + 1), 0, run};
   const Motion walk = generated_motion(draw_person(spec.seed, run, 1.70, 0.17), Activity::walking);

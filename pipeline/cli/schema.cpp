@@ -45,12 +45,12 @@ Json simulation_schema() {
   examples[0].update(
       Json::parse(R"({"stature_m": {}, "activities": [{"name": "walking", "marker_joints": ["head"]}],
       "rig": {"heights_m": [1], "centre_m": [0, 1, 0]}, "sensor": {},
-      "body_tracker": {"bias_sigma_m": 0.01, "jitter_sigma_m": 0, "wander_sigma_m": 0, "wander_time_s": 1,
-        "jump_rate_per_minute": 0},
+      "body_tracker": {"bias_sigma_m": 0.01, "view_bias_sigma_m": 0, "own_bias_sigma_m": 0, "wander_sigma_m": 0,
+        "view_wander_sigma_m": 0, "own_wander_sigma_m": 0, "jitter_sigma_m": 0, "jump_rate_per_minute": 0},
       "mocap": {}, "room": {}, "depth": {"takes": true, "axial": {}}, "wand": {}})"));
   examples[1].update(Json::parse(R"({"recorded": {"mocap": "take.csv", "mapping": "mapping.json"},
-      "body_tracker": {"bias_sigma_m": {}, "jitter_sigma_m": {}, "wander_sigma_m": {}, "wander_time_s": {},
-        "jump_rate_per_minute": {}}})"));
+      "body_tracker": {"bias_sigma_m": {}, "view_bias_sigma_m": {}, "own_bias_sigma_m": {}, "wander_sigma_m": {},
+        "view_wander_sigma_m": {}, "own_wander_sigma_m": {}, "jitter_sigma_m": {}, "jump_rate_per_minute": {}}})"));
   return schema_of(examples,
                    [](const Json& json) { parse_simulation(json, "example", {}, OutsidePaths::allowed); });
 }

@@ -20,9 +20,8 @@ inline SimulationSpec walking_spec(std::uint64_t participants, double duration_s
   spec.seed = 5;
   spec.participants = participants;
   spec.body_tracker = exact_body_tracker();
-  spec.body_tracker.bias_sigma_m.fill(0.03);
+  spec.body_tracker.own_bias_sigma_m.fill(0.03);
   spec.body_tracker.jitter_sigma_m.fill(0.015);
-  spec.body_tracker.own_bias_share = 1.0;
   spec.activities = {{Activity::walking,
                       duration_s,
                       {Joint::head, Joint::shoulder_left, Joint::shoulder_right, Joint::elbow_left,

@@ -24,7 +24,8 @@ using testing::HasSubstr;
 constexpr const char* kSimulation =
     R"("simulation": {"format": "trilat.simulation", "version": 1,
        "activities": [{"name": "walking", "duration_s": 1}],
-       "body_tracker": {"bias_sigma_m": 0, "jitter_sigma_m": 0, "wander_sigma_m": 0.05, "wander_time_s": 0.1,
+       "body_tracker": {"bias_sigma_m": 0, "view_bias_sigma_m": 0, "own_bias_sigma_m": 0, "jitter_sigma_m": 0,
+         "wander_sigma_m": 0, "view_wander_sigma_m": 0, "own_wander_sigma_m": 0.05, "wander_path_m": 0.1,
          "lag_s": 0, "jump_size_m": 0, "exchanged_share": 0, "least_visible_share": 0, "unit_depth_share": 0}})";
 constexpr const char* kMethods =
     R"("alignments": ["none"], "clock": "stated", "resamples": 0, "participants": 1, "rows": 4,
@@ -79,10 +80,10 @@ TEST(SensitivitySpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
 
 TEST(SensitivitySpec, SettingsThatContradictEachOtherAreRefusedBeforeAnythingIsSimulated) {
   // each end is possible by itself, but not both together
-  const Json json = study_json(R"("space": [{"setting": "/body_tracker/viewpoint_share", "low": 0, "high": 1},
-      {"setting": "/body_tracker/own_bias_share", "low": 0.6, "high": 0.7}])");
+  const Json json = study_json(R"("space": [{"setting": "/sensor/nearest_m", "low": 0, "high": 4},
+      {"setting": "/sensor/farthest_m", "low": 1, "high": 4.5}])");
   EXPECT_THAT(message_of([&] { sensitivity_study(spec_of(json)); }),
-              HasSubstr("own_bias_share: must not be more"));
+              HasSubstr("farthest_m: must be farther"));
 }
 
 TEST(SensitivitySpec, PositionsAreValuesOfTheFactors) {

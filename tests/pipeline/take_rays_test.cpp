@@ -20,7 +20,7 @@ constexpr const char* kEstimated =
 struct SeenTake {
   explicit SeenTake(double bias_m = 0.0) {
     SimulationSpec spec = walking_spec(1, 8.0);
-    spec.body_tracker.bias_sigma_m.fill(bias_m);
+    spec.body_tracker.own_bias_sigma_m.fill(bias_m);
     spec.body_tracker.jitter_sigma_m.fill(0.03);
     campaign = simulate_into(folder.path() / "campaign", spec);
     plan = make_plan(study_of(kEstimated), campaign);

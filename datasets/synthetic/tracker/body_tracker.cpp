@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "datasets/base/error.h"
 
@@ -11,13 +12,21 @@ namespace {
 
 constexpr std::size_t kSlots = kMaxBodies;
 
-void exchange_sides(Body& body) {
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    const auto mirror = static_cast<std::size_t>(mirror_of(static_cast<Joint>(j)));
-    if (mirror <= j) continue;
-    std::swap(body.position_m[j], body.position_m[mirror]);
-    std::swap(body.tracking_state[j], body.tracking_state[mirror]);
-  }
+std::bitset<kJointCount> with_sides_exchanged(const std::bitset<kJointCount>& joints) {
+  std::bitset<kJointCount> exchanged;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    exchanged[j] = joints[static_cast<std::size_t>(mirror_of(static_cast<Joint>(j)))];
+  return exchanged;
+}
+
+// The back taken for the front: the body faces the other way, and left is right.
+SkeletonPose turned_round(const SkeletonPose& pose) {
+  SkeletonPose turned;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    turned.joint_in_world_m[j] = pose.at(mirror_of(static_cast<Joint>(j)));
+  turned.present = with_sides_exchanged(pose.present);
+  if (pose.heading_rad != 0.0) turned.heading_rad = pose.heading_rad + std::numbers::pi;
+  return turned;
 }
 
 }  // namespace
@@ -45,13 +54,14 @@ BodyTracker::Sight BodyTracker::sight_of(std::size_t person, const SkeletonPose&
 
 void BodyTracker::note_back(TrackedPerson& person, const BodyView& view, std::uint64_t frame) const {
   const double angle_rad = std::abs(view.azimuth_rad);
-  if (!person.back_seen && angle_rad > spec_.back_view_angle_rad) {
-    person.back_seen = true;
+  const bool was_exchanged = person.exchanged;
+  if (angle_rad <= spec_.back_view_angle_rad)
+    person.exchanged = false;
+  else if (!person.back_seen)
     person.exchanged =
         person.key.stream(Purpose::tracker_exchange, 0, frame).uniform(0) < spec_.exchanged_share;
-  } else if (person.back_seen && angle_rad < spec_.back_view_angle_rad - spec_.back_view_hysteresis_rad) {
-    person.back_seen = person.exchanged = false;
-  }
+  person.back_seen = angle_rad > spec_.back_view_angle_rad;
+  if (person.exchanged != was_exchanged) person.errors.restart();
 }
 
 // A new identity takes any free slot, as in the SDK: the order of bodies says nothing.
@@ -91,7 +101,6 @@ Body BodyTracker::body_of(const TrackedPerson& person, const Sight& sight,
     const Eigen::Vector3f point_m = (sensor_from_world * joint_in_world_m[j]).cast<float>();
     body.position_m[j] = {point_m.x(), point_m.y(), point_m.z()};
   }
-  if (person.exchanged) exchange_sides(body);
   return body;
 }
 
@@ -105,11 +114,15 @@ TrackedFrame BodyTracker::observe(std::uint64_t frame, std::span<const SkeletonP
   for (std::size_t p = 0; p < persons_.size(); ++p) {
     TrackedPerson& person = persons_[p];
     const Sight sight = sight_of(p, poses[p]);
-    const BodyView view = body_view(poses[p], sensor_.pose.world_from_sensor.translation_m);
-    note_back(person, view, frame);
+    const Eigen::Vector3d& sensor_m = sensor_.pose.world_from_sensor.translation_m;
+    note_back(person, body_view(poses[p], sensor_m), frame);
     note_identity(person, (sight.in_view & ~sight.hidden).any(), frame);
-    const auto joint_in_world_m = person.errors.step(frame, poses[p], view, sight.hidden);
-    if (person.tracking_id != 0) by_slot.emplace_back(person.slot, body_of(person, sight, joint_in_world_m));
+    const SkeletonPose taken = person.exchanged ? turned_round(poses[p]) : poses[p];
+    const Sight shown = person.exchanged
+                            ? Sight{with_sides_exchanged(sight.in_view), with_sides_exchanged(sight.hidden)}
+                            : sight;
+    const auto joint_in_world_m = person.errors.step(frame, taken, body_view(taken, sensor_m), shown.hidden);
+    if (person.tracking_id != 0) by_slot.emplace_back(person.slot, body_of(person, shown, joint_in_world_m));
     if (p > 0) continue;
     result.truth.hidden = static_cast<std::uint32_t>(sight.hidden.to_ulong());
     result.truth.exchanged = person.exchanged;

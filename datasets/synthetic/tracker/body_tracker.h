@@ -42,6 +42,7 @@ class BodyTracker {
     std::bitset<kJointCount> in_view, hidden;
   };
   Sight sight_of(std::size_t person, const SkeletonPose& pose);
+  // Whether the back is seen, and taken for the front.
   void note_back(TrackedPerson& person, const BodyView& view, std::uint64_t frame) const;
   void note_identity(TrackedPerson& person, bool seen, std::uint64_t frame);
   Body body_of(const TrackedPerson& person, const Sight& sight,

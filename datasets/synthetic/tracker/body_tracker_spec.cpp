@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 
-#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,9 +24,12 @@ struct GroupsField {
 };
 constexpr GroupsField kGroupsFields[] = {
     {"bias_sigma_m", &BodyTrackerSpec::bias_sigma_m, 1.0},
-    {"jitter_sigma_m", &BodyTrackerSpec::jitter_sigma_m, 1.0},
+    {"view_bias_sigma_m", &BodyTrackerSpec::view_bias_sigma_m, 1.0},
+    {"own_bias_sigma_m", &BodyTrackerSpec::own_bias_sigma_m, 1.0},
     {"wander_sigma_m", &BodyTrackerSpec::wander_sigma_m, 1.0},
-    {"wander_time_s", &BodyTrackerSpec::wander_time_s, 3600.0},
+    {"view_wander_sigma_m", &BodyTrackerSpec::view_wander_sigma_m, 1.0},
+    {"own_wander_sigma_m", &BodyTrackerSpec::own_wander_sigma_m, 1.0},
+    {"jitter_sigma_m", &BodyTrackerSpec::jitter_sigma_m, 1.0},
     {"jump_rate_per_minute", &BodyTrackerSpec::jump_rate_per_minute, 60.0},
 };
 
@@ -37,24 +40,16 @@ struct ValueField {
   double least = 0.0;
 };
 constexpr ValueField kValueFields[] = {
-    {"viewpoint_share", &BodyTrackerSpec::viewpoint_share, 1.0},
-    {"viewpoint_harmonic", &BodyTrackerSpec::viewpoint_harmonic, 8.0, 1.0},
-    {"own_bias_share", &BodyTrackerSpec::own_bias_share, 1.0},
-    {"shared_wander_share", &BodyTrackerSpec::shared_wander_share, 1.0},
-    {"limb_correlation", &BodyTrackerSpec::limb_correlation, 1.0},
+    {"wander_path_m", &BodyTrackerSpec::wander_path_m, 100.0},
     {"ray_ratio", &BodyTrackerSpec::ray_ratio, 100.0, 0.01},
-    {"azimuth_growth", &BodyTrackerSpec::azimuth_growth, 100.0},
-    {"range_growth_per_m", &BodyTrackerSpec::range_growth_per_m, 100.0},
     {"unit_depth_share", &BodyTrackerSpec::unit_depth_share, 1.0},
     {"lag_s", &BodyTrackerSpec::lag_s, 10.0},
     {"jump_size_m", &BodyTrackerSpec::jump_size_m, 1.0},
     {"jump_duration_s", &BodyTrackerSpec::jump_duration_s, 60.0},
     {"least_visible_share", &BodyTrackerSpec::least_visible_share, 1.0},
-    {"inferred_noise_increase", &BodyTrackerSpec::inferred_noise_increase, 100.0},
     {"inferred_error_sigma_m", &BodyTrackerSpec::inferred_error_sigma_m, 1.0},
     {"hidden_as_tracked_share", &BodyTrackerSpec::hidden_as_tracked_share, 1.0},
     {"back_view_angle_rad", &BodyTrackerSpec::back_view_angle_rad, std::numbers::pi},
-    {"back_view_hysteresis_rad", &BodyTrackerSpec::back_view_hysteresis_rad, std::numbers::pi},
     {"exchanged_share", &BodyTrackerSpec::exchanged_share, 1.0},
     {"identity_changes_per_minute", &BodyTrackerSpec::identity_changes_per_minute, 60.0},
 };
@@ -169,10 +164,19 @@ BodyTrackerSpec read_body_tracker(JsonObject object) {
   }
   for (const ValueField& field : kValueFields)
     spec.*field.member = number_within(object, field.key, spec.*field.member, field.least, field.most);
-  if (spec.viewpoint_harmonic != std::floor(spec.viewpoint_harmonic))
-    object.refuse("viewpoint_harmonic", "must be a whole number: after a turn the body is seen as before");
-  if (spec.viewpoint_share + spec.own_bias_share > 1.0)
-    object.refuse("own_bias_share", "must not be more than viewpoint_share leaves of the bias");
+  constexpr std::pair<const char*, const char*> kGone[] = {
+      {"viewpoint_share", "say \"view_bias_sigma_m\""},
+      {"own_bias_share", "say \"own_bias_sigma_m\""},
+      {"shared_wander_share", "\"wander_sigma_m\" is shared, \"own_wander_sigma_m\" is not"},
+      {"wander_time_s", "say \"wander_path_m\": the wander comes with motion"},
+      {"viewpoint_harmonic", "what goes with the direction of view goes as one sine and cosine"},
+      {"limb_correlation", "joints of a limb err by themselves"},
+      {"azimuth_growth", "say \"view_wander_sigma_m\""},
+      {"range_growth_per_m", "errors do not grow with range"},
+      {"inferred_noise_increase", "say \"inferred_error_sigma_m\""},
+      {"back_view_hysteresis_rad", "say \"back_view_angle_rad\""},
+  };
+  for (const auto& [key, instead] : kGone) object.gone(key, instead);
   for (const TrackerParameter& parameter : tracker_parameters(default_body_tracker()))
     object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
   object.finish();

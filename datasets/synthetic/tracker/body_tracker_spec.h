@@ -22,32 +22,25 @@ std::string_view name_of(TrackerGroup group);
 // and their sources are in body_tracker.json.
 struct BodyTrackerSpec {
   using Groups = std::array<double, kTrackerGroups>;
-  Groups bias_sigma_m{};          // systematic, both parts together
+  // What is systematic, fixed in the body's own frame: the same for all sensors; what goes with the direction
+  // from which a sensor sees the body, as sine and cosine of its azimuth; of each sensor by itself.
+  Groups bias_sigma_m{}, view_bias_sigma_m{}, own_bias_sigma_m{};
+  // What changes while the joint moves, in the same three parts: AR(1) along the joint's path.
+  Groups wander_sigma_m{}, view_wander_sigma_m{}, own_wander_sigma_m{};
   Groups jitter_sigma_m{};        // white
-  Groups wander_sigma_m{};        // AR(1) …
-  Groups wander_time_s{};         // … whose correlation falls by e in this time
   Groups jump_rate_per_minute{};  // of one joint
-  // Shares of the bias' variance; the rest is fixed in the body's own frame, the same for all sensors.
-  double viewpoint_share = 0.0;      // goes with the direction from which a sensor sees the body …
-  double viewpoint_harmonic = 1.0;   // … as sine and cosine of so many times the azimuth
-  double own_bias_share = 0.0;       // of each sensor by itself
-  double shared_wander_share = 0.0;  // of the variance of wander and jitter, the same for all sensors
-  double limb_correlation = 0.0;     // of the wander of two joints of a limb
+  double wander_path_m = 0.0;     // in which the wander's correlation falls by e
   // How the sum of bias, wander and jitter splits: sigma along the ray over sigma across it, the total kept.
   double ray_ratio = 1.0;
-  double azimuth_growth = 0.0;      // of wander and jitter: seen from behind, times 1 + this; in front none
-  double range_growth_per_m = 0.0;  // of the same, from 2 m on
-  double unit_depth_share = 0.0;    // of the depth error of the sensor's unit (offset and wiggle)
-  double lag_s = 0.0;               // time constant of a first-order filter
+  double unit_depth_share = 0.0;  // of the depth error of the sensor's unit (offset and wiggle)
+  double lag_s = 0.0;             // time constant of a first-order filter
   double jump_size_m = 0.0;
   double jump_duration_s = 0.0;
   double least_visible_share = 0.0;          // a joint of which less is visible is hidden
-  double inferred_noise_increase = 0.0;      // wander and jitter of hidden joints: times 1 + this
-  double inferred_error_sigma_m = 0.0;       // constant while hidden
+  double inferred_error_sigma_m = 0.0;       // of hidden joints, by the direction of view
   double hidden_as_tracked_share = 0.0;      // of hidden stretches that are said to be tracked
-  double back_view_angle_rad = 0.0;          // body's forward to the sensor; beyond, the back is seen …
-  double back_view_hysteresis_rad = 0.0;     // … until the angle is so much smaller again
-  double exchanged_share = 0.0;              // of stretches seen from behind: left and right exchanged
+  double back_view_angle_rad = 0.0;          // body's forward to the sensor; beyond, the back is seen
+  double exchanged_share = 0.0;              // of stretches seen from behind: taken for the front
   double identity_changes_per_minute = 0.0;  // without reason, of one person
 };
 

@@ -24,28 +24,7 @@ double of_group(const BodyTrackerSpec::Groups& groups, std::size_t joint) {
 constexpr std::uint64_t kMostSensors = 64;
 constexpr double kNearest_m = 1e-6;
 
-// Spine and head, the arms, the legs.
-std::size_t limb_of(Joint joint) {
-  switch (tracker_group_of(joint)) {
-    case TrackerGroup::trunk:
-    case TrackerGroup::head:
-      return 0;
-    case TrackerGroup::shoulder:
-    case TrackerGroup::elbow:
-    case TrackerGroup::wrist:
-    case TrackerGroup::hand:
-    case TrackerGroup::hand_tip:
-      return name_of(joint).ends_with("left") ? 1 : 2;
-    case TrackerGroup::hip:
-    case TrackerGroup::knee:
-    case TrackerGroup::ankle:
-    case TrackerGroup::foot:
-      return name_of(joint).ends_with("left") ? 3 : 4;
-  }
-  return 0;
-}
-
-double decay(double step_s, double time_s) { return time_s > 0.0 ? std::exp(-step_s / time_s) : 0.0; }
+double decay(double step, double length) { return length > 0.0 ? std::exp(-step / length) : 0.0; }
 
 bool has(const SkeletonPose& pose, Joint joint) { return pose.present[static_cast<std::size_t>(joint)]; }
 
@@ -95,19 +74,28 @@ BodyView body_view(const SkeletonPose& pose, const Vector3d& sensor_in_world_m) 
   return {heading, std::atan2(left, forward), sensor_in_world_m};
 }
 
+Vector3d ViewedVector::seen_from(double azimuth_rad) const {
+  return common + own + std::cos(azimuth_rad) * facing + std::sin(azimuth_rad) * beside;
+}
+
 JointErrors::JointErrors(const BodyTrackerSpec& spec, double rate_hz, const TrackerKey& key,
                          const DepthUnit& unit)
     : spec_(spec), rate_hz_(rate_hz), key_(key), unit_(unit) {
-  const double landmark = std::sqrt(std::max(0.0, 1.0 - spec.viewpoint_share - spec.own_bias_share)),
-               viewpoint = std::sqrt(spec.viewpoint_share), own = std::sqrt(spec.own_bias_share);
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const double sigma_m = of_group(spec.bias_sigma_m, j);
-    const RandomStream random = key.body_stream(Purpose::tracker_bias, j);
-    joints_[j].fixed_m = sigma_m * (landmark * normal_vector(random, 0) +
-                                    own * normal_vector(key.sensor_stream(Purpose::tracker_own_bias, j), 0));
-    joints_[j].facing_m = viewpoint * sigma_m * normal_vector(random, 2);
-    joints_[j].beside_m = viewpoint * sigma_m * normal_vector(random, 4);
+    const RandomStream bias = key.body_stream(Purpose::tracker_bias, j),
+                       hidden = key.body_stream(Purpose::tracker_hidden_error, j);
+    joints_[j].bias_m = {of_group(spec.bias_sigma_m, j) * normal_vector(bias, 0),
+                         of_group(spec.view_bias_sigma_m, j) * normal_vector(bias, 2),
+                         of_group(spec.view_bias_sigma_m, j) * normal_vector(bias, 4),
+                         of_group(spec.own_bias_sigma_m, j) *
+                             normal_vector(key.sensor_stream(Purpose::tracker_own_bias, j), 0)};
+    joints_[j].hidden_m.facing = spec.inferred_error_sigma_m * normal_vector(hidden, 0);
+    joints_[j].hidden_m.beside = spec.inferred_error_sigma_m * normal_vector(hidden, 2);
   }
+}
+
+void JointErrors::restart() {
+  for (JointState& state : joints_) state.has_truth = false;
 }
 
 // A first-order filter of what goes straight from one frame to the next: exact on a steady motion, which it
@@ -125,26 +113,6 @@ Vector3d JointErrors::follow(JointState& state, const Vector3d& truth_m) const {
   return state.lagged_m;
 }
 
-Vector3d JointErrors::bias(const JointState& state, const BodyView& view) const {
-  const double angle_rad = spec_.viewpoint_harmonic * view.azimuth_rad;
-  return Eigen::AngleAxisd(view.heading_rad, Vector3d::UnitY()) *
-         (state.fixed_m + std::cos(angle_rad) * state.facing_m + std::sin(angle_rad) * state.beside_m);
-}
-
-Vector3d JointErrors::noise(Purpose purpose, std::size_t joint, std::uint64_t frame,
-                            double limb_share) const {
-  const auto of_key = [&](const TrackerKey& key) {
-    Vector3d value = std::sqrt(1.0 - limb_share) * normal_vector(key.stream(purpose, joint, frame), 0);
-    if (limb_share > 0.0)
-      value += std::sqrt(limb_share) *
-               normal_vector(key.stream(purpose, kJointCount + limb_of(static_cast<Joint>(joint)), frame), 0);
-    return value;
-  };
-  const double shared = spec_.shared_wander_share;
-  if (shared == 0.0) return of_key(key_);
-  return std::sqrt(1.0 - shared) * of_key(key_) + std::sqrt(shared) * of_key(key_.of_all_sensors());
-}
-
 // Both parts are scaled so that their squares sum to what they were.
 Vector3d JointErrors::along_and_across(const Vector3d& error_m, const Vector3d& ray) const {
   const double ratio = spec_.ray_ratio;
@@ -153,19 +121,22 @@ Vector3d JointErrors::along_and_across(const Vector3d& error_m, const Vector3d& 
   return across * (error_m + (ratio - 1.0) * ray.dot(error_m) * ray);
 }
 
-Vector3d JointErrors::random_part(JointState& state, std::size_t joint, std::uint64_t frame) const {
-  const double factor = state.hidden ? 1.0 + spec_.inferred_noise_increase : 1.0;
-  Vector3d error_m = Vector3d::Zero();
-  if (const double sigma_m = of_group(spec_.wander_sigma_m, joint); sigma_m > 0.0) {
-    const double kept = state.has_wander ? decay(1.0 / rate_hz_, of_group(spec_.wander_time_s, joint)) : 0.0;
-    state.wander = kept * state.wander + std::sqrt(1.0 - kept * kept) * noise(Purpose::tracker_wander, joint,
-                                                                              frame, spec_.limb_correlation);
-    state.has_wander = true;
-    error_m += factor * sigma_m * state.wander;
-  }
-  if (const double sigma_m = of_group(spec_.jitter_sigma_m, joint); sigma_m > 0.0)
-    error_m += factor * sigma_m * noise(Purpose::tracker_jitter, joint, frame, 0.0);
-  return error_m;
+// All sensors draw their common part, and that of the direction of view, from the same numbers.
+void JointErrors::wander(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const {
+  const double kept = state.has_wander ? decay(step_m, spec_.wander_path_m) : 0.0;
+  state.has_wander = true;
+  if (kept == 1.0) return;
+  const double fresh = std::sqrt(1.0 - kept * kept);
+  const auto renew = [&](Vector3d& part, const BodyTrackerSpec::Groups& sigma_m, const RandomStream& random,
+                         std::uint32_t first) {
+    if (const double sigma = of_group(sigma_m, joint); sigma > 0.0)
+      part = kept * part + fresh * sigma * normal_vector(random, first);
+  };
+  const RandomStream common = key_.of_all_sensors().stream(Purpose::tracker_wander, joint, frame);
+  renew(state.wander_m.common, spec_.wander_sigma_m, common, 0);
+  renew(state.wander_m.facing, spec_.view_wander_sigma_m, common, 2);
+  renew(state.wander_m.beside, spec_.view_wander_sigma_m, common, 4);
+  renew(state.wander_m.own, spec_.own_wander_sigma_m, key_.stream(Purpose::tracker_wander, joint, frame), 0);
 }
 
 Vector3d JointErrors::jump(JointState& state, std::size_t joint, std::uint64_t frame) const {
@@ -181,41 +152,40 @@ Vector3d JointErrors::jump(JointState& state, std::size_t joint, std::uint64_t f
 }
 
 void JointErrors::note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const {
-  if (hidden && !state.hidden) {
-    const RandomStream random = key_.stream(Purpose::tracker_hidden, joint, frame);
-    state.said_to_be_tracked = random.uniform(0) < spec_.hidden_as_tracked_share;
-    state.hidden_error_m = spec_.inferred_error_sigma_m * normal_vector(random, 1);
-  }
+  if (hidden && !state.hidden)
+    state.said_to_be_tracked =
+        key_.stream(Purpose::tracker_hidden, joint, frame).uniform(0) < spec_.hidden_as_tracked_share;
   if (!hidden) state.said_to_be_tracked = false;
   state.hidden = hidden;
-}
-
-double JointErrors::growth(const BodyView& view, double range_m) const {
-  constexpr double kUsualRange_m = 2.0;
-  return (1.0 + spec_.azimuth_growth * 0.5 * (1.0 - std::cos(view.azimuth_rad))) *
-         (1.0 + spec_.range_growth_per_m * std::max(0.0, range_m - kUsualRange_m));
 }
 
 std::array<Vector3d, kJointCount> JointErrors::step(std::uint64_t frame, const SkeletonPose& pose,
                                                     const BodyView& view,
                                                     const std::bitset<kJointCount>& hidden) {
+  const Eigen::Matrix3d world_from_body =
+      Eigen::AngleAxisd(view.heading_rad, Vector3d::UnitY()).toRotationMatrix();
   std::array<Vector3d, kJointCount> seen_m;
   seen_m.fill(Vector3d::Zero());
   for (std::size_t j = 0; j < kJointCount; ++j) {
     JointState& state = joints_[j];
     note_hidden(state, j, frame, hidden[j]);
-    const Vector3d random_m = random_part(state, j, frame), jump_m = jump(state, j, frame);
+    const Vector3d jump_m = jump(state, j, frame);
     if (!pose.present[j]) {
       state.has_truth = false;
       continue;
     }
-    const Vector3d from_sensor_m = pose.joint_in_world_m[j] - view.sensor_in_world_m;
+    const Vector3d& truth_m = pose.joint_in_world_m[j];
+    wander(state, j, frame, state.has_truth ? (truth_m - state.truth_m).norm() : 0.0);
+    Vector3d error_m = world_from_body * (state.bias_m.seen_from(view.azimuth_rad) +
+                                          state.wander_m.seen_from(view.azimuth_rad));
+    if (const double sigma_m = of_group(spec_.jitter_sigma_m, j); sigma_m > 0.0)
+      error_m += sigma_m * normal_vector(key_.stream(Purpose::tracker_jitter, j, frame), 0);
+    const Vector3d from_sensor_m = truth_m - view.sensor_in_world_m;
     const double range_m = from_sensor_m.norm();
     const Vector3d ray = from_sensor_m / std::max(range_m, kNearest_m);
-    seen_m[j] = follow(state, pose.joint_in_world_m[j]) + jump_m +
-                along_and_across(bias(state, view) + growth(view, range_m) * random_m, ray) +
+    seen_m[j] = follow(state, truth_m) + jump_m + along_and_across(error_m, ray) +
                 spec_.unit_depth_share * unit_.error_m(range_m) * ray;
-    if (state.hidden) seen_m[j] += state.hidden_error_m;
+    if (state.hidden) seen_m[j] += world_from_body * state.hidden_m.seen_from(view.azimuth_rad);
   }
   return seen_m;
 }

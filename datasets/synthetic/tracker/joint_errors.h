@@ -40,6 +40,14 @@ struct BodyView {
 // A pose without heading (0) has that of its shoulders, else of its hips, else 0.
 BodyView body_view(const SkeletonPose& pose, const Eigen::Vector3d& sensor_in_world_m);
 
+// A random vector of the body's own frame (x left, y up, z forward) in its parts: the same for all sensors,
+// by the direction of view, of one sensor.
+struct ViewedVector {
+  Eigen::Vector3d common{0.0, 0.0, 0.0}, facing{0.0, 0.0, 0.0}, beside{0.0, 0.0, 0.0}, own{0.0, 0.0, 0.0};
+
+  Eigen::Vector3d seen_from(double azimuth_rad) const;
+};
+
 // Where one sensor's tracker puts a person's joints, frame by frame: the truth with lag, systematic error,
 // wander, jitter, jumps, and what is added while a joint is hidden.
 class JointErrors {
@@ -49,25 +57,21 @@ class JointErrors {
   // Frames in rising order, each once; in the world's frame. Joints that are not present are left at zero.
   std::array<Eigen::Vector3d, kJointCount> step(std::uint64_t frame, const SkeletonPose& pose,
                                                 const BodyView& view, const std::bitset<kJointCount>& hidden);
+  // The next frame follows none: nothing lags.
+  void restart();
   // Hidden in the last frame, but said to be tracked.
   bool said_to_be_tracked(std::size_t joint) const { return joints_[joint].said_to_be_tracked; }
 
  private:
   struct JointState {
-    Eigen::Vector3d fixed_m, facing_m, beside_m;  // bias in the body's frame: x left, y up, z forward
-    Eigen::Vector3d wander{0.0, 0.0, 0.0};        // of sigma 1
+    ViewedVector bias_m, wander_m, hidden_m;
     Eigen::Vector3d lagged_m, truth_m;
-    Eigen::Vector3d jump_m, hidden_error_m;
+    Eigen::Vector3d jump_m;
     std::uint64_t jump_end = 0;  // the first frame without
     bool has_wander = false, has_truth = false, hidden = false, said_to_be_tracked = false;
   };
   Eigen::Vector3d follow(JointState& state, const Eigen::Vector3d& truth_m) const;
-  Eigen::Vector3d bias(const JointState& state, const BodyView& view) const;
-  // Of variance 1, as far as the sensors and the joints of a limb share it.
-  Eigen::Vector3d noise(Purpose purpose, std::size_t joint, std::uint64_t frame, double limb_share) const;
-  Eigen::Vector3d random_part(JointState& state, std::size_t joint, std::uint64_t frame) const;
-  // Of the random part.
-  double growth(const BodyView& view, double range_m) const;
+  void wander(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const;
   Eigen::Vector3d along_and_across(const Eigen::Vector3d& error_m, const Eigen::Vector3d& ray) const;
   Eigen::Vector3d jump(JointState& state, std::size_t joint, std::uint64_t frame) const;
   void note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const;
