@@ -220,6 +220,19 @@ Chapter recording_chapter(const std::filesystem::path& path) {
   return chapter;
 }
 
+Chapter twins_chapter(const std::filesystem::path& path) {
+  const TwinsSummary s = read_twins_summary(path);
+  Chapter chapter = new_chapter(path, s.study);
+  chapter.about = fmt::format(
+      "The simulator beside reality: **simulated** twins (seed {}) of **recorded** pairs of sensors.",
+      s.seed);
+  chapter.sentences = twins_sentences(s);
+  append(chapter, twins_tables(s));
+  chapter.first_tables = 1;
+  append(chapter, twins_figures(s));
+  return chapter;
+}
+
 }  // namespace
 
 Chapter read_chapter(const std::filesystem::path& path) {
@@ -234,6 +247,8 @@ Chapter read_chapter(const std::filesystem::path& path) {
       return recording_chapter(path);
     case StudyKind::sensitivity:
       return sensitivity_chapter(path);
+    case StudyKind::twins:
+      return twins_chapter(path);
     case StudyKind::accuracy:
       break;
   }

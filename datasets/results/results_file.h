@@ -19,7 +19,8 @@ enum class StudyKind : std::uint8_t {
   calibration,
   error_budget,
   recording,
-  sensitivity
+  sensitivity,
+  twins
 };
 std::string name_of(StudyKind kind);  // "accuracy", …
 // What the study says; InputError when that is none.

@@ -107,10 +107,8 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
   return pose;
 }
 
-SkeletonPose walk(const Person& p, double t) {
-  constexpr double kLaps_hz = 4.0 / 35.0, kStride_hz = 0.9, kRadius_m = 0.4;
-  const double lap = kTwoPi * kLaps_hz * p.tempo * t + p.phase_rad;
-  const double stride = kTwoPi * kStride_hz * p.tempo * t + p.phase_rad;
+// On a circle; a stride of 0 stands.
+SkeletonPose on_circle(const Person& p, double lap, double stride, double radius_m) {
   Angles a;
   for (int side : {0, 1}) {
     const double s = side == 0 ? 1.0 : -1.0;
@@ -120,10 +118,27 @@ SkeletonPose walk(const Person& p, double t) {
     a.elbow[side] = 0.35 + p.amplitude * 0.15 * (1.0 - s * std::sin(stride));
   }
   a.trunk = 0.05;
-  const Vector3d origin(kRadius_m * std::cos(lap),
+  const Vector3d origin(radius_m * std::cos(lap),
                         fraction::kHip * p.stature_m - 0.02 + 0.015 * std::cos(2.0 * stride),
-                        -kRadius_m * std::sin(lap));
+                        -radius_m * std::sin(lap));
   return pose_of(a, origin, lap + std::numbers::pi, p.stature_m);
+}
+
+constexpr double kStride_hz = 0.9;
+
+SkeletonPose walk(const Person& p, double t) {
+  constexpr double kLaps_hz = 4.0 / 35.0, kRadius_m = 0.4;
+  return on_circle(p, kTwoPi * kLaps_hz * p.tempo * t + p.phase_rad,
+                   kTwoPi * kStride_hz * p.tempo * t + p.phase_rad, kRadius_m);
+}
+
+// One round, then as long at rest, facing forward.
+SkeletonPose walk_about(const Person& p, double t) {
+  constexpr double kRound_s = 6.5, kRadius_m = 0.6;
+  const double since = std::fmod(p.tempo * t + p.phase_rad / kTwoPi * 2.0 * kRound_s, 2.0 * kRound_s);
+  const double walked = std::min(since, kRound_s) / kRound_s;
+  return on_circle(p, std::numbers::pi + kTwoPi * walked, kTwoPi * std::round(kStride_hz * kRound_s) * walked,
+                   kRadius_m);
 }
 
 SkeletonPose swing_arms(const Person& p, double t) {
@@ -152,6 +167,22 @@ SkeletonPose cross_legs(const Person& p, double t) {
                  p.stature_m);
 }
 
+// To and fro and from side to side, always facing forward.
+SkeletonPose step(const Person& p, double t) {
+  const double way = kTwoPi / 12.0 * p.tempo * t + p.phase_rad, stride = kTwoPi * kStride_hz * p.tempo * t;
+  const double moving = std::abs(std::cos(way));
+  Angles a;
+  for (int side : {0, 1}) {
+    const double s = side == 0 ? 1.0 : -1.0;
+    a.hip[side] = p.amplitude * 0.25 * moving * s * std::sin(stride);
+    a.knee[side] = 0.05 + p.amplitude * 0.2 * moving * (1.0 + s * std::cos(stride + 0.4));
+    a.shoulder[side] = -p.amplitude * 0.2 * moving * s * std::sin(stride);
+    a.elbow[side] = 0.2;
+  }
+  return pose_of(a, {0.3 * std::sin(2.0 * way), fraction::kHip * p.stature_m - 0.01, 0.6 * std::sin(way)},
+                 0.0, p.stature_m);
+}
+
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::uint64_t kFirstPerson = 1'000'000;  // behind all participants
 
@@ -169,7 +200,8 @@ Motion placed(Motion motion, double turn_rad, const Eigen::Vector3d& offset_m) {
 }  // namespace
 
 const std::vector<std::string>& activity_names() {
-  static const std::vector<std::string> names{"walking", "arm_swing", "leg_crossing", "standing"};
+  static const std::vector<std::string> names{"walking",  "arm_swing", "leg_crossing",
+                                              "standing", "steps",     "walk_about"};
   return names;
 }
 
@@ -193,6 +225,10 @@ Motion generated_motion(const Person& person, Activity activity) {
       return [person](double t) { return swing_arms(person, t); };
     case Activity::leg_crossing:
       return [person](double t) { return cross_legs(person, t); };
+    case Activity::steps:
+      return [person](double t) { return step(person, t); };
+    case Activity::walk_about:
+      return [person](double t) { return walk_about(person, t); };
     case Activity::standing:
       break;
   }

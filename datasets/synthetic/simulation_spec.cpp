@@ -45,6 +45,7 @@ void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
   list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
   list.push_back({"sensor heights", heights, "m", "assumption: the paper does not say"});
   list.push_back({"arc of the rig", text(rig.arc_rad / kRadPerDegree), "degrees", kAssumption});
+  list.push_back({"start of the arc", text(rig.arc_start_rad / kRadPerDegree), "degrees", kAssumption});
   list.push_back(
       {"error of the calibration",
        text(rig.position_sigma_m) + " m, " + text(rig.rotation_sigma_rad / kRadPerDegree) + " degrees",
@@ -136,6 +137,8 @@ RigSpec read_rig(JsonObject object) {
     }
   }
   rig.arc_rad = kRadPerDegree * number_within(object, "arc_deg", rig.arc_rad / kRadPerDegree, 1.0, 360.0);
+  rig.arc_start_rad = kRadPerDegree * number_within(object, "arc_start_deg",
+                                                    rig.arc_start_rad / kRadPerDegree, -360.0, 360.0);
   setting(object, "position_sigma_m", rig.position_sigma_m, {0.0, 1.0},
           "error of the calibration that is written, an axis");
   rig.rotation_sigma_rad = kRadPerDegree * number_within(object, "rotation_sigma_deg",
@@ -146,6 +149,7 @@ RigSpec read_rig(JsonObject object) {
   }
   object.about({{"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
                 {"arc_deg", "of the circle, in equal parts: a sensor stands in the middle of each"},
+                {"arc_start_deg", "where the arc begins, from +z towards +x; a person who stands faces +z"},
                 {"rotation_sigma_deg", "and of its rotations"},
                 {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
   object.finish();
@@ -271,7 +275,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     spec.activities.push_back({Activity::walking, 35.0, default_marker_joints(Activity::walking)});
   if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
-  if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object.object("body_tracker"));
+  if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object);
   setting(object, "bystanders", spec.bystanders, {0, kMostBystanders}, "who walk through the room");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
@@ -299,7 +303,16 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
 }
 
 SimulationSpec read_simulation(const std::filesystem::path& path, OutsidePaths outside) {
-  return parse_simulation(read_json(path), path.string(), path.parent_path(), outside);
+  Json json = read_json(path);
+  std::filesystem::path tracker;
+  if (json.is_object() && json.contains("body_tracker") && json["body_tracker"].is_string()) {
+    JsonObject object(json, path.string(), "");
+    tracker = path_within(object, "body_tracker", path.parent_path(), outside);
+    json["body_tracker"] = read_json(tracker);
+  }
+  SimulationSpec spec = parse_simulation(json, path.string(), path.parent_path(), outside);
+  spec.body_tracker_file = tracker;
+  return spec;
 }
 
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m) {
@@ -307,7 +320,7 @@ std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& def
   std::vector<SensorPose> poses;
   const double step = rig.arc_rad / static_cast<double>(rig.heights_m.size());
   for (std::size_t i = 0; i < rig.heights_m.size(); ++i) {
-    const double angle = step * (static_cast<double>(i) + 0.5);
+    const double angle = rig.arc_start_rad + step * (static_cast<double>(i) + 0.5);
     const Eigen::Vector3d position(centre.x() + rig.radius_m * std::sin(angle), rig.heights_m[i],
                                    centre.z() + rig.radius_m * std::cos(angle));
     SensorPose pose;

@@ -28,6 +28,7 @@ struct RigSpec {
   std::vector<double> heights_m{0.6, 2.2, 0.9, 1.9};
   double arc_rad =
       2.0 * std::numbers::pi;  // of the circle; each sensor has an equal part, and stands in its middle
+  double arc_start_rad = 0.0;  // from +z towards +x: where the arc begins
   // Errors of the calibration, an axis: sensors stand elsewhere, and turned otherwise, than it says.
   double position_sigma_m = 0.0, rotation_sigma_rad = 0.0;
   std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
@@ -85,6 +86,7 @@ struct SimulationSpec {
   RigSpec rig;
   SensorSpec sensor;
   BodyTrackerSpec body_tracker = default_body_tracker();
+  std::filesystem::path body_tracker_file = {};  // where that was read from; empty: from simulation.json
   std::uint64_t bystanders = 0;
   MocapSpec mocap;
   RoomSpec room;
@@ -96,6 +98,7 @@ struct SimulationSpec {
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
                                 const std::filesystem::path& folder,
                                 OutsidePaths outside = OutsidePaths::refused);
+// "body_tracker" may name the file of `trilat measure-tracker` here.
 SimulationSpec read_simulation(const std::filesystem::path& path,
                                OutsidePaths outside = OutsidePaths::refused);
 

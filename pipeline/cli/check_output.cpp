@@ -139,6 +139,9 @@ const KindRow kKinds[] = {
     {OutputKind::calibration, false,
      [](const PlannedOutput& o) { return document(o.path, "trilat.calibration").contains("program"); },
      "exists and is no calibration of `trilat calibrate`"},
+    {OutputKind::body_tracker, false,
+     [](const PlannedOutput& o) { return document(o.path, "trilat.body_tracker").contains("groups"); },
+     "exists and is no tracker of `trilat measure-tracker`"},
     {OutputKind::junit, false,
      [](const PlannedOutput& o) {
        return beginning_of(o.path).find("<testsuite name=\"trilat gate\"") != std::string::npos;

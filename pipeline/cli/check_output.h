@@ -15,6 +15,7 @@ enum class OutputKind {
   trc,
   c3d,
   calibration,
+  body_tracker,
   junit,
   history,
   session,  // and all other recordings: no older one is ever replaced

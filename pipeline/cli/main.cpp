@@ -22,6 +22,7 @@ struct AllArguments {
   SchemaArguments schema;
   SimulateArguments simulate;
   CalibrateArguments calibrate;
+  MeasureTrackerArguments measure_tracker;
   RunArguments run;
   MergeArguments merge;
   ReportArguments report;
@@ -97,6 +98,29 @@ void add_calibrate(CLI::App& app, AllArguments& a, int& code) {
   verb->callback([&] {
     end_in_order();
     code = calibrate(a.calibrate);
+  });
+}
+
+void add_measure_tracker(CLI::App& app, AllArguments& a, int& code) {
+  auto* verb = app.add_subcommand(
+      "measure-tracker",
+      "takes with a truth, or of several sensors -> the parameters of the simulated tracker, with intervals");
+  MeasureTrackerArguments& m = a.measure_tracker;
+  verb->add_option("campaigns", m.campaigns, "folders of takes; a participant is known in one of them only")
+      ->required();
+  verb->add_option("-o,--output", m.output,
+                   "body_tracker.json; simulation.json may name it as \"body_tracker\"")
+      ->required();
+  add_allow_outside(*verb, m.outside, "campaign.json");
+  add_force(*verb, m.force);
+  add_json(*verb, m.json);
+  verb->footer(
+      "What the takes do not tell stays as declared and is named. Intervals are over participants; fewer "
+      "than "
+      "three give none.\nExample: trilat measure-tracker ui-prmd kinectmultitrack -o body_tracker.json");
+  verb->callback([&] {
+    end_in_order();
+    code = measure_tracker(a.measure_tracker);
   });
 }
 
@@ -241,6 +265,7 @@ int guarded_main(int argc, char** argv) {
   int code = kDone;
   add_work(app, arguments, code);
   add_calibrate(app, arguments, code);
+  add_measure_tracker(app, arguments, code);
   add_gate(app, arguments, code);
   RecordingArguments recording;
   add_recording_verbs(app, recording, code);

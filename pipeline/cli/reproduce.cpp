@@ -20,6 +20,7 @@
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/sweep/sweep_study.h"
+#include "pipeline/twins/twins_study.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
 #include "reports/write_report.h"
@@ -28,7 +29,7 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kQuickParticipants = 4, kQuickBudgetParticipants = 2;
-constexpr int kStages = 11;
+constexpr int kStages = 12;
 constexpr std::uint64_t kQuickSearchTrials = 300;
 constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
 constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
@@ -157,12 +158,18 @@ void recording_into(const std::filesystem::path& folder, const ReproduceArgument
   run_into(folder, recording_study(spec), arguments);
 }
 
+void twins_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
+  TwinsSpec spec = parse_twins(parse_json(embedded::twins_json, "pipeline/studies/twins.json"), "twins.json");
+  spec.seed = arguments.seed;
+  run_into(folder, twins_study(spec), arguments);
+}
+
 // Every results folder, in the order of the report.
 std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> results;
   for (const char* name :
        {"sensitivity", "table3", "table2", "sensors_different_heights", "sensors_equal_heights",
-        "error_budget", "table1", "table1_search", "calibration", "table4"})
+        "error_budget", "table1", "table1_search", "calibration", "table4", "twins"})
     results.push_back(folder / name);
   return results;
 }
@@ -265,7 +272,9 @@ int reproduce(const ReproduceArguments& arguments) {
   recording_into(folder / "table4", arguments);
   begin_stage(10, "where in a space of simulations the conclusions hold");
   sensitivity_into(folder / "sensitivity", arguments);
-  begin_stage(11, "writing the report");
+  begin_stage(11, "the simulator beside reality: twins of two real sensors");
+  twins_into(folder / "twins", arguments);
+  begin_stage(12, "writing the report");
   const ReportFiles report = report_into(folder);
   const bool passed = table3.takes_failed + table2.takes_failed + sensors_failed == 0 &&
                       (!table3.cross_check || table3.cross_check->passed());

@@ -16,6 +16,7 @@
 #include "pipeline/recording/recording_spec.h"
 #include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/sweep/sweep_spec.h"
+#include "pipeline/twins/twins_study.h"
 
 namespace trilat {
 namespace {
@@ -39,18 +40,25 @@ Json with_methods(Json study, bool as_instants) {
   return study;
 }
 
+// A value of groups is one number or an object.
+void add_trackers(std::vector<Json>& examples) {
+  for (const char* group :
+       {"bias_sigma_m", "view_bias_sigma_m", "own_bias_sigma_m", "wander_sigma_m", "view_wander_sigma_m",
+        "own_wander_sigma_m", "jitter_sigma_m", "jump_rate_per_minute", "inferred_error_sigma_m"}) {
+    examples[0]["body_tracker"][group] = 0.01;
+    examples[1]["body_tracker"][group] = Json::object();
+  }
+}
+
 Json simulation_schema() {
   const Json start{{"format", "trilat.simulation"}, {"version", 1}};
   std::vector<Json> examples(2, start);
   examples[0].update(
       Json::parse(R"({"stature_m": {}, "activities": [{"name": "walking", "marker_joints": ["head"]}],
       "rig": {"heights_m": [1], "centre_m": [0, 1, 0]}, "sensor": {},
-      "body_tracker": {"bias_sigma_m": 0.01, "view_bias_sigma_m": 0, "own_bias_sigma_m": 0, "wander_sigma_m": 0,
-        "view_wander_sigma_m": 0, "own_wander_sigma_m": 0, "jitter_sigma_m": 0, "jump_rate_per_minute": 0},
       "mocap": {}, "room": {}, "depth": {"takes": true, "axial": {}}, "wand": {}})"));
-  examples[1].update(Json::parse(R"({"recorded": {"mocap": "take.csv", "mapping": "mapping.json"},
-      "body_tracker": {"bias_sigma_m": {}, "view_bias_sigma_m": {}, "own_bias_sigma_m": {}, "wander_sigma_m": {},
-        "view_wander_sigma_m": {}, "own_wander_sigma_m": {}, "jitter_sigma_m": {}, "jump_rate_per_minute": {}}})"));
+  examples[1].update(Json::parse(R"({"recorded": {"mocap": "take.csv", "mapping": "mapping.json"}})"));
+  add_trackers(examples);
   return schema_of(examples,
                    [](const Json& json) { parse_simulation(json, "example", {}, OutsidePaths::allowed); });
 }
@@ -157,6 +165,12 @@ Json sensitivity_schema() {
       false);
   return schema_of({example},
                    [](const Json& json) { parse_sensitivity(json, "example", {}, Json::object()); });
+}
+
+Json twins_schema() {
+  std::vector<Json> examples(2, study("twins", "{}"));
+  add_trackers(examples);
+  return schema_of(examples, [](const Json& json) { parse_twins(json, "example"); });
 }
 
 int schema(const SchemaArguments& arguments) {

@@ -19,8 +19,10 @@ namespace trilat {
 namespace {
 
 std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, const SimulationSpec& spec) {
-  if (!spec.recorded) return {arguments.spec};
-  return {arguments.spec, spec.recorded->mocap, spec.recorded->mapping};
+  std::vector<std::filesystem::path> files{arguments.spec};
+  if (spec.recorded) files.insert(files.end(), {spec.recorded->mocap, spec.recorded->mapping});
+  if (!spec.body_tracker_file.empty()) files.push_back(spec.body_tracker_file);
+  return files;
 }
 
 void print_campaign(const std::filesystem::path& folder, const SimulationSpec& spec, bool as_json) {
@@ -51,12 +53,11 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
 Study planned(const SimulateArguments& arguments) {
   WatchedFiles inputs({arguments.spec});
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
-  std::string sha256 = hash_of_file(arguments.spec);
-  if (spec.recorded)
-    for (const std::filesystem::path& file : {spec.recorded->mocap, spec.recorded->mapping}) {
-      inputs.add(file);
-      sha256 += hash_of_file(file);
-    }
+  std::string sha256;
+  for (const std::filesystem::path& file : files_of(arguments, spec)) {
+    if (file != arguments.spec) inputs.add(file);
+    sha256 += hash_of_file(file);
+  }
   return campaign_study(spec, hash_of_text(sha256), inputs);
 }
 

@@ -105,6 +105,15 @@ struct CalibrateArguments {
 };
 int calibrate(const CalibrateArguments& arguments);
 
+struct MeasureTrackerArguments {
+  std::vector<std::filesystem::path> campaigns;
+  std::filesystem::path output;
+  OutsidePaths outside = OutsidePaths::refused;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+int measure_tracker(const MeasureTrackerArguments& arguments);
+
 struct RunArguments {
   std::filesystem::path study;
   std::filesystem::path campaign;

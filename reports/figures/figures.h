@@ -13,6 +13,7 @@
 #include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/figures/figure.h"
 
@@ -36,6 +37,9 @@ std::vector<Figure> budget_figures(const BudgetSummary& summary);
 // The slices of a sensitivity study as maps of a claim's difference, and for every claim the difference over
 // the ranges of the factors that decide it most.
 std::vector<Figure> sensitivity_figures(const SensitivitySummary& summary);
+
+// Simulated over recorded disagreement of two sensors.
+std::vector<Figure> twins_figures(const TwinsSummary& summary);
 
 // What the paper draws of its calibration, from simulated samples: error by distance and by angle, a flat
 // wall by column; and how uncertain sensors carry into joints. A part that was not run gives none.

@@ -13,6 +13,7 @@
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/sweep_timings.h"
 #include "datasets/results/studies/tracking_summary.h"
+#include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/tables/table.h"
 
@@ -50,6 +51,11 @@ std::vector<Table> budget_tables(const BudgetSummary& summary);
 std::vector<Table> sensitivity_tables(const SensitivitySummary& summary);
 // A sentence a claim.
 std::vector<std::string> sensitivity_sentences(const SensitivitySummary& summary);
+
+// How two sensors disagree, recorded beside simulated: a table for those that the tracker was not measured
+// on, and one for those that it was; in how many cells they agree.
+std::vector<Table> twins_tables(const TwinsSummary& summary);
+std::vector<std::string> twins_sentences(const TwinsSummary& summary);
 
 // The tables of a calibration study beside the paper's statements; a part that was not run gives none.
 std::vector<Table> calibration_tables(const CalibrationSummary& summary);

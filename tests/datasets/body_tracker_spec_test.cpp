@@ -54,8 +54,9 @@ TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
   EXPECT_EQ(declared.size(), 20u);
   for (const TrackerParameter& parameter : declared) {
     EXPECT_FALSE(parameter.unit.empty()) << parameter.name;
-    EXPECT_THAT(parameter.source, testing::AnyOf(HasSubstr("arXiv"), HasSubstr("PMC"), HasSubstr("NTU RGB+D"),
-                                                 HasSubstr("assumption: no published figure")))
+    EXPECT_THAT(parameter.source,
+                testing::AnyOf(HasSubstr("arXiv"), HasSubstr("PMC"), HasSubstr("NTU RGB+D"),
+                               HasSubstr("assumption: no published figure"), HasSubstr("measured on ")))
         << parameter.name;
   }
   EXPECT_EQ(declared[0].name, "bias_sigma_m");
@@ -72,11 +73,28 @@ TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
 TEST(BodyTrackerSpec, DeclaredValuesLieInTheRangesOfTheLiterature) {
   const BodyTrackerSpec& spec = default_body_tracker();
   for (std::size_t g = 0; g < kTrackerGroups; ++g) {
-    const double norm_m = std::sqrt(3.0) * spec.bias_sigma_m[g];
+    const double norm_m = std::sqrt(3.0) * std::hypot(spec.bias_sigma_m[g], spec.view_bias_sigma_m[g]);
     EXPECT_TRUE(norm_m >= 0.02 && norm_m <= 0.10) << g;
-    EXPECT_TRUE(spec.jitter_sigma_m[g] >= 0.0002 && spec.jitter_sigma_m[g] <= 0.008) << g;
+    EXPECT_TRUE(spec.jitter_sigma_m[g] >= 0.00005 && spec.jitter_sigma_m[g] <= 0.008) << g;
   }
   EXPECT_TRUE(spec.lag_s >= 0.030 && spec.lag_s <= 0.060);
+}
+
+// What `trilat measure-tracker` writes is what a simulation reads, with intervals where there are some.
+TEST(BodyTrackerSpec, TheDeclaredDocumentIsReadAsATracker) {
+  const ScratchFolder folder;
+  Json document = declared_body_tracker();
+  document["values"]["lag_s"]["value"] = 0.07;
+  write_file(folder / "tracker.json", document.dump());
+  write_file(folder / "sim.json",
+             R"({"format": "trilat.simulation", "version": 1, "body_tracker": "tracker.json"})");
+  const SimulationSpec spec = read_simulation(folder / "sim.json");
+  EXPECT_EQ(spec.body_tracker.lag_s, 0.07);
+  EXPECT_EQ(spec.body_tracker.jitter_sigma_m, default_body_tracker().jitter_sigma_m);
+  EXPECT_EQ(spec.body_tracker_file, folder / "tracker.json");
+  document["groups"]["jitter_sigma_m"].erase("hip");
+  write_file(folder / "tracker.json", document.dump());
+  EXPECT_THAT(message_of([&] { read_simulation(folder / "sim.json"); }), HasSubstr("/groups/jitter_sigma_m"));
 }
 
 TEST(BodyTrackerSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {

@@ -303,7 +303,7 @@ TEST(BodyTracker, JumpsComeAtTheDeclaredRateAndHaveTheDeclaredSizeAndDuration) {
 TEST(BodyTracker, HiddenJointsAreInferredOrForTheDeclaredShareOfStretchesSaidToBeTracked) {
   BodyTrackerSpec spec = exact_body_tracker();
   spec.least_visible_share = 0.5;
-  spec.inferred_error_sigma_m = 0.05;
+  spec.inferred_error_sigma_m.fill(0.05);
   spec.hidden_as_tracked_share = 0.3;
   const SimulatedSensor sensor = sensor_at(kLeft);
   const SkeletonPose pose = standing();

@@ -52,6 +52,8 @@ constexpr const char* kAccuracy =
     R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "tiny",
     "campaign": "campaign", "resamples": 200, "block_s": 0.1,
     "methods": [{"method": "mean"}, {"method": "nonlinear"}]})";
+constexpr const char* kTwins =
+    R"({"format": "trilat.study", "version": 1, "kind": "twins", "name": "tiny", "participants": 1})";
 constexpr const char* kSimulation =
     R"({"format": "trilat.simulation", "version": 1, "name": "short", "seed": 3,
     "participants": 3, "body_tracker": {},
@@ -85,9 +87,10 @@ struct KindOfStudy {
 };
 void PrintTo(const KindOfStudy& kind, std::ostream* out) { *out << kind.name; }
 
-const KindOfStudy kKinds[] = {{"accuracy", kAccuracy},       {"threshold_sweep", kSweep},
-                              {"calibration", kCalibration}, {"error_budget", kBudget},
-                              {"recording", kRecording},     {"sensitivity", kSensitivity}};
+const KindOfStudy kKinds[] = {
+    {"accuracy", kAccuracy},   {"threshold_sweep", kSweep}, {"calibration", kCalibration},
+    {"error_budget", kBudget}, {"recording", kRecording},   {"sensitivity", kSensitivity},
+    {"twins", kTwins}};
 
 TEST(Kinds, AllHaveARowInThisTable) {
   std::vector<std::string> tested, known;

@@ -94,7 +94,8 @@ TEST(SensitivitySpec, PositionsAreValuesOfTheFactors) {
   EXPECT_NEAR(there.body_tracker.ray_ratio, 5.0, 1e-12);
   EXPECT_EQ(there.rig.heights_m[1], 2.0);
   EXPECT_EQ(there.seed, 7u);
-  EXPECT_EQ(simulation_at(spec, {kNoNumber, kNoNumber}, 7).body_tracker.ray_ratio, 1.0);
+  EXPECT_EQ(simulation_at(spec, {kNoNumber, kNoNumber}, 7).body_tracker.ray_ratio,
+            default_body_tracker().ray_ratio);
 }
 
 // Independent errors along the rays hurt ranges, those across do not: what an own model of them says, too.

@@ -93,7 +93,7 @@ TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
 TEST(Tracking, AnUnoccludedSensorIsBetterThanAHiddenOne) {
   const ScratchFolder folder;
   SimulationSpec spec = tracking_spec(2, 6.0);
-  spec.body_tracker.inferred_error_sigma_m = 0.2;
+  spec.body_tracker.inferred_error_sigma_m.fill(0.2);
   const Campaign campaign = simulate_into(folder / "campaign", spec);
   const ResultsSummary summary = execute_study(study(R"("methods": [{"method": "mean"},
                                          {"method": "mean", "name": "chosen", "occlusion": "corrected"}])"),

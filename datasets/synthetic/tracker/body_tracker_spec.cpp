@@ -31,6 +31,7 @@ constexpr GroupsField kGroupsFields[] = {
     {"own_wander_sigma_m", &BodyTrackerSpec::own_wander_sigma_m, 1.0},
     {"jitter_sigma_m", &BodyTrackerSpec::jitter_sigma_m, 1.0},
     {"jump_rate_per_minute", &BodyTrackerSpec::jump_rate_per_minute, 60.0},
+    {"inferred_error_sigma_m", &BodyTrackerSpec::inferred_error_sigma_m, 1.0},
 };
 
 struct ValueField {
@@ -47,24 +48,27 @@ constexpr ValueField kValueFields[] = {
     {"jump_size_m", &BodyTrackerSpec::jump_size_m, 1.0},
     {"jump_duration_s", &BodyTrackerSpec::jump_duration_s, 60.0},
     {"least_visible_share", &BodyTrackerSpec::least_visible_share, 1.0},
-    {"inferred_error_sigma_m", &BodyTrackerSpec::inferred_error_sigma_m, 1.0},
     {"hidden_as_tracked_share", &BodyTrackerSpec::hidden_as_tracked_share, 1.0},
     {"back_view_angle_rad", &BodyTrackerSpec::back_view_angle_rad, std::numbers::pi},
     {"exchanged_share", &BodyTrackerSpec::exchanged_share, 1.0},
     {"identity_changes_per_minute", &BodyTrackerSpec::identity_changes_per_minute, 60.0},
 };
 
+constexpr const char* kFormat = "trilat.body_tracker";
+
 struct Declared {
   BodyTrackerSpec spec;
-  std::vector<std::string> units, sources;  // in the order of the fields, those of groups first
+  // In the order of the fields, those of groups first; an interval as text, empty where there is none.
+  std::vector<std::string> units, sources, intervals;
 };
 
-Declared read_declared() {
-  constexpr const char* kPlace = "datasets/synthetic/body_tracker.json";
-  const Json json = parse_json(embedded::body_tracker_json, kPlace);
-  JsonObject object(json, kPlace, "");
-  if (object.text("format") != "trilat.body_tracker" || object.integer("version") != 1)
-    object.refuse("format", "must be \"trilat.body_tracker\" of version 1");
+std::string interval_text(JsonObject& entry, const std::string& key) {
+  const std::vector<double> ends = entry.numbers(key, 2);
+  return fmt::format("{:g} to {:g}", ends[0], ends[1]);
+}
+
+Declared read_document(JsonObject object) {
+  object.format(kFormat);
   Declared declared;
   const auto describe = [&](JsonObject& entry) {
     declared.units.push_back(entry.text("unit"));
@@ -75,9 +79,15 @@ Declared read_declared() {
   JsonObject groups = object.object("groups");
   for (const GroupsField& field : kGroupsFields) {
     JsonObject entry = groups.object(field.key);
-    for (std::size_t g = 0; g < kTrackerGroups; ++g) {
-      const std::string group(kGroupNames[g]);
-      (declared.spec.*field.member)[g] = number_within(entry, group, 0.0, field.most);
+    for (std::size_t g = 0; g < kTrackerGroups; ++g)
+      (declared.spec.*field.member)[g] = number_within(entry, std::string(kGroupNames[g]), 0.0, field.most);
+    std::string& text = declared.intervals.emplace_back();
+    if (entry.has("interval")) {
+      JsonObject intervals = entry.object("interval");
+      for (const std::string_view name : kGroupNames)
+        if (const std::string group(name); intervals.has(group))
+          text += fmt::format("{}{} {}", text.empty() ? "" : ", ", group, interval_text(intervals, group));
+      intervals.finish();
     }
     describe(entry);
   }
@@ -86,6 +96,7 @@ Declared read_declared() {
   for (const ValueField& field : kValueFields) {
     JsonObject entry = values.object(field.key);
     declared.spec.*field.member = number_within(entry, "value", field.least, field.most);
+    declared.intervals.push_back(entry.has("interval") ? interval_text(entry, "interval") : "");
     describe(entry);
   }
   values.finish();
@@ -94,7 +105,10 @@ Declared read_declared() {
 }
 
 const Declared& declared() {
-  static const Declared value = read_declared();
+  static const Declared value = [] {
+    const Json json = declared_body_tracker();
+    return read_document(JsonObject(json, "datasets/synthetic/body_tracker.json", ""));
+  }();
   return value;
 }
 
@@ -146,9 +160,17 @@ std::string_view name_of(TrackerGroup group) { return kGroupNames[static_cast<st
 
 BodyTrackerSpec exact_body_tracker() { return {}; }
 
+Json declared_body_tracker() {
+  return parse_json(embedded::body_tracker_json, "datasets/synthetic/body_tracker.json");
+}
+
 const BodyTrackerSpec& default_body_tracker() { return declared().spec; }
 
-BodyTrackerSpec read_body_tracker(JsonObject object) {
+BodyTrackerSpec read_body_tracker(JsonObject& parent) {
+  constexpr const char* kKey = "body_tracker";
+  const bool is_document = parent.value(kKey).is_object() && parent.value(kKey).contains("format");
+  JsonObject object = parent.object(kKey);
+  if (is_document) return read_document(std::move(object)).spec;
   BodyTrackerSpec spec = default_body_tracker();
   for (const GroupsField& field : kGroupsFields) {
     if (!object.has(field.key)) continue;
@@ -189,7 +211,10 @@ std::vector<TrackerParameter> tracker_parameters(const BodyTrackerSpec& spec) {
   std::vector<TrackerParameter> list;
   const auto add = [&](const char* key, const std::string& value, bool same) {
     const std::size_t i = list.size();
-    list.push_back({key, value, known.units[i], same ? known.sources[i] : kSet});
+    list.push_back({key, value, known.units[i],
+                    same ? (known.intervals[i].empty() ? "" : "95 % interval " + known.intervals[i] + "; ") +
+                               known.sources[i]
+                         : kSet});
   };
   for (const GroupsField& field : kGroupsFields) {
     const BodyTrackerSpec::Groups& groups = spec.*field.member;

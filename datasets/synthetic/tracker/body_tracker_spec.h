@@ -29,7 +29,9 @@ struct BodyTrackerSpec {
   Groups wander_sigma_m{}, view_wander_sigma_m{}, own_wander_sigma_m{};
   Groups jitter_sigma_m{};        // white
   Groups jump_rate_per_minute{};  // of one joint
-  double wander_path_m = 0.0;     // in which the wander's correlation falls by e
+  // What hidden joints are off by more, which goes with the direction of view.
+  Groups inferred_error_sigma_m{};
+  double wander_path_m = 0.0;  // in which the wander's correlation falls by e
   // How the sum of bias, wander and jitter splits: sigma along the ray over sigma across it, the total kept.
   double ray_ratio = 1.0;
   double unit_depth_share = 0.0;  // of the depth error of the sensor's unit (offset and wiggle)
@@ -37,7 +39,6 @@ struct BodyTrackerSpec {
   double jump_size_m = 0.0;
   double jump_duration_s = 0.0;
   double least_visible_share = 0.0;          // a joint of which less is visible is hidden
-  double inferred_error_sigma_m = 0.0;       // of hidden joints, by the direction of view
   double hidden_as_tracked_share = 0.0;      // of hidden stretches that are said to be tracked
   double back_view_angle_rad = 0.0;          // body's forward to the sensor; beyond, the back is seen
   double exchanged_share = 0.0;              // of stretches seen from behind: taken for the front
@@ -48,9 +49,11 @@ struct BodyTrackerSpec {
 BodyTrackerSpec exact_body_tracker();
 // The declared defaults.
 const BodyTrackerSpec& default_body_tracker();
-// The object "body_tracker" of simulation.json: what it does not name stays as declared. A value of groups is
-// one number for all or an object of some groups' numbers.
-BodyTrackerSpec read_body_tracker(JsonObject object);
+// The document that declares them, with units, sources and intervals.
+Json declared_body_tracker();
+// "body_tracker" of simulation.json: such a document, or an object of some values; what it does not name
+// stays as declared. A value of groups is one number for all or an object of some groups' numbers.
+BodyTrackerSpec read_body_tracker(JsonObject& parent);
 
 // A declared value as text, with what it rests on; a value that is not the default says that it was set.
 struct TrackerParameter {

@@ -89,8 +89,8 @@ JointErrors::JointErrors(const BodyTrackerSpec& spec, double rate_hz, const Trac
                          of_group(spec.view_bias_sigma_m, j) * normal_vector(bias, 4),
                          of_group(spec.own_bias_sigma_m, j) *
                              normal_vector(key.sensor_stream(Purpose::tracker_own_bias, j), 0)};
-    joints_[j].hidden_m.facing = spec.inferred_error_sigma_m * normal_vector(hidden, 0);
-    joints_[j].hidden_m.beside = spec.inferred_error_sigma_m * normal_vector(hidden, 2);
+    joints_[j].hidden_m.facing = of_group(spec.inferred_error_sigma_m, j) * normal_vector(hidden, 0);
+    joints_[j].hidden_m.beside = of_group(spec.inferred_error_sigma_m, j) * normal_vector(hidden, 2);
   }
 }
 

@@ -29,8 +29,8 @@ constexpr double kMoved_m = 0.15;
 constexpr double kMovement_s = 0.1;  // to both sides
 // Of the clocks: the offset; how far is looked; the correlation of the movements, and that without the offset
 // over it.
-constexpr double kClock_s = 0.1, kClockSearch_s = 0.7, kLeastCorrelation = 0.5, kCorrelationWithout = 0.85;
-constexpr double kOneRange = 0.05, kAllRanges = 0.04;
+constexpr double kClock_s = 0.1, kClockSearch_s = 0.7, kLeastCorrelation = 0.7, kCorrelationWithout = 0.8;
+constexpr double kOneRange = 0.08, kAllRanges = 0.04;
 constexpr double kSigmas = 3.0;         // and so many standard deviations over the sensors
 constexpr double kLeastCrossing = 0.3;  // of the rays at a joint: 0 when all are parallel
 

@@ -20,7 +20,7 @@ constexpr int kRounds = 6;                       // of weighting the joints by h
 constexpr double kWell_m = 0.1;                  // a joint that is so far off counts half
 // Beyond these the truth contradicts the sensors. Markers and trackers mean different points of a joint,
 // which makes up to a decimetre.
-constexpr double kScale = 0.05, kScaleAlpha = 0.01;
+constexpr double kScale = 0.075, kScaleAlpha = 0.01;
 constexpr double kExchanged_m = 0.1, kExchangedShare = 0.6;
 constexpr double kFar_m = 0.25, kFarTimes = 3.0;
 constexpr double kMovesTimes = 1.4;

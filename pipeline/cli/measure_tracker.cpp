@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// `trilat measure-tracker`.
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "pipeline/cli/check_output.h"
+#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/tracker/watched_takes.h"
+
+namespace trilat {
+namespace {
+
+// Three digits say more than the intervals do.
+double rounded(double value) { return std::stod(fmt::format("{:.3g}", value)); }
+
+std::string text_of(const MeasuredParameter& m) {
+  return std::isfinite(m.low) ? fmt::format("{:.3g} ({:.3g} to {:.3g})", m.value, m.low, m.high)
+                              : fmt::format("{:.3g} (no interval: {} participants)", m.value, m.participants);
+}
+
+// The declared document with what was measured in the place of what was declared.
+Json document_of(const TrackerMeasurement& measurement, const std::string& source) {
+  Json document = declared_body_tracker();
+  for (const MeasuredParameter& m : measurement.measured) {
+    const Json interval = std::isfinite(m.low) ? Json{rounded(m.low), rounded(m.high)} : Json(nullptr);
+    Json& entry = document.at(m.group.empty() ? "values" : "groups").at(m.name);
+    entry[m.group.empty() ? "value" : m.group] = rounded(m.value);
+    if (interval.is_null())
+      ;
+    else if (m.group.empty())
+      entry["interval"] = interval;
+    else
+      entry["interval"][m.group] = interval;
+    entry["source"] = source;
+  }
+  return document;
+}
+
+void print(const TrackerMeasurement& measurement) {
+  std::string last;
+  for (const MeasuredParameter& m : measurement.measured) {
+    if (m.name != last) fmt::print("{}\n", m.name);
+    fmt::print("  {:10} {}\n", m.group, text_of(m));
+    last = m.name;
+  }
+  for (const UntoldParameter& u : measurement.untold) fmt::print("{}: left as declared; {}\n", u.name, u.why);
+}
+
+}  // namespace
+
+int measure_tracker(const MeasureTrackerArguments& a) {
+  check_output({a.output, OutputKind::body_tracker, a.campaigns, a.force});
+  std::vector<WatchedTake> takes;
+  std::set<std::string> participants;
+  std::size_t left_out = 0;
+  {
+    Progress progress("measuring the tracker");
+    for (std::size_t c = 0; c < a.campaigns.size(); ++c) {
+      const auto n = static_cast<double>(a.campaigns.size());
+      WatchedCampaign campaign = read_watched_takes(
+          read_campaign(a.campaigns[c], a.outside),
+          {stop_requested, [&](double share) { progress.set(0.5 * (static_cast<double>(c) + share) / n); }});
+      for (const std::string& text : campaign.left_out) fmt::print(stderr, "note: left out: {}\n", text);
+      left_out += campaign.left_out.size();
+      for (WatchedTake& take : campaign.takes) {
+        // nobody is known to be in two campaigns
+        take.participant = fmt::format("{}: {}", a.campaigns[c].string(), take.participant);
+        participants.insert(take.participant);
+        takes.push_back(std::move(take));
+      }
+    }
+    progress.set(0.5);
+  }
+  const TrackerMeasurement measurement = measure_tracker(takes);
+  std::set<std::string> names;
+  for (const auto& campaign : a.campaigns) names.insert(read_campaign(campaign, a.outside).name);
+  const std::string source = fmt::format("measured on {} takes of {} participants ({})", takes.size(),
+                                         participants.size(), fmt::join(names, ", "));
+  const Json document = document_of(measurement, source);
+  write_file(a.output, json_text(document, 2) + "\n");
+  if (a.json)
+    fmt::print("{}\n", json_text(document, 2));
+  else {
+    print(measurement);
+    fmt::print("{}: {}; {} takes left out\n", a.output.string(), source, left_out);
+  }
+  return left_out == 0 ? kDone : kItemsFailed;
+}
+
+}  // namespace trilat
