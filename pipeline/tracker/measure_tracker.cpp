@@ -123,7 +123,7 @@ std::optional<double> facing(const SkeletonPose& pose) {
 }
 
 double azimuth_of(SkeletonPose body, double heading_rad, const Vector3d& sensor_m) {
-  body.heading_rad = heading_rad;
+  body.heading_rad = heading_rad == 0.0 ? 1e-12 : heading_rad;  // 0 would be unknown
   return body_view(body, sensor_m).azimuth_rad;
 }
 
