@@ -6,6 +6,7 @@
 #include "datasets/session/session_reader.h"
 #include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -53,6 +54,36 @@ TEST(SimulateTracker, IsTheSameToTheByteOnOneThreadAndOnSeveral) {
   for (const char* take : {"p01-walking", "p02-walking"})
     for (const char* file : {"tracker_truth.h5", "session.h5", "truth.json"})
       EXPECT_EQ(read_file(folder / "one" / take / file), read_file(folder / "several" / take / file)) << file;
+}
+
+// From a campaign to a tracker, and from the tracker to a campaign of its own.
+TEST(MeasureTrackerVerb, WritesATrackerThatASimulationTakes) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(3, 4.0);
+  spec.body_tracker = default_body_tracker();
+  simulate_into(folder / "campaign", spec);
+  const std::string campaign = (folder / "campaign").string(), tracker = (folder / "tracker.json").string();
+  const Ended measured = run_trilat(folder, {"measure-tracker", campaign, "-o", tracker});
+  ASSERT_EQ(measured.code, 0) << measured.err;
+  EXPECT_THAT(measured.out,
+              testing::AllOf(testing::HasSubstr("view_bias_sigma_m\n  head"),
+                             testing::HasSubstr("measured on 3 takes of 3 participants (tiny)"),
+                             testing::HasSubstr("unit_depth_share: left as declared; is part of")));
+  const Json document = read_json(tracker);
+  EXPECT_EQ(document.at("groups").at("view_bias_sigma_m").at("interval").at("head").size(), 2u);
+  EXPECT_EQ(document.at("values").at("unit_depth_share"),
+            declared_body_tracker().at("values").at("unit_depth_share"));
+  const std::string simulation = file_with(
+      folder, "sim.json",
+      R"({"format": "trilat.simulation", "version": 1, "participants": 1, "body_tracker": "tracker.json",
+          "activities": [{"name": "walking", "duration_s": 0.3}]})");
+  EXPECT_EQ(run_trilat(folder, {"simulate", simulation, "-o", (folder / "twin").string()}).code, 0);
+  // its own earlier output is replaced, somebody else's file is not
+  EXPECT_EQ(run_trilat(folder, {"measure-tracker", campaign, "-o", tracker}).code, 0);
+  expect_refused(run_trilat(folder, {"measure-tracker", campaign, "-o", simulation}),
+                 "exists and is no tracker");
+  expect_refused(run_trilat(folder, {"measure-tracker", (folder / "nowhere").string(), "-o", tracker}),
+                 "nowhere");
 }
 
 }  // namespace
