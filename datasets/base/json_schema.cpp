@@ -54,7 +54,12 @@ std::string values_of(const Json& schema) {
     return fmt::format("{}", fmt::join(words, ", "));
   }
   if (!schema.contains("type")) return "any";
-  std::string text = schema["type"].is_array() ? "number or object" : schema["type"].get<std::string>();
+  const auto is_one = [&](const char* type) {
+    return std::ranges::find(schema["type"], type) != schema["type"].end();
+  };
+  std::string text = !schema["type"].is_array() ? schema["type"].get<std::string>()
+                     : is_one("string")         ? "object or text"
+                                                : "number or object";
   if (text == "boolean") text = "true or false";
   if (text == "string") text = "text";
   if (text == "array") {

@@ -276,6 +276,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
   if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object);
+  object.shape("body_tracker", R"({"type": ["object", "string"]})");
   setting(object, "bystanders", spec.bystanders, {0, kMostBystanders}, "who walk through the room");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
@@ -290,7 +291,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
                 {"activities", "of every person; without it walking"},
                 {"rig", "where the virtual sensors stand"},
                 {"sensor", "the virtual sensor"},
-                {"body_tracker", "errors of its body tracker"},
+                {"body_tracker", "errors of its body tracker; or the file of `trilat measure-tracker`"},
                 {"mocap", "the virtual OptiTrack"},
                 {"room", "what depth sees besides persons"},
                 {"depth", "errors of depth"},

@@ -41,6 +41,7 @@ std::string hash_of_inputs(const Json& json, const std::filesystem::path& simula
                            const SimulationSpec& spec) {
   std::vector<std::filesystem::path> files{simulation};
   if (spec.recorded) files.insert(files.end(), {spec.recorded->mocap, spec.recorded->mapping});
+  if (!spec.body_tracker_file.empty()) files.push_back(spec.body_tracker_file);
   std::string text = json_text(json, -1);
   for (const std::filesystem::path& file : files)
     if (std::filesystem::is_regular_file(file)) text += hash_of_file(file);
