@@ -81,8 +81,10 @@ Table claims_table(const PaperFindings& findings) {
       "\"But … of the size\": the whole interval lies outside of 0.8 to 1.25 times what the paper prints."};
   if (findings.evidence.any_simulated())
     table.notes.push_back(
-        "Our numbers are simulated: a verdict says what follows from the declared errors of sensors and "
-        "tracker, not what the paper's recordings showed.");
+        "Our numbers are simulated: a verdict says what follows from the errors that sensors and tracker are "
+        "declared "
+        "to have (by default the tracker's are measured on real people), not what the paper's recordings "
+        "showed.");
   return table;
 }
 

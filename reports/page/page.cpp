@@ -82,7 +82,7 @@ constexpr const char* kRecorded =
     "4.4 cm on average over the joints, by movement (UI-PRMD, five persons; each joint’s constant offset "
     "taken "
     "away). Two at 90 degrees disagree by 5.5 (ankle) to 11 cm (elbow) in the median while a person walks "
-    "(KinectMultiTrack, six persons).</p>\n";
+    "(KinectMultiTrack, six persons). How like them simulated sensors are, the study “twins” says.</p>\n";
 
 // Forbids the page to load anything. Pictures are documents of their own, with scripts of their own.
 constexpr const char* kPolicy =
@@ -128,8 +128,9 @@ std::string lead_html(const ReportContent& content) {
       content.chapters.size(), content.chapters.size() == 1 ? "y" : "ies", tables, figures);
   if (simulated)
     html +=
-        " Where it says simulated, no camera was used: a number says what follows from the declared errors "
-        "of sensors and body tracker.";
+        " Where it says simulated, no camera was used: a number says what follows from the errors that "
+        "sensors and "
+        "body tracker are declared to have. By default the tracker’s are measured on real people.";
   html += "</p>\n";
   std::string findings;
   int shown = 0;
