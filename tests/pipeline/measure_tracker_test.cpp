@@ -169,7 +169,7 @@ TEST(MeasureTracker, WhatTakesDoNotTellIsNamedAndStaysAsDeclared) {
                             "own_wander_sigma_m", "wander_path_m", "inferred_error_sigma_m", "ray_ratio"}));
   found = told(TruthKind::markers, {0.0, 60.0});
   EXPECT_THAT(names_of(found.untold), IsSupersetOf({"bias_sigma_m", "lag_s"}));
-  for (const char* name : {"wander_sigma_m", "view_bias_sigma_m", "inferred_error_sigma_m"})
+  for (const char* name : {"wander_sigma_m", "view_bias_sigma_m", "own_bias_sigma_m"})
     EXPECT_THAT(names_of(found.untold), testing::Not(testing::Contains(name)));
 }
 
