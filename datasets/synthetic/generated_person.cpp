@@ -107,7 +107,7 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
   return pose;
 }
 
-// On a circle; a stride of 0 stands.
+// On a circle, at one moment of a stride.
 SkeletonPose on_circle(const Person& p, double lap, double stride, double radius_m) {
   Angles a;
   for (int side : {0, 1}) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat measure-tracker`.
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -24,20 +26,23 @@ std::string text_of(const MeasuredParameter& m) {
                               : fmt::format("{:.3g} (no interval: {} participants)", m.value, m.participants);
 }
 
-// The declared document with what was measured in the place of what was declared.
-Json document_of(const TrackerMeasurement& measurement, const std::string& source) {
+// The declared document with what was measured in the place of what was declared. The source of a parameter
+// of groups counts those who say something of any group.
+Json document_of(const TrackerMeasurement& measurement, const std::string& takes,
+                 const std::string& campaigns) {
   Json document = declared_body_tracker();
+  std::map<std::string, std::size_t> participants;
+  for (const MeasuredParameter& m : measurement.measured)
+    participants[m.name] = std::max(participants[m.name], m.participants);
   for (const MeasuredParameter& m : measurement.measured) {
-    const Json interval = std::isfinite(m.low) ? Json{rounded(m.low), rounded(m.high)} : Json(nullptr);
     Json& entry = document.at(m.group.empty() ? "values" : "groups").at(m.name);
     entry[m.group.empty() ? "value" : m.group] = rounded(m.value);
-    if (interval.is_null())
-      ;
-    else if (m.group.empty())
-      entry["interval"] = interval;
-    else
-      entry["interval"][m.group] = interval;
-    entry["source"] = source;
+    if (std::isfinite(m.low)) {
+      Json& interval = m.group.empty() ? entry["interval"] : entry["interval"][m.group];
+      interval = {rounded(m.low), rounded(m.high)};
+    }
+    entry["source"] =
+        fmt::format("measured on {}; {} of them tell it ({})", takes, participants[m.name], campaigns);
   }
   return document;
 }
@@ -80,15 +85,17 @@ int measure_tracker(const MeasureTrackerArguments& a) {
   const TrackerMeasurement measurement = measure_tracker(takes);
   std::set<std::string> names;
   for (const auto& campaign : a.campaigns) names.insert(read_campaign(campaign, a.outside).name);
-  const std::string source = fmt::format("measured on {} takes of {} participants ({})", takes.size(),
-                                         participants.size(), fmt::join(names, ", "));
-  const Json document = document_of(measurement, source);
+  const std::string measured_on =
+                        fmt::format("{} takes of {} participants", takes.size(), participants.size()),
+                    campaigns = fmt::format("{}", fmt::join(names, ", "));
+  const Json document = document_of(measurement, measured_on, campaigns);
   write_file(a.output, json_text(document, 2) + "\n");
   if (a.json)
     fmt::print("{}\n", json_text(document, 2));
   else {
     print(measurement);
-    fmt::print("{}: {}; {} takes left out\n", a.output.string(), source, left_out);
+    fmt::print("{}: measured on {} ({}); {} takes left out\n", a.output.string(), measured_on, campaigns,
+               left_out);
   }
   return left_out == 0 ? kDone : kItemsFailed;
 }

@@ -46,7 +46,6 @@ struct UntoldParameter {
 };
 
 struct TrackerMeasurement {
-  BodyTrackerSpec spec;  // the defaults, with what was measured in their place
   std::vector<MeasuredParameter> measured;
   std::vector<UntoldParameter> untold;
 };

@@ -123,17 +123,20 @@ class TakeView {
     return pose;
   }
 
+  // Where the truth faces; nothing where it has neither both shoulders nor both hips.
+  std::optional<double> true_heading(std::size_t instant) const {
+    SkeletonPose pose;
+    for (std::size_t j = 0; has_truth() && j < kJointCount; ++j)
+      if (truth(instant, j).allFinite()) {
+        pose.joint_in_world_m[j] = truth(instant, j);
+        pose.present.set(j);
+      }
+    return facing(pose);
+  }
+
   // Where the body faces: as the truth does, else in the middle of what the sensors see, when they agree.
   std::optional<double> heading(std::size_t instant) const {
-    if (has_truth()) {
-      SkeletonPose pose;
-      for (std::size_t j = 0; j < kJointCount; ++j)
-        if (truth(instant, j).allFinite()) {
-          pose.joint_in_world_m[j] = truth(instant, j);
-          pose.present.set(j);
-        }
-      return facing(pose);
-    }
+    if (const auto known_rad = true_heading(instant)) return known_rad;
     double x = 0.0, z = 0.0;
     std::vector<double> each;
     for (const SkeletonPose& seen : poses_)
@@ -166,16 +169,15 @@ class TakeView {
     if (window == 0 || places_.size() <= window) return;
     Vector3d gone_m = places_.back() - places_[places_.size() - 1 - window];
     gone_m.y() = 0.0;
-    const double known_rad = has_truth()                          ? heading(instant).value_or(kNaN)
-                             : gone_m.norm() > kWalking_m_s * 0.5 ? std::atan2(gone_m.x(), gone_m.z())
-                                                                  : kNaN;
-    if (!std::isfinite(known_rad)) return;
+    std::optional<double> known_rad = true_heading(instant);
+    if (!known_rad && gone_m.norm() > kWalking_m_s * 0.5) known_rad = std::atan2(gone_m.x(), gone_m.z());
+    if (!known_rad) return;
     for (std::size_t s = 0; s < poses_.size(); ++s) {
       const auto seen_rad = facing(poses_[s]);
       if (!seen_rad) continue;
       const double off_rad =
-          std::abs(azimuth_of(poses_[s], known_rad, take_.world_from_sensor[s].translation_m));
-      sums_.backs.emplace_back(off_rad, std::abs(wrapped(*seen_rad - known_rad)) > 0.5 * std::numbers::pi);
+          std::abs(azimuth_of(poses_[s], *known_rad, take_.world_from_sensor[s].translation_m));
+      sums_.backs.emplace_back(off_rad, std::abs(wrapped(*seen_rad - *known_rad)) > 0.5 * std::numbers::pi);
     }
   }
 
