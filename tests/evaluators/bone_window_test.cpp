@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/ceres/bone_window.h"
+#include "evaluators/fusion/bone_window.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "evaluators/ceres/bone_window.h"
 #include "evaluators/ceres/ceres_trilateration.h"
+#include "evaluators/fusion/bone_window.h"
 #include "evaluators/fusion/kalman.h"
 #include "evaluators/fusion/range_bearing.h"
 #include "evaluators/fusion/robust_fusion.h"

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "datasets/base/error.h"
-#include "evaluators/ceres/bone_window.h"
+#include "evaluators/fusion/bone_window.h"
 #include "evaluators/fusion/kalman.h"
 #include "pipeline/study/parallel.h"
 
