@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <ceres/autodiff_cost_function.h>
+#include <ceres/cost_function.h>
 #include <ceres/covariance.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -30,33 +31,57 @@ namespace {
 // What a unit's depth may be off by: a constant, and waves of some lengths, each as cosine and sine.
 inline constexpr int kDepthWaves = 12;
 inline constexpr int kDepthTerms = 1 + 2 * kDepthWaves;
+using DepthTerms = Eigen::Matrix<double, kDepthTerms, 1>;
 
 // Whitened distance of a point from its observation, in the sensor's frame, less what the depth is off by.
-struct PointResidual {
-  Eigen::Vector3d measured_m;
-  Eigen::Matrix3d whitening;
-  Eigen::Matrix<double, 3, kDepthTerms> by_term;  // how the measured point moves with each term
+// Unknowns: the sensor's rotation (x, y, z, w) and position, the point, and the terms if there are any.
+class PointResidual : public ceres::CostFunction {
+ public:
+  PointResidual(const Eigen::Vector3d& measured_m, Eigen::Matrix3d whitening)
+      : measured_m_(measured_m), whitening_(std::move(whitening)) {
+    set_num_residuals(3);
+    *mutable_parameter_block_sizes() = {4, 3, 3};
+  }
+  // `by_term`: how the measured point moves with each term.
+  void add_terms(const Eigen::Matrix<double, 3, kDepthTerms>& by_term) {
+    whitened_by_term_ = whitening_ * by_term;
+    mutable_parameter_block_sizes()->push_back(kDepthTerms);
+  }
+  const Eigen::Matrix3d& whitening() const { return whitening_; }
 
-  template <class T>
-  void whitened(const T* rotation, const T* position, const T* point, const T* terms_m, T* out) const {
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const Eigen::Map<const Eigen::Quaternion<T>> q(rotation);
-    const Vector in_world = Eigen::Map<const Vector>(point) - Eigen::Map<const Vector>(position);
-    Vector off = q.conjugate() * in_world - measured_m.cast<T>();
-    if (terms_m) off += by_term.cast<T>() * Eigen::Map<const Eigen::Matrix<T, kDepthTerms, 1>>(terms_m);
-    Eigen::Map<Vector> residual(out);
-    residual = whitening.cast<T>() * off;
-  }
-  template <class T>
-  bool operator()(const T* rotation, const T* position, const T* point, T* out) const {
-    whitened(rotation, position, point, static_cast<const T*>(nullptr), out);
+  bool Evaluate(double const* const* unknowns, double* residuals, double** jacobians) const override {
+    const Eigen::Map<const Eigen::Quaterniond> q(unknowns[0]);
+    const Eigen::Vector3d in_world_m =
+        Eigen::Map<const Eigen::Vector3d>(unknowns[2]) - Eigen::Map<const Eigen::Vector3d>(unknowns[1]);
+    Eigen::Map<Eigen::Vector3d> whitened(residuals);
+    whitened = whitening_ * (q.conjugate() * in_world_m - measured_m_);
+    const bool with_terms = parameter_block_sizes().size() > 3;
+    if (with_terms) whitened += whitened_by_term_ * Eigen::Map<const DepthTerms>(unknowns[3]);
+    if (!jacobians) return true;
+    using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const Eigen::Matrix3d turned = whitening_ * q.conjugate().toRotationMatrix();
+    if (jacobians[0]) {
+      // conj(q) v = v + 2 w (u x v) + 2 u x (u x v), u = -(x, y, z)
+      const Eigen::Vector3d u = -q.vec(), &v = in_world_m;
+      Eigen::Matrix3d v_cross;
+      v_cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+      const Eigen::Matrix3d by_u = -2.0 * q.w() * v_cross + 2.0 * u.dot(v) * Eigen::Matrix3d::Identity() +
+                                   2.0 * u * v.transpose() - 4.0 * v * u.transpose();
+      Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> by_rotation(jacobians[0]);
+      by_rotation.leftCols<3>() = -whitening_ * by_u;
+      by_rotation.col(3) = whitening_ * (2.0 * u.cross(v));
+    }
+    if (jacobians[1]) (Eigen::Map<Rows>(jacobians[1])) = -turned;
+    if (jacobians[2]) (Eigen::Map<Rows>(jacobians[2])) = turned;
+    if (with_terms && jacobians[3])
+      (Eigen::Map<Eigen::Matrix<double, 3, kDepthTerms, Eigen::RowMajor>>(jacobians[3])) = whitened_by_term_;
     return true;
   }
-  template <class T>
-  bool operator()(const T* rotation, const T* position, const T* point, const T* terms_m, T* out) const {
-    whitened(rotation, position, point, terms_m, out);
-    return true;
-  }
+
+ private:
+  Eigen::Vector3d measured_m_;
+  Eigen::Matrix3d whitening_;
+  Eigen::Matrix<double, 3, kDepthTerms> whitened_by_term_;
 };
 
 struct KnownResidual {
@@ -82,8 +107,6 @@ struct DistanceResidual {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double square(double value) { return value * value; }
-
-using DepthTerms = Eigen::Matrix<double, kDepthTerms, 1>;
 
 // The waves' numbers per metre of depth lie evenly between those of the longest and the shortest.
 double wave_rad_per_m(const DepthCorrectionOptions& options, int wave) {
@@ -141,7 +164,8 @@ class Refiner {
   RigRefinement run();
 
  private:
-  PointResidual residual_of(const PointObservation& o) const;
+  std::unique_ptr<PointResidual> residual_of(const PointObservation& o) const;
+  std::vector<double*> unknowns_of(const PointObservation& o);
   void start_points(const std::vector<RigidTransform>& start);
   bool move_into_world();
   bool gauge_holds() const;
@@ -247,31 +271,27 @@ bool Refiner::gauge_holds() const {
   return true;
 }
 
-PointResidual Refiner::residual_of(const PointObservation& o) const {
-  PointResidual residual;
-  residual.measured_m = o.point_in_sensor_m;
+std::unique_ptr<PointResidual> Refiner::residual_of(const PointObservation& o) const {
   // covariance = L L^T, so L^-1 whitens
-  residual.whitening = o.covariance_m2.llt().matrixL().solve(Eigen::Matrix3d::Identity());
-  if (options_.depth_correction) residual.by_term = by_term(o.depth, *options_.depth_correction);
+  auto residual = std::make_unique<PointResidual>(
+      o.point_in_sensor_m, o.covariance_m2.llt().matrixL().solve(Eigen::Matrix3d::Identity()));
+  if (options_.depth_correction) residual->add_terms(by_term(o.depth, *options_.depth_correction));
   return residual;
+}
+
+// Its unknowns, in order.
+std::vector<double*> Refiner::unknowns_of(const PointObservation& o) {
+  std::vector<double*> unknowns{state_.rotation[o.sensor].coeffs().data(), state_.position_m[o.sensor].data(),
+                                state_.point_m[o.point].data()};
+  if (options_.depth_correction) unknowns.push_back(state_.depth_terms_m[o.sensor].data());
+  return unknowns;
 }
 
 void Refiner::add_observations(ceres::Problem& ceres_problem, ceres::LossFunction* loss) {
   for (std::size_t i = 0; i < problem_.observations.size(); ++i) {
     if (!result_.used[i]) continue;
     const PointObservation& o = problem_.observations[i];
-    auto residual = std::make_unique<PointResidual>(residual_of(o));
-    double* rotation = state_.rotation[o.sensor].coeffs().data();
-    double* position = state_.position_m[o.sensor].data();
-    double* point = state_.point_m[o.point].data();
-    if (options_.depth_correction)
-      ceres_problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3, kDepthTerms>(residual.release()), loss,
-          rotation, position, point, state_.depth_terms_m[o.sensor].data());
-    else
-      ceres_problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PointResidual, 3, 4, 3, 3>(residual.release()), loss, rotation,
-          position, point);
+    ceres_problem.AddResidualBlock(residual_of(o).release(), loss, unknowns_of(o));
   }
 }
 
@@ -374,17 +394,16 @@ void Refiner::measure() {
   std::size_t used = 0;
   for (std::size_t i = 0; i < problem_.observations.size(); ++i) {
     const PointObservation& o = problem_.observations[i];
-    const PointResidual residual = residual_of(o);
+    const std::unique_ptr<PointResidual> residual = residual_of(o);
     Eigen::Vector3d whitened;
-    residual.whitened(state_.rotation[o.sensor].coeffs().data(), state_.position_m[o.sensor].data(),
-                      state_.point_m[o.point].data(), depth_terms_m(o.sensor), whitened.data());
+    residual->Evaluate(unknowns_of(o).data(), whitened.data(), nullptr);
     result_.chi2[i] = whitened.squaredNorm();
     if (!result_.used[i]) continue;
     ++used;
     total += result_.chi2[i];
     point_used[o.point] = true;
     squares_m2[o.sensor] +=
-        residual.whitening.triangularView<Eigen::Lower>().solve(whitened).squaredNorm() / 3.0;
+        residual->whitening().triangularView<Eigen::Lower>().solve(whitened).squaredNorm() / 3.0;
   }
   for (std::size_t s = 0; s < problem_.sensors; ++s) {
     RefinedSensor& sensor = result_.sensors[s];

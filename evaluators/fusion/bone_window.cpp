@@ -314,8 +314,12 @@ class Window {
     const double weight = bends ? 1.0 / (1.0 + squared / (scale * scale)) : 1.0;
     if (linearise) {
       gradient_.segment<3>(at) += weight / sigma * off;
-      system_.diagonal(i - window_.first).diagonal().segment<3>(in_block(j) + part).array() +=
-          weight / (sigma * sigma);
+      auto block = system_.diagonal(i - window_.first).block<3, 3>(in_block(j) + part, in_block(j) + part);
+      block.diagonal().array() += weight / (sigma * sigma);
+      // the loss bends, so along the error the curvature is less; where it is negative, it counts as none
+      if (bends && squared > 0.0)
+        block -= std::min(weight / squared, 2.0 * weight * weight / (scale * scale)) / (sigma * sigma) * off *
+                 off.transpose();
     }
     return bends ? scale * scale * std::log1p(squared / (scale * scale)) : squared;
   }

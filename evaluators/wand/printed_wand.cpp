@@ -39,21 +39,24 @@ struct Labelled {
   bool contains(double depth_cm) const { return depth_cm != kLeftOut && depth_cm <= threshold_cm; }
 };
 
-Labelled label(const std::vector<double>& depth_cm, int width_px, double threshold_cm) {
+// Of the pixels within the box of `within`.
+Labelled label(const std::vector<double>& depth_cm, int width_px, double threshold_cm,
+               const Labelled& within) {
   Labelled t{.threshold_cm = threshold_cm, .left = width_px, .top = INT32_MAX, .right = -1, .bottom = -1};
-  for (std::size_t i = 0; i < depth_cm.size(); ++i) {
-    if (!t.contains(depth_cm[i])) continue;
-    const int column = static_cast<int>(i) % width_px;
-    const int row = static_cast<int>(i) / width_px;
-    ++t.pixels;
-    t.sum_cm += depth_cm[i];
-    t.min_cm = std::min(t.min_cm, depth_cm[i]);
-    t.max_cm = std::max(t.max_cm, depth_cm[i]);
-    t.left = std::min(t.left, column);
-    t.right = std::max(t.right, column);
-    t.top = std::min(t.top, row);
-    t.bottom = std::max(t.bottom, row);
-  }
+  for (int row = within.top; row <= within.bottom; ++row)
+    for (int column = within.left; column <= within.right; ++column) {
+      const double here_cm = depth_cm[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_px) +
+                                      static_cast<std::size_t>(column)];
+      if (!t.contains(here_cm)) continue;
+      ++t.pixels;
+      t.sum_cm += here_cm;
+      t.min_cm = std::min(t.min_cm, here_cm);
+      t.max_cm = std::max(t.max_cm, here_cm);
+      t.left = std::min(t.left, column);
+      t.right = std::max(t.right, column);
+      t.top = std::min(t.top, row);
+      t.bottom = row;
+    }
   return t;
 }
 
@@ -123,13 +126,17 @@ WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& 
                    image.depth_mm.size() == rays.x.size(),
                "the image has the size of the camera's rays");
   const std::vector<double> depth_cm = standardised_cm(image, options.invalid_pixels);
-  const Labelled everything = label(depth_cm, image.width_px, kFarthest_cm);
+  const Labelled whole{.right = image.width_px - 1, .bottom = image.height_px - 1};
+  const Labelled everything = label(depth_cm, image.width_px, kFarthest_cm, whole);
   WandSighting sighting{.status = WandStatus::no_wand};
   if (everything.pixels == 0) return sighting;
   Labelled labelled = everything;
   sighting.status = WandStatus::not_ended;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const Labelled next = label(depth_cm, image.width_px, next_threshold_cm(labelled, options));
+    // a lower threshold leaves nothing outside the box of the pixels that the last one left
+    const double threshold_cm = next_threshold_cm(labelled, options);
+    const Labelled next = label(depth_cm, image.width_px, threshold_cm,
+                                threshold_cm <= labelled.threshold_cm ? labelled : whole);
     if (next.pixels == 0) {
       if (iteration == 0) sighting.status = WandStatus::no_wand;
       break;
