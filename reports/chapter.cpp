@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
@@ -17,6 +18,10 @@
 
 namespace trilat {
 namespace {
+
+constexpr double kWhole = 0.995;      // share of the samples asked
+constexpr double kClockOff_s = 0.05;  // a tracker's lag and a frame
+constexpr std::size_t kFirstFigures = 3, kMostCells = 200;
 
 struct Answers {
   std::uint64_t asked = 0, answered = 0;
@@ -40,7 +45,7 @@ Answers answers_of(const ResultsSummary& s, const std::string& condition, const 
 // Statuses do not depend on the alignment. Without rows when the results hold none.
 Table coverage_table(const ResultsSummary& s) {
   Table table;
-  table.id = usable_id("coverage-" + s.study);
+  table.id = "coverage";
   table.title = "Coverage and statuses by method, all joint groups together (" + about(s, "", "") + ")";
   table.columns = {{"condition", "condition", true},
                    {"method", "method", true},
@@ -61,48 +66,99 @@ Table coverage_table(const ResultsSummary& s) {
   return table;
 }
 
-constexpr double kCompetes = 0.95;  // of what it is asked: to answer the easy samples alone wins nothing
+std::string error_text(const SummaryCell& c) {
+  std::string text = fmt::format("{:.1f} cm", c.mae_m * kCentimetresPerMetre);
+  if (!std::isnan(c.mae_low_m))
+    text += fmt::format(" ({:.1f} to {:.1f})", c.mae_low_m * kCentimetresPerMetre,
+                        c.mae_high_m * kCentimetresPerMetre);
+  return text;
+}
 
-// Of each condition which method errs least on average over the joint groups, how many others lie within its
-// interval, and what that is against the reference.
+// "-57 % (-67 to -47) against `nonlinear`"; empty for the reference itself.
+std::string difference_text(const ResultsSummary& s, const std::string& condition,
+                            const std::string& method) {
+  for (const DifferenceCell& d : s.differences)
+    if (d.condition == condition && d.group == average_group(s) && d.alignment == s.alignments.front() &&
+        d.method == method && !std::isnan(d.percent_low))
+      return d.significant() ? fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`",
+                                           d.percent_of_reference, d.percent_low, d.percent_high, s.reference)
+                             : fmt::format("not told apart from `{}`", s.reference);
+  return {};
+}
+
+// Of each condition which method errs least on average over the joint groups, how many are not told apart
+// from it, and what that is against the reference.
 std::vector<std::string> findings_of(const ResultsSummary& s) {
   std::vector<std::string> findings;
-  if (s.alignments.empty()) return findings;
-  const std::string group = s.groups.size() > 1 ? kAverageGroup : s.groups.empty() ? "" : s.groups[0];
-  const auto is_ours = [&](const auto& row, const std::string& condition) {
-    return row.condition == condition && row.group == group && row.alignment == s.alignments.front();
-  };
   for (const std::string& condition : s.conditions) {
-    std::vector<const SummaryCell*> cells;
-    for (const SummaryCell& c : s.cells)
-      if (is_ours(c, condition) && !std::isnan(c.mae_m)) cells.push_back(&c);
-    const auto is_silent = [](const SummaryCell* c) { return !(c->coverage() >= kCompetes); };
-    if (!std::ranges::all_of(cells, is_silent)) std::erase_if(cells, is_silent);
-    if (cells.empty()) continue;
-    const SummaryCell& best = **std::ranges::min_element(cells, {}, &SummaryCell::mae_m);
-    const auto within = std::ranges::count_if(
-        cells, [&](const SummaryCell* c) { return c != &best && c->mae_m <= best.mae_high_m; });
-    std::string text = fmt::format("**{}**, {}: ", condition, s.simulated ? "simulated" : "recorded");
-    const char* errs = s.left_out() ? "differs from the sensor left out" : "errs";
-    if (cells.size() > 1) text += fmt::format("of {} methods ", cells.size());
-    text += fmt::format("`{}` {}{} by {:.1f} cm", best.method, errs, cells.size() > 1 ? " least," : "",
-                        best.mae_m * kCentimetresPerMetre);
-    if (is_silent(&best)) text += fmt::format(" on the {:.0f} % that it answers", 100.0 * best.coverage());
-    if (!std::isnan(best.mae_low_m))
-      text += fmt::format(" (95 % interval {:.1f} to {:.1f}", best.mae_low_m * kCentimetresPerMetre,
-                          best.mae_high_m * kCentimetresPerMetre) +
-              (within == 0   ? ")"
-               : within == 1 ? "; one other lies within it)"
-                             : fmt::format("; {} others lie within it)", within));
-    for (const DifferenceCell& d : s.differences)
-      if (is_ours(d, condition) && d.method == best.method && best.method != s.reference)
-        text += d.significant()
-                    ? fmt::format(", {:+.0f} % ({:+.0f} to {:+.0f}) against `{}`", d.percent_of_reference,
-                                  d.percent_low, d.percent_high, s.reference)
-                    : fmt::format(", not told apart from `{}`", s.reference);
+    const BestMethod* best = find_best(s, condition, average_group(s));
+    const SummaryCell* cell =
+        best ? find_cell(s, best->method, condition, average_group(s), s.alignments.front()) : nullptr;
+    if (!cell) continue;
+    std::string text =
+        fmt::format("**{}**, {}: of {} methods `{}` {} least, by {}", condition,
+                    s.simulated ? "simulated" : "recorded", s.methods.size(), best->method,
+                    s.left_out() ? "differs from the sensor left out" : "errs", error_text(*cell));
+    if (s.methods.size() == 1)
+      text = fmt::format("**{}**, {}: `{}` errs by {}", condition, s.simulated ? "simulated" : "recorded",
+                         best->method, error_text(*cell));
+    if (cell->coverage() < kWhole)
+      text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
+    if (const std::string against = difference_text(s, condition, best->method); !against.empty())
+      text += ", " + against;
+    if (const std::size_t alike = best->like_best.size(); alike > 0)
+      text += fmt::format("; {} other{} not told apart from it (`{}`)", alike, alike == 1 ? " is" : "s are",
+                          fmt::join(best->like_best, "`, `"));
     findings.push_back(text + ".");
   }
   return findings;
+}
+
+// What a reader must know before believing a number: failed takes, notes of the checks, clocks, silent
+// methods.
+std::vector<std::string> warnings_of(const ResultsSummary& s,
+                                     const std::optional<TrackingSummary>& tracking) {
+  std::vector<std::string> warnings;
+  std::size_t notes = 0;
+  for (const TakeNote& note : s.notes) {
+    if (note.failed)
+      warnings.push_back(fmt::format("Take {} failed: {}: {}.", note.take, note.place, note.text));
+    notes += !note.failed;
+  }
+  const auto noted = std::ranges::find(s.notes, false, &TakeNote::failed);
+  if (notes > 0)
+    warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}: {}.", notes,
+                                   notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
+                                   noted->place, noted->text));
+  if (s.participants < 6 && s.resamples > 0)
+    warnings.push_back(
+        fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
+                    s.participants < 2 ? "there are no intervals"
+                                       : "intervals are wide, and hold for people like these alone"));
+  if (s.cross_check && !s.cross_check->passed())
+    warnings.push_back(fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", s.cross_check->method,
+                                   s.cross_check->worst_m));
+  for (const std::string& condition : s.conditions)
+    for (const std::string& method : leading_methods(s, condition)) {
+      const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());
+      if (c && c->coverage() < kLeastCoverage)
+        warnings.push_back(fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
+                                       method, 100.0 * c->coverage(), condition));
+    }
+  if (tracking)
+    for (const ClockRow& row : tracking->clocks)
+      if (!row.applied && row.status == "found" && (row.low_s > kClockOff_s || row.high_s < -kClockOff_s))
+        warnings.push_back(
+            fmt::format("Take {}: the motion says that mocap and sensors are {:.0f} ms apart ({:.0f} to "
+                        "{:.0f}), and the study does not correct it.",
+                        row.take, 1e3 * row.offset_s, 1e3 * row.low_s, 1e3 * row.high_s));
+  constexpr std::size_t kMost = 5;
+  if (warnings.size() > kMost) {
+    const std::size_t more = warnings.size() - kMost;
+    warnings.resize(kMost);
+    warnings.push_back(fmt::format("And {} more; the tables' notes have all.", more));
+  }
+  return warnings;
 }
 
 void append(Chapter& chapter, std::vector<Table> more) {
@@ -118,41 +174,54 @@ Chapter new_chapter(const std::filesystem::path& path, const std::string& study,
   return {.provenance = read_provenance(path, study, campaign), .results = path, .title = study, .about = {}};
 }
 
-Chapter accuracy_chapter(const std::filesystem::path& path) {
+// With the paper its own tables answer; else methods by joint, and which take or side is odd.
+Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   const ResultsSummary s = without_sets(read_summary(path));
+  const std::optional<TrackingSummary> tracking = read_tracking_summary(path);
   Chapter chapter = new_chapter(path, s.study, s.campaign);
   chapter.title = s.study + " on " + s.campaign;
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
   chapter.findings = findings_of(s);
+  chapter.warnings = warnings_of(s, tracking);
   if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   if (s.cross_check)
     chapter.sentences.push_back(fmt::format(
         "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
         s.cross_check->method, s.cross_check->samples, s.cross_check->worst_m, s.cross_check->limit_m,
         s.cross_check->passed() ? "agrees" : "**disagrees**"));
-  append(chapter, table3(s));
-  append(chapter, table2(s));
-  append(chapter, sensor_counts_table(s));
+  // of the paper's studies one asks what compensation does, and some what more sensors do
+  const std::vector<Table> second = paper ? table2(s) : std::vector<Table>{};
+  const bool counts_sensors = paper && !sensor_counts_figure(s).empty();
+  append(chapter, second);
+  if (counts_sensors) append(chapter, sensor_counts_table(s));
+  if (chapter.tables.empty()) append(chapter, article_tables(s, paper));
+  if (!paper) append(chapter, oddity_tables(s));
+  chapter.first_tables = chapter.tables.size();
+  if (!second.empty() || counts_sensors) append(chapter, article_tables(s, false));
+  if (!counts_sensors) append(chapter, sensor_counts_table(s));
   if (Table coverage = coverage_table(s); !coverage.rows.empty())
     append(chapter, std::vector{std::move(coverage)});
-  chapter.first_tables = chapter.tables.size();
   append(chapter, accuracy_tables(s));
   chapter.apart = apart_tables(s);
-  if (const auto tracking = read_tracking_summary(path)) {
+  if (tracking) {
     append(chapter, efficiency_tables(s, *tracking));
     append(chapter, tracking_tables(*tracking));
   }
-  append(chapter, error_box_figures(s));
+  for (const std::string& condition : s.conditions)
+    append(chapter,
+           std::vector{methods_figure(s, condition, paper && condition == "walking" && !s.left_out())});
   append(chapter, sensor_counts_figure(s));
   append(chapter, trajectory_figures(path, s));
+  chapter.first_figures = std::min<std::size_t>(chapter.figures.size(), kFirstFigures);
+  append(chapter, error_box_figures(s));
   if (const auto map = read_gdop_map(path)) append(chapter, std::vector{gdop_figure(*map, s)});
   chapter.replays = packed_replays(path, s);
   return chapter;
 }
 
-Chapter sweep_chapter(const std::filesystem::path& path) {
+Chapter sweep_chapter(const std::filesystem::path& path, bool) {
   const SweepSummary s = read_sweep_summary(path);
   const std::optional<SweepTimings> timings = read_sweep_timings(path);
   Chapter chapter = new_chapter(path, s.study);
@@ -160,15 +229,19 @@ Chapter sweep_chapter(const std::filesystem::path& path) {
       "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
       s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
   chapter.sentences = search_sentences(s);
-  append(chapter, table1(s, timings));
+  chapter.findings = chapter.sentences;
+  if (!s.search) append(chapter, table1(s, timings));
   append(chapter, search_tables(s));
   chapter.first_tables = chapter.tables.size();
-  append(chapter, sweep_tables(s, timings));
+  if (s.search) append(chapter, table1(s, timings));
+  Table cells = sweep_table(s, timings);
+  (cells.rows.size() > kMostCells ? chapter.apart : chapter.tables).push_back(std::move(cells));
   append(chapter, sweep_figures(s, timings));
+  chapter.first_figures = s.search ? 0 : 2;
   return chapter;
 }
 
-Chapter calibration_chapter(const std::filesystem::path& path) {
+Chapter calibration_chapter(const std::filesystem::path& path, bool) {
   const CalibrationSummary s = read_calibration_summary(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
@@ -177,36 +250,40 @@ Chapter calibration_chapter(const std::filesystem::path& path) {
       s.seed);
   chapter.sentences = calibration_sentences(s);
   append(chapter, calibration_tables(s));
-  chapter.first_tables = chapter.tables.size();
+  chapter.first_tables = std::min<std::size_t>(2, chapter.tables.size());
   append(chapter, calibration_figures(s));
+  chapter.first_figures = 1;
   return chapter;
 }
 
-Chapter budget_chapter(const std::filesystem::path& path) {
+Chapter budget_chapter(const std::filesystem::path& path, bool) {
   const BudgetSummary s = read_budget_summary(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format("Error budget of {}, **simulated**: {} participants, seed {}.", s.campaign,
                               s.participants, s.seed);
   append(chapter, budget_tables(s));
   append(chapter, budget_figures(s));
-  chapter.first_tables = chapter.tables.size();
+  chapter.first_tables = 1;
+  chapter.first_figures = 2;
   return chapter;
 }
 
-Chapter sensitivity_chapter(const std::filesystem::path& path) {
+Chapter sensitivity_chapter(const std::filesystem::path& path, bool) {
   const SensitivitySummary s = read_sensitivity_summary(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Where conclusions hold, **simulated**: {} campaigns of {} participants over {} settings, seed {}.",
       s.points.size(), s.participants, s.factors.size(), s.seed);
   chapter.sentences = sensitivity_sentences(s);
+  chapter.findings = chapter.sentences;
   append(chapter, sensitivity_tables(s));
   append(chapter, sensitivity_figures(s));
-  chapter.first_tables = 2;
+  chapter.first_tables = 1;
+  chapter.first_figures = 2;
   return chapter;
 }
 
-Chapter recording_chapter(const std::filesystem::path& path) {
+Chapter recording_chapter(const std::filesystem::path& path, bool) {
   const RecordingSummary s = read_recording_summary(path);
   const std::optional<StageTimings> timings = read_stage_timings(path);
   Chapter chapter = new_chapter(path, s.study);
@@ -216,43 +293,40 @@ Chapter recording_chapter(const std::filesystem::path& path) {
       s.seed);
   append(chapter, table4(s, timings));
   append(chapter, clock_figures(s));
-  chapter.first_tables = chapter.tables.size();
+  chapter.first_tables = 2;
+  chapter.first_figures = 1;
   return chapter;
 }
 
-Chapter twins_chapter(const std::filesystem::path& path) {
+Chapter twins_chapter(const std::filesystem::path& path, bool) {
   const TwinsSummary s = read_twins_summary(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "The simulator beside reality: **simulated** twins (seed {}) of **recorded** pairs of sensors.",
       s.seed);
   chapter.sentences = twins_sentences(s);
+  chapter.findings = chapter.sentences;
   append(chapter, twins_tables(s));
-  chapter.first_tables = 1;
   append(chapter, twins_figures(s));
+  chapter.first_tables = chapter.first_figures = 1;
   return chapter;
 }
 
 }  // namespace
 
-Chapter read_chapter(const std::filesystem::path& path) {
-  switch (results_kind(path)) {
-    case StudyKind::threshold_sweep:
-      return sweep_chapter(path);
-    case StudyKind::calibration:
-      return calibration_chapter(path);
-    case StudyKind::error_budget:
-      return budget_chapter(path);
-    case StudyKind::recording:
-      return recording_chapter(path);
-    case StudyKind::sensitivity:
-      return sensitivity_chapter(path);
-    case StudyKind::twins:
-      return twins_chapter(path);
-    case StudyKind::accuracy:
-      break;
-  }
-  return accuracy_chapter(path);
+Chapter read_chapter(const std::filesystem::path& path, bool paper) {
+  static const std::map<StudyKind, Chapter (*)(const std::filesystem::path&, bool)> kChapters{
+      {StudyKind::accuracy, accuracy_chapter},
+      {StudyKind::threshold_sweep, sweep_chapter},
+      {StudyKind::calibration, calibration_chapter},
+      {StudyKind::error_budget, budget_chapter},
+      {StudyKind::recording, recording_chapter},
+      {StudyKind::sensitivity, sensitivity_chapter},
+      {StudyKind::twins, twins_chapter}};
+  Chapter chapter = kChapters.at(results_kind(path))(path, paper);
+  chapter.first_tables = std::min(chapter.first_tables, chapter.tables.size());
+  chapter.first_figures = std::min(chapter.first_figures, chapter.figures.size());
+  return chapter;
 }
 
 }  // namespace trilat

@@ -21,15 +21,18 @@ struct Chapter {
       about;  // one sentence: how much of what, simulated or recorded; **bold** and `code` as in Markdown
   bool simulated = true;
   std::vector<std::string> findings = {};   // for the page's first screen, marked up alike
+  std::vector<std::string> warnings = {};   // what a reader must know before believing a number
   std::vector<std::string> sentences = {};  // what it says, marked up alike
   std::vector<Table> tables = {};           // those that answer the study's question first
   std::size_t first_tables = 0;             // how many those are; the others are details
-  std::vector<Table> apart = {};            // by take, participant, joint: written as CSV alone
-  std::vector<DrawnFigure> figures = {};    // not drawn yet
+  std::vector<Table> apart = {};            // long ones, written as CSV alone
+  std::vector<DrawnFigure> figures = {};    // not drawn yet; those that answer the question first
+  std::size_t first_figures = 0;
   std::vector<PackedReplay> replays = {};
 };
 
-// Reads a results folder of any kind. InputError with the place when it holds no results of this version.
-Chapter read_chapter(const std::filesystem::path& results);
+// Reads a results folder of any kind; with `paper`, what the paper says stands beside and comes first.
+// InputError with the place when it holds no results of this version.
+Chapter read_chapter(const std::filesystem::path& results, bool paper);
 
 }  // namespace trilat

@@ -15,12 +15,11 @@
 namespace trilat {
 namespace {
 
-// Ids become file names, so two results of one kind must not share them.
-void make_unique(std::string& id, std::set<std::string>& ids, const std::string& study) {
-  if (ids.insert(id).second) return;
-  const std::string base = usable_id(study + "-" + id);
-  id = base;
-  for (int n = 2; !ids.insert(id).second; ++n) id = fmt::format("{}-{}", base, n);
+// "table3/errors-walking": a path within the report's folders of tables and figures, and a name in the page.
+// Two names that differ in letters that no file name has would become one.
+void make_id(std::string& id, const std::string& study, std::set<std::string>& ids) {
+  id = study + "/" + id;
+  while (!ids.insert(id).second) id += '_';
 }
 
 // What tells the results apart: the folder's name, and as many of the folders around it as that takes; a
@@ -67,12 +66,18 @@ std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& re
       same->second += ", " + names[r];
   }
   std::vector<Table> tables;
-  for (const auto& [parameters, studies] : seen) tables.push_back(parameters_table(parameters, studies));
+  for (const auto& [parameters, studies] : seen) {
+    tables.push_back(parameters_table(parameters, studies));
+    tables.back().id = usable_id(studies.substr(0, studies.find(',')));
+  }
   return tables;
 }
 
 void draw_all(ReportContent& content) {
-  std::vector<DrawnFigure> drawn = draw_figures(figures_of(content));
+  std::vector<Figure> figures;
+  for (Chapter& chapter : content.chapters)
+    for (DrawnFigure& figure : chapter.figures) figures.push_back(std::move(figure.figure));
+  std::vector<DrawnFigure> drawn = draw_figures(std::move(figures));
   auto next = drawn.begin();
   for (Chapter& chapter : content.chapters)
     for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
@@ -95,7 +100,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   const std::vector<std::string> names = names_of(results);
   for (const auto& path : results) {
     refuse_unfinished(path);
-    content.chapters.push_back(read_chapter(path));
+    content.chapters.push_back(read_chapter(path, paper.has_value()));
     Chapter& chapter = content.chapters.back();
     const std::string name = names[content.chapters.size() - 1];
     if (name != chapter.provenance.folder) chapter.title += ": " + name;
@@ -103,49 +108,49 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
     if (progress)
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
   }
-  std::set<std::string> ids;
+  std::set<std::string> ids, figure_ids;
   if (paper) {
     content.claims = claims_table(*paper);
-    content.audit = {audit_table(), errata_table(*paper)};
-    for (const Table& table : content.audit) ids.insert(table.id);
-    ids.insert(content.claims->id);
+    content.audit = {errata_table(*paper), audit_table()};
+    make_id(content.claims->id, "paper", ids);
+    for (Table& table : content.audit) make_id(table.id, "paper", ids);
   }
   for (Chapter& chapter : content.chapters) {
-    const std::string& study = chapter.provenance.study;
-    for (Table& table : chapter.tables) make_unique(table.id, ids, study);
-    for (Table& table : chapter.apart) make_unique(table.id, ids, study);
-    for (DrawnFigure& figure : chapter.figures) make_unique(figure.figure.id, ids, study);
+    const std::string study = usable_id(chapter.provenance.folder);
+    for (Table& table : chapter.tables) make_id(table.id, study, ids);
+    for (Table& table : chapter.apart) make_id(table.id, study, ids);
+    for (DrawnFigure& figure : chapter.figures) make_id(figure.figure.id, study, figure_ids);
   }
   content.parameters = parameter_tables(results, names);
-  for (Table& table : content.parameters) make_unique(table.id, ids, "report");
+  for (Table& table : content.parameters) make_id(table.id, "assumptions", ids);
+  content.headline = headline_of(content, paper);
   draw_all(content);
   return content;
 }
 
-std::vector<Table> tables_of(const ReportContent& content) {
-  std::vector<Table> tables;
-  if (content.claims) tables.push_back(*content.claims);
-  tables.insert(tables.end(), content.audit.begin(), content.audit.end());
+namespace {
+
+// What is asked of is shown first, up to as many tables as a reader bears; `shown` or the others.
+std::vector<const Table*> tables_that(const ReportContent& content, bool shown) {
+  constexpr std::size_t kMostShown = 20;
+  std::vector<const Table*> tables;
+  std::size_t count = 0;
+  const auto add = [&](const Table& table, bool asked) {
+    const bool is_shown = asked && count < kMostShown;
+    count += is_shown;
+    if (is_shown == shown) tables.push_back(&table);
+  };
+  if (content.claims) add(*content.claims, true);
   for (const Chapter& chapter : content.chapters)
-    tables.insert(tables.end(), chapter.tables.begin(), chapter.tables.end());
-  tables.insert(tables.end(), content.parameters.begin(), content.parameters.end());
+    for (std::size_t t = 0; t < chapter.tables.size(); ++t) add(chapter.tables[t], t < chapter.first_tables);
+  for (std::size_t t = 0; t < content.audit.size(); ++t) add(content.audit[t], t == 0);
+  for (const Table& table : content.parameters) add(table, false);
   return tables;
 }
 
-std::vector<Table> main_tables_of(const ReportContent& content) {
-  std::vector<Table> tables;
-  if (content.claims) tables.push_back(*content.claims);
-  for (const Chapter& chapter : content.chapters)
-    tables.insert(tables.end(), chapter.tables.begin(),
-                  chapter.tables.begin() + static_cast<std::ptrdiff_t>(chapter.first_tables));
-  return tables;
-}
+}  // namespace
 
-std::vector<Figure> figures_of(const ReportContent& content) {
-  std::vector<Figure> figures;
-  for (const Chapter& chapter : content.chapters)
-    for (const DrawnFigure& figure : chapter.figures) figures.push_back(figure.figure);
-  return figures;
-}
+std::vector<const Table*> ReportContent::shown_tables() const { return tables_that(*this, true); }
+std::vector<const Table*> ReportContent::other_tables() const { return tables_that(*this, false); }
 
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "datasets/results/paper_evidence.h"
@@ -12,12 +13,28 @@
 
 namespace trilat {
 
-// All that a report says, before it is written in any form. The ids of its tables and figures differ.
+// What a reader of the first screen takes home; **bold** and `code` as in Markdown.
+struct Headline {
+  std::string origin;                 // "Simulated data", "Recorded data", or both
+  std::string asked;                  // one question
+  std::vector<std::string> answers;   // one sentence or two each, the first ones first
+  std::vector<std::string> warnings;  // what to know before believing them
+  std::vector<std::pair<std::string, std::size_t>> verdicts;  // on the paper's claims, and how many
+  std::vector<std::pair<std::size_t, std::size_t>> figures;   // chapter and figure
+};
+
+// All that a report says, before it is written in any form. The ids of its tables and figures differ:
+// STUDY/NAME.
 struct ReportContent {
+  Headline headline;
   std::optional<Table> claims;
   std::vector<Table> audit;  // of the paper; beside its claims
   std::vector<Chapter> chapters;
   std::vector<Table> parameters;  // one for all studies that assume the same
+
+  // Those that answer what was asked, in the order of the report, and all others.
+  std::vector<const Table*> shown_tables() const;
+  std::vector<const Table*> other_tables() const;
 };
 
 // Reads results folders in this order and draws their figures. `paper`: what they say about
@@ -26,10 +43,9 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
                           const std::function<void(double)>& progress = {});
 
-// Every table, in the order of the report.
-std::vector<Table> tables_of(const ReportContent& content);
-// Those that answer what was asked.
-std::vector<Table> main_tables_of(const ReportContent& content);
-std::vector<Figure> figures_of(const ReportContent& content);
+// The first screen of a report without figures yet to be drawn.
+Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper);
+// The same for a terminal, in lines of at most 100 characters.
+std::string headline_text(const Headline& headline);
 
 }  // namespace trilat

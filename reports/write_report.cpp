@@ -13,6 +13,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/folder_lock.h"
+#include "datasets/base/text_output.h"
 #include "datasets/base/version.h"
 #include "reports/page/page.h"
 #include "reports/render/latex.h"
@@ -54,20 +55,29 @@ constexpr double kReadShare = 0.5, kPageShare = 0.2;  // of the whole; the rest 
 std::string markdown_of(const Figure& figure) {
   std::string name;
   for (char c : figure.title) name += c == '[' || c == ']' ? std::string("\\") + c : std::string(1, c);
-  return fmt::format("![{}]({}.svg)\n\n*{}*\n", name, figure.id, figure.caption);
+  return fmt::format("![{}](figures/{}.svg)\n\n*{}. {}*\n", name, figure.id, figure.title, figure.caption);
 }
 
+// The page's text, tables and figures.
 std::string markdown_of(const ReportContent& content) {
-  std::string markdown = "# Trilateration accuracy\n";
-  if (content.claims) markdown += "\n" + markdown_of(*content.claims);
-  for (const Table& table : content.audit) markdown += "\n" + markdown_of(table);
+  const Headline& headline = content.headline;
+  std::string markdown = fmt::format("# {}\n\n{}\n", headline.asked, headline.origin);
+  for (const std::string& answer : headline.answers) markdown += "\n- " + answer;
+  for (const std::string& warning : headline.warnings) markdown += "\n- Warning: " + warning;
+  markdown += '\n';
+  const std::vector<const Table*> shown = content.shown_tables();
+  const auto add = [&](const Table& table) {
+    if (std::ranges::find(shown, &table) != shown.end()) markdown += "\n" + markdown_of(table);
+  };
+  if (content.claims) add(*content.claims);
   for (const Chapter& chapter : content.chapters) {
     markdown += fmt::format("\n## {}\n\n{}\n", chapter.title, chapter.about);
     for (const std::string& sentence : chapter.sentences) markdown += "\n" + sentence + "\n";
-    for (const Table& table : chapter.tables) markdown += "\n" + markdown_of(table);
-    for (const DrawnFigure& figure : chapter.figures) markdown += "\n" + markdown_of(figure.figure);
+    for (const Table& table : chapter.tables) add(table);
+    for (std::size_t f = 0; f < chapter.first_figures; ++f)
+      markdown += "\n" + markdown_of(chapter.figures[f].figure);
   }
-  for (const Table& table : content.parameters) markdown += "\n" + markdown_of(table);
+  for (const Table& table : content.audit) add(table);
   return markdown;
 }
 
@@ -82,8 +92,8 @@ constexpr const char* kList = "files.txt";  // what a report wrote, for the next
 // whole.
 class Writer {
  public:
-  Writer(const std::filesystem::path& folder, ReportFiles& report)
-      : folder_(folder), aside_(partial_name(folder)), report_(report) {
+  Writer(const std::filesystem::path& folder, std::vector<std::filesystem::path>& written)
+      : folder_(folder), aside_(partial_name(folder)), written_(written) {
     if (aside_.has_parent_path()) make_folder(aside_.parent_path());
     lock_.emplace(aside_);
     std::error_code ignored;
@@ -110,7 +120,7 @@ class Writer {
     for (const std::string& name : names_) {
       make_folder((folder_ / name).parent_path());
       std::filesystem::rename(aside_ / name, folder_ / name);
-      if (name != kList) report_.written.push_back(folder_ / name);
+      if (name != kList) written_.push_back(folder_ / name);
     }
   }
 
@@ -130,14 +140,51 @@ class Writer {
 
   std::filesystem::path folder_, aside_;
   std::optional<FolderLock> lock_;
-  ReportFiles& report_;
+  std::vector<std::filesystem::path>& written_;
   std::vector<std::string> names_;
 };
 
-void write_studies(const ReportContent& content, Writer& write) {
+// What each file of a report is: a line a table or figure.
+class Index {
+ public:
+  void add(const std::string& path, const char* kind, const std::string& title) {
+    rows_ += fmt::format("{},{},{},{}\r\n", csv_field(path),
+                         csv_field(std::filesystem::path(path).parent_path().filename().string()), kind,
+                         csv_field(title));
+  }
+  std::string text() const { return "file,study,kind,what\r\n" + rows_; }
+
+ private:
+  std::string rows_;
+};
+
+void write_tables(const ReportContent& content, Writer& write, Index& index,
+                  const std::function<void(double)>& advance) {
+  std::vector<const Table*> tables = content.shown_tables();
+  for (const Table* table : content.other_tables()) tables.push_back(table);
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    const std::string path = "tables/" + tables[t]->id;
+    write(path + ".csv", csv_of(*tables[t]));
+    write(path + ".tex", latex_of(*tables[t]));
+    index.add(path + ".csv", "table", tables[t]->title);
+    advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
+  }
   for (const Chapter& chapter : content.chapters)
-    if (!chapter.provenance.config.empty())
-      write(study_file(chapter.provenance), chapter.provenance.config + "\n");
+    for (const Table& table : chapter.apart) {
+      write("tables/" + table.id + ".csv", csv_of(table));
+      index.add("tables/" + table.id + ".csv", "table", table.title);
+    }
+}
+
+void write_figures(const ReportContent& content, Writer& write, Index& index) {
+  for (const Chapter& chapter : content.chapters)
+    for (const DrawnFigure& figure : chapter.figures) {
+      const std::string path = "figures/" + figure.figure.id;
+      write(path + ".svg", figure.svg);
+      write(path + ".pdf", figure.pdf);
+      write(path + ".csv", csv_of(figure.figure));
+      index.add(path + ".svg", "figure", figure.figure.title + ". " + figure.figure.caption);
+    }
 }
 
 }  // namespace
@@ -149,33 +196,28 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   };
   const ReportContent content =
       read_report(results, options.paper, [&](double share) { advance(kReadShare * share); });
-  ReportFiles report{tables_of(content), figures_of(content), {}};
-  const std::string page =
-      page_of(content, {options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
-                        std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""});
+  ReportFiles report{content.headline, content.shown_tables().size() + content.other_tables().size(), 0, {}};
+  for (const Chapter& chapter : content.chapters) report.figures += chapter.figures.size();
+  const PageOptions page{options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
+                         std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""};
+  Writer write(folder, report.written);
+  Index index;
+  write("report.html", page_of(content, page));
+  write("all-tables.html", all_tables_of(content, page));
   advance(kReadShare + kPageShare);
-  Writer write(folder, report);
-  write("report.html", page);
   write("report.md", markdown_of(content));
-  write("numbers.tex", latex_of(article_numbers(main_tables_of(content))));
+  std::vector<Table> shown;
+  for (const Table* table : content.shown_tables()) shown.push_back(*table);
+  write("numbers.tex", latex_of(article_numbers(shown)));
   write("citation.bib", citation_bibtex());
-  write_studies(content, write);
-  for (std::size_t t = 0; t < report.tables.size(); ++t) {
-    const Table& table = report.tables[t];
-    write(table.id + ".csv", csv_of(table));
-    write(table.id + ".tex", latex_of(table));
-    advance(kReadShare + kPageShare +
-            (1.0 - kReadShare - kPageShare) * static_cast<double>(t + 1) /
-                static_cast<double>(report.tables.size()));
-  }
   for (const Chapter& chapter : content.chapters)
-    for (const Table& table : chapter.apart) write(table.id + ".csv", csv_of(table));
-  for (const Chapter& chapter : content.chapters)
-    for (const DrawnFigure& figure : chapter.figures) {
-      write(figure.figure.id + ".svg", figure.svg);
-      write(figure.figure.id + ".pdf", figure.pdf);
-      write(figure.figure.id + ".csv", csv_of(figure.figure));
-    }
+    if (!chapter.provenance.config.empty())
+      write(study_file(chapter.provenance), chapter.provenance.config + "\n");
+  write_tables(content, write, index, [&](double share) {
+    advance(kReadShare + kPageShare + (1.0 - kReadShare - kPageShare) * share);
+  });
+  write_figures(content, write, index);
+  write("index.csv", index.text());
   write.put_in_place();
   return report;
 }

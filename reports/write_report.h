@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "datasets/results/paper_evidence.h"
-#include "reports/figures/figure.h"
-#include "reports/tables/table.h"
+#include "reports/report_content.h"
 
 namespace trilat {
 
@@ -23,16 +22,16 @@ struct ReportOptions {
 
 // What a report is made of.
 struct ReportFiles {
-  std::vector<Table> tables;
-  std::vector<Figure> figures;
+  Headline headline;
+  std::size_t tables = 0, figures = 0;
   std::vector<std::filesystem::path> written;
 };
 
-// Reads results folders and writes into `folder`: report.html (the page, needs nothing else), report.md,
-// numbers.tex (a macro for every number of the main tables), citation.bib, the resolved studies, per table
-// ID.csv and ID.tex, by-take, by-participant and by-joint of a study as CSV, and per figure ID.svg, ID.pdf
-// and ID.csv. Nothing is computed again: the same results give the same bytes on one machine, the page's time
-// stamp apart.
+// Reads results folders and writes into `folder`: report.html (the page, needs nothing else), all-tables.html
+// beside it, report.md, numbers.tex (a macro for every number of the page's tables), citation.bib, the
+// resolved studies, tables/STUDY/NAME.csv and .tex, figures/STUDY/NAME.svg, .pdf and .csv, and index.csv,
+// which says what each is. Nothing is computed again: the same results give the same bytes on one machine,
+// the page's time stamp apart.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                          const std::filesystem::path& folder, const ReportOptions& options = {});
 

@@ -27,4 +27,11 @@ const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& m
   return nullptr;
 }
 
+const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
+                            const std::string& group) {
+  for (const BestMethod& best : summary.best)
+    if (best.condition == condition && best.group == group) return &best;
+  return nullptr;
+}
+
 }  // namespace trilat

@@ -225,6 +225,17 @@ struct FamilyCell {
   TRILAT_FIELDS(family, condition, mae_m, low_m, high_m, answered, best, best_m, worst, worst_m)
 };
 
+// Which method errs least in a condition and group, under the study's first alignment: of those that answer
+// 95 % of what they are asked, if any does, and of sets of sensors none that has a family.
+struct BestMethod {
+  std::string condition, group, method;
+  // The others whose mean error is not told apart from it: Student's t at 95 % over the participants'
+  // differences, on samples that any of both answers.
+  std::vector<std::string> like_best;
+
+  TRILAT_FIELDS(condition, group, method, like_best)
+};
+
 struct ResultsSummary {
   std::string study;
   std::string campaign;
@@ -235,6 +246,7 @@ struct ResultsSummary {
   std::vector<std::string> methods;    // in the order of the study
   std::vector<MethodFamily> families;  // of some of them
   std::vector<FamilyCell> family_cells;
+  std::vector<BestMethod> best;
   std::string reference;                // the method that differences are against
   std::vector<std::string> conditions;  // in the order of the takes
   std::vector<std::string> groups;
@@ -254,12 +266,12 @@ struct ResultsSummary {
   bool left_out() const { return truth == kLeftOutTruth; }
 
   TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
-                family_cells, reference, conditions, groups, alignments, resamples, block_s, cells,
+                family_cells, best, reference, conditions, groups, alignments, resamples, block_s, cells,
                 differences, bodies, truth_floor, by_take, notes, truth, cross_check)
   void check(const JsonObject& object) const;
 };
 
-// summary.json (results format 5, kind accuracy). NaN is written as null.
+// summary.json (results format 6, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or
 // not one.
@@ -269,5 +281,7 @@ ResultsSummary read_summary(const std::filesystem::path& folder);
 const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,
                              const std::string& condition, const std::string& group,
                              const std::string& alignment);
+const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
+                            const std::string& group);
 
 }  // namespace trilat

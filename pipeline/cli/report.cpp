@@ -59,11 +59,14 @@ int report(const ReportArguments& arguments) {
   if (arguments.json) {
     Json list = Json::array();
     for (const auto& path : files.written) list.push_back(path.string());
-    fmt::print(
-        "{}\n",
-        json_text({{"tables", files.tables.size()}, {"figures", files.figures.size()}, {"files", list}}, 2));
+    fmt::print("{}\n", json_text({{"tables", files.tables},
+                                  {"figures", files.figures},
+                                  {"answers", files.headline.answers},
+                                  {"warnings", files.headline.warnings},
+                                  {"files", list}},
+                                 2));
   } else {
-    fmt::print("{} tables, {} figures: {}\n", files.tables.size(), files.figures.size(),
+    fmt::print("{}\n{} tables, {} figures: {}\n", headline_text(files.headline), files.tables, files.figures,
                (arguments.output / "report.html").string());
   }
   return kDone;

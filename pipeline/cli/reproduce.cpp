@@ -21,8 +21,6 @@
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "pipeline/twins/twins_study.h"
-#include "reports/render/render.h"
-#include "reports/tables/tables.h"
 #include "reports/write_report.h"
 
 namespace trilat {
@@ -210,31 +208,6 @@ void print_json(const std::filesystem::path& folder, const ResultsSummary& summa
   fmt::print("{}\n", json_text(json, 2));
 }
 
-// Too wide for a terminal as a table; the reasons are in the report.
-void print_claims(const Table& table) {
-  fmt::print("{}\n\n", table.title);
-  for (const auto& row : table.rows)
-    fmt::print("- {} ({}): {}. Ours: {}. {}.\n", row[0].text, row[1].text, row[2].text, row[3].text,
-               row[4].text);
-  fmt::print("\n");
-}
-
-// Tables I to IV, the calibration, the claims and the search's answer; the rest is in the report.
-void print_tables(const std::filesystem::path& folder, const ReportFiles& report, const SweepSummary& search,
-                  const ResultsSummary& summary) {
-  for (const char* id :
-       {"table1", "calibration_wand", "calibration_rigs", "table2", "table3", "table4_clocks"})
-    for (const Table& table : report.tables)
-      if (table.id == id) fmt::print("{}\n", markdown_of(table));
-  for (const Table& table : report.tables)
-    if (table.id == "claims") print_claims(table);
-  for (const std::string& sentence : search_sentences(search)) fmt::print("{}\n", sentence);
-  fmt::print("\ncross-check with Ceres: worst difference {:.3g} m on {} samples\n",
-             summary.cross_check->worst_m, summary.cross_check->samples);
-  fmt::print("results:  {}\ncampaign: {}\npage:     {}\n", folder.string(), (folder / "campaign").string(),
-             (folder / "report" / "report.html").string());
-}
-
 }  // namespace
 
 int reproduce(const ReproduceArguments& arguments) {
@@ -265,7 +238,6 @@ int reproduce(const ReproduceArguments& arguments) {
   begin_stage(7, fmt::format("which of {} readings of the paper gives the printed Table I",
                              search_plan.readings.size()));
   run_into(folder / "table1_search", sweep_study(search_plan), arguments);
-  const SweepSummary search = read_sweep_summary(folder / "table1_search");
   begin_stage(8, "calibration: one wand position, a flat wall, whole rigs, what it does to joints");
   calibration_into(folder / "calibration", arguments);
   begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");
@@ -281,7 +253,8 @@ int reproduce(const ReproduceArguments& arguments) {
   if (arguments.json)
     print_json(folder, table3);
   else
-    print_tables(folder, report, search, table3);
+    fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", headline_text(report.headline),
+               folder.string(), (folder / "campaign").string(), (folder / "report" / "report.html").string());
   return passed ? kDone : kItemsFailed;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,24 +8,13 @@
 #include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/table.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 
 namespace {
 
-constexpr std::size_t kMostDrawn = 5;
-constexpr std::array kPaperAndMean{"linear", "geometric", "nonlinear", "mean"};
 constexpr const char* kMean = "mean with its 95 % interval";
-
-// Of the average over the groups in the first condition and alignment; infinite where there is none, or where
-// a method answers too little to be compared by what it answers.
-double average_m(const ResultsSummary& s, const std::string& method) {
-  if (s.conditions.empty() || s.alignments.empty()) return std::numeric_limits<double>::infinity();
-  const SummaryCell* cell = find_cell(s, method, s.conditions.front(), kAverageGroup, s.alignments.front());
-  return cell && std::isfinite(cell->mae_m) && cell->coverage() >= kLeastCoverage
-             ? cell->mae_m
-             : std::numeric_limits<double>::infinity();
-}
 
 FigurePoint box_of(const SummaryCell& cell, double x) {
   const auto cm = [](double metres) { return metres * kCentimetresPerMetre; };
@@ -40,8 +28,8 @@ FigurePoint mean_of(const SummaryCell& cell, double x) {
 
 Figure box_figure(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   Figure figure;
-  figure.id = usable_id("figure-errors-" + condition);
-  figure.title = "Errors by joint (" + about(s, condition, "") + ")";
+  figure.id = usable_id("spread-" + condition);
+  figure.title = "Spread of the errors by joint (" + about(s, condition, "") + ")";
   figure.caption = fmt::format(
       "{}Boxes: the middle half of the errors with the median; whiskers: from the 5th to the 95th "
       "percentile. Dots: "
@@ -51,7 +39,7 @@ Figure box_figure(const ResultsSummary& s, const std::string& condition, const s
   figure.y_label = "error (cm)";
   for (const std::string& group : s.groups)
     if (group != kAverageGroup) figure.x_names.push_back(group);
-  const std::vector<std::string> methods = methods_worth_a_figure(s);
+  const std::vector<std::string> methods = leading_methods(s, condition);
   const double width = 0.8 / static_cast<double>(std::max<std::size_t>(1, methods.size()));
   FigureSeries means{kMean, FigureSeries::Style::dots, {}, kMean, "truth"};
   for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -73,21 +61,40 @@ constexpr double kBest = 1.0, kWorst = 5.0;  // what lies beyond has the colour 
 
 }  // namespace
 
-std::vector<std::string> methods_worth_a_figure(const ResultsSummary& s) {
-  std::vector<std::string> shown;
-  const auto show = [&](const std::string& name) {
-    if (shown.size() < kMostDrawn && std::find(shown.begin(), shown.end(), name) == shown.end())
-      shown.push_back(name);
-  };
-  for (const char* name : kPaperAndMean)
-    if (std::find(s.methods.begin(), s.methods.end(), name) != s.methods.end()) show(name);
-  const auto best = std::min_element(s.methods.begin(), s.methods.end(), [&](const auto& a, const auto& b) {
-    return average_m(s, a) < average_m(s, b);
-  });
-  if (best != s.methods.end()) show(*best);
-  if (shown.size() < 2)
-    for (const std::string& name : s.methods) show(name);
-  return shown;
+Figure methods_figure(const ResultsSummary& s, const std::string& condition, bool with_paper) {
+  constexpr std::size_t kMostPanels = 6;
+  const std::string& alignment = s.alignments.front();
+  Figure figure;
+  figure.id = usable_id("errors-" + (condition.empty() ? "all" : condition));
+  figure.title =
+      fmt::format("Mean error by method and joint{}", with_paper ? ", the paper's beside ours" : "");
+  figure.caption = fmt::format("{} {}, {} participants: mean error with its 95 % interval, alignment {}{}.",
+                               s.simulated ? "Simulated" : "Recorded", condition, s.participants, alignment,
+                               with_paper ? "; rings: what the paper prints" : "");
+  figure.x_label = "mean error (cm)";
+  figure.y_names = leading_methods(s, condition);
+  std::vector<std::string> groups = groups_in(s, condition);
+  if (groups.size() > kMostPanels) groups.erase(groups.begin(), groups.end() - kMostPanels);
+  const std::string origin = s.simulated ? "ours, simulated" : "recorded";
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    FigureSeries ours{origin, FigureSeries::Style::dots, {}, {}, "nonlinear"},
+        paper{"the paper", FigureSeries::Style::dots, {}, {}, "truth"};
+    ours.panel = paper.panel = g;
+    paper.hollow = true;
+    for (std::size_t m = 0; m < figure.y_names.size(); ++m) {
+      const auto y = static_cast<double>(m);
+      if (const SummaryCell* c = find_cell(s, figure.y_names[m], condition, groups[g], alignment))
+        ours.points.push_back({c->mae_m * kCentimetresPerMetre, y, c->mae_low_m * kCentimetresPerMetre,
+                               c->mae_high_m * kCentimetresPerMetre});
+      if (const double printed_cm = printed_table3_cm(groups[g], figure.y_names[m]);
+          with_paper && std::isfinite(printed_cm))
+        paper.points.push_back({printed_cm, y});
+    }
+    figure.series.push_back(std::move(ours));
+    if (!paper.points.empty()) figure.series.push_back(std::move(paper));
+    figure.panels.push_back(groups[g]);
+  }
+  return figure;
 }
 
 std::vector<Figure> error_box_figures(const ResultsSummary& s) {
@@ -101,7 +108,7 @@ std::vector<Figure> error_box_figures(const ResultsSummary& s) {
 
 Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
   Figure figure;
-  figure.id = usable_id("figure-gdop-" + summary.study);
+  figure.id = "gdop";
   figure.title = fmt::format("GDOP of the rig {:g} m above the floor, {}{}", map.height_m, summary.campaign,
                              summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
@@ -114,6 +121,7 @@ Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
   figure.x_label = "x (m)";
   figure.y_label = "z (m)";
   figure.equal_scales = true;
+  figure.width = FigureWidth::column;
   figure.map = FigureMap{map.x_m, map.z_m, map.gdop, "GDOP", kBest, kWorst};
   for (std::size_t s = 0; s < map.sensors.size(); ++s)
     figure.series.push_back({fmt::format("{}, {:.2f} m high", map.sensors[s], map.position_m[s][1]),

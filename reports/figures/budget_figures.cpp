@@ -20,7 +20,7 @@ using Rows = std::vector<const BudgetRow*>;
 Figure stacked(const BudgetSummary& s, const Rows& rows) {
   const BudgetRow& first = *rows.front();
   Figure figure;
-  figure.id = usable_id(fmt::format("figure-budget-{}-{}", first.condition, first.method));
+  figure.id = usable_id(fmt::format("{}-{}", first.condition, first.method));
   figure.title = fmt::format("Error budget of {}, {} (simulated)", first.method, first.condition);
   figure.caption = fmt::format(
       "Simulated: mean square errors of independent sources add. Each part is what its source alone adds; "

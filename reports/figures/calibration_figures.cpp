@@ -63,7 +63,7 @@ std::string wand_caption(const CalibrationSummary& s, const PrintedCalibration& 
 Figure wand_figure(const CalibrationSummary& s, bool by_angle) {
   const PrintedCalibration paper = printed_calibration();
   Figure figure;
-  figure.id = by_angle ? "figure_calibration_angle" : "figure_calibration_distance";
+  figure.id = by_angle ? "angle" : "distance";
   figure.title =
       fmt::format("Error of a wand position's distance by {} (simulated)", by_angle ? "angle" : "distance");
   figure.caption = wand_caption(s, paper, by_angle ? "against the angle" : "against the distance");
@@ -157,7 +157,7 @@ void fill_map(Figure& figure, const std::vector<WandSample>& samples, std::size_
 Figure wand_map_figure(const CalibrationSummary& s, const WandRow& row) {
   const PrintedCalibration paper = printed_calibration();
   Figure figure;
-  figure.id = usable_id("figure_calibration_map_" + row.method);
+  figure.id = usable_id("map-" + row.method);
   figure.title = fmt::format("Error of a wand position's distance, {} {}: {} (simulated)",
                              row.scene == "room" ? "in the" : "before a", row.scene, row.method);
   figure.caption =
@@ -184,7 +184,7 @@ Figure distortion_figure(const CalibrationSummary& s) {
   const PrintedCalibration paper = printed_calibration();
   const DistortionCurve& first = s.distortion.front();
   Figure figure;
-  figure.id = "figure_calibration_distortion";
+  figure.id = "distortion";
   figure.title =
       fmt::format("A flat wall at {:g} m, middle row of the depth image (simulated)", first.wall_m);
   figure.caption = fmt::format(
@@ -207,7 +207,7 @@ Figure distortion_figure(const CalibrationSummary& s) {
 
 Figure effect_figure(const CalibrationSummary& s, const std::vector<EffectRow>& rows) {
   Figure figure;
-  figure.id = "figure_calibration_effect";
+  figure.id = "effect";
   figure.title = "Joints found by nonlinear trilateration with uncertain sensors (simulated)";
   figure.caption = fmt::format(
       "Simulated: RMSE of nonlinear and the Cramer-Rao bound when every sensor is off by a normal error of "

@@ -43,7 +43,7 @@ std::vector<double> percent_of(const TimeSpread& error) {
 
 Figure histogram(const RecordingSummary& s, const std::string& network) {
   Figure figure;
-  figure.id = usable_id("figure-clocks-" + network);
+  figure.id = usable_id("clocks-" + network);
   figure.title = fmt::format("Table IV: clock errors, {} (simulated)", network);
   figure.caption = fmt::format(
       "Simulated: {} frames x {} sensors x {} runs, seed {}; the paper's: its own samples. Shares below {:g} "

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "reports/figures/draw_figures.h"
 
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -79,25 +78,23 @@ int run_gnuplot(const std::string& argument, const std::string& said) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-// What gnuplot takes for the name of a picture.
-std::string letters_of(std::string id) {
-  for (char& c : id)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return id;
-}
-
-// Both pictures of a figure.
+// Both pictures of a figure, of the same size: a millimetre is 96 / 25.4 px, 8 pt are 10.7 px.
 std::string drawing_of(const Figure& figure, const Pictures& pictures) {
+  constexpr double kPixelsPerMm = 96.0 / 25.4;
   const auto output = [&](const MemoryFile& file) { return "set output '" + file.name() + "'\n"; };
-  const int height_px = figure.equal_scales ? 640 : 480;
+  const FigureSize size = size_of(figure);
+  const std::string script = gnuplot_script(figure);
   return fmt::format(
-             "reset session\nset terminal svg noenhanced size 760,{} dynamic mouse standalone font "
-             "'Helvetica,13' background '#ffffff' name '{}'\n",
-             height_px, letters_of(figure.id)) +
-         output(pictures.svg) + gnuplot_script(figure) +
-         fmt::format("set output\nset terminal pdfcairo noenhanced size 16cm,{}cm font 'Helvetica,9'\n",
-                     0.02 * height_px + 0.4) +
-         output(pictures.pdf) + "replot\nset output\n";
+             "reset session\nset terminal svg noenhanced size {:.0f},{:.0f} fixed font 'Helvetica,10.7' "
+             "background "
+             "'#ffffff'\n",
+             kPixelsPerMm * size.width_mm, kPixelsPerMm * size.height_mm) +
+         output(pictures.svg) + script +
+         fmt::format(
+             "set output\nreset session\nset terminal pdfcairo noenhanced size {}cm,{}cm font 'Helvetica,8' "
+             "fontscale 1\n",
+             0.1 * size.width_mm, 0.1 * size.height_mm) +
+         output(pictures.pdf) + script + "set output\n";
 }
 
 // A PDF has the time when it was drawn in it, 14 digits, which would make every run's another one.
@@ -107,17 +104,6 @@ void set_fixed_date(std::string& pdf) {
   for (std::size_t at = pdf.find(kBefore); at != std::string::npos; at = pdf.find(kBefore, at + 1))
     if (at + kBefore.size() + kDate.size() <= pdf.size())
       pdf.replace(at + kBefore.size(), kDate.size(), kDate);
-}
-
-void mark_companions(std::string& svg) {
-  constexpr std::string_view kPlot = "_plot_", kTitle = "\" ><title>", kEnd = "</title>";
-  for (std::size_t at = svg.find(kTitle); at != std::string::npos; at = svg.find(kTitle, at + 1)) {
-    const std::size_t quote = svg.rfind('"', at - 1), text = at + kTitle.size(), end = svg.find(kEnd, text);
-    if (quote == std::string::npos || end == std::string::npos) return;
-    const std::string id = svg.substr(quote + 1, at - quote - 1);
-    if (id.find(kPlot) == std::string::npos || svg.substr(text, end - text) != id) continue;
-    svg.replace(at, end + kEnd.size() - at, "\" class=\"companion\">");
-  }
 }
 
 }  // namespace
@@ -139,20 +125,10 @@ std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures) {
     DrawnFigure picture{std::move(figures[k]), pictures[k].svg.text(), pictures[k].pdf.text()};
     if (!picture.svg.ends_with("</svg>\n\n") || !picture.pdf.ends_with("%%EOF\n"))
       throw InputError("gnuplot", "did not draw the figure \"" + picture.figure.id + "\" to its end");
-    picture.svg = svg_with_rules(std::move(picture.svg));
     set_fixed_date(picture.pdf);
     drawn.push_back(std::move(picture));
   }
   return drawn;
-}
-
-std::string svg_with_rules(std::string svg) {
-  mark_companions(svg);
-  const std::size_t root = svg.find("<svg");
-  const std::size_t open_end = root == std::string::npos ? root : svg.find("\n>", root);
-  if (open_end == std::string::npos) return svg;
-  svg.insert(open_end + 2, "\n<style>g[visibility=\"hidden\"]+g.companion{visibility:hidden}</style>");
-  return svg;
 }
 
 }  // namespace trilat

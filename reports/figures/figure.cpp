@@ -36,19 +36,21 @@ std::string csv_of(const Figure& figure) {
   const bool intervals = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.low); });
   const bool whiskers = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.least); });
   const auto add = [&](const std::string& name) { return ',' + csv_field(name); };
-  const std::string unit = unit_of(figure.y_label);
-  std::string text = "series" + add(figure.x_label) + add(figure.y_label);
+  const std::string unit = unit_of(figure.y_names.empty() ? figure.y_label : figure.x_label);
+  std::string text =
+      (figure.panels.empty() ? "series" : "panel,series") + add(figure.x_label) + add(figure.y_label);
   if (intervals) text += add("low" + unit) + add("high" + unit);
   if (whiskers) text += add("least" + unit) + add("most" + unit);
   if (figure.map) text += add(figure.map->label);
   text += "\r\n";
-  const auto x_of = [&](double x) {
-    const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, x)));
-    return k < figure.x_names.size() ? csv_field(figure.x_names[k]) : number(x);
+  const auto named = [](const std::vector<std::string>& names, double place) {
+    const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, place)));
+    return k < names.size() ? csv_field(names[k]) : number(place);
   };
   for (const FigureSeries& s : figure.series)
     for (const FigurePoint& p : s.points) {
-      text += csv_field(s.name) + ',' + x_of(p.x) + ',' + number(p.y);
+      if (!figure.panels.empty()) text += csv_field(figure.panels.at(s.panel)) + ',';
+      text += csv_field(s.name) + ',' + named(figure.x_names, p.x) + ',' + named(figure.y_names, p.y);
       if (intervals) text += ',' + number(p.low) + ',' + number(p.high);
       if (whiskers) text += ',' + number(p.least) + ',' + number(p.most);
       text += figure.map ? ",\r\n" : "\r\n";

@@ -18,13 +18,16 @@ struct FigurePoint {
 
 struct FigureSeries {
   // Intervals are drawn where points have them. A bar spans low to high; a box also has a line at y.
-  enum class Style { dots, line, line_and_dots, bars, boxes };
+  // A band is a line with its intervals shaded.
+  enum class Style { dots, line, line_and_dots, band, bars, boxes };
   std::string name;  // of the numbers
   Style style = Style::dots;
   std::vector<FigurePoint> points;
-  std::string group{};   // series of one group share a look and a legend entry; empty: its own name
-  std::string method{};  // whose colour it has, the same in every figure; empty: as the group comes
-  double width = 0.8;    // of bars and boxes, in units of x
+  std::string group{};    // series of one group share a look and a legend entry; empty: its own name
+  std::string method{};   // whose colour it has, the same in every figure; empty: as the group comes
+  double width = 0.8;     // of bars and boxes, in units of x
+  std::size_t panel = 0;  // of the figure's panels
+  bool hollow = false;    // marks without filling: what the paper prints
 };
 
 // A part of the x axis, shaded; those of one name share a legend entry.
@@ -46,15 +49,22 @@ struct FigureMap {
   double least = 0.0, most = 1.0;  // of the colours; what lies beyond has the colour of the end
 };
 
-// A figure as data, defined once; pictures are drawn from it and never compute.
+// As articles print them: 85 and 178 mm, with letters of 8 pt.
+enum class FigureWidth { column, page };
+
+// A figure as data, defined once; pictures are drawn from it and never compute. The title is for what stands
+// around the picture: it is not drawn.
 struct Figure {
-  std::string id;     // usable_id(): a file name
-  std::string title;  // says "simulated" where it is
-  std::string caption;
+  std::string id;                // usable_id(): a file name
+  std::string title;             // says "simulated" where it is
+  std::string caption;           // how many of what, which interval, simulated or recorded
   std::string x_label, y_label;  // with units
   bool log_x = false, log_y = false;
-  bool equal_scales = false;           // a unit of x is as long as one of y
+  bool equal_scales = false;  // a unit of x is as long as one of y
+  FigureWidth width = FigureWidth::page;
   std::vector<std::string> x_names{};  // what stands at x = 0, 1, …; empty: numbers
+  std::vector<std::string> y_names{};  // the same of y, downwards; intervals are then about x
+  std::vector<std::string> panels{};   // small multiples with the same axes, each with its name; empty: one
   std::vector<FigureSeries> series{};
   std::vector<FigureBand> bands{};
   std::vector<FigureLine> lines{};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,10 +14,15 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kTitleCharacters = 80;
-constexpr std::size_t kFewPoints = 30;  // are drawn large
-constexpr double kSmallDot = 0.45, kLargeDot = 0.9;
+constexpr double kColumn_mm = 85.0, kPage_mm = 178.0;
+constexpr double kLetter_mm = 1.55, kLine_mm = 3.6;  // of 8 pt: a wide letter's width, a line's height
+constexpr std::size_t kMostDirect = 8;               // lines with their names at their ends
+constexpr std::size_t kFewPoints = 30;               // are drawn large
+constexpr double kSmallDot = 0.4, kLargeDot = 0.55;
 constexpr const char* kShade = "#e4e4e4";
+constexpr std::size_t kPanelColumns = 3;
+
+using Style = FigureSeries::Style;
 
 // Nothing is replaced in single quotes, where backquotes of double ones would run a program.
 std::string gnuplot_text(const std::string& text) {
@@ -30,13 +36,6 @@ std::string gnuplot_text(const std::string& text) {
   return result + "'";
 }
 
-std::string wrapped_title(const std::string& text) {
-  std::string result;
-  for (const std::string& line : lines_of(text, kTitleCharacters))
-    result += (result.empty() ? "" : ".\"\\n\".") + gnuplot_text(line);
-  return result;
-}
-
 bool can_draw(const Figure& figure, const FigurePoint& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && (!figure.log_x || p.x > 0.0) &&
          (!figure.log_y || p.y > 0.0);
@@ -44,125 +43,115 @@ bool can_draw(const Figure& figure, const FigurePoint& p) {
 
 bool has_interval(const Figure& figure, const FigurePoint& p) {
   return can_draw(figure, p) && std::isfinite(p.low) && std::isfinite(p.high) &&
-         (!figure.log_y || p.low > 0.0);
+         !((figure.y_names.empty() ? figure.log_y : figure.log_x) && p.low <= 0.0);
 }
 
-bool is_box(const FigureSeries& s) {
-  return s.style == FigureSeries::Style::bars || s.style == FigureSeries::Style::boxes;
+bool is_box(const FigureSeries& s) { return s.style == Style::bars || s.style == Style::boxes; }
+bool is_line(const FigureSeries& s) {
+  return s.style == Style::line || s.style == Style::line_and_dots || s.style == Style::band;
 }
 
-// A fiftieth beyond the points and halves of bars, so that none lies on the frame.
-std::string x_range(const Figure& figure) {
+std::size_t longest(const std::vector<std::string>& names) {
+  std::size_t most = 0;
+  for (const std::string& name : names) most = std::max(most, width_of(name));
+  return most;
+}
+
+// What an axis shows.
+struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  const auto widen = [&](double from, double to) {
-    low = std::min(low, from);
-    high = std::max(high, to);
-  };
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  void pad(bool logarithmic, double share) {
+    if (!(low <= high)) {
+      low = logarithmic ? 1.0 : 0.0;
+      high = logarithmic ? 10.0 : 1.0;
+    } else if (logarithmic) {
+      const double factor = std::max(1.2, std::pow(high / low, share));
+      low /= factor;
+      high *= factor;
+    } else {
+      const double more = high > low ? share * (high - low) : 0.5;
+      low -= more;
+      high += more;
+    }
+  }
+  // 0 at the low end, 1 at the high one.
+  double place(double value, bool logarithmic) const {
+    return logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+  }
+};
+
+// A map's cells around their middles.
+Range cells_of(const std::vector<double>& middles) {
+  const double half = middles.size() < 2 ? 0.5 : 0.5 * (middles[1] - middles[0]);
+  return {middles.front() - half, middles.back() + half};
+}
+
+Range names_range(const std::vector<std::string>& names) {
+  return {-0.6, static_cast<double>(names.size()) - 0.4};
+}
+
+Range x_range(const Figure& figure) {
+  if (figure.map && !figure.map->x.empty()) return cells_of(figure.map->x);
+  if (!figure.x_names.empty()) return names_range(figure.x_names);
+  Range range;
   for (const FigureSeries& s : figure.series)
-    for (const FigurePoint& p : s.points)
-      if (can_draw(figure, p))
-        widen(p.x - (is_box(s) ? 0.5 * s.width : 0.0), p.x + (is_box(s) ? 0.5 * s.width : 0.0));
-  if (figure.map && !figure.map->x.empty()) {
-    const double half = figure.map->x.size() < 2 ? 0.5 : 0.5 * (figure.map->x[1] - figure.map->x[0]);
-    return fmt::format("set xrange [{}:{}] noextend\n", figure.map->x.front() - half,
-                       figure.map->x.back() + half);
-  }
-  if (!figure.x_names.empty())
-    return fmt::format("set xrange [-0.6:{}]\n", static_cast<double>(figure.x_names.size()) - 0.4);
-  if (!(low <= high)) return figure.log_x ? "set xrange [1:10]\n" : "set xrange [0:1]\n";
-  if (figure.log_x) {
-    const double factor = std::max(1.2, std::pow(high / low, 0.03));
-    return fmt::format("set xrange [{}:{}]\n", low / factor, high * factor);
-  }
-  const double pad = high > low ? 0.02 * (high - low) : 0.5;
-  return fmt::format("set xrange [{}:{}]\n", low - pad, high + pad);
+    for (const FigurePoint& p : s.points) {
+      if (!can_draw(figure, p)) continue;
+      const double half = is_box(s) ? 0.5 * s.width : 0.0;
+      range.add(p.x - half);
+      range.add(p.x + half);
+      if (figure.y_names.empty() || !has_interval(figure, p)) continue;
+      range.add(p.low);
+      range.add(p.high);
+    }
+  if (!figure.y_names.empty() && !figure.log_x) range.add(0.0);
+  range.pad(figure.log_x, 0.02);
+  if (!figure.y_names.empty() && !figure.log_x && range.low < 0.0 && range.low > -0.03 * range.high)
+    range.low = 0.0;
+  return range;
 }
 
-// gnuplot cannot choose a range from nothing.
-std::string y_range(const Figure& figure) {
-  bool any = !figure.lines.empty() || figure.map, bars = false;
+Range y_range(const Figure& figure) {
+  if (figure.map && !figure.map->y.empty()) return cells_of(figure.map->y);
+  if (!figure.y_names.empty()) return names_range(figure.y_names);
+  Range range;
+  bool bars = false;
   for (const FigureSeries& s : figure.series) {
-    bars |= s.style == FigureSeries::Style::bars;
-    any |= std::any_of(s.points.begin(), s.points.end(),
-                       [&](const FigurePoint& p) { return can_draw(figure, p); });
+    bars |= s.style == Style::bars;
+    for (const FigurePoint& p : s.points) {
+      if (!can_draw(figure, p)) continue;
+      if (s.style != Style::boxes) range.add(p.y);
+      for (const double end : {p.low, p.high, p.least, p.most})
+        if (!figure.log_y || end > 0.0) range.add(end);
+    }
   }
-  if (!any) return figure.log_y ? "set yrange [1:10]\n" : "set yrange [0:1]\n";
-  if (figure.map && !figure.map->y.empty()) {
-    const double half = figure.map->y.size() < 2 ? 0.5 : 0.5 * (figure.map->y[1] - figure.map->y[0]);
-    return fmt::format("set yrange [{}:{}] noextend\n", figure.map->y.front() - half,
-                       figure.map->y.back() + half);
-  }
-  return bars && !figure.log_y ? "set yrange [0:*]\n" : "";
-}
-
-std::string settings_of(const Figure& figure) {
-  std::string text =
-      "set encoding utf8\nset title " + wrapped_title(figure.title) + " noenhanced\nset xlabel " +
-      gnuplot_text(figure.x_label) + " noenhanced\nset ylabel " + gnuplot_text(figure.y_label) +
-      " noenhanced\nset key outside above left Left reverse noenhanced samplen 3 width 1\nset border 3 lc "
-      "rgb '#333333'\n"
-      "set tics nomirror noenhanced\nset grid xtics ytics lc rgb '#d0d0d0' lw 0.5 dt 1\nset boxwidth 0.8\n";
-  if (figure.log_x) text += "set logscale x\nset format x '%g'\n";
-  if (figure.log_y) text += "set logscale y\nset format y '%g'\n";
-  if (figure.equal_scales) text += "set size ratio -1\n";
-  if (!figure.x_names.empty()) {
-    text += "set grid noxtics\nset xtics (";
-    for (std::size_t k = 0; k < figure.x_names.size(); ++k)
-      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(figure.x_names[k]), k);
-    text += ")\n";
-    std::size_t characters = 0;
-    for (const std::string& name : figure.x_names) characters = std::max(characters, width_of(name));
-    if (characters * figure.x_names.size() > kTitleCharacters) text += "set xtics rotate by -30\n";
-  }
-  text += x_range(figure) + y_range(figure);
-  for (std::size_t k = 0; k < figure.bands.size(); ++k)
-    text += fmt::format(
-        "set object {} rectangle from {}, graph 0 to {}, graph 1 behind fillcolor rgb '{}' fillstyle solid "
-        "noborder\n",
-        k + 1, figure.bands[k].from, figure.bands[k].to, kShade);
-  return text;
+  for (const FigureLine& line : figure.lines)
+    if (!figure.log_y || line.y > 0.0) range.add(line.y);
+  const bool from_zero = bars && !figure.log_y && range.low >= 0.0;
+  range.pad(figure.log_y, 0.04);
+  if (from_zero) range.low = 0.0;
+  return range;
 }
 
 std::string script_number(double v) { return std::isfinite(v) ? fmt::format("{}", v) : "NaN"; }
 
-// Rows of a data block. An empty row ends a line.
-class Block {
- public:
-  Block(std::string& script, std::size_t index) : script_(script), name_(fmt::format("$d{}", index)) {
-    script_ += name_ + " << EOD\n";
-  }
-  void row(std::initializer_list<double> values) {
-    std::string line;
-    for (double v : values) line += (line.empty() ? "" : " ") + script_number(v);
-    script_ += line + '\n';
-    empty_ = false;
-  }
-  void gap() { script_ += '\n'; }
-  // Its name; a block must not be empty.
-  std::string end() {
-    if (empty_) script_ += "NaN NaN NaN NaN NaN NaN\n";
-    script_ += "EOD\n";
-    return name_;
-  }
-
- private:
-  std::string& script_;
-  std::string name_;
-  bool empty_ = true;
-};
-
-// Everything of one legend entry: one element of the plot for what is drawn of it, one more for its
-// intervals.
+// Everything of one legend entry in one panel.
 struct Entry {
   std::vector<const FigureSeries*> series;
   FigureLook look;
 };
 
-std::vector<Entry> entries_of(const Figure& figure) {
+std::vector<Entry> entries_of(const Figure& figure, std::size_t panel) {
   const std::vector<FigureLook> looks = looks_of(figure);
   std::vector<Entry> entries;
   for (std::size_t k = 0; k < figure.series.size(); ++k) {
     const FigureSeries& s = figure.series[k];
+    if (s.panel != panel) continue;
     const auto same = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) {
       return group_of(*e.series.front()) == group_of(s) && e.series.front()->style == s.style;
     });
@@ -174,122 +163,406 @@ std::vector<Entry> entries_of(const Figure& figure) {
   return entries;
 }
 
+std::size_t panels_of(const Figure& figure) { return std::max<std::size_t>(1, figure.panels.size()); }
+
+// Panels with named rows stand side by side, so that the names stand once.
+std::size_t columns_of(const Figure& figure) {
+  const std::size_t most = figure.y_names.empty() ? kPanelColumns : panels_of(figure);
+  return std::min(most, panels_of(figure));
+}
+
+// Names of a few lines stand at their ends instead of in a legend.
+bool names_at_ends(const Figure& figure) {
+  std::set<std::string> groups;
+  for (const FigureSeries& s : figure.series) {
+    if (!is_line(s)) return false;
+    groups.insert(group_of(s));
+  }
+  return figure.bands.empty() && !groups.empty() && groups.size() + figure.lines.size() <= kMostDirect &&
+         figure.panels.empty();
+}
+
 class Script {
  public:
-  explicit Script(const Figure& figure) : figure_(figure), text_(settings_of(figure)) {}
+  explicit Script(const Figure& figure)
+      : figure_(figure),
+        size_(size_of(figure)),
+        x_(x_range(figure)),
+        y_(y_range(figure)),
+        direct_(names_at_ends(figure)) {}
 
   std::string text() {
+    text_ = settings();
+    const std::size_t panels = panels_of(figure_);
+    if (panels > 1) text_ += "set multiplot\n";
+    for (std::size_t p = 0; p < panels; ++p) add_panel(p);
+    if (panels > 1) text_ += "unset multiplot\n";
+    return text_;
+  }
+
+ private:
+  std::string settings() const {
+    std::string text = fmt::format(
+        "set encoding utf8\nset xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 lc rgb "
+        "'#333333' lw 0.6\n"
+        "set tics nomirror noenhanced scale 0.5\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.4 dt 1\nset "
+        "boxwidth "
+        "0.8\nset key outside above left Left reverse noenhanced samplen 2 width 1\n",
+        gnuplot_text(figure_.x_label), gnuplot_text(figure_.y_label));
+    if (direct_) text += "unset key\n";
+    if (figure_.log_x)
+      text += "set logscale x\nset format x '%g'\n" + decades("x", x_, panel_width_mm() / 10.0);
+    if (figure_.log_y) text += "set logscale y\nset format y '%g'\n";
+    if (figure_.equal_scales) text += "set size ratio -1\n";
+    if (!figure_.x_names.empty()) {
+      text += "set grid noxtics\n" + ticks("x", figure_.x_names);
+      const double room_mm = (size_.width_mm - 18.0) / static_cast<double>(columns_of(figure_));
+      if (static_cast<double>(longest(figure_.x_names) + 1) * kLetter_mm *
+              static_cast<double>(figure_.x_names.size()) >
+          room_mm)
+        text += "set xtics rotate by -30\n";
+    }
+    if (!figure_.y_names.empty())
+      text += "set grid noytics\n" + ticks("y", figure_.y_names) + steps("x", x_, panel_width_mm() / 9.0);
+    text += fmt::format("set xrange [{}:{}]{}\nset yrange [{}:{}]{}\n", x_.low, x_.high,
+                        figure_.map ? " noextend" : "", figure_.y_names.empty() ? y_.low : y_.high,
+                        figure_.y_names.empty() ? y_.high : y_.low, figure_.map ? " noextend" : "");
+    for (std::size_t k = 0; k < figure_.bands.size(); ++k)
+      text += fmt::format(
+          "set object {} rectangle from {}, graph 0 to {}, graph 1 behind fillcolor rgb '{}' fillstyle solid "
+          "noborder\n",
+          k + 1, figure_.bands[k].from, figure_.bands[k].to, kShade);
+    return text;
+  }
+
+  // So many powers of ten as there is room for.
+  static std::string decades(const char* axis, const Range& range, double room) {
+    const double step = std::ceil(std::log10(range.high / range.low) / std::max(1.0, room));
+    return step > 1.0 ? fmt::format("set {}tics {:g}\n", axis, std::pow(10.0, step)) : std::string();
+  }
+
+  // Round numbers, as many as there is room for.
+  static std::string steps(const char* axis, const Range& range, double room) {
+    const double step = (range.high - range.low) / std::max(2.0, room);
+    const double power = std::pow(10.0, std::floor(std::log10(step)));
+    const double times = step / power <= 1.0   ? 1.0
+                         : step / power <= 2.0 ? 2.0
+                         : step / power <= 5.0 ? 5.0
+                                               : 10.0;
+    return fmt::format("set {}tics {:g}\n", axis, times * power);
+  }
+
+  double panel_width_mm() const {
+    const double names_mm = kLetter_mm * static_cast<double>(longest(figure_.y_names));
+    return (size_.width_mm - 18.0 - names_mm) / static_cast<double>(columns_of(figure_)) - 4.0;
+  }
+
+  static std::string ticks(const char* axis, const std::vector<std::string>& names) {
+    std::string text = fmt::format("set {}tics (", axis);
+    for (std::size_t k = 0; k < names.size(); ++k)
+      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(names[k]), k);
+    return text + ")\n";
+  }
+
+  void add_panel(std::size_t panel) {
+    plots_.clear();
+    titled_ = !direct_ && figure_.panels.empty();
+    if (panels_of(figure_) > 1) place_panel(panel);
     if (figure_.map) add_map(*figure_.map);
-    const std::vector<Entry> entries = entries_of(figure_);
+    const std::vector<Entry> entries = entries_of(figure_, panel);
     for (const bool boxes : {true, false})
       for (const Entry& e : entries)
         if (is_box(*e.series.front()) == boxes) boxes ? add_boxes(e) : add_points(e);
     for (const FigureLine& line : figure_.lines)
       if (!figure_.log_y || line.y > 0.0)
-        plots_.push_back(fmt::format("{} with lines lw 1.5 dt 2 lc rgb '#222222' title {}",
-                                     script_number(line.y), gnuplot_text(line.label)));
-    std::set<std::string> named;
-    for (const FigureBand& band : figure_.bands)
-      if (named.insert(band.name).second)
-        plots_.push_back(fmt::format("keyentry with boxes fillstyle solid noborder lc rgb '{}' title {}",
-                                     kShade, gnuplot_text(band.name)));
+        plots_.push_back(fmt::format("{} with lines lw 1 dt 2 lc rgb '#222222' {}", script_number(line.y),
+                                     title_of(line.label)));
+    if (titled_) {
+      std::set<std::string> named;
+      for (const FigureBand& band : figure_.bands)
+        if (named.insert(band.name).second)
+          plots_.push_back(fmt::format("keyentry with boxes fillstyle solid noborder lc rgb '{}' title {}",
+                                       kShade, gnuplot_text(band.name)));
+    }
+    if (direct_) name_ends(entries);
     if (plots_.empty()) plots_.push_back("NaN notitle");
     text_ += "plot ";
     for (std::size_t k = 0; k < plots_.size(); ++k) text_ += (k ? ", \\\n  " : "") + plots_[k];
-    return text_ + "\n";
+    text_ += panel == 0 && !figure_.panels.empty() ? "\nunset label\nunset arrow\n" : "\n";
   }
 
- private:
+  std::string title_of(const std::string& name) const {
+    return titled_ ? "title " + gnuplot_text(name) : std::string("notitle");
+  }
+
+  // Margins in the whole figure's units; the legend stands above all of them.
+  void place_panel(std::size_t panel) {
+    const std::size_t columns = columns_of(figure_), rows = (panels_of(figure_) + columns - 1) / columns;
+    const std::size_t column = panel % columns, row = panel / columns;
+    const double left_mm =
+        figure_.y_names.empty() ? 15.0 : 3.0 + kLetter_mm * static_cast<double>(longest(figure_.y_names));
+    const double gap_mm = 4.0, head_mm = 5.0, foot_mm = 12.0, legend_mm = legend_rows() * kLine_mm;
+    const double width_mm = (size_.width_mm - left_mm - 3.0 - gap_mm * static_cast<double>(columns - 1)) /
+                            static_cast<double>(columns);
+    const double height_mm = (size_.height_mm - legend_mm - foot_mm - head_mm * static_cast<double>(rows)) /
+                             static_cast<double>(rows);
+    const double x_mm = left_mm + static_cast<double>(column) * (width_mm + gap_mm);
+    const double top_mm =
+        legend_mm + head_mm * static_cast<double>(row + 1) + height_mm * static_cast<double>(row);
+    const bool lowest = row + 1 == rows || panel + columns >= panels_of(figure_);
+    text_ += fmt::format(
+        "set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\nset tmargin at screen {:.4f}\nset "
+        "bmargin at "
+        "screen {:.4f}\nset title {} noenhanced offset 0,-0.8\n",
+        x_mm / size_.width_mm, (x_mm + width_mm) / size_.width_mm, 1.0 - top_mm / size_.height_mm,
+        1.0 - (top_mm + height_mm) / size_.height_mm, gnuplot_text(figure_.panels[panel]));
+    if (figure_.y_names.empty())
+      text_ += column == 0 ? fmt::format("set ylabel {} noenhanced\nset format y '{}'\n",
+                                         gnuplot_text(figure_.y_label), figure_.log_y ? "%g" : "% h")
+                           : std::string("unset ylabel\nset format y ''\n");
+    else if (column > 0)
+      text_ += "unset ylabel\nset ytics format ''\n" + blank_ticks(figure_.y_names.size());
+    if (figure_.x_names.empty())
+      text_ += fmt::format("set format x '{}'\n", lowest ? (figure_.log_x ? "%g" : "% h") : "");
+    text_ += lowest && column == columns / 2
+                 ? "set xlabel " + gnuplot_text(figure_.x_label) + " noenhanced offset 0,0.5\n"
+                 : std::string("unset xlabel\n");
+    text_ += "unset key\n";
+    if (panel == 0) add_legend();
+  }
+
+  // The legend of all panels, in lines above them.
+  void add_legend() {
+    const std::vector<Entry> entries = all_entries();
+    const std::size_t across = legend_columns();
+    for (std::size_t k = 0; k < entries.size() && entries.size() > 1; ++k) {
+      const double x_mm = 3.0 + static_cast<double>(k % across) * legend_entry_mm(),
+                   y_mm = kLine_mm * (static_cast<double>(k / across) + 0.6);
+      const auto at = [&](double off_mm) {
+        return fmt::format("screen {:.4f}, screen {:.4f}", (x_mm + off_mm) / size_.width_mm,
+                           1.0 - y_mm / size_.height_mm);
+      };
+      const Entry& e = entries[k];
+      text_ += fmt::format("set label {} at {} left noenhanced\n", gnuplot_text(group_of(*e.series.front())),
+                           at(6.0));
+      if (e.series.front()->style != Style::dots)
+        text_ += fmt::format("set arrow from {} to {} nohead lw 1.2 dt {} lc rgb '{}'\n", at(0.0), at(4.5),
+                             e.look.dash, e.look.colour);
+      if (!is_line(*e.series.front()) || e.series.front()->style == Style::line_and_dots)
+        text_ += fmt::format("set label '' at {} point {}\n", at(2.2),
+                             marks_of(e, kLargeDot) + " lc rgb '" + e.look.colour + "'");
+    }
+  }
+
+  // One a group, of all panels.
+  std::vector<Entry> all_entries() const {
+    std::vector<Entry> entries;
+    for (std::size_t p = 0; p < panels_of(figure_); ++p)
+      for (Entry& e : entries_of(figure_, p))
+        if (std::ranges::none_of(entries, [&](const Entry& other) {
+              return group_of(*other.series.front()) == group_of(*e.series.front());
+            }))
+          entries.push_back(std::move(e));
+    return entries;
+  }
+
+  static std::string blank_ticks(std::size_t count) {
+    std::string text = "set ytics (";
+    for (std::size_t k = 0; k < count; ++k) text += fmt::format("{}'' {}", k ? ", " : "", k);
+    return text + ")\n";
+  }
+
+  double legend_entry_mm() const {
+    std::size_t characters = 0;
+    for (const FigureSeries& s : figure_.series) characters = std::max(characters, width_of(group_of(s)));
+    return kLetter_mm * static_cast<double>(characters) + 9.0;
+  }
+  std::size_t legend_columns() const {
+    return static_cast<std::size_t>(std::max(1.0, std::floor((size_.width_mm - 4.0) / legend_entry_mm())));
+  }
+  double legend_rows() const {
+    const std::size_t entries = all_entries().size(), across = legend_columns();
+    return entries < 2 ? 0.0 : static_cast<double>((entries + across - 1) / across);
+  }
+
+  // Each name beside the last point of its first line, moved apart where they would lie on each other.
+  void name_ends(const std::vector<Entry>& entries) {
+    struct End {
+      double place = 0.0;
+      std::string name, colour;
+    };
+    std::vector<End> ends;
+    const auto add = [&](double y, const std::string& name, const std::string& colour) {
+      ends.push_back({y_.place(y, figure_.log_y), name, colour});
+    };
+    for (const Entry& e : entries) {
+      const FigurePoint* last = nullptr;
+      for (const FigurePoint& p : e.series.front()->points)
+        if (can_draw(figure_, p) && (!last || p.x > last->x)) last = &p;
+      if (last) add(last->y, group_of(*e.series.front()), e.look.colour);
+    }
+    for (const FigureLine& line : figure_.lines)
+      if (!figure_.log_y || line.y > 0.0) add(line.y, line.label, "#222222");
+    std::ranges::stable_sort(ends, {}, &End::place);
+    const double gap = kLine_mm / (size_.height_mm - 14.0);
+    for (std::size_t k = 1; k < ends.size(); ++k)
+      ends[k].place = std::max(ends[k].place, ends[k - 1].place + gap);
+    double most = 1.0;
+    for (std::size_t k = ends.size(); k-- > 0; most -= gap)
+      ends[k].place = most = std::min(ends[k].place, most);
+    std::vector<std::string> names;
+    for (const End& end : ends) {
+      names.push_back(end.name);
+      text_ += fmt::format("set label {} at graph 1.015, graph {:.4f} left noenhanced textcolor rgb '{}'\n",
+                           gnuplot_text(end.name), end.place, end.colour);
+    }
+    text_ += fmt::format("set rmargin at screen {:.4f}\n",
+                         1.0 - (4.0 + kLetter_mm * static_cast<double>(longest(names))) / size_.width_mm);
+  }
+
   void add_map(const FigureMap& map) {
-    // dark is good: from blue through green to yellow, ordered in grey too
+    const bool both_signs = map.least < 0.0 && map.most > 0.0;
+    // below zero blue, above it orange, both the darker the farther off
     text_ +=
-        "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 '#fde725')\n";
-    text_ += fmt::format("set cbrange [{}:{}]\nset cblabel {} noenhanced\n", map.least, map.most,
-                         gnuplot_text(map.label));
-    Block block(text_, blocks_++);
+        both_signs
+            ? "set palette defined (-1 '#08306b', -0.5 '#4a8fd0', 0 '#ffffff', 0.5 '#e88a3c', 1 '#7f2704')\n"
+            : "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 "
+              "'#fde725')\n";
+    text_ += fmt::format("set cbrange [{}:{}]\nset cblabel {} noenhanced\nset cbtics scale 0.5\n", map.least,
+                         map.most, gnuplot_text(map.label));
+    if (both_signs) text_ += "set cbtics add ('0 =' 0)\n";
+    const std::string block = begin_block();
     for (std::size_t r = 0; r < map.y.size(); ++r) {
       for (std::size_t c = 0; c < map.x.size(); ++c) {
         const double value = map.values[r * map.x.size() + c];
-        block.row({map.x[c], map.y[r], std::isnan(value) ? value : std::clamp(value, map.least, map.most)});
+        row({map.x[c], map.y[r], std::isnan(value) ? value : std::clamp(value, map.least, map.most)});
       }
-      block.gap();
+      text_ += '\n';
     }
-    plots_.push_back(block.end() + " using 1:2:3 with image pixels notitle");
+    end_block();
+    plots_.push_back(block + " using 1:2:3 with image pixels notitle");
   }
 
   void add_boxes(const Entry& entry) {
-    const bool bars = entry.series.front()->style == FigureSeries::Style::bars;
-    Block block(text_, blocks_++);
+    const bool bars = entry.series.front()->style == Style::bars;
+    const std::string name = begin_block();
     for (const FigureSeries* s : entry.series)
       for (const FigurePoint& p : s->points) {
         if (!can_draw(figure_, p) || !std::isfinite(p.low) || !std::isfinite(p.high)) continue;
         if (bars)
-          block.row({p.x, p.y, p.x - 0.5 * s->width, p.x + 0.5 * s->width, p.low, p.high});
+          row({p.x, p.y, p.x - 0.5 * s->width, p.x + 0.5 * s->width, p.low, p.high});
         else
-          block.row({p.x, p.low, p.least, p.most, p.high, s->width, p.y});
+          row({p.x, p.low, p.least, p.most, p.high, s->width, p.y});
       }
-    const std::string name = block.end(), title = gnuplot_text(group_of(*entry.series.front()));
+    end_block();
+    const std::string title = title_of(group_of(*entry.series.front()));
     if (bars) {
       // where colours come round again, hatched
       const std::string fill = entry.look.dash == 1 ? std::string("solid 0.75 noborder")
                                                     : fmt::format("pattern {} border", entry.look.dash + 2);
-      plots_.push_back(fmt::format("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fillstyle {} title {}",
-                                   name, entry.look.colour, fill, title));
+      plots_.push_back(fmt::format("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fillstyle {} {}", name,
+                                   entry.look.colour, fill, title));
       return;
     }
     plots_.push_back(fmt::format(
-        "{} using 1:2:3:4:5:6 with candlesticks whiskerbars 0.5 lc rgb '{}' lw 1.2 fillstyle solid 0.35 "
-        "border title {}",
+        "{} using 1:2:3:4:5:6 with candlesticks whiskerbars 0.5 lc rgb '{}' lw 0.8 fillstyle solid 0.35 "
+        "border {}",
         name, entry.look.colour, title));
     plots_.push_back(
-        fmt::format("{} using 1:7:7:7:7:6 with candlesticks lc rgb '#222222' lw 2 notitle", name));
+        fmt::format("{} using 1:7:7:7:7:6 with candlesticks lc rgb '#222222' lw 1.2 notitle", name));
   }
 
+  static std::string marks_of(const Entry& entry, double dot) {
+    const bool hollow = entry.series.front()->hollow;
+    return fmt::format("pt {} ps {}", hollow ? hollow_of(entry.look.marker) : entry.look.marker,
+                       hollow ? 1.4 * dot : dot);
+  }
+
+  static std::string drawn_as(const Entry& entry, double dot) {
+    const FigureSeries& s = *entry.series.front();
+    const FigureLook& look = entry.look;
+    const std::string dots = marks_of(entry, dot);
+    if (s.style == Style::dots)
+      return fmt::format("points {} lc rgb '{}'", dots,
+                         dot == kLargeDot ? look.colour : "#60" + look.colour.substr(1));
+    return fmt::format("{} lw {} dt {} lc rgb '{}'",
+                       s.style == Style::line_and_dots ? "linespoints " + dots : std::string("lines"),
+                       entry.series.size() > 1 ? 0.8 : 1.2, look.dash, look.colour);
+  }
+
+  // gnuplot's circle, triangle, square and so on without their filling.
+  static int hollow_of(int marker) { return marker > 4 && marker % 2 == 1 ? marker - 1 : marker; }
+
   void add_points(const Entry& entry) {
-    const FigureSeries::Style style = entry.series.front()->style;
     std::size_t most = 0;
     bool intervals = false;
-    Block block(text_, blocks_++);
+    const std::string name = begin_block();
     for (const FigureSeries* s : entry.series) {
       most = std::max(most, s->points.size());
       bool gap = true;
       for (const FigurePoint& p : s->points) {
         intervals |= has_interval(figure_, p);
+        const double here = figure_.y_names.empty() ? p.y : p.x;
         if (can_draw(figure_, p))
-          block.row(
-              {p.x, p.y, has_interval(figure_, p) ? p.low : p.y, has_interval(figure_, p) ? p.high : p.y});
+          row({p.x, p.y, has_interval(figure_, p) ? p.low : here, has_interval(figure_, p) ? p.high : here});
         else if (!gap)
-          block.gap();
+          text_ += '\n';
         gap = !can_draw(figure_, p);
       }
-      if (s != entry.series.back()) block.gap();
+      if (s != entry.series.back()) text_ += '\n';
     }
-    const std::string name = block.end(), title = gnuplot_text(group_of(*entry.series.front()));
-    const FigureLook& look = entry.look;
-    const std::string dots =
-        fmt::format("pt {} ps {}", look.marker, most <= kFewPoints ? kLargeDot : kSmallDot);
-    const double width = entry.series.size() > 1 ? 1.0 : 2.0;
-    if (style == FigureSeries::Style::dots)
-      plots_.push_back(fmt::format("{} using 1:2 with points {} lc rgb '{}' title {}", name, dots,
-                                   most <= kFewPoints ? look.colour : "#60" + look.colour.substr(1), title));
-    else
-      plots_.push_back(fmt::format("{} using 1:2 with {} lw {} dt {} lc rgb '{}' title {}", name,
-                                   style == FigureSeries::Style::line ? "lines" : "linespoints " + dots,
-                                   width, look.dash, look.colour, title));
-    // behind its entry, with which it is switched off; yerrorbars would blank the markers under their points
-    if (intervals)
-      plots_.push_back(fmt::format(
-          "{} using 1:3:(0):($4-$3) with vectors heads size screen 0.005,90 lw 1.2 lc rgb '{}' notitle", name,
-          look.colour));
+    end_block();
+    if (intervals && entry.series.front()->style == Style::band)
+      plots_.push_back(
+          fmt::format("{} using 1:3:4 with filledcurves lc rgb '{}' fillstyle transparent solid 0.2 "
+                      "noborder notitle",
+                      name, entry.look.colour));
+    else if (intervals)
+      plots_.push_back(
+          fmt::format("{} using {} with vectors heads size screen 0.004,90 lw 0.8 lc rgb '{}' notitle", name,
+                      figure_.y_names.empty() ? "1:3:(0):($4-$3)" : "3:2:($4-$3):(0)", entry.look.colour));
+    plots_.push_back(fmt::format("{} using 1:2 with {} {}", name,
+                                 drawn_as(entry, most <= kFewPoints ? kLargeDot : kSmallDot),
+                                 title_of(group_of(*entry.series.front()))));
   }
 
+  // Rows of a data block, which must not be empty; an empty row ends a line.
+  std::string begin_block() {
+    const std::string name = fmt::format("$d{}", blocks_++);
+    text_ += name + " << EOD\n";
+    empty_ = true;
+    return name;
+  }
+  void row(std::initializer_list<double> values) {
+    std::string line;
+    for (double v : values) line += (line.empty() ? "" : " ") + script_number(v);
+    text_ += line + '\n';
+    empty_ = false;
+  }
+  void end_block() { text_ += empty_ ? "NaN NaN NaN NaN NaN NaN\nEOD\n" : "EOD\n"; }
+
   const Figure& figure_;
+  FigureSize size_;
+  Range x_, y_;
+  bool direct_, titled_ = true, empty_ = true;
   std::string text_;
   std::vector<std::string> plots_;
   std::size_t blocks_ = 0;
 };
 
 }  // namespace
+
+FigureSize size_of(const Figure& figure) {
+  const bool narrow = figure.width == FigureWidth::column;
+  FigureSize size{narrow ? kColumn_mm : kPage_mm, narrow ? 62.0 : 90.0};
+  if (figure.equal_scales || figure.map) size.height_mm = narrow ? 72.0 : 120.0;
+  const auto rows = static_cast<double>((panels_of(figure) + columns_of(figure) - 1) / columns_of(figure));
+  if (!figure.y_names.empty())
+    size.height_mm = 26.0 + 4.4 * static_cast<double>(figure.y_names.size());
+  else if (!figure.panels.empty())
+    size.height_mm = 18.0 + 48.0 * rows;
+  return size;
+}
 
 std::string gnuplot_script(const Figure& figure) { return Script(figure).text(); }
 

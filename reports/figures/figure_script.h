@@ -7,8 +7,12 @@
 
 namespace trilat {
 
-// What gnuplot (5.4) draws a figure from, for any of its terminals: settings, the data and one plot command.
-// Texts are quoted so that nothing in them is a command. Equal figures give equal bytes.
+struct FigureSize {
+  double width_mm = 0.0, height_mm = 0.0;
+};
+FigureSize size_of(const Figure& figure);
+
+// The gnuplot commands that draw one figure with its numbers in them, onto whatever terminal is set.
 std::string gnuplot_script(const Figure& figure);
 
 }  // namespace trilat

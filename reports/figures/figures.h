@@ -19,12 +19,13 @@
 
 namespace trilat {
 
-// The methods that figures of a study show, in the order of the study: the paper's three, the plain mean, the
-// best answer of all and, of a study without any of these, its first ones.
-std::vector<std::string> methods_worth_a_figure(const ResultsSummary& summary);
+// The leading methods' mean errors with intervals, a panel a joint group, the least error on top;
+// `with_paper`: the paper's Table III as rings.
+Figure methods_figure(const ResultsSummary& summary, const std::string& condition, bool with_paper);
 
-// Errors of each joint group as boxes (quartiles and median; whiskers from the 5th to the 95th percentile)
-// with the mean and its interval, one figure a condition, in the study's first alignment.
+// The leading methods' errors of each joint group as boxes (quartiles and median; whiskers from the 5th to
+// the 95th percentile) with the mean and its interval, one figure a condition, in the study's first
+// alignment.
 std::vector<Figure> error_box_figures(const ResultsSummary& summary);
 
 // The rig from above: how well ranges fix a point at each place, and where the sensors stand.
@@ -49,8 +50,9 @@ std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
 // method.
 std::vector<Figure> clock_figures(const RecordingSummary& summary);
 
-// Table I as curves over the threshold C, the paper's beside ours with the printed and the corrected
-// gradient: error and steps of every reading that has a table, and the time of a solve where it was measured.
+// Error, steps, share of answers and, where it was measured, time over the threshold C: a panel for each rig,
+// error model and range of errors, a line for each other choice. With the paper's grid its Table I stands
+// beside.
 std::vector<Figure> sweep_figures(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
 
 // Heights of single joints over time, as in the paper's figures: for the first evaluated take of each

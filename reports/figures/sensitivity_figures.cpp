@@ -25,7 +25,7 @@ Figure slice_figure(const SensitivitySummary& s, const SensitivitySlice& slice,
                     const SensitivityClaim& claim) {
   const std::size_t fx = index_of_factor(s, slice.x), fy = index_of_factor(s, slice.y);
   Figure figure;
-  figure.id = usable_id(fmt::format("figure-slice-{}-{}", slice.name, claim.name));
+  figure.id = usable_id(fmt::format("slice-{}-{}", slice.name, claim.name));
   figure.title = fmt::format("{} (simulated)", claim.name);
   figure.caption = fmt::format(
       "Simulated, {} participants a point; everything else as the simulation has it. Colours: error of {} "
@@ -39,10 +39,12 @@ Figure slice_figure(const SensitivitySummary& s, const SensitivitySlice& slice,
     const double middle = (static_cast<double>(k) + 0.5) / static_cast<double>(slice.steps);
     map.x.push_back(static_cast<double>(k));
     map.y.push_back(s.value_at(fy, middle));
-    figure.x_names.push_back(s.text_at(fx, middle));
+    figure.x_names.push_back(s.factors[fx].values.empty() ? fmt::format("{:.2g}", s.value_at(fx, middle))
+                                                          : s.text_at(fx, middle));
   }
   for (const SensitivityPoint& point : s.points)
     if (point.design == slice.name) map.values.push_back(difference_percent(claim, s.methods, point));
+  figure.width = FigureWidth::column;
   figure.map = std::move(map);
   return figure;
 }
@@ -50,7 +52,7 @@ Figure slice_figure(const SensitivitySummary& s, const SensitivitySlice& slice,
 // Every factor's mean difference over its range.
 Figure factors_figure(const SensitivityClaim& claim) {
   Figure figure;
-  figure.id = usable_id("figure-factors-" + claim.name);
+  figure.id = usable_id("factors-" + claim.name);
   figure.title = fmt::format("{}, by factor (simulated)", claim.name);
   figure.caption =
       "Simulated: mean difference over the whole space but for one factor, with 95 % intervals. Below the "

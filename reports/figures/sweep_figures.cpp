@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <functional>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/table1.h"
 #include "reports/tables/tables.h"
@@ -11,114 +15,154 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kPaper = "the paper's";
+constexpr const char* kThePapers = "the paper's";
+constexpr std::size_t kMostPanels = 12, kMostLines = 6;
 
-using NumberOf = std::function<double(std::size_t threshold, std::size_t range)>;
+// A choice that readings differ in.
+using Setting = std::string SweepInterpretation::*;
+constexpr Setting kPanelSettings[] = {&SweepInterpretation::rig, &SweepInterpretation::error_model};
+constexpr std::pair<const char*, Setting> kLineSettings[] = {
+    {"joint", &SweepInterpretation::joint},       {"C in", &SweepInterpretation::threshold_unit},
+    {"gradient", &SweepInterpretation::gradient}, {"curvature", &SweepInterpretation::curvature},
+    {"stop", &SweepInterpretation::stop},         {"damping", &SweepInterpretation::damping},
+    {"start", &SweepInterpretation::start}};
 
-// One line an error range; they share a look, since they lie in the order of the ranges.
-void add_lines(Figure& figure, const std::string& group, const PrintedTable1& paper, const NumberOf& number) {
-  for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r) {
-    FigureSeries series{fmt::format("{}, {:g}-{:g} cm", group, paper.ranges_cm[r][0], paper.ranges_cm[r][1]),
-                        FigureSeries::Style::line_and_dots,
-                        {},
-                        group,
-                        group};
-    for (std::size_t t = 0; t < paper.rows.size(); ++t)
-      series.points.push_back({paper.rows[t].threshold, number(t, r)});
-    figure.series.push_back(std::move(series));
-  }
-}
-
-Figure empty_figure(const SweepSummary& s, const Table1Readings& readings, const char* what,
-                    std::size_t number) {
-  Figure figure;
-  figure.id = fmt::format("figure_table1_{}{}", what, number == 0 ? "" : fmt::format("-{}", number + 1));
-  figure.caption = fmt::format(
-      "Simulated ({}; {} trials a point, seed {}). One line for each range of errors; they lie in the order "
-      "of the "
-      "ranges, the largest errors on top. Printed: eq. 17 as it stands (E7). Both stop when the change of F "
-      "is "
-      "below C.",
-      readings.name, s.trials, s.seed);
-  figure.x_label =
-      fmt::format("stopping threshold C ({})", s.interpretations[*readings.printed].threshold_unit);
-  figure.log_x = true;
-  figure.log_y = true;
-  return figure;
-}
-
-// Of one reading; NaN where nothing answered.
-NumberOf of_cells(const SweepSummary& s, std::size_t reading,
-                  const std::function<double(const SweepCell&)>& get) {
-  return [&s, reading, get](std::size_t t, std::size_t r) { return get(s.cell(reading, t, r)); };
-}
-
-Figure error_figure(const SweepSummary& s, const Table1Readings& readings, const PrintedTable1& paper,
-                    std::size_t number) {
-  Figure figure = empty_figure(s, readings, "error", number);
-  figure.title = fmt::format("Table I: error over the threshold, {} (simulated)",
-                             s.interpretations[*readings.printed].rig);
-  figure.y_label =
-      readings.axis_mean ? "mean absolute error of an axis (cm)" : "mean distance to the joint (cm)";
-  figure.log_y = false;
-  const auto error_cm = [axis_mean = readings.axis_mean](const SweepCell& c) {
-    return kCentimetresPerMetre * (axis_mean ? c.axis_mean_mae_m() : c.mae_m);
-  };
-  add_lines(figure, kPaper, paper, [&](std::size_t t, std::size_t r) { return paper.rows[t].error_cm[r]; });
-  add_lines(figure, "printed gradient", paper, of_cells(s, *readings.printed, error_cm));
-  add_lines(figure, "corrected gradient", paper, of_cells(s, *readings.corrected, error_cm));
-  return figure;
-}
-
-Figure steps_figure(const SweepSummary& s, const Table1Readings& readings, const PrintedTable1& paper,
-                    std::size_t number) {
-  Figure figure = empty_figure(s, readings, "steps", number);
-  figure.title = fmt::format("Table I: what a threshold costs, {} (simulated)",
-                             s.interpretations[*readings.printed].rig);
-  figure.y_label = "mean number of steps";
-  const auto steps = [](const SweepCell& c) { return c.mean_iterations; };
-  add_lines(figure, "printed gradient", paper, of_cells(s, *readings.printed, steps));
-  add_lines(figure, "corrected gradient", paper, of_cells(s, *readings.corrected, steps));
-  return figure;
-}
-
-NumberOf time_us(const SweepSummary& s, const std::optional<SweepTimings>& timings, std::size_t reading) {
-  return [&s, &timings, reading](std::size_t t, std::size_t r) {
-    const SweepCellTiming* time = timing_of(timings, s.cell(reading, t, r));
-    return time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone;
-  };
-}
-
-std::optional<Figure> time_figure(const SweepSummary& s, const std::optional<SweepTimings>& timings,
-                                  const Table1Readings& readings, const PrintedTable1& paper,
-                                  std::size_t number) {
-  if (!timings || !timing_of(timings, s.cell(*readings.printed, 0, 0))) return std::nullopt;
-  Figure figure = empty_figure(s, readings, "time", number);
-  figure.title = fmt::format("Table I: time of one solve, {}", s.interpretations[*readings.printed].rig);
-  figure.caption +=
-      " Times are measured, ours on another machine than the paper's; where the paper prints a bound "
-      "(below 0.1 us) there is no point.";
-  figure.y_label = "time of a solve (us)";
-  add_lines(figure, kPaper, paper, [&](std::size_t t, std::size_t r) {
-    return paper.rows[t].time_is_below ? SweepCell::kNone : paper.rows[t].time_us[r];
+bool differs(const SweepSummary& s, const std::vector<std::size_t>& readings, Setting setting) {
+  return std::ranges::any_of(readings, [&](std::size_t r) {
+    return s.interpretations[r].*setting != s.interpretations[readings.front()].*setting;
   });
-  add_lines(figure, "printed gradient", paper, time_us(s, timings, *readings.printed));
-  add_lines(figure, "corrected gradient", paper, time_us(s, timings, *readings.corrected));
+}
+
+std::string panel_of(const SweepSummary& s, const std::vector<std::size_t>& readings, std::size_t reading,
+                     const SweepSummary::ErrorRange& range) {
+  std::vector<std::string> parts;
+  for (const Setting setting : kPanelSettings)
+    if (differs(s, readings, setting)) parts.push_back(s.interpretations[reading].*setting);
+  parts.push_back(
+      fmt::format("{:g}-{:g} cm", range.low_m * kCentimetresPerMetre, range.high_m * kCentimetresPerMetre));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string line_of(const SweepSummary& s, const std::vector<std::size_t>& readings, std::size_t reading) {
+  std::vector<std::string> parts;
+  for (const auto& [name, setting] : kLineSettings)
+    if (differs(s, readings, setting))
+      parts.push_back(fmt::format("{} {}", name, s.interpretations[reading].*setting));
+  return parts.empty() ? std::string("simulated") : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// What is drawn over the threshold.
+struct Quantity {
+  const char *id, *title, *y_label, *interval;
+  bool logarithmic = false;
+  std::function<FigurePoint(const SweepCell&)> of;  // but x
+  std::function<double(const PrintedTable1::Row&, std::size_t range)> printed =
+      {};  // of the paper; NaN: none
+};
+
+std::vector<Quantity> quantities(const std::optional<SweepTimings>& timings) {
+  std::vector<Quantity> all{
+      {"error", "Error over the stopping threshold", "mean error (cm)", "95 % interval of the mean", false,
+       [](const SweepCell& c) {
+         const double cm = c.mae_m * kCentimetresPerMetre,
+                      half = 1.96 * c.mae_standard_error_m * kCentimetresPerMetre;
+         return FigurePoint{0.0, cm, cm - half, cm + half};
+       },
+       [](const PrintedTable1::Row& row, std::size_t r) { return row.error_cm[r]; }},
+      {"steps", "Steps over the stopping threshold", "mean number of steps",
+       "from the median to the 99th percentile", true,
+       [](const SweepCell& c) {
+         return FigurePoint{0.0, c.mean_iterations, c.p50_iterations, c.p99_iterations};
+       }},
+      {"answered", "Answered trials over the stopping threshold", "answered (%)", "none", false,
+       [](const SweepCell& c) {
+         return FigurePoint{0.0, 100.0 * share_of(c.answered, c.asked)};
+       }}};
+  if (timings && !timings->cells.empty())
+    all.push_back(
+        {"time", "Time of a solve over the stopping threshold", "time of a solve (us)", "none", true,
+         [&timings](const SweepCell& c) {
+           const SweepCellTiming* time = timing_of(timings, c);
+           return FigurePoint{0.0, time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone};
+         },
+         [](const PrintedTable1::Row& row, std::size_t r) {
+           return row.time_is_below ? SweepCell::kNone : row.time_us[r];
+         }});
+  return all;
+}
+
+std::string unit_of_threshold(const SweepSummary& s, const std::vector<std::size_t>& readings) {
+  return differs(s, readings, &SweepInterpretation::threshold_unit)
+             ? std::string("as stated")
+             : s.interpretations[readings.front()].threshold_unit;
+}
+
+// The paper's numbers, if the sweep has its grid.
+std::optional<PrintedTable1> papers(const SweepSummary& s) {
+  PrintedTable1 paper = printed_table1();
+  if (table1_readings(s, paper).empty()) return std::nullopt;
+  return paper;
+}
+
+FigureSeries paper_series(const PrintedTable1& paper, const Quantity& quantity, std::size_t range,
+                          std::size_t panel) {
+  FigureSeries series{kThePapers, FigureSeries::Style::line_and_dots, {}, {}, "truth"};
+  series.panel = panel;
+  series.hollow = true;
+  for (const PrintedTable1::Row& row : paper.rows)
+    series.points.push_back({row.threshold, quantity.printed(row, range)});
+  return series;
+}
+
+Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
+  const std::vector<std::size_t> readings = readings_in_full(s);
+  const std::optional<PrintedTable1> paper = papers(s);
+  Figure figure;
+  figure.id = quantity.id;
+  figure.title = std::string(quantity.title) + " (simulated)";
+  figure.x_label = fmt::format("stopping threshold C ({})", unit_of_threshold(s, readings));
+  figure.y_label = quantity.y_label;
+  figure.log_x = true;
+  figure.log_y = quantity.logarithmic;
+  std::set<std::string> lines, left_out;
+  for (const std::size_t reading : readings)
+    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
+      const std::string panel = panel_of(s, readings, reading, s.ranges[r]),
+                        line = line_of(s, readings, reading);
+      auto place = std::ranges::find(figure.panels, panel);
+      if ((place == figure.panels.end() && figure.panels.size() == kMostPanels) ||
+          (!lines.contains(line) && lines.size() == kMostLines)) {
+        left_out.insert(panel + line);
+        continue;
+      }
+      lines.insert(line);
+      if (place == figure.panels.end()) {
+        place = figure.panels.insert(figure.panels.end(), panel);
+        if (paper && quantity.printed)
+          figure.series.push_back(paper_series(*paper, quantity, r, figure.panels.size() - 1));
+      }
+      FigureSeries series{line, FigureSeries::Style::band, {}};
+      series.panel = static_cast<std::size_t>(place - figure.panels.begin());
+      for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
+        FigurePoint point = quantity.of(s.cell(reading, t, r));
+        point.x = s.thresholds[t];
+        series.points.push_back(point);
+      }
+      std::ranges::sort(series.points, {}, &FigurePoint::x);
+      figure.series.push_back(std::move(series));
+    }
+  figure.caption =
+      fmt::format("Simulated, {} trials a point, seed {}; band: {}.{}{}", s.trials, s.seed, quantity.interval,
+                  left_out.empty() ? "" : fmt::format(" {} more lines are in sweep.csv.", left_out.size()),
+                  paper && quantity.printed ? " Rings: what the paper prints." : "");
   return figure;
 }
 
 }  // namespace
 
 std::vector<Figure> sweep_figures(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
-  const PrintedTable1 paper = printed_table1();
   std::vector<Figure> figures;
-  std::size_t number = 0;
-  for (const Table1Readings& readings : table1_readings(s, paper)) {
-    figures.push_back(error_figure(s, readings, paper, number));
-    figures.push_back(steps_figure(s, readings, paper, number));
-    if (auto time = time_figure(s, timings, readings, paper, number)) figures.push_back(std::move(*time));
-    ++number;
-  }
+  for (const Quantity& quantity : quantities(timings)) figures.push_back(figure_of(s, quantity));
   return figures;
 }
 

@@ -6,7 +6,9 @@
 #include <cstdint>
 
 #include <fmt/format.h>
+#include <zlib.h>
 
+#include "datasets/base/error.h"
 #include "reports/render/render.h"
 
 namespace trilat {
@@ -30,23 +32,33 @@ bool is_long(const Table& table, std::size_t column) {
                      [&](const auto& row) { return printed(row[column]).size() > kLong; });
 }
 
-// The number as CSV has it, when that is not what is printed.
-std::string raw_attribute(const TableValue& value, const std::string& text) {
-  if (!value.number || !std::isfinite(*value.number)) return {};
-  const std::string raw = fmt::format("{}", *value.number);
-  return raw == text ? "" : " data-v=\"" + raw + "\"";
+// The number as CSV has it, and its interval, when that is not what is printed.
+std::string raw_attribute(const TableColumn& column, const TableValue& value, const std::string& text) {
+  if (!value.number) return {};
+  const auto number = [](double v) { return std::isfinite(v) ? fmt::format("{}", v) : std::string(); };
+  const std::string raw = number(*value.number);
+  if (column.has_interval)
+    return fmt::format(" data-v=\"{}\" data-ends=\"{},{}\"", raw, number(value.low), number(value.high));
+  return raw.empty() || (raw == text && value.beside.empty()) ? "" : " data-v=\"" + raw + "\"";
 }
 
 std::string cell_html(const TableColumn& column, const TableValue& value, const char* tag, bool wraps) {
-  const std::string text = printed(value);
+  const std::string text = printed(value), interval = printed_interval(value);
+  std::string more;
+  if (value.mark == TableValue::Mark::like_best)
+    more += " <span title=\"not told apart from the best\">≈</span>";
+  if (!interval.empty()) more += " <small>" + interval + "</small>";
+  if (!value.beside.empty()) more += " <small class=\"beside\">" + html_text(value.beside) + "</small>";
   const bool is_verdict =
       column.is_text &&
       (column.key == "verdict" || (column.key == "differs" && (text == "better" || text == "worse")));
-  return fmt::format("<{}{}{}>{}</{}>", tag,
+  const std::string shown = is_verdict ? verdict_badge(text) : html_text(text);
+  return fmt::format("<{}{}{}>{}{}</{}>", tag,
                      !column.is_text ? " class=\"n\""
                      : wraps         ? " class=\"long\""
                                      : "",
-                     raw_attribute(value, text), is_verdict ? verdict_badge(text) : html_text(text),
+                     raw_attribute(column, value, text),
+                     value.mark == TableValue::Mark::best ? "<strong>" + shown + "</strong>" : shown, more,
                      std::string(tag).substr(0, 2));
 }
 
@@ -54,8 +66,12 @@ std::string head_html(const Table& table) {
   std::string html = "<thead><tr>";
   for (const TableColumn& column : table.columns)
     html += fmt::format(
-        "<th scope=\"col\" aria-sort=\"none\" data-key=\"{}\"{}><button type=\"button\">{}</button></th>",
-        html_text(column.key), column.is_text ? "" : " class=\"n\"", html_text(header_of(column)));
+        "<th scope=\"col\" aria-sort=\"none\" data-key=\"{}\"{}{}><button type=\"button\">{}</button></th>",
+        html_text(column.key),
+        column.has_interval ? fmt::format(" data-ends=\"{},{}\"", html_text(column.key_of_end("from")),
+                                          html_text(column.key_of_end("to")))
+                            : "",
+        column.is_text ? "" : " class=\"n\"", html_text(header_of(column)));
   return html + "</tr></thead>\n";
 }
 
@@ -63,8 +79,9 @@ std::string body_html(const Table& table) {
   std::vector<bool> wraps;
   for (std::size_t c = 0; c < table.columns.size(); ++c) wraps.push_back(is_long(table, c));
   std::string html = "<tbody>\n";
-  for (const auto& row : table.rows) {
-    html += "<tr>";
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    const auto& row = table.rows[r];
+    html += table.first_rows > 0 && r >= table.first_rows ? "<tr class=\"rest\">" : "<tr>";
     for (std::size_t c = 0; c < row.size(); ++c)
       html += cell_html(table.columns[c], row[c], c == 0 ? "th scope=\"row\"" : "td", wraps[c]);
     html += "</tr>\n";
@@ -74,14 +91,17 @@ std::string body_html(const Table& table) {
 
 std::string bar_html(const Table& table, const std::string& commands) {
   std::string html = "<div class=\"bar\">";
-  if (table.rows.size() >= kFewRows)
+  if (table.first_rows > 0 && table.first_rows < table.rows.size())
+    html += fmt::format("<button type=\"button\" class=\"rest script\">Show {} more rows</button>",
+                        table.rows.size() - table.first_rows);
+  else if (table.rows.size() >= kFewRows)
     html += fmt::format(
         "<input class=\"script\" type=\"search\" placeholder=\"Filter rows\" aria-label=\"Filter rows of "
         "this "
         "table\"><span class=\"shown\" role=\"status\">{} rows</span>",
         table.rows.size());
   html += fmt::format(
-      "<a href=\"{0}.csv\">CSV</a><a href=\"{0}.tex\">LaTeX</a><button type=\"button\" "
+      "<a href=\"tables/{0}.csv\">CSV</a><a href=\"tables/{0}.tex\">LaTeX</a><button type=\"button\" "
       "class=\"copy script\">Copy CSV</button>",
       html_text(table.id));
   if (!commands.empty())
@@ -109,7 +129,7 @@ std::string html_of(const Table& table, const std::string& commands) {
       "<div class=\"table{}{}\" id=\"table-{}\">\n<p class=\"title\">{}</p>\n{}<div class=\"scroll\" "
       "tabindex=\"0\" "
       "role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n",
-      table.id == "claims" ? " claims" : "", table.columns.size() > kMany ? " many" : "", id,
+      table.id == "paper/claims" ? " claims" : "", table.columns.size() > kMany ? " many" : "", id,
       html_title(table.title), bar_html(table, commands), html_text(table.title), html_text(table.title));
   html += head_html(table) + body_html(table) + "</table></div>\n";
   if (!table.notes.empty()) {
@@ -161,6 +181,22 @@ std::string html_sentence(std::string_view text) {
   if (code) result += "</code>";
   if (bold) result += "</strong>";
   return result;
+}
+
+std::string html_list(const char* kind, const std::vector<std::string>& sentences) {
+  std::string html;
+  for (const std::string& sentence : sentences) html += "<li>" + html_sentence(sentence) + "</li>\n";
+  return html.empty() ? html : fmt::format("<ul class=\"{}\">\n{}</ul>\n", kind, html);
+}
+
+std::string deflated(std::string_view bytes) {
+  uLongf size = compressBound(bytes.size());
+  std::string packed(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                             reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_COMPRESSION);
+  TRILAT_CHECK(code == Z_OK, "a buffer of compressBound() is large enough");
+  packed.resize(size);
+  return packed;
 }
 
 std::string base64_of(std::string_view bytes) {

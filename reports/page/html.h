@@ -25,6 +25,10 @@ std::string html_text(std::string_view text);
 std::string html_sentence(std::string_view text);
 
 // RFC 4648, with padding.
+// A list of sentences; empty without any.
+std::string html_list(const char* style, const std::vector<std::string>& sentences);
+// zlib, as DecompressionStream("deflate") of a browser reads it.
+std::string deflated(std::string_view bytes);
 std::string base64_of(std::string_view bytes);
 
 }  // namespace trilat

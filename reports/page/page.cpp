@@ -12,8 +12,8 @@
 namespace trilat {
 namespace {
 
-// Of all replays, so that the page stays below 15 MB.
-constexpr std::size_t kMostBytes = 8'000'000;
+// Of all replays, so that the page stays below 3 MB.
+constexpr std::size_t kMostBytes = 700'000;
 
 // JSON in a script element: no "<" may end it.
 std::string script_json(const std::string& json) {
@@ -52,7 +52,7 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
         "for studies of kind accuracy.</p>\n";
     return section;
   }
-  if (three_js.empty() || three_js.find("</script") != std::string::npos) {
+  if (three_js.empty()) {
     section.html =
         "<p>There is no replay: three.js was not found. Install the Debian package "
         "<code>libjs-three</code> and write the report again.</p>\n";
@@ -70,25 +70,16 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
   section.html +=
       "<div class=\"replay\" id=\"replay-view\"><p class=\"soft\">The replay needs a browser with "
       "JavaScript and WebGL.</p></div>\n" +
-      data + "<script type=\"text/plain\" id=\"three-js\">" + three_js + "</script>\n<script>\n" +
-      embedded::replay_js + "</script>\n";
+      data + "<script type=\"text/plain\" id=\"three-js\">" + base64_of(deflated(three_js)) +
+      "</script>\n<script>\n" + embedded::replay_js + "</script>\n";
   return section;
 }
 
 constexpr const char* kTitle = "Trilateration accuracy";
-constexpr int kMostFindings = 8;  // on the first screen
-constexpr const char* kRecorded =
-    "<p>Recorded, for comparison (docs/real_recordings.md): against Vicon one real Kinect v2 errs by 0.8 to "
-    "4.4 cm on average over the joints, by movement (UI-PRMD, five persons; each joint’s constant offset "
-    "taken "
-    "away). Two at 90 degrees disagree by 5.5 (ankle) to 11 cm (elbow) in the median while a person walks "
-    "(KinectMultiTrack, six persons). How like them simulated sensors are, the study “twins” says.</p>\n";
 
-// Forbids the page to load anything. Pictures are documents of their own, with scripts of their own.
+// Forbids the page to load anything but pictures that lie beside it.
 constexpr const char* kPolicy =
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; object-src "
-    "data:; "
-    "frame-src data:";
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: 'self' file:";
 
 std::string head_html(const ReportContent& content) {
   return fmt::format(
@@ -97,7 +88,7 @@ std::string head_html(const ReportContent& content) {
       "content=\"{}\">\n<meta name=\"generator\" content=\"{}\">\n<link rel=\"icon\" href=\"data:,\">\n"
       "<title>{} – {}</title>\n<style>\n{}</style>\n<script>document.documentElement.dataset.theme = "
       "matchMedia(\"(prefers-color-scheme: dark)\").matches ? \"dark\" : \"light\";</script>\n</head>\n",
-      kPolicy, kProgramVersion, kTitle, html_text(origin_of(content)), embedded::page_css);
+      kPolicy, kProgramVersion, kTitle, html_text(content.headline.origin), embedded::page_css);
 }
 
 std::string contents_html(const std::vector<PageSection>& sections) {
@@ -117,33 +108,38 @@ std::string contents_html(const std::vector<PageSection>& sections) {
          "</nav>\n";
 }
 
+std::string verdicts_html(const Headline& headline) {
+  if (headline.verdicts.empty()) return {};
+  std::string html = "<p class=\"tally\">The paper’s claims:";
+  for (const auto& [verdict, count] : headline.verdicts)
+    html += fmt::format(" <a href=\"#claims\">{} {}</a>", count, verdict_badge(verdict));
+  return html + "</p>\n";
+}
+
+// The first screen: what was asked, what was found, on which data, and where to go on.
 std::string lead_html(const ReportContent& content) {
-  bool simulated = false;
-  const std::size_t tables = tables_of(content).size(), figures = figures_of(content).size();
-  for (const Chapter& chapter : content.chapters) simulated |= chapter.simulated;
-  std::string html = fmt::format("<p class=\"origin\">{}</p>\n<h1>{}</h1>\n<p class=\"lead\">",
-                                 html_text(origin_of(content)), kTitle);
-  html += fmt::format(
-      "How well several Kinect v2 sensors find a person’s joints: {} stud{}, {} tables, {} figures.",
-      content.chapters.size(), content.chapters.size() == 1 ? "y" : "ies", tables, figures);
-  if (simulated)
-    html +=
-        " Where it says simulated, no camera was used: a number says what follows from the errors that "
-        "sensors and "
-        "body tracker are declared to have. By default the tracker’s are measured on real people.";
-  html += "</p>\n";
-  std::string findings;
-  int shown = 0;
+  const Headline& headline = content.headline;
+  std::string html = fmt::format("<header>\n<p class=\"origin\">{}</p>\n<h1>{}</h1>\n",
+                                 html_text(headline.origin), html_text(headline.asked));
+  html += html_list("answers", headline.answers) + verdicts_html(headline) +
+          html_list("warnings", headline.warnings);
+  if (!headline.figures.empty()) html += "<div class=\"first\">\n";
+  for (const auto& [chapter, figure] : headline.figures)
+    html += figure_html(content.chapters[chapter].figures[figure]);
+  if (!headline.figures.empty()) html += "</div>\n";
+  html += "<p class=\"soft\">";
   for (const Chapter& chapter : content.chapters)
-    for (const std::string& finding : chapter.findings)
-      if (shown++ < kMostFindings)
-        findings += fmt::format("<li>{}: {}</li>\n", html_text(chapter.title), html_sentence(finding));
-  if (shown > kMostFindings)
-    findings += fmt::format("<li>and {} more in the studies below</li>\n", shown - kMostFindings);
-  if (!findings.empty())
-    html += "<p>Mean error on average over the joint groups:</p>\n<ul class=\"findings\">\n" + findings +
-            "</ul>\n";
-  return simulated ? html + kRecorded : html;
+    if (chapter.simulated) {
+      html +=
+          "Simulated: no camera was used; a number says what follows from the errors that sensors and body "
+          "tracker are "
+          "declared to have, by default as measured on real people. ";
+      break;
+    }
+  return html + fmt::format(
+                    "Below: {} tables and the replay; everything else is in <a "
+                    "href=\"all-tables.html\">all-tables.html</a>.</p>\n</header>\n",
+                    content.shown_tables().size());
 }
 
 std::string citation_html(const std::string& citation) {
@@ -155,25 +151,44 @@ std::string citation_html(const std::string& citation) {
 
 }  // namespace
 
-std::string page_of(const ReportContent& content, const PageOptions& options) {
-  std::set<std::string> shown;
-  std::vector<PageSection> sections{runs_section(content), claims_section(content),
-                                    paper_section(content, shown), audit_section(content)};
-  sections.push_back(replay_section(content, options.three_js));
-  for (PageSection& section : chapter_sections(content, shown)) sections.push_back(std::move(section));
-  sections.push_back(parameters_section(content));
-  sections.push_back(provenance_section(content));
-  sections.push_back({"article", "For an article", citation_html(options.citation)});
+namespace {
+
+std::string document(const ReportContent& content, const PageOptions& options,
+                     std::vector<PageSection> sections, const std::string& lead) {
   std::erase_if(sections, [](const PageSection& section) { return section.html.empty(); });
-  std::string html = head_html(content) +
-                     "<body>\n<a class=\"skip\" href=\"#runs\">To the content</a>\n<div class=\"frame\">\n" +
-                     contents_html(sections) + "<main>\n" + lead_html(content);
+  std::string html = head_html(content) + "<body>\n<a class=\"skip\" href=\"#" + sections.front().id +
+                     "\">To the content</a>\n<div class=\"frame\">\n" + contents_html(sections) + "<main>\n" +
+                     lead;
   for (const PageSection& section : sections)
     html += fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", section.id,
                         html_text(section.name), section.html);
   html += fmt::format("<footer>Made by {}, {}.</footer>\n</main>\n</div>\n<script>\n{}</script>\n",
                       kProgramVersion, html_text(options.made), embedded::page_js);
   return html + "</body>\n</html>\n";
+}
+
+}  // namespace
+
+std::string page_of(const ReportContent& content, const PageOptions& options) {
+  std::vector<PageSection> sections;
+  for (PageSection& section : chapter_sections(content)) sections.push_back(std::move(section));
+  // what the reader's own studies found comes before somebody else's paper
+  sections.insert(content.headline.verdicts.empty() ? sections.end() : sections.begin(),
+                  claims_section(content));
+  sections.push_back(errata_section(content));
+  sections.push_back(replay_section(content, options.three_js));
+  sections.push_back(provenance_section(content));
+  sections.push_back({"article", "For an article", citation_html(options.citation)});
+  return document(content, options, std::move(sections), lead_html(content));
+}
+
+std::string all_tables_of(const ReportContent& content, const PageOptions& options) {
+  std::vector<PageSection> sections = other_sections(content);
+  sections.push_back({"back", "Back", "<p><a href=\"report.html\">report.html</a></p>\n"});
+  return document(
+      content, options, std::move(sections),
+      "<h1>All other tables and figures</h1>\n<p>What <a href=\"report.html\">report.html</a> does not "
+      "show. A table opens at a click.</p>\n");
 }
 
 }  // namespace trilat

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <set>
 #include <string>
 #include <vector>
 
@@ -9,34 +8,25 @@
 
 namespace trilat {
 
-// A part of the page with a line in its table of contents.
+// A part of a page with a line in its table of contents.
 struct PageSection {
   std::string id, name;
   std::string html;  // without the heading; empty: the section is left out
 };
 
-// What was run on what, a line a results folder.
-PageSection runs_section(const ReportContent& content);
-// The paper's claims with verdicts.
+// The paper's claims with verdicts, and what it prints that cannot be so.
 PageSection claims_section(const ReportContent& content);
-// What the paper prints that cannot be so: its own numbers recomputed, and every erratum with its effect.
-PageSection audit_section(const ReportContent& content);
-// Tables I to IV and the calibration, ours beside the paper's, with the claims that rest on them. Tells which
-// tables it shows, by id.
-PageSection paper_section(const ReportContent& content, std::set<std::string>& shown);
-// One a results folder: what it says, its tables but those already shown, its figures.
-std::vector<PageSection> chapter_sections(const ReportContent& content, const std::set<std::string>& shown);
-// What the simulations assume.
-PageSection parameters_section(const ReportContent& content);
+PageSection errata_section(const ReportContent& content);
+// One a results folder: what it says, its shown tables with the claims that rest on them, its first figures.
+std::vector<PageSection> chapter_sections(const ReportContent& content);
+// The tables and figures that the page does not show, one section a results folder, and what the simulations
+// assume.
+std::vector<PageSection> other_sections(const ReportContent& content);
 // Resolved configurations, hashes, versions, seeds, machines, and the commands that make it all again.
 PageSection provenance_section(const ReportContent& content);
 
-// Boxes that hide and show the rows of methods in the tables of the section that it stands in; page.js fills
-// it.
-std::string method_panel();
-
-// What every number of the report comes from: "simulated", "recorded", or both.
-std::string origin_of(const ReportContent& content);
+// A picture with its caption, in the page itself, or (`linked`) as the file beside it.
+std::string figure_html(const DrawnFigure& figure, bool linked = false);
 
 struct PageOptions {
   std::string made;      // when, as the page says it
@@ -47,5 +37,7 @@ struct PageOptions {
 // report.html: one document that needs no other file and no network. Equal content and options give equal
 // bytes.
 std::string page_of(const ReportContent& content, const PageOptions& options);
+// all-tables.html, which lies beside it: what the page does not show.
+std::string all_tables_of(const ReportContent& content, const PageOptions& options);
 
 }  // namespace trilat

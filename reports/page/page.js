@@ -63,45 +63,12 @@
     count(box);
   };
 
-  // Methods: one panel a chapter hides and shows their rows in all of the chapter's tables.
-  const methodColumns = (scope) => [...scope.querySelectorAll("table")].map((table) =>
-    [table, [...table.tHead.rows[0].cells].findIndex((th) => th.dataset.key === "method")]).filter(([, c]) => c >= 0);
-  const fill = (panel) => {
-    const field = panel.querySelector("fieldset");
-    if (field.childElementCount > 1) return;
-    const columns = methodColumns(panel.closest("section")), names = new Set();
-    for (const [table, c] of columns) for (const row of table.tBodies[0].rows) names.add(row.cells[c].textContent.trim());
-    const apply = () => {
-      const off = new Set([...field.querySelectorAll("input:not(:checked)")].map((box) => box.value));
-      for (const [table, c] of columns) {
-        for (const row of table.tBodies[0].rows) row.classList.toggle("off", off.has(row.cells[c].textContent.trim()));
-        count(table.closest(".table"));
-      }
-      panel.querySelector("summary small").textContent = off.size ? `${off.size} of ${names.size} hidden` : "all shown";
-    };
-    for (const [text, checked] of [["all", true], ["none", false]]) {
-      const set = document.createElement("button");
-      set.type = "button";
-      set.textContent = text;
-      set.addEventListener("click", () => { for (const box of field.querySelectorAll("input")) box.checked = checked; apply(); });
-      field.append(set);
-    }
-    for (const name of names) {
-      const label = document.createElement("label"), box = document.createElement("input");
-      Object.assign(box, { type: "checkbox", checked: true, value: name });
-      box.addEventListener("change", apply);
-      label.append(box, name);
-      field.append(label);
-    }
-  };
-  for (const panel of document.querySelectorAll("details.methods"))
-    panel.addEventListener("toggle", () => { if (panel.open) fill(panel); });
-
   const field = (text) => /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-  const csv = (table) => [[...table.tHead.rows[0].cells].map((th) => field(th.dataset.key)),
+  const ends = (cell) => cell.dataset.ends === undefined ? "" : "," + cell.dataset.ends;
+  const csv = (table) => [[...table.tHead.rows[0].cells].map((th) => field(th.dataset.key) + ends(th)),
     ...[...table.tBodies[0].rows].map((row) => [...row.cells].map((cell) => {
       const raw = cell.dataset.v ?? cell.textContent.trim();
-      return cell.classList.contains("n") && raw === "–" ? "" : field(raw);
+      return (cell.classList.contains("n") && raw === "–" ? "" : field(raw)) + ends(cell);
     }))].map((row) => row.join(",") + "\r\n").join("");
   const copy = async (pressed) => {
     const text = csv(pressed.closest(".table").querySelector("table"));
@@ -123,10 +90,12 @@
     if (head) sort(head.parentElement);
     const copying = event.target.closest("button.copy");
     if (copying) copy(copying);
+    const rest = event.target.closest("button.rest");
+    if (rest) rest.closest(".table").classList.add("whole");
   });
   document.addEventListener("input", (event) => { if (event.target.matches(".bar input[type=search]")) filter(event.target); });
 
-  // A link into a folded table opens it; a print has everything.
+  // A link into a folded table opens it.
   const unfold = () => {
     let at = location.hash.length > 1 ? document.getElementById(decodeURIComponent(location.hash.slice(1))) : null;
     if (!at) return;
@@ -136,13 +105,6 @@
   };
   addEventListener("hashchange", unfold);
   unfold();
-  let opened = [];
-  addEventListener("beforeprint", () => {
-    opened = [...document.querySelectorAll("details.fold:not([open])")];
-    for (const fold of opened) fold.open = true;
-  });
-  addEventListener("afterprint", () => { for (const fold of opened) fold.open = false; });
-
   const links = new Map([...document.querySelectorAll("nav.contents a")].map((a) => [a.hash.slice(1), a]));
   const seen = new IntersectionObserver((entries) => {
     for (const { isIntersecting, target } of entries) {

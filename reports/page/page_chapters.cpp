@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The chapters of the studies, and what stands behind them.
+// What stands below the first screen.
+#include <algorithm>
+#include <set>
+
 #include <fmt/format.h>
 
 #include "reports/page/html.h"
@@ -8,17 +11,31 @@
 namespace trilat {
 namespace {
 
-// A document of its own, so that the scripts of one picture do not see those of another.
-std::string figure_html(const DrawnFigure& drawn) {
-  const Figure& figure = drawn.figure;
-  const std::string id = html_text(figure.id), title = html_text(figure.title);
-  return fmt::format(
-      "<figure class=\"picture\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
-      "aria-label=\"{1}\"><object type=\"image/svg+xml\" "
-      "data=\"data:image/svg+xml;base64,{2}\">{1}</object></div>\n"
-      "<figcaption>{3} <a href=\"{0}.svg\">SVG</a> <a href=\"{0}.pdf\">PDF</a> <a "
-      "href=\"{0}.csv\">CSV</a></figcaption>\n</figure>\n",
-      id, title, base64_of(drawn.svg), html_text(figure.caption));
+std::size_t column_of(const Table& table, const std::string& key) {
+  const auto found = std::ranges::find(table.columns, key, &TableColumn::key);
+  return static_cast<std::size_t>(found - table.columns.begin());
+}
+
+// The part of the paper that a table stands beside: "Table III" of "Table III: mean error …".
+std::string place_in_paper(const Table& table) {
+  if (table.title.starts_with("Table ")) return table.title.substr(0, table.title.find_first_of(":,"));
+  return table.title.starts_with("Finding the wand") ? "Calibration" : "";
+}
+
+// Whether "abstract, Table III" names a place.
+bool names(const std::string& places, const std::string& place) {
+  const std::string all = ", " + places + ",";
+  return !place.empty() && all.find(", " + place + ",") != std::string::npos;
+}
+
+std::string claims_on(const std::optional<Table>& claims, const std::string& place) {
+  std::string html;
+  if (!claims) return html;
+  const std::size_t where = column_of(*claims, "where"), verdict = column_of(*claims, "verdict");
+  for (const auto& row : claims->rows)
+    if (names(row[where].text, place))
+      html += fmt::format("<li>{} {}</li>\n", html_text(row.front().text), verdict_badge(row[verdict].text));
+  return html.empty() ? html : "<ul class=\"notes\">\n" + html + "</ul>\n";
 }
 
 std::string folded(const Table& table, const std::string& commands) {
@@ -26,34 +43,43 @@ std::string folded(const Table& table, const std::string& commands) {
                      html_title(table.title), table.rows.size(), html_of(table, commands));
 }
 
-bool has_methods(const Chapter& chapter) {
-  for (const Table& table : chapter.tables)
-    for (const TableColumn& column : table.columns)
-      if (column.key == "method") return true;
-  return false;
-}
-
-std::string chapter_html(const Chapter& chapter, const std::set<std::string>& shown) {
-  std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
-  for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
-  if (has_methods(chapter)) html += method_panel();
-  const std::string commands = commands_of(chapter.provenance);
-  std::string details;
-  for (std::size_t t = 0; t < chapter.tables.size(); ++t) {
-    const Table& table = chapter.tables[t];
-    if (shown.contains(table.id))
-      html += fmt::format("<p><a href=\"#table-{}\">{}</a> stands above.</p>\n", html_text(table.id),
-                          html_text(table.title.substr(0, table.title.find(" ("))));
-    else if (t < chapter.first_tables)
-      html += html_of(table, commands);
-    else
-      details += folded(table, commands);
-  }
-  for (const DrawnFigure& figure : chapter.figures) html += figure_html(figure);
-  return details.empty() ? html : html + "<h3>Details</h3>\n" + details;
+bool is_in(const std::vector<const Table*>& tables, const Table& table) {
+  return std::ranges::find(tables, &table) != tables.end();
 }
 
 std::string chapter_id(std::size_t number) { return fmt::format("chapter-{}", number + 1); }
+
+// Those of the first screen are not shown again.
+bool is_in_headline(const ReportContent& content, std::size_t chapter, std::size_t figure) {
+  return std::ranges::find(content.headline.figures, std::pair{chapter, figure}) !=
+         content.headline.figures.end();
+}
+
+std::string chapter_html(const ReportContent& content, std::size_t number) {
+  const Chapter& chapter = content.chapters[number];
+  const std::vector<const Table*> shown = content.shown_tables();
+  std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
+  for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
+  html += html_list("warnings", chapter.warnings);
+  const std::string commands = commands_of(chapter.provenance);
+  std::set<std::string> judged;
+  std::size_t others = chapter.apart.size() + chapter.figures.size() - chapter.first_figures;
+  for (const Table& table : chapter.tables) {
+    others += !is_in(shown, table);
+    if (!is_in(shown, table)) continue;
+    if (const std::string place = place_in_paper(table); judged.insert(place).second)
+      html += claims_on(content.claims, place);
+    html += html_of(table, commands);
+  }
+  for (std::size_t f = 0; f < chapter.first_figures; ++f)
+    if (!is_in_headline(content, number, f)) html += figure_html(chapter.figures[f]);
+  if (others > 0)
+    html += fmt::format(
+        "<p class=\"more\"><a href=\"all-tables.html#{}\">{} more tables and figures</a> of this "
+        "study are in all-tables.html, beside this page.</p>\n",
+        chapter_id(number), others);
+  return html;
+}
 
 void add_fact(std::string& html, const char* name, const std::string& value) {
   if (!value.empty()) html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_text(value));
@@ -112,42 +138,62 @@ std::string provenance_html(const Provenance& p) {
 
 }  // namespace
 
-std::string method_panel() {
-  return "<details class=\"methods script\"><summary>Methods <small>all "
-         "shown</small></summary><fieldset><legend "
-         "class=\"soft\">Rows of these methods are shown in the tables of this "
-         "section</legend></fieldset></details>\n";
+std::string figure_html(const DrawnFigure& drawn, bool linked) {
+  const Figure& figure = drawn.figure;
+  const std::string id = html_text(figure.id), title = html_text(figure.title);
+  const std::string source =
+      linked ? "figures/" + id + ".svg" : "data:image/svg+xml;base64," + base64_of(drawn.svg);
+  return fmt::format(
+      "<figure class=\"picture{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
+      "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src=\"{2}\"></div>\n"
+      "<figcaption><strong>{1}.</strong> {3} <a href=\"figures/{0}.svg\">SVG</a> <a "
+      "href=\"figures/{0}.pdf\">PDF</a> "
+      "<a href=\"figures/{0}.csv\">CSV</a></figcaption>\n</figure>\n",
+      id, title, source, html_text(figure.caption), figure.width == FigureWidth::column ? " column" : "");
 }
 
-std::string origin_of(const ReportContent& content) {
-  bool simulated = false, recorded = false;
-  for (const Chapter& chapter : content.chapters) (chapter.simulated ? simulated : recorded) = true;
-  if (simulated && recorded) return "Simulated and recorded data";
-  return simulated ? "Simulated data" : "Recorded data";
-}
-
-PageSection runs_section(const ReportContent& content) {
-  PageSection section{"runs", "What was run on what", {}};
-  for (std::size_t c = 0; c < content.chapters.size(); ++c) {
-    const Chapter& chapter = content.chapters[c];
-    section.html += fmt::format("<li><a href=\"#{}\">{}</a>: {}</li>\n", chapter_id(c),
-                                html_text(chapter.title), html_sentence(chapter.about));
-  }
-  section.html = "<ul>\n" + section.html + "</ul>\n";
+PageSection claims_section(const ReportContent& content) {
+  PageSection section{"claims", "The paper’s claims", {}};
+  if (content.claims) section.html = html_of(*content.claims, {});
   return section;
 }
 
-std::vector<PageSection> chapter_sections(const ReportContent& content, const std::set<std::string>& shown) {
+PageSection errata_section(const ReportContent& content) {
+  PageSection section{"errata", "What the paper prints that cannot be so", {}};
+  if (!content.audit.empty()) section.html = html_of(content.audit.front(), {});
+  return section;
+}
+
+std::vector<PageSection> chapter_sections(const ReportContent& content) {
   std::vector<PageSection> sections;
   for (std::size_t c = 0; c < content.chapters.size(); ++c)
-    sections.push_back({chapter_id(c), content.chapters[c].title, chapter_html(content.chapters[c], shown)});
+    sections.push_back({chapter_id(c), content.chapters[c].title, chapter_html(content, c)});
   return sections;
 }
 
-PageSection parameters_section(const ReportContent& content) {
-  PageSection section{"parameters", "What the simulation assumes", {}};
-  for (const Table& table : content.parameters) section.html += html_of(table, {});
-  return section;
+std::vector<PageSection> other_sections(const ReportContent& content) {
+  std::vector<PageSection> sections;
+  const std::vector<const Table*> others = content.other_tables();
+  for (std::size_t c = 0; c < content.chapters.size(); ++c) {
+    const Chapter& chapter = content.chapters[c];
+    PageSection section{chapter_id(c), chapter.title, {}};
+    for (const Table& table : chapter.tables)
+      if (is_in(others, table)) section.html += folded(table, commands_of(chapter.provenance));
+    for (const Table& table : chapter.apart)
+      section.html += fmt::format("<p>{}, {} rows: <a href=\"tables/{}.csv\">CSV</a></p>\n",
+                                  html_title(table.title), table.rows.size(), html_text(table.id));
+    for (std::size_t f = chapter.first_figures; f < chapter.figures.size(); ++f)
+      section.html += figure_html(chapter.figures[f], true);
+    sections.push_back(std::move(section));
+  }
+  PageSection paper{"audit", "The paper’s own numbers, recomputed", {}};
+  for (const Table& table : content.audit)
+    if (is_in(others, table)) paper.html += folded(table, {});
+  PageSection assumed{"assumptions", "What the simulations assume", {}};
+  for (const Table& table : content.parameters) assumed.html += folded(table, {});
+  sections.push_back(std::move(paper));
+  sections.push_back(std::move(assumed));
+  return sections;
 }
 
 PageSection provenance_section(const ReportContent& content) {

@@ -7,11 +7,14 @@
   const NONE = -32768, WORST = 8, FAR_CM = 12;
   const SENSOR_COLOURS = [0x9fb4d6, 0xd6b49f, 0xa3cfa8, 0xcfa3c6, 0xc9c59a, 0x9accc9, 0xbdaee0, 0xd0a0a0];
 
+  const inflated = (base64) => {
+    const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  };
+
   // Channels are differences from instant to instant; what comes out is indexed [channel * instants + instant].
   const unpack = async (text, head) => {
-    const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-    const buffer = await new Response(stream).arrayBuffer();
+    const buffer = await inflated(text);
     const n = head.instants, kinect = head.skeleton.names.length;
     const counts = [head.sensors.length * kinect * 3, head.joints.length * 3, head.joints.length * head.methods.length * 3];
     let at = 0;
@@ -287,7 +290,8 @@
   };
 
   const start = async () => {
-    document.head.append(make("script", { textContent: document.getElementById("three-js").textContent }));
+    const library = new TextDecoder().decode(await inflated(document.getElementById("three-js").textContent));
+    document.head.append(make("script", { textContent: library }));
     const T = window.THREE, overlay = make("div", { className: "overlay" });
     const stage = make("div", { className: "stage", tabIndex: 0 }, overlay);
     stage.setAttribute("role", "group");

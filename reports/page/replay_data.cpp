@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
@@ -14,6 +13,8 @@
 #include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
 #include "reports/figures/figure_look.h"
+#include "reports/page/html.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -54,16 +55,7 @@ class Packer {
       before = now;
     }
   }
-  std::string compressed() const {
-    uLongf size = compressBound(bytes_.size());
-    std::string packed(size, '\0');
-    const int code =
-        compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                  reinterpret_cast<const Bytef*>(bytes_.data()), bytes_.size(), Z_BEST_COMPRESSION);
-    TRILAT_CHECK(code == Z_OK, "a buffer of compressBound() is large enough");
-    packed.resize(size);
-    return packed;
-  }
+  std::string compressed() const { return deflated(bytes_); }
 
  private:
   std::string bytes_;
@@ -137,11 +129,11 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
   const SampleBlock block = samples.read(take.take, 0, take.instants, SampleColumns::positions);
   Packer packer;
   pack_sensors(take, packer);
+  const std::vector<std::string> leading = leading_methods(summary, take.condition);
   std::vector<std::size_t> shown;
   std::vector<std::string> names;
   for (std::size_t m = 0; m < header.methods.size(); ++m)
-    if (std::find(summary.methods.begin(), summary.methods.end(), header.methods[m]) !=
-        summary.methods.end()) {
+    if (std::find(leading.begin(), leading.end(), header.methods[m]) != leading.end()) {
       shown.push_back(m);
       names.push_back(header.methods[m]);
     }

@@ -114,11 +114,6 @@ std::vector<std::string> row_names(const Table& table) {
   return names;
 }
 
-bool is_end(const std::string& key, const std::string& word) {
-  const std::string all = "_" + key + "_";
-  return all.find("_" + word + "_") != std::string::npos;
-}
-
 class Numbers {
  public:
   void add(std::string name, const std::string& value) {
@@ -146,12 +141,9 @@ void add_row(Numbers& numbers, const Table& table, const std::vector<TableValue>
     const std::string& key = table.columns[c].key;
     if (table.columns[c].is_text || !row[c].number) continue;
     numbers.add(name + macro_words(key), value_of(row[c]));
-    const bool interval = c + 2 < row.size() && is_end(table.columns[c + 1].key, "from") &&
-                          is_end(table.columns[c + 2].key, "to");
-    if (!interval) continue;
-    const std::string low = value_of(row[c + 1]), high = value_of(row[c + 2]);
-    numbers.add(name + macro_words(key) + "Interval",
-                low == "--" || high == "--" ? "--" : low + " to " + high);
+    if (!table.columns[c].has_interval) continue;
+    const std::string interval = printed_interval(row[c]);
+    numbers.add(name + macro_words(key) + "Interval", interval.empty() ? "--" : interval);
   }
 }
 
@@ -176,6 +168,20 @@ std::string latex_text(const std::string& text) {
   return result;
 }
 
+namespace {
+
+std::string latex_of(const TableValue& value) {
+  if (value.number && !std::isfinite(*value.number)) return "--";
+  std::string text = latex_text(printed(value));
+  if (value.mark == TableValue::Mark::best) text = "\\textbf{" + text + "}";
+  if (value.mark == TableValue::Mark::like_best) text += "\\ensuremath{{}^{\\approx}}";
+  if (const std::string interval = printed_interval(value); !interval.empty())
+    text += " (" + latex_text(interval) + ")";
+  return value.beside.empty() ? text : text + "; " + latex_text(value.beside);
+}
+
+}  // namespace
+
 std::string latex_of(const Table& table) {
   constexpr std::size_t kLong = 24;  // characters of a text that is broken into lines
   std::string alignment, head;
@@ -191,9 +197,7 @@ std::string latex_of(const Table& table) {
                      latex_text(table.title) + "}\\label{tab:" + table.id + "}\\\\\n" + head +
                      "\\endfirsthead\n" + head + "\\endhead\n\\bottomrule\n\\endlastfoot\n";
   for (const auto& row : table.rows) {
-    for (std::size_t c = 0; c < row.size(); ++c)
-      text += (c ? " & " : "") +
-              (row[c].number && !std::isfinite(*row[c].number) ? "--" : latex_text(printed(row[c])));
+    for (std::size_t c = 0; c < row.size(); ++c) text += (c ? " & " : "") + latex_of(row[c]);
     text += " \\\\\n";
   }
   text += "\\end{longtable}\n";

@@ -64,22 +64,42 @@ std::string markdown_cell(const std::string& text) {
   return result;
 }
 
-}  // namespace
-
-std::string printed(const TableValue& value) {
-  if (!value.number) return value.text;
-  if (!std::isfinite(*value.number)) return "–";
-  if (value.decimals < 0) return fmt::format("{:g}", *value.number);
-  const std::string text = fmt::format("{:.{}f}", *value.number, value.decimals);
+std::string printed(double number, int decimals) {
+  if (!std::isfinite(number)) return "–";
+  if (decimals < 0) return fmt::format("{:g}", number);
+  const std::string text = fmt::format("{:.{}f}", number, decimals);
   // what rounds to nothing has no sign
   return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }
+
+}  // namespace
+
+std::string printed(const TableValue& value) {
+  return value.number ? printed(*value.number, value.decimals) : value.text;
+}
+
+std::string printed_interval(const TableValue& value) {
+  if (!std::isfinite(value.low) || !std::isfinite(value.high)) return {};
+  return printed(value.low, value.decimals) + " to " + printed(value.high, value.decimals);
+}
+
+namespace {
+
+std::string markdown_of(const TableValue& value) {
+  std::string text = markdown_cell(printed(value));
+  if (value.mark == TableValue::Mark::best) text = "**" + text + "**";
+  if (value.mark == TableValue::Mark::like_best) text += " ≈";
+  if (const std::string interval = printed_interval(value); !interval.empty()) text += " (" + interval + ")";
+  return value.beside.empty() ? text : text + "; " + markdown_cell(value.beside);
+}
+
+}  // namespace
 
 std::string markdown_of(const Table& table) {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     std::size_t width = std::max<std::size_t>(3, width_of(header_of(table.columns[c])));
-    for (const auto& row : table.rows) width = std::max(width, width_of(markdown_cell(printed(row[c]))));
+    for (const auto& row : table.rows) width = std::max(width, width_of(markdown_of(row[c])));
     widths.push_back(width);
   }
   std::string text = "**" + one_line(table.title) + "**\n\n|", rule = "|";
@@ -92,7 +112,7 @@ std::string markdown_of(const Table& table) {
   for (const auto& row : table.rows) {
     text += '|';
     for (std::size_t c = 0; c < row.size(); ++c)
-      text += ' ' + padded(markdown_cell(printed(row[c])), widths[c], table.columns[c].is_text) + " |";
+      text += ' ' + padded(markdown_of(row[c]), widths[c], table.columns[c].is_text) + " |";
     text += '\n';
   }
   for (const std::string& note : table.notes) text += "\n- " + one_line(note);
@@ -111,16 +131,21 @@ std::string csv_text(const std::string& text) {
 
 std::string csv_of(const Table& table) {
   std::string text;
-  for (std::size_t c = 0; c < table.columns.size(); ++c)
-    text += (c ? "," : "") + csv_field(table.columns[c].key);
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const TableColumn& column = table.columns[c];
+    text += (c ? "," : "") + csv_field(column.key);
+    if (column.has_interval)
+      for (const char* end : {"from", "to"}) text += "," + csv_field(column.key_of_end(end));
+  }
   text += "\r\n";
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+  };
   for (const auto& row : table.rows) {
     for (std::size_t c = 0; c < row.size(); ++c) {
       if (c > 0) text += ',';
-      if (!row[c].number)
-        text += csv_text(row[c].text);
-      else if (std::isfinite(*row[c].number))
-        text += fmt::format("{}", *row[c].number);
+      text += row[c].number ? number(*row[c].number) : csv_text(row[c].text);
+      if (table.columns[c].has_interval) text += "," + number(row[c].low) + "," + number(row[c].high);
     }
     text += "\r\n";
   }

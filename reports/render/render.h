@@ -20,6 +20,8 @@ std::vector<std::string> lines_of(const std::string& text, std::size_t width);
 
 // A value as Markdown and LaTeX print it; NaN becomes a dash.
 std::string printed(const TableValue& value);
+// "3.5 to 4.4"; empty where there is none.
+std::string printed_interval(const TableValue& value);
 
 std::string markdown_of(const Table& table);
 // RFC 4180 with full precision; NaN is an empty field.

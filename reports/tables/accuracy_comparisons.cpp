@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "datasets/base/median.h"
+#include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
@@ -42,7 +45,7 @@ Table added_up(const ResultsSummary& s, const std::string& id, const std::string
     if (row.answered > 0) sum.distance_m += row.mae_m * static_cast<double>(row.answered);
   }
   Table table;
-  table.id = usable_id(id + "-" + s.study);
+  table.id = id;
   table.title = title + " (" + about(s, "", s.alignments.front()) + ")";
   table.columns = std::move(names);
   table.columns.insert(table.columns.end(), {{"method", "method", true},
@@ -93,6 +96,126 @@ std::vector<Table> apart_tables(const ResultsSummary& s) {
                 {"joint", "joint", true}})};
 }
 
+namespace {
+
+struct ErrorSum {
+  std::uint64_t asked = 0, answered = 0;
+  double distance_m = 0.0;
+  void add(const TakeJointRow& row) {
+    asked += row.asked;
+    answered += row.answered;
+    if (row.answered > 0) distance_m += row.mae_m * static_cast<double>(row.answered);
+  }
+  double mean_m() const { return answered == 0 ? kNoNumber : distance_m / static_cast<double>(answered); }
+};
+
+// The method that the oddity of a condition is told by.
+std::string best_in(const ResultsSummary& s, const std::string& condition) {
+  const BestMethod* best = find_best(s, condition, average_group(s));
+  return best ? best->method : s.reference;
+}
+
+constexpr std::size_t kShownTakes = 10;
+constexpr double kOdd = 3.5;  // Iglewicz and Hoaglin (1993)
+
+struct TakeErrors {
+  const TakeJointRow* row = nullptr;  // its first
+  std::map<std::string, ErrorSum> methods;
+  double odd = 0.0;  // of the best method's error, from the median of the condition's takes, in deviations
+};
+
+std::vector<TakeErrors> errors_by_take(const ResultsSummary& s, const std::string& condition) {
+  std::vector<TakeErrors> takes;
+  for (const TakeJointRow& row : s.by_take) {
+    if (row.condition != condition) continue;
+    auto take = std::ranges::find_if(takes, [&](const TakeErrors& t) { return t.row->take == row.take; });
+    if (take == takes.end()) take = takes.insert(takes.end(), {&row, {}});
+    take->methods[row.method].add(row);
+  }
+  const std::string best = best_in(s, condition);
+  std::vector<double> errors_m, off_m;
+  for (TakeErrors& take : takes)
+    if (const double m = take.methods[best].mean_m(); std::isfinite(m)) errors_m.push_back(m);
+  if (errors_m.size() < 3) return takes;
+  const double middle_m = median(errors_m);
+  for (const double m : errors_m) off_m.push_back(std::abs(m - middle_m));
+  const double deviation_m = 1.4826 * median(off_m);
+  for (TakeErrors& take : takes)
+    if (deviation_m > 0.0) take.odd = (take.methods[best].mean_m() - middle_m) / deviation_m;
+  std::ranges::stable_sort(
+      takes, [](const TakeErrors& a, const TakeErrors& b) { return std::abs(a.odd) > std::abs(b.odd); });
+  return takes;
+}
+
+Table takes_table(const ResultsSummary& s, const std::string& condition) {
+  std::vector<std::string> methods = leading_methods(s, condition);
+  methods.resize(std::min<std::size_t>(methods.size(), 4));
+  Table table;
+  table.id = usable_id("takes-" + condition);
+  table.title = fmt::format("Which take is odd: mean error in cm of all joints ({})",
+                            about(s, condition, s.alignments.front()));
+  table.columns = {{"take", "take", true}, {"participant", "participant", true}};
+  for (const std::string& method : methods) table.columns.push_back({method, method + "_mae_cm"});
+  table.columns.insert(
+      table.columns.end(),
+      {{"answered (%)", "answered_percent"}, {"deviations off", "deviations"}, {"odd", "odd", true}});
+  for (TakeErrors& take : errors_by_take(s, condition)) {
+    std::vector<TableValue> cells{TableValue::of(take.row->take), TableValue::of(take.row->participant)};
+    for (const std::string& method : methods) cells.push_back(cm_cell(take.methods[method].mean_m()));
+    const ErrorSum& best = take.methods[best_in(s, condition)];
+    cells.insert(cells.end(), {percent_cell(share_of(best.answered, best.asked)), TableValue::of(take.odd, 1),
+                               TableValue::of(std::abs(take.odd) > kOdd ? "odd" : "")});
+    table.rows.push_back(std::move(cells));
+  }
+  table.first_rows = std::min(table.rows.size(), kShownTakes);
+  table.notes = {fmt::format(
+      "The oddest first: how far the error of \"{}\" is from the median of the takes, in standard "
+      "deviations (1.48 times the median of the distances from it); beyond {:g} a take is called "
+      "odd. Answered: by that method.",
+      best_in(s, condition), kOdd)};
+  return table;
+}
+
+// "wrist" of "wrist_left"; empty of a joint that has no side.
+std::string without_side(const std::string& joint, const std::string& side) {
+  return joint.ends_with(side) ? joint.substr(0, joint.size() - side.size()) : std::string();
+}
+
+Table sides_table(const ResultsSummary& s) {
+  Table table;
+  table.id = "sides";
+  table.title = fmt::format("Left beside right: mean error in cm of the best method ({})",
+                            about(s, "", s.alignments.front()));
+  table.columns = {{"condition", "condition", true}, {"joint", "joint", true},
+                   {"method", "method", true},       {"left", "left_mae_cm"},
+                   {"right", "right_mae_cm"},        {"left - right", "difference_cm"}};
+  for (const std::string& condition : s.conditions) {
+    const std::string best = best_in(s, condition);
+    std::map<std::string, std::array<ErrorSum, 2>> joints;
+    for (const TakeJointRow& row : s.by_take) {
+      if (row.condition != condition || row.method != best) continue;
+      if (const std::string left = without_side(row.joint, "_left"); !left.empty()) joints[left][0].add(row);
+      if (const std::string right = without_side(row.joint, "_right"); !right.empty())
+        joints[right][1].add(row);
+    }
+    for (const auto& [joint, sides] : joints)
+      table.rows.push_back({TableValue::of(condition), TableValue::of(joint), TableValue::of(best),
+                            cm_cell(sides[0].mean_m()), cm_cell(sides[1].mean_m()),
+                            cm_cell(sides[0].mean_m() - sides[1].mean_m())});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> oddity_tables(const ResultsSummary& s) {
+  std::vector<Table> tables;
+  for (const std::string& condition : s.conditions)
+    if (Table table = takes_table(s, condition); table.rows.size() > 1) tables.push_back(std::move(table));
+  if (Table sides = sides_table(s); !sides.rows.empty()) tables.push_back(std::move(sides));
+  return tables;
+}
+
 Table differences_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   Table table;
   table.id = usable_id(fmt::format("differences-{}{}", condition.empty() ? "" : condition + "-", alignment));
@@ -102,25 +225,19 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
   table.columns = {{"joint", "joint", true},
                    {"method", "method", true},
                    {"n", "n", false},
-                   {"difference (cm)", "difference_cm", false},
-                   {"from", "difference_from_cm", false},
-                   {"to", "difference_to_cm", false},
-                   {fmt::format("% of {}", s.reference), "percent_of_reference", false},
-                   {"from", "percent_from", false},
-                   {"to", "percent_to", false},
+                   interval_column("difference (cm)", "difference_cm"),
+                   interval_column(fmt::format("% of {}", s.reference), "percent_of_reference"),
                    {"% of method", "percent_of_method", false},
-                   {"% of all answered", "complete_percent", false},
-                   {"from", "complete_percent_from", false},
-                   {"to", "complete_percent_to", false},
+                   interval_column("% of all answered", "complete_percent"),
                    {"differs", "differs", true}};
   for (const DifferenceCell& c : s.differences) {
     if (c.condition != condition || c.alignment != alignment) continue;
     table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_cell(c.n),
-                          cm_cell(c.difference_m), cm_cell(c.low_m), cm_cell(c.high_m),
-                          TableValue::of(c.percent_of_reference, 1), TableValue::of(c.percent_low, 1),
-                          TableValue::of(c.percent_high, 1), TableValue::of(c.percent_of_method, 1),
-                          TableValue::of(c.complete_percent, 1), TableValue::of(c.complete_percent_low, 1),
-                          TableValue::of(c.complete_percent_high, 1), TableValue::of(verdict_of(s, c))});
+                          cm_cell(c.difference_m, c.low_m, c.high_m),
+                          number_cell(1, c.percent_of_reference, c.percent_low, c.percent_high),
+                          TableValue::of(c.percent_of_method, 1),
+                          number_cell(1, c.complete_percent, c.complete_percent_low, c.complete_percent_high),
+                          TableValue::of(verdict_of(s, c))});
   }
   table.notes = {
       fmt::format(
@@ -148,21 +265,17 @@ Table bodies_table(const ResultsSummary& s, const std::string& condition) {
     alignment = c.alignment;
     bones = std::max(bones, c.bones);
     truth_m_s3 = c.truth_jitter_m_s3;
-    table.rows.push_back({TableValue::of(c.method), count_cell(c.instants), cm_cell(c.mpjpe_m),
-                          cm_cell(c.mpjpe_low_m), cm_cell(c.mpjpe_high_m), cm_cell(c.pa_mpjpe_m),
-                          cm_cell(c.pa_mpjpe_low_m), cm_cell(c.pa_mpjpe_high_m), percent_cell(c.pck[0]),
+    table.rows.push_back({TableValue::of(c.method), count_cell(c.instants),
+                          cm_cell(c.mpjpe_m, c.mpjpe_low_m, c.mpjpe_high_m),
+                          cm_cell(c.pa_mpjpe_m, c.pa_mpjpe_low_m, c.pa_mpjpe_high_m), percent_cell(c.pck[0]),
                           percent_cell(c.pck[1]), percent_cell(c.pck[2]), cm_cell(c.bone_length_sd_m),
                           TableValue::of(c.jitter_m_s3, 0)});
   }
   table.title = fmt::format("Whole bodies by method ({})", about(s, condition, alignment));
   table.columns = {{"method", "method", true},
                    {"instants", "instants", false},
-                   {"MPJPE (cm)", "mpjpe_cm", false},
-                   {"from", "mpjpe_from_cm", false},
-                   {"to", "mpjpe_to_cm", false},
-                   {"PA-MPJPE (cm)", "pa_mpjpe_cm", false},
-                   {"from", "pa_mpjpe_from_cm", false},
-                   {"to", "pa_mpjpe_to_cm", false},
+                   interval_column("MPJPE (cm)", "mpjpe_cm"),
+                   interval_column("PA-MPJPE (cm)", "pa_mpjpe_cm"),
                    {"PCK 5 cm (%)", "pck_5cm_percent", false},
                    {"10 cm (%)", "pck_10cm_percent", false},
                    {"15 cm (%)", "pck_15cm_percent", false},

@@ -30,7 +30,7 @@ std::string truth_note(const ResultsSummary& s) {
 std::string interval_note(const ResultsSummary& s) {
   if (s.resamples == 0) return "There are no intervals: the study asks for no resamples.";
   return fmt::format(
-      "From and to are a 95 % interval of what stands before them: the wider of Student's t and of a "
+      "In brackets stands the 95 % interval: the wider of Student's t and of a "
       "bootstrap-t with participants as clusters and blocks of {:g} s within them, {} resamples; of fewer "
       "than six participants Student's t. A single participant has none.",
       s.block_s, s.resamples);

@@ -16,7 +16,7 @@ void add_once(std::vector<std::string>& list, const std::string& text) {
 
 Table budget_table(const BudgetSummary& s, const std::string& condition, const std::string& alignment) {
   Table table;
-  table.id = usable_id(fmt::format("budget-{}-{}", condition, alignment));
+  table.id = usable_id(fmt::format("{}-{}", condition, alignment));
   table.title = fmt::format(
       "Error budget, simulated: root mean square error in cm with one source of error alone ({}, {}; "
       "alignment: {}; {} participants, seed {})",
@@ -53,7 +53,7 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
 
 Table sources_table(const BudgetSummary& s) {
   Table table;
-  table.id = "budget-sources";
+  table.id = "sources";
   table.title = "The sources of the error budget (simulated)";
   table.columns = {{"source", "source", true}, {"what it is", "description", true}};
   for (std::size_t k = 0; k < s.sources.size(); ++k)

@@ -25,10 +25,6 @@ std::vector<TableValue> paper_row(const PrintedCalibration& paper) {
           TableValue::of(paper.recommended_spread_cm, 2),
           no_cell(),
           no_cell(),
-          no_cell(),
-          no_cell(),
-          no_cell(),
-          no_cell(),
           n(paper.samples),
           no_cell(),
           no_cell(),
@@ -53,14 +49,10 @@ std::vector<TableValue> wand_cells(const WandRow& row, std::uint64_t wrong) {
           TableValue::of(row.scene),
           count_cell(inside.asked),
           count_cell(inside.answered),
-          cm_cell(distance.mean_m),
+          cm_cell(distance.mean_m, distance.mean_low_m, distance.mean_high_m),
           cm_cell(distance.sd_m),
-          cm_cell(distance.mean_low_m),
-          cm_cell(distance.mean_high_m),
-          cm_cell(inside.mean_m),
+          cm_cell(inside.mean_m, inside.mean_low_m, inside.mean_high_m),
           cm_cell(inside.sd_m),
-          cm_cell(inside.mean_low_m),
-          cm_cell(inside.mean_high_m),
           count_cell(all.asked),
           count_cell(all.answered),
           cm_cell(all.mean_m),
@@ -146,7 +138,7 @@ void add_bins(Table& table, const WandRow& row, const std::string& of, const std
 Table calibration_wand_table(const CalibrationSummary& s) {
   const PrintedCalibration paper = printed_calibration();
   Table table;
-  table.id = "calibration_wand";
+  table.id = "wand";
   table.title = fmt::format(
       "Finding the wand, simulated: {} units with {} samples each, the mean of {} frames a sample, ball of "
       "{:g} cm radius, seed {}",
@@ -155,14 +147,10 @@ Table calibration_wand_table(const CalibrationSummary& s) {
                    {"scene", "scene", true},
                    {"inside: asked", "inside_asked"},
                    {"answered", "inside_answered"},
-                   {"distance: mean (cm)", "inside_distance_mean_cm"},
+                   interval_column("distance: mean (cm)", "inside_distance_mean_cm"),
                    {"sd (cm)", "inside_distance_sd_cm"},
-                   {"95 % from (cm)", "inside_distance_mean_low_cm"},
-                   {"to (cm)", "inside_distance_mean_high_cm"},
-                   {"3-D: mean (cm)", "inside_mean_cm"},
+                   interval_column("3-D: mean (cm)", "inside_mean_cm"),
                    {"sd (cm)", "inside_sd_cm"},
-                   {"95 % from (cm)", "inside_mean_low_cm"},
-                   {"to (cm)", "inside_mean_high_cm"},
                    {"span: asked", "span_asked"},
                    {"answered", "span_answered"},
                    {"3-D: mean (cm)", "span_mean_cm"},
@@ -180,7 +168,7 @@ Table calibration_wand_table(const CalibrationSummary& s) {
 
 Table calibration_bins_table(const CalibrationSummary& s) {
   Table table;
-  table.id = "calibration_bins";
+  table.id = "bins";
   table.title = fmt::format(
       "Error of one wand position by distance and by angle, simulated: {} units with {} samples each, seed "
       "{}",
@@ -264,7 +252,7 @@ std::vector<TableValue> distortion_cells(const DistortionCurve& curve) {
 
 Table calibration_distortion_table(const CalibrationSummary& s) {
   Table table;
-  table.id = "calibration_distortion";
+  table.id = "distortion";
   table.title = s.distortion.empty() ? "A flat wall, simulated: not measured"
                                      : fmt::format(
                                            "A flat wall at {:g} m, simulated: mean absolute errors in the "
@@ -299,38 +287,33 @@ Table calibration_distortion_table(const CalibrationSummary& s) {
 
 Table calibration_rigs_table(const CalibrationSummary& s) {
   Table table;
-  table.id = "calibration_rigs";
+  table.id = "rigs";
   table.title = fmt::format("Poses of the sensors of whole rigs, simulated: {} wand positions a run, seed {}",
                             s.positions, s.seed);
   table.columns = {{"method", "method", true},
                    {"runs", "runs"},
                    {"sensors", "sensors"},
                    {"without a pose", "sensors_without_pose"},
-                   {"position error (cm)", "position_mean_cm"},
-                   {"95 % from (cm)", "position_mean_low_cm"},
-                   {"to (cm)", "position_mean_high_cm"},
+                   interval_column("position error (cm)", "position_mean_cm"),
                    {"p95 (cm)", "position_p95_cm"},
                    {"max (cm)", "position_max_cm"},
                    {"turned by (degrees)", "rotation_mean_deg"},
                    {"max (degrees)", "rotation_max_deg"},
                    {"within limits (%)", "within_limits_percent"},
-                   {"truth in interval (%)", "coverage_percent"},
-                   {"95 % from (%)", "coverage_low_percent"},
-                   {"to (%)", "coverage_high_percent"},
+                   interval_column("truth in interval (%)", "coverage_percent"),
                    {"error/sigma, position", "position_z_rms"},
                    {"rotation", "rotation_z_rms"},
                    {"Mahalanobis squared", "mahalanobis2_mean"},
                    {"reduced chi squared", "reduced_chi2_mean"}};
   for (const RigRow& r : s.rigs)
-    table.rows.push_back({TableValue::of(r.method), count_cell(r.runs), count_cell(r.position.asked),
-                          count_cell(r.position.asked - r.position.answered), cm_cell(r.position.mean_m),
-                          cm_cell(r.position.mean_low_m), cm_cell(r.position.mean_high_m),
-                          cm_cell(r.position.p95_m), cm_cell(r.position.max_m),
-                          degree_cell(r.rotation_mean_rad), degree_cell(r.rotation_max_rad),
-                          percent_cell(r.within_limits_share), percent_cell(r.coverage_share),
-                          percent_cell(r.coverage_low), percent_cell(r.coverage_high),
-                          TableValue::of(r.position_z_rms, 2), TableValue::of(r.rotation_z_rms, 2),
-                          TableValue::of(r.mahalanobis2_mean, 1), TableValue::of(r.reduced_chi2_mean, 2)});
+    table.rows.push_back(
+        {TableValue::of(r.method), count_cell(r.runs), count_cell(r.position.asked),
+         count_cell(r.position.asked - r.position.answered),
+         cm_cell(r.position.mean_m, r.position.mean_low_m, r.position.mean_high_m), cm_cell(r.position.p95_m),
+         cm_cell(r.position.max_m), degree_cell(r.rotation_mean_rad), degree_cell(r.rotation_max_rad),
+         percent_cell(r.within_limits_share), percent_cell(r.coverage_share, r.coverage_low, r.coverage_high),
+         TableValue::of(r.position_z_rms, 2), TableValue::of(r.rotation_z_rms, 2),
+         TableValue::of(r.mahalanobis2_mean, 1), TableValue::of(r.reduced_chi2_mean, 2)});
   table.notes = {
       "Errors are of the sensors that got a pose (a run that fails leaves all of its sensors without one), "
       "with the mean's 95 % interval over runs; within limits: 5 mm and 0.2 degrees, from bodies 2 cm and "
@@ -349,7 +332,7 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
 
 Table calibration_effect_table(const CalibrationSummary& s) {
   Table table;
-  table.id = "calibration_effect";
+  table.id = "effect";
   table.title = fmt::format("Joints found with uncertain sensors, simulated: {} joints a row, seed {}",
                             s.effect.empty() ? 0 : s.effect.front().joints, s.seed);
   table.columns = {{"calibration", "calibration", true},
@@ -358,19 +341,15 @@ Table calibration_effect_table(const CalibrationSummary& s) {
                    {"method", "method", true},
                    {"RMSE (cm)", "rmse_cm"},
                    {"Cramer-Rao bound (cm)", "bound_cm"},
-                   {"ratio", "ratio"},
-                   {"95 % from", "ratio_low"},
-                   {"to", "ratio_high"},
+                   interval_column("ratio", "ratio"),
                    {"answered (%)", "answered_percent"}};
   for (const EffectRow& r : s.effect) {
     const bool bounded = r.method != "mean";  // the bound is one of estimates from ranges
-    table.rows.push_back({TableValue::of(r.calibration), mm_cell(r.sensor_sigma_m), cm_cell(r.range_sigma_m),
-                          TableValue::of(r.method), cm_cell(r.rmse_m),
-                          cm_cell(bounded ? r.bound_m : kNoNumber),
-                          TableValue::of(bounded ? r.rmse_m / r.bound_m : kNoNumber, 3),
-                          TableValue::of(bounded ? r.ratio_low : kNoNumber, 3),
-                          TableValue::of(bounded ? r.ratio_high : kNoNumber, 3),
-                          percent_cell(share_of(r.answered, r.joints))});
+    table.rows.push_back(
+        {TableValue::of(r.calibration), mm_cell(r.sensor_sigma_m), cm_cell(r.range_sigma_m),
+         TableValue::of(r.method), cm_cell(r.rmse_m), cm_cell(bounded ? r.bound_m : kNoNumber),
+         bounded ? number_cell(3, r.rmse_m / r.bound_m, r.ratio_low, r.ratio_high) : no_cell(),
+         percent_cell(share_of(r.answered, r.joints))});
   }
   if (const std::string sentence = effect_sentence(s); !sentence.empty()) table.notes.push_back(sentence);
   table.notes.push_back(

@@ -19,6 +19,11 @@ std::string percent_text(const Estimate& share) {
                      100.0 * share.high);
 }
 
+TableValue estimate_cell(int decimals, const Estimate& e) {
+  return number_cell(decimals, e.value, e.low, e.high);
+}
+TableValue share_cell(const Estimate& e) { return percent_cell(e.value, e.low, e.high); }
+
 std::string unit_of(const SensitivityFactor& factor) { return factor.unit.empty() ? "" : ' ' + factor.unit; }
 
 const SensitivityFactor& factor_of(const SensitivitySummary& s, const std::string& name) {
@@ -66,24 +71,24 @@ std::string decisive_of(const SensitivityClaim& claim) {
 
 Table claims_table(const SensitivitySummary& s) {
   Table table;
-  table.id = usable_id("sensitivity-claims-" + s.study);
+  table.id = "claims";
   table.title = fmt::format(
       "Where each claim holds, simulated: {} campaigns of {} participants all over the space (alignment: {})",
       campaigns_of(s), s.participants, s.alignment);
-  table.columns = {{"claim", "claim", true},           {"compared in", "compared"},
-                   {"holds in (%)", "share_percent"},  {"from", "share_low_percent"},
-                   {"to", "share_high_percent"},       {"mean difference (%)", "difference_percent"},
-                   {"at worst (%)", "worst_percent"},  {"as simulated (%)", "default_percent"},
-                   {"from", "default_low_percent"},    {"to", "default_high_percent"},
-                   {"decided by", "decided_by", true}, {"changes at", "changes_at", true}};
+  table.columns = {{"claim", "claim", true},
+                   {"compared in", "compared"},
+                   interval_column("holds in (%)", "share_percent"),
+                   {"mean difference (%)", "difference_percent"},
+                   {"at worst (%)", "worst_percent"},
+                   interval_column("as simulated (%)", "default_percent"),
+                   {"decided by", "decided_by", true},
+                   {"changes at", "changes_at", true}};
   for (const SensitivityClaim& claim : s.claims)
-    table.rows.push_back(
-        {TableValue::of(claim.name), TableValue::of(static_cast<double>(campaigns_of(s) - claim.silent), 0),
-         percent_cell(claim.share.value), percent_cell(claim.share.low), percent_cell(claim.share.high),
-         TableValue::of(claim.difference_percent.value, 1), TableValue::of(claim.worst_percent, 1),
-         TableValue::of(claim.default_percent.value, 1), TableValue::of(claim.default_percent.low, 1),
-         TableValue::of(claim.default_percent.high, 1), TableValue::of(decisive_of(claim)),
-         TableValue::of(flips_of(s, claim))});
+    table.rows.push_back({TableValue::of(claim.name),
+                          TableValue::of(static_cast<double>(campaigns_of(s) - claim.silent), 0),
+                          share_cell(claim.share), TableValue::of(claim.difference_percent.value, 1),
+                          TableValue::of(claim.worst_percent, 1), estimate_cell(1, claim.default_percent),
+                          TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
   table.notes = {
       "The difference is the method's error over that of the method it is held against, on the samples that "
       "both answer; of several, the largest; less the margin. Below 0 the claim holds. Means are of "
@@ -101,42 +106,36 @@ Table claims_table(const SensitivitySummary& s) {
 
 Table indices_table(const SensitivitySummary& s) {
   Table table;
-  table.id = usable_id("sensitivity-indices-" + s.study);
+  table.id = "indices";
   table.title = "What decides each difference, simulated: Sobol indices with 95 % intervals";
-  table.columns = {{"claim", "claim", true},   {"factor", "factor", true}, {"first", "first"},
-                   {"from", "first_low"},      {"to", "first_high"},       {"total", "total"},
-                   {"from", "total_low"},      {"to", "total_high"},       {"changes at", "break_even"},
-                   {"from", "break_even_low"}, {"to", "break_even_high"},  {"unit", "unit", true}};
+  table.columns = {{"claim", "claim", true},
+                   {"factor", "factor", true},
+                   interval_column("first", "first"),
+                   interval_column("total", "total"),
+                   interval_column("changes at", "break_even"),
+                   {"unit", "unit", true}};
   for (const SensitivityClaim& claim : s.claims)
     for (const ClaimByFactor& by : claim.factors) {
-      std::vector<TableValue> row{TableValue::of(claim.name), TableValue::of(by.factor)};
-      for (const Estimate& e : {by.first, by.total})
-        for (const double number : {e.value, e.low, e.high}) row.push_back(TableValue::of(number, 2));
-      for (const double number : {by.break_even.value, by.break_even.low, by.break_even.high})
-        row.push_back(TableValue::of(number, -1));
-      row.push_back(TableValue::of(factor_of(s, by.factor).unit));
-      table.rows.push_back(std::move(row));
+      table.rows.push_back({TableValue::of(claim.name), TableValue::of(by.factor), estimate_cell(2, by.first),
+                            estimate_cell(2, by.total), estimate_cell(-1, by.break_even),
+                            TableValue::of(factor_of(s, by.factor).unit)});
     }
   return table;
 }
 
 Table methods_table(const SensitivitySummary& s) {
   Table table;
-  table.id = usable_id("sensitivity-methods-" + s.study);
+  table.id = "best_methods";
   table.title = "Which method errs least, simulated: share of the space";
-  table.columns = {{"method", "method", true},
-                   {"best in (%)", "share_percent"},
-                   {"from", "share_low_percent"},
-                   {"to", "share_high_percent"}};
+  table.columns = {{"method", "method", true}, interval_column("best in (%)", "share_percent")};
   for (std::size_t m = 0; m < s.methods.size(); ++m)
-    table.rows.push_back({TableValue::of(s.methods[m]), percent_cell(s.best_share[m].value),
-                          percent_cell(s.best_share[m].low), percent_cell(s.best_share[m].high)});
+    table.rows.push_back({TableValue::of(s.methods[m]), share_cell(s.best_share[m])});
   return table;
 }
 
 Table space_table(const SensitivitySummary& s) {
   Table table;
-  table.id = usable_id("sensitivity-space-" + s.study);
+  table.id = "space";
   table.title = "The space that was simulated";
   table.columns = {{"factor", "factor", true}, {"setting", "setting", true}, {"values", "values", true}};
   for (const SensitivityFactor& f : s.factors)
@@ -161,7 +160,8 @@ std::vector<std::string> sensitivity_sentences(const SensitivitySummary& s) {
   for (const SensitivityClaim& claim : s.claims) {
     const bool always = claim.share.low >= kAlways, never = claim.share.high <= kNever;
     std::string text =
-        fmt::format("**{}** holds in {} of the simulated space", claim.name, percent_text(claim.share));
+        fmt::format("**{}** holds in {} of {} simulated campaigns all over the space of settings", claim.name,
+                    percent_text(claim.share), campaigns_of(s));
     if (const std::string flips = flips_of(s, claim); !always && !never && !flips.empty())
       text += fmt::format("; it changes at {}", flips);
     if (claim.silent > 0)

@@ -33,15 +33,13 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions) {
     Table table;
-    table.id = usable_id("sensor-sets-" + condition);
+    table.id = usable_id("sets-" + condition);
     table.title = fmt::format("Sets of sensors: mean absolute error, average over the joint groups ({})",
                               about(s, condition, s.alignments.front()));
     table.columns = {{"methods", "methods", true},
                      {"sensors", "sensors", false, true},
                      {"sets", "sets"},
-                     {"MAE (cm)", "mae_cm"},
-                     {"from", "mae_from_cm"},
-                     {"to", "mae_to_cm"},
+                     interval_column("MAE (cm)", "mae_cm"),
                      {"answered (%)", "answered_percent"},
                      {"best set", "best", true},
                      {"its (cm)", "best_cm"},
@@ -51,10 +49,10 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
       const FamilyCell* c = find_family(s, family.name, condition);
       if (!is_of_sets(family) || !c) continue;
       table.rows.push_back({TableValue::of(family.name), count_cell(family.sensors),
-                            count_cell(family.methods.size()), cm_cell(c->mae_m), cm_cell(c->low_m),
-                            cm_cell(c->high_m), percent_cell(c->answered),
-                            TableValue::of(set_of(c->best, family.name)), cm_cell(c->best_m),
-                            TableValue::of(set_of(c->worst, family.name)), cm_cell(c->worst_m)});
+                            count_cell(family.methods.size()), cm_cell(c->mae_m, c->low_m, c->high_m),
+                            percent_cell(c->answered), TableValue::of(set_of(c->best, family.name)),
+                            cm_cell(c->best_m), TableValue::of(set_of(c->worst, family.name)),
+                            cm_cell(c->worst_m)});
     }
     if (table.rows.empty()) continue;
     table.notes = {
@@ -63,7 +61,7 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
             "The best and the worst set were picked afterwards, by their ratio to \"{}\" on the samples that "
             "both answer.",
             s.reference),
-        "From and to: 95 % interval by Student's t between participants."};
+        "In brackets: 95 % interval by Student's t between participants."};
     tables.push_back(std::move(table));
   }
   return tables;

@@ -28,7 +28,7 @@ double worst_half_interval(const SweepSummary& s, std::size_t reading) {
 
 Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool errors) {
   Table table;
-  table.id = errors ? "table1-search-errors" : "table1-search-times";
+  table.id = errors ? "search-errors" : "search-times";
   table.title = fmt::format(
       "Which reading of the paper gives the printed {} of Table I: the best {} of {}, simulated ({} tried; "
       "{} answered nine trials in ten in every cell and are ranked{}; {} trials a cell, seed {})",
@@ -68,7 +68,7 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
 
 Table compromise_table(const SweepSummary& s) {
   Table table;
-  table.id = "table1-search-compromise";
+  table.id = "search-compromise";
   table.title = fmt::format(
       "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with either "
       "gradient, simulated ({} trials a cell)",
@@ -177,22 +177,8 @@ std::vector<std::string> search_sentences(const SweepSummary& s) {
   return sentences;
 }
 
-namespace {
-
-constexpr std::size_t kMostReadingsInFull = 12;
-constexpr double kNormal95 = 1.96;
-
-TableValue cm(double metres, int decimals = 2) {
-  return TableValue::of(metres * kCentimetresPerMetre, decimals);
-}
-TableValue count(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
-
-std::string range_text(const SweepSummary::ErrorRange& range) {
-  return fmt::format("{:g}-{:g}", range.low_m * kCentimetresPerMetre, range.high_m * kCentimetresPerMetre);
-}
-
-// The readings worth a table of their own.
 std::vector<std::size_t> readings_in_full(const SweepSummary& s) {
+  constexpr std::size_t kMostReadingsInFull = 12;
   std::vector<std::size_t> all;
   std::set<std::size_t> leaders;
   for (std::size_t i = 0; i < s.interpretations.size(); ++i) all.push_back(i);
@@ -203,43 +189,6 @@ std::vector<std::size_t> readings_in_full(const SweepSummary& s) {
   return {leaders.begin(), leaders.end()};
 }
 
-Table empty_sweep_table(const SweepSummary& s, std::size_t reading) {
-  Table table;
-  table.id = usable_id(fmt::format("sweep-{}-{}", s.study, s.interpretations[reading].id));
-  table.title = fmt::format("Threshold sweep, simulated: {}; {} trials a cell, seed {}",
-                            s.interpretations[reading].id, s.trials, s.seed);
-  table.columns = {{"error range (cm)", "range_cm", true},
-                   {"C (" + s.interpretations[reading].threshold_unit + ")", "threshold", false, true},
-                   {"n", "n", false},
-                   {"coverage (%)", "coverage_percent", false},
-                   {"mean error (cm)", "mae_cm", false},
-                   {"+- (cm)", "mae_half_interval_cm", false},
-                   {"axis mean (cm)", "axis_mean_mae_cm", false},
-                   {"RMSE (cm)", "rmse_cm", false},
-                   {"p95 (cm)", "p95_cm", false},
-                   {"max (cm)", "max_cm", false},
-                   {"start (cm)", "start_mae_cm", false},
-                   {"iterations", "iterations", false},
-                   {"p50", "iterations_p50", false},
-                   {"p99", "iterations_p99", false},
-                   {"max", "iterations_max", false},
-                   {"digits", "digits_mean", false},
-                   {"digits min", "digits_min", false},
-                   {"one (us)", "scalar_us", false},
-                   {"batched (us)", "batched_us", false},
-                   {"statuses", "statuses", true}};
-  table.notes = {
-      "Errors are distances to the true joint; +- is 1.96 standard errors of the mean; the axis mean is the "
-      "mean of the three axes' mean absolute errors.",
-      "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are "
-      "of this machine, start included: one problem at a time, and many side by side by solve_nonlinear; the "
-      "sweep itself, with one rig for all, is faster. Iterations are of all trials, also of those that "
-      "failed."};
-  return table;
-}
-
-}  // namespace
-
 const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell) {
   if (!timings) return nullptr;
   for (const SweepCellTiming& t : timings->cells)
@@ -248,42 +197,84 @@ const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, con
   return nullptr;
 }
 
-std::vector<Table> sweep_tables(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
-  std::vector<Table> tables;
-  for (const std::size_t reading : readings_in_full(s)) {
-    Table table = empty_sweep_table(s, reading);
-    for (std::size_t r = 0; r < s.ranges.size(); ++r)
-      for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
-        const SweepCell& c = s.cell(reading, t, r);
-        const SweepCellTiming* time = timing_of(timings, c);
-        const double share = c.asked == 0
-                                 ? SweepCell::kNone
-                                 : 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
-        table.rows.push_back(
-            {TableValue::of(range_text(s.ranges[r])),
-             TableValue::of(s.thresholds[t], -1),
-             count(c.answered),
-             TableValue::of(share, 1),
-             cm(c.mae_m),
-             cm(kNormal95 * c.mae_standard_error_m, 3),
-             cm(c.axis_mean_mae_m()),
-             cm(c.rmse_m),
-             cm(c.p95_m),
-             cm(c.max_m),
-             cm(c.start_mae_m),
-             TableValue::of(c.mean_iterations, 2),
-             TableValue::of(c.p50_iterations, 0),
-             TableValue::of(c.p99_iterations, 0),
-             TableValue::of(c.max_iterations, 0),
-             TableValue::of(c.mean_digits, 1),
-             TableValue::of(c.min_digits, 1),
-             TableValue::of(time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone, 3),
-             TableValue::of(time ? time->batched_median_ns / kNsPerMicrosecond : SweepCell::kNone, 3),
-             TableValue::of(statuses_text(c.statuses, c.asked))});
-      }
-    tables.push_back(std::move(table));
+Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+  Table table;
+  table.id = "sweep";
+  table.title =
+      fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed);
+  table.columns = {{"rig", "rig", true},
+                   {"joint", "joint", true},
+                   {"errors", "error_model", true},
+                   {"C in", "threshold_unit", true},
+                   {"gradient", "gradient", true},
+                   {"curvature", "curvature", true},
+                   {"stop", "stop", true},
+                   {"damping", "damping", true},
+                   {"start", "start", true},
+                   {"errors from (cm)", "range_low_cm", false, true},
+                   {"to (cm)", "range_high_cm", false, true},
+                   {"C", "threshold", false, true},
+                   {"asked", "asked"},
+                   {"n", "n"},
+                   {"answered (%)", "coverage_percent"},
+                   interval_column("mean error (cm)", "mae_cm"),
+                   {"axis mean (cm)", "axis_mean_mae_cm"},
+                   {"RMSE (cm)", "rmse_cm"},
+                   {"p95 (cm)", "p95_cm"},
+                   {"max (cm)", "max_cm"},
+                   {"start (cm)", "start_mae_cm"},
+                   {"steps", "iterations"},
+                   {"p50", "iterations_p50"},
+                   {"p99", "iterations_p99"},
+                   {"max", "iterations_max"},
+                   {"digits", "digits_mean"},
+                   {"digits min", "digits_min"},
+                   {"one (us)", "scalar_us"},
+                   {"batched (us)", "batched_us"},
+                   {"statuses", "statuses", true}};
+  table.notes = {
+      "Errors are distances to the true joint, of the answered trials; the axis mean is the mean of the "
+      "three axes' "
+      "mean absolute errors. Steps are of all trials, also of those that failed.",
+      "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are "
+      "of this "
+      "machine, start included: one problem at a time, and many side by side by solve_nonlinear; the sweep "
+      "itself, "
+      "with one rig for all, is faster."};
+  for (const SweepCell& c : s.cells) {
+    const SweepInterpretation& i = s.interpretations[c.interpretation];
+    const SweepSummary::ErrorRange& range = s.ranges[c.range];
+    const SweepCellTiming* time = timing_of(timings, c);
+    const double half_m = 1.96 * c.mae_standard_error_m;
+    const auto us = [&](double ns) { return TableValue::of(ns / kNsPerMicrosecond, 3); };
+    std::vector<TableValue> row;
+    for (const std::string* text : {&i.rig, &i.joint, &i.error_model, &i.threshold_unit, &i.gradient,
+                                    &i.curvature, &i.stop, &i.damping, &i.start})
+      row.push_back(TableValue::of(*text));
+    row.insert(row.end(), {TableValue::of(range.low_m * kCentimetresPerMetre, -1),
+                           TableValue::of(range.high_m * kCentimetresPerMetre, -1),
+                           TableValue::of(s.thresholds[c.threshold], -1),
+                           count_cell(c.asked),
+                           count_cell(c.answered),
+                           percent_cell(share_of(c.answered, c.asked)),
+                           cm_cell(c.mae_m, c.mae_m - half_m, c.mae_m + half_m),
+                           cm_cell(c.axis_mean_mae_m()),
+                           cm_cell(c.rmse_m),
+                           cm_cell(c.p95_m),
+                           cm_cell(c.max_m),
+                           cm_cell(c.start_mae_m),
+                           TableValue::of(c.mean_iterations, 2),
+                           TableValue::of(c.p50_iterations, 0),
+                           TableValue::of(c.p99_iterations, 0),
+                           TableValue::of(c.max_iterations, 0),
+                           TableValue::of(c.mean_digits, 1),
+                           TableValue::of(c.min_digits, 1),
+                           us(time ? time->scalar_median_ns : kNoNumber),
+                           us(time ? time->batched_median_ns : kNoNumber),
+                           TableValue::of(statuses_text(c.statuses, c.asked))});
+    table.rows.push_back(std::move(row));
   }
-  return tables;
+  return table;
 }
 
 }  // namespace trilat

@@ -17,17 +17,32 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kUnits{{{"_percent"
                                                                      {"_ppm", "ppm"},
                                                                      {"_m_s3", "m/s³"}}};
 
+// Two bytes each.
+constexpr std::pair<const char*, const char*> kLetters[] = {
+    {"ä", "ae"}, {"ö", "oe"}, {"ü", "ue"}, {"Ä", "Ae"}, {"Ö", "Oe"}, {"Ü", "Ue"}, {"ß", "ss"}, {"à", "a"},
+    {"á", "a"},  {"â", "a"},  {"ã", "a"},  {"å", "a"},  {"æ", "ae"}, {"ç", "c"},  {"è", "e"},  {"é", "e"},
+    {"ê", "e"},  {"ë", "e"},  {"ì", "i"},  {"í", "i"},  {"î", "i"},  {"ï", "i"},  {"ñ", "n"},  {"ò", "o"},
+    {"ó", "o"},  {"ô", "o"},  {"õ", "o"},  {"ø", "o"},  {"ù", "u"},  {"ú", "u"},  {"û", "u"},  {"É", "E"}};
+
 }  // namespace
 
 std::string header_of(const TableColumn& column) {
   if (column.is_text || column.name.find_first_of("(%") != std::string::npos) return column.name;
-  if (column.key == "percent_from" || column.key == "percent_to") return column.name + " (%)";
   for (const auto& [ending, unit] : kUnits)
     if (column.key.ends_with(ending)) return column.name + " (" + unit + ")";
   return column.name;
 }
 
+std::string TableColumn::key_of_end(const char* end) const {
+  for (const auto& [ending, unit] : kUnits)
+    if (key.ends_with(ending))
+      return key.substr(0, key.size() - std::string(ending).size()) + "_" + end + ending;
+  return key + "_" + end;
+}
+
 std::string usable_id(std::string text) {
+  for (const auto& [letter, plain] : kLetters)
+    for (std::size_t at = 0; (at = text.find(letter, at)) != std::string::npos;) text.replace(at, 2, plain);
   const auto is_kept = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
            c == '_' || c == '-';

@@ -14,9 +14,14 @@ namespace trilat {
 // One cell: a number with the decimals it is printed with (negative: as many as it needs, up to six
 // digits), or a text. CSV gets the number unrounded.
 struct TableValue {
+  // How it stands in its row or column, where a table says so.
+  enum class Mark { none, best, like_best };
   std::optional<double> number;
   int decimals = 1;
   std::string text;
+  double low = kNoNumber, high = kNoNumber;  // of a number in a column with intervals
+  Mark mark = Mark::none;
+  std::string beside = {};  // what stands behind a number: "paper 8.7"
 
   static TableValue of(double value, int decimals) { return {value, decimals, {}}; }
   static TableValue of(std::string text) { return {std::nullopt, 0, std::move(text)}; }
@@ -27,12 +32,18 @@ struct TableColumn {
   std::string key;   // lower_snake with unit, for CSV
   bool is_text = false;
   bool is_key = false;  // a number that was chosen, not measured: it may name the row
+  bool has_interval = false;
+  // Of the interval's ends: "mae_from_cm" of "mae_cm".
+  std::string key_of_end(const char* end) const;
 };
+inline TableColumn interval_column(std::string name, std::string key) {
+  return {std::move(name), std::move(key), false, false, true};
+}
 
-// The name with its unit: that of the key where the name has none, as for the ends of an interval.
+// The name with its unit: that of the key where the name has none.
 std::string header_of(const TableColumn& column);
 
-// Letters, digits, '.', '_' and '-' stay, anything else becomes '-'.
+// Letters, digits, '.', '_' and '-' stay, umlauts and accents are transliterated, anything else becomes '-'.
 std::string usable_id(std::string text);
 
 // A table as data; renderings are made from it and never compute.
@@ -42,13 +53,24 @@ struct Table {
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
   std::vector<std::string> notes;  // one sentence each
+  std::size_t first_rows = 0;      // what a reader sees before asking for more; 0: all
 };
 
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
+inline TableValue number_cell(int decimals, double value, double low, double high) {
+  return {value, decimals, {}, low, high};
+}
 inline TableValue cm_cell(double metres) { return TableValue::of(metres * kCentimetresPerMetre, 2); }
+inline TableValue cm_cell(double metres, double low_m, double high_m) {
+  return number_cell(2, metres * kCentimetresPerMetre, low_m * kCentimetresPerMetre,
+                     high_m * kCentimetresPerMetre);
+}
 inline TableValue mm_cell(double metres) { return TableValue::of(metres / kMetresPerMillimetre, 2); }
 inline TableValue degree_cell(double radians) { return TableValue::of(radians * kDegreesPerRad, 2); }
 inline TableValue percent_cell(double share) { return TableValue::of(100.0 * share, 1); }
+inline TableValue percent_cell(double share, double low, double high) {
+  return number_cell(1, 100.0 * share, 100.0 * low, 100.0 * high);
+}
 inline TableValue count_cell(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
 inline TableValue no_cell() { return TableValue::of(kNoNumber, 0); }
 

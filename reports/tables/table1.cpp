@@ -75,13 +75,13 @@ void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimi
     }
 }
 
-Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mean, std::size_t number) {
+Table empty_table1(const SweepSummary& s, const Table1Readings& readings) {
   Table table;
-  table.id = number == 0 ? "table1" : fmt::format("table1-{}", number + 1);
+  table.id = usable_id("table1-" + s.interpretations[*readings.printed].rig);
   table.title = fmt::format(
       "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} trials a "
       "cell, seed {})",
-      name, s.trials, s.seed);
+      readings.name, s.trials, s.seed);
   table.columns = {{"range (cm)", "range_cm", true},
                    {"C", "threshold", false, true},
                    {"error, paper (cm)", "paper_error_cm", false},
@@ -99,9 +99,10 @@ Table empty_table1(const SweepSummary& s, const std::string& name, bool axis_mea
                    {"corrected (%)", "corrected_answered_percent", false}};
   table.notes = {
       std::string("Error: ") +
-          (axis_mean ? "mean over the three axes of the mean absolute error, which is the metric of the "
-                       "best-fitting reading"
-                     : "mean distance to the true joint") +
+          (readings.axis_mean
+               ? "mean over the three axes of the mean absolute error, which is the metric of the "
+                 "best-fitting reading"
+               : "mean distance to the true joint") +
           ", over the answered trials; the tables of each reading have its interval, statuses and digits.",
       "Time: of one solve, start included, on this machine; the paper's is of its own. Steps: mean number of "
       "iterations of all trials, the failed ones included. Answered: the share with a usable estimate.",
@@ -165,7 +166,7 @@ std::vector<Table> table1(const SweepSummary& s, const std::optional<SweepTiming
   const PrintedTable1 paper = printed_table1();
   std::vector<Table> tables;
   for (const Table1Readings& readings : table1_readings(s, paper)) {
-    Table table = empty_table1(s, readings.name, readings.axis_mean, tables.size());
+    Table table = empty_table1(s, readings);
     add_rows(table, s, timings, paper, readings);
     tables.push_back(std::move(table));
   }

@@ -36,8 +36,8 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
           {TableValue::of(printed.part),
            TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
            TableValue::of(condition == occluded ? printed_cm(printed, method) : kNoNumber, 1),
-           cm_cell(cell->mae_m), cm_cell(cell->mae_low_m), cm_cell(cell->mae_high_m),
-           cm_cell(cell->one_frame_m), count_cell(cell->answered), percent_cell(cell->coverage())});
+           cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m), cm_cell(cell->one_frame_m),
+           count_cell(cell->answered), percent_cell(cell->coverage())});
     }
   }
 }
@@ -58,9 +58,7 @@ std::vector<Table> table2(const ResultsSummary& summary) {
                    {"samples", "samples", true},
                    {"method", "method", true},
                    {"paper (cm)", "paper_mae_cm"},
-                   {summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm"},
-                   {"from", "mae_from_cm"},
-                   {"to", "mae_to_cm"},
+                   interval_column(summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm"),
                    {"one frame (cm)", "one_frame_cm"},
                    {"n", "n"},
                    {"coverage (%)", "coverage_percent"}};

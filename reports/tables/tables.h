@@ -23,10 +23,27 @@ namespace trilat {
 // behind it the differences from the reference, and behind those of a condition its whole bodies.
 std::vector<Table> accuracy_tables(const ResultsSummary& summary);
 
-// The paper's Table III beside ours: walking, errors relative to the mean, every method, with an average row
-// as the paper has it (the plain mean of the groups). Our method stands beside the printed column that its
-// name starts with. Empty when the results hold nothing of the kind.
-std::vector<Table> table3(const ResultsSummary& summary);
+// Methods by joint group in one condition: mean errors with intervals, the best marked, and those that are
+// not told apart from it. The leading methods come first; `with_paper`: the paper's Table III beside ours.
+Table article_table(const ResultsSummary& summary, const std::string& condition, const std::string& alignment,
+                    bool with_paper);
+// One a condition, in the study's first alignment; the paper's beside the one that is like its own.
+std::vector<Table> article_tables(const ResultsSummary& summary, bool with_paper);
+// The paper's three, the best single sensor, the mean, range_bearing, the reference and the best; of few
+// methods all. The least error first.
+std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
+std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
+                                  std::vector<std::string> methods);
+// The group that stands for all: their average, or the only one.
+std::string average_group(const ResultsSummary& summary);
+// Those with results, their average last.
+std::vector<std::string> groups_in(const ResultsSummary& summary, const std::string& condition);
+// The paper's Table III; NaN where it prints nothing.
+double printed_table3_cm(const std::string& group, const std::string& method);
+
+// Which take or participant is odd, and which side: the leading methods' errors by take, the oddest first,
+// and by joint, left beside right. Empty without more than one take.
+std::vector<Table> oddity_tables(const ResultsSummary& summary);
 
 // The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
 std::vector<Table> table2(const ResultsSummary& summary);
@@ -102,8 +119,10 @@ std::vector<Table> table1(const SweepSummary& summary, const std::optional<Sweep
 // printed times, and what the smallest threshold costs with either gradient. Empty without a search.
 std::vector<Table> search_tables(const SweepSummary& summary);
 
-// Every number of every cell, one table a reading; for many readings, of those only that lead a ranking.
-std::vector<Table> sweep_tables(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+// Every number of every cell, with each of its settings in a column.
+Table sweep_table(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+// The readings worth a figure: all of a few, of many those that lead a ranking.
+std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
 
 // Of a cell; none when it was not timed.
 const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);

@@ -46,7 +46,7 @@ std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
 Table views_table(const TrackingSummary& s, const std::string& by,
                   const std::function<std::string(const ViewRow&)>& name) {
   Table table;
-  table.id = usable_id("views-" + by + "-" + s.study);
+  table.id = usable_id("views-" + by);
   table.title = fmt::format("Which views are rejected, by {} ({})", by, data_text(s));
   table.columns = {{"condition", "condition", true},
                    {by, by, true},
@@ -73,7 +73,7 @@ Table views_table(const TrackingSummary& s, const std::string& by,
 
 Table exchanges_table(const TrackingSummary& s) {
   Table table;
-  table.id = usable_id("exchanges-" + s.study);
+  table.id = "exchanges";
   table.title = fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
                             data_text(s), s.repaired ? "undone" : "left as they were");
   table.columns = {{"condition", "condition", true},
@@ -100,22 +100,21 @@ Table exchanges_table(const TrackingSummary& s) {
 }
 
 Table clocks_table(const TrackingSummary& s) {
-  const auto ms = [](double seconds) { return TableValue::of(seconds * kMillisecondsPerSecond, 2); };
+  const auto ms = [](double seconds) { return seconds * kMillisecondsPerSecond; };
   Table table;
-  table.id = usable_id("clocks-" + s.study);
+  table.id = "clocks";
   table.title = fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
                             data_text(s));
-  table.columns = {{"take", "take", true},       {"offset (ms)", "offset_ms"},
-                   {"95 % from (ms)", "low_ms"}, {"to (ms)", "high_ms"},
+  table.columns = {{"take", "take", true},       interval_column("offset (ms)", "offset_ms"),
                    {"drift (ppm)", "drift_ppm"}, {"± (ppm)", "drift_sigma_ppm"},
                    {"correlation", "peak"},      {"next peak / first", "second"},
                    {"outcome", "outcome", true}, {"applied", "applied", true}};
   for (const ClockRow& row : s.clocks)
-    table.rows.push_back({TableValue::of(row.take), ms(row.offset_s), ms(row.low_s), ms(row.high_s),
-                          TableValue::of(row.drift_ppm, 0), TableValue::of(row.drift_sigma_ppm, 0),
-                          TableValue::of(row.peak, 3), TableValue::of(row.second, 3),
-                          TableValue::of(row.status),
-                          TableValue::of(std::string(row.applied ? "yes" : "no"))});
+    table.rows.push_back(
+        {TableValue::of(row.take), number_cell(2, ms(row.offset_s), ms(row.low_s), ms(row.high_s)),
+         TableValue::of(row.drift_ppm, 0), TableValue::of(row.drift_sigma_ppm, 0),
+         TableValue::of(row.peak, 3), TableValue::of(row.second, 3), TableValue::of(row.status),
+         TableValue::of(std::string(row.applied ? "yes" : "no"))});
   table.notes = {
       "Mocap time = stated time + offset. A tracker that lags behind the body looks like a clock that is "
       "late: motion alone cannot tell one from the other, so the interval is that of clock and lag together, "
@@ -126,15 +125,17 @@ Table clocks_table(const TrackingSummary& s) {
 
 Table rays_table(const TrackingSummary& s) {
   Table table;
-  table.id = usable_id("rays-" + s.study);
+  table.id = "rays";
   table.title = fmt::format("How sensors disagree along and across their rays ({})", data_text(s));
-  table.columns = {{"take", "take", true},      {"along (cm)", "range_cm"}, {"across (cm)", "bearing_cm"},
-                   {"along / across", "ratio"}, {"95 % from", "ratio_low"}, {"to", "ratio_high"},
+  table.columns = {{"take", "take", true},
+                   {"along (cm)", "range_cm"},
+                   {"across (cm)", "bearing_cm"},
+                   interval_column("along / across", "ratio"),
                    {"", "problem", true}};
   for (const RayRow& row : s.rays)
     table.rows.push_back({TableValue::of(row.take), cm_cell(row.range_m), cm_cell(row.bearing_m),
-                          TableValue::of(row.ratio, 2), TableValue::of(row.ratio_low, 2),
-                          TableValue::of(row.ratio_high, 2), TableValue::of(row.problem)});
+                          number_cell(2, row.ratio, row.ratio_low, row.ratio_high),
+                          TableValue::of(row.problem)});
   table.notes = {
       "Standard deviations, estimated without truth by restricted maximum likelihood. They hold how far the "
       "sensors "
@@ -146,27 +147,24 @@ Table rays_table(const TrackingSummary& s) {
 
 Table predictions_table(const TrackingSummary& s) {
   Table table;
-  table.id = usable_id("predictions-" + s.study);
+  table.id = "predictions";
   table.title = fmt::format("What a sensor sees, predicted from the others ({})", data_text(s));
   table.columns = {{"condition", "condition", true},
                    {"method", "method", true},
-                   {"along its ray (cm)", "range_cm"},
-                   {"from", "range_low_cm"},
-                   {"to", "range_high_cm"},
-                   {"across (cm)", "bearing_cm"},
-                   {"from", "bearing_low_cm"},
-                   {"to", "bearing_high_cm"},
+                   interval_column("along its ray (cm)", "range_cm"),
+                   interval_column("across (cm)", "bearing_cm"),
                    {"too far by (cm)", "mean_range_cm"},
                    {"n", "n"}};
   for (const PredictionRow& row : s.predictions)
-    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method), cm_cell(row.range_m),
-                          cm_cell(row.range_low_m), cm_cell(row.range_high_m), cm_cell(row.bearing_m),
-                          cm_cell(row.bearing_low_m), cm_cell(row.bearing_high_m), cm_cell(row.mean_range_m),
-                          count_cell(row.n)});
+    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method),
+                          cm_cell(row.range_m, row.range_low_m, row.range_high_m),
+                          cm_cell(row.bearing_m, row.bearing_low_m, row.bearing_high_m),
+                          cm_cell(row.mean_range_m), count_cell(row.n)});
   table.notes = {
       "Mean distances of what the other sensors say from the tracked joints of the sensor left out, before "
       "any "
-      "alignment; every sensor is left out in turn. From and to: 95 % by Student's t, participants as "
+      "alignment; every sensor is left out in turn. In brackets: 95 % interval by Student's t, participants "
+      "as "
       "clusters; "
       "a single participant has none. Errors that all sensors share are in none of these numbers."};
   return table;

@@ -39,7 +39,7 @@ std::string agreement(const TwinsSummary& s, const std::string& set, double Twin
 
 Table table_of(const TwinsSummary& s, const std::string& set) {
   Table table;
-  table.id = usable_id("twins-" + set);
+  table.id = usable_id(set);
   table.title = fmt::format(
       "Two sensors on one person, recorded / simulated twins: the median, then the 90 % point, of the "
       "distance in cm "
@@ -94,7 +94,7 @@ std::vector<std::string> twins_sentences(const TwinsSummary& s) {
 
 std::vector<Figure> twins_figures(const TwinsSummary& s) {
   Figure figure;
-  figure.id = "twins";
+  figure.id = "disagreement";
   figure.title = "The simulator beside reality: how far two sensors disagree on one joint";
   figure.caption =
       "Each dot is a joint group, activity and pair of sensors. On the line simulated twins are as real "

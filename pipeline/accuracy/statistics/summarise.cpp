@@ -228,6 +228,49 @@ void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) 
     }
 }
 
+bool is_of_set(const ResultsSummary& summary, const std::string& method) {
+  return std::ranges::any_of(summary.families, [&](const MethodFamily& family) {
+    return family.sensors > 1 && family.methods.size() > 1 &&
+           std::ranges::find(family.methods, method) != family.methods.end();
+  });
+}
+
+// Of the methods that compete in a condition and group, the one that errs least, first.
+std::vector<const SummaryCell*> competitors(const ResultsSummary& summary, const std::string& condition,
+                                            const std::string& group) {
+  constexpr double kCompetes = 0.95;  // of what it is asked: to answer the easy samples alone wins nothing
+  std::vector<const SummaryCell*> cells;
+  for (const SummaryCell& c : summary.cells)
+    if (c.condition == condition && c.group == group && c.alignment == summary.alignments.front() &&
+        !std::isnan(c.mae_m) && !is_of_set(summary, c.method))
+      cells.push_back(&c);
+  const auto is_silent = [](const SummaryCell* c) { return !(c->coverage() >= kCompetes); };
+  if (!std::ranges::all_of(cells, is_silent)) std::erase_if(cells, is_silent);
+  std::ranges::stable_sort(cells, {}, &SummaryCell::mae_m);
+  return cells;
+}
+
+void add_best(const ParticipantErrors& errors, ResultsSummary& summary) {
+  for (const std::string& condition : summary.conditions) {
+    std::vector<std::string> groups = errors.groups_of(condition);
+    if (groups.size() > 1) groups.emplace_back(kAverageGroup);
+    for (const std::string& group : groups) {
+      const std::vector<const SummaryCell*> cells = competitors(summary, condition, group);
+      if (cells.empty()) continue;
+      BestMethod best{condition, group, cells.front()->method, {}};
+      for (const SummaryCell* cell : cells) {
+        if (cell == cells.front()) continue;
+        const ContrastEstimate e = solve_contrast(
+            errors.difference(cell->method, best.method, condition,
+                              group == kAverageGroup ? errors.groups_of(condition) : std::vector{group},
+                              ComparedSamples::complete));
+        if (!(e.low() > 0.0)) best.like_best.push_back(cell->method);
+      }
+      summary.best.push_back(std::move(best));
+    }
+  }
+}
+
 ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   ResultsSummary summary;
   summary.study = plan.study.name;
@@ -314,6 +357,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   const ParticipantErrors errors(summary);
   add_family_cells(errors, summary);
   complete_differences(errors, summary);
+  add_best(errors, summary);
   if (progress) progress(1.0);
   return summary;
 }

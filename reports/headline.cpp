@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/base/units.h"
+#include "datasets/results/summary.h"
+#include "reports/render/render.h"
+#include "reports/report_content.h"
+#include "reports/tables/tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::size_t kMostAnswers = 4;
+constexpr const char* kRecorded =
+    "Recorded, for comparison: against Vicon one real Kinect v2 errs by 0.8 to 4.4 cm, by movement (UI-PRMD, "
+    "five "
+    "persons, each joint’s constant offset taken away); two at 90 degrees disagree by 5.5 to 11 cm in the "
+    "median while "
+    "a person walks (KinectMultiTrack, six persons).";
+
+std::string error_with_interval(const SummaryCell& c) {
+  return fmt::format("{:.1f} cm ({:.1f} to {:.1f})", c.mae_m * kCentimetresPerMetre,
+                     c.mae_low_m * kCentimetresPerMetre, c.mae_high_m * kCentimetresPerMetre);
+}
+
+// How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
+std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
+  constexpr const char* kCondition = "walking";
+  const auto cell = [&](const std::string& method) {
+    return find_cell(s, method, kCondition, kAverageGroup, s.alignments.front());
+  };
+  const auto percent = [&](const std::string& method) {
+    for (const DifferenceCell& d : s.differences)
+      if (d.method == method && d.condition == kCondition && d.group == kAverageGroup &&
+          d.alignment == s.alignments.front())
+        return fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`", d.percent_of_reference,
+                           d.percent_low, d.percent_high, s.reference);
+    return std::string();
+  };
+  std::vector<std::string> answers;
+  std::string ours, printed;
+  for (const char* method : {"nonlinear", "linear", "geometric"})
+    if (const SummaryCell* c = cell(method)) {
+      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_with_interval(*c));
+      printed +=
+          fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", printed_table3_cm(kAverageGroup, method));
+    }
+  if (ours.empty()) return answers;
+  answers.push_back(fmt::format("**Trilateration** of {} walkers, {}: mean error {}. The paper prints {} cm.",
+                                s.participants, s.simulated ? "simulated" : "recorded", ours, printed));
+  const SummaryCell* mean = cell("mean");
+  const BestMethod* best = find_best(s, kCondition, kAverageGroup);
+  if (mean)
+    answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}: {}.",
+                                  error_with_interval(*mean), percent("mean")));
+  if (best && best->method != "mean" && cell(best->method))
+    answers.push_back(
+        fmt::format("**Least** errs `{}`, by {}{}.", best->method, error_with_interval(*cell(best->method)),
+                    best->like_best.empty()
+                        ? std::string()
+                        : fmt::format("; not told apart from it: `{}`", fmt::join(best->like_best, "`, `"))));
+  return answers;
+}
+
+void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
+  for (const char* verdict : {kHolds, kDoesNotHold, kUndecided, kContradicts, kCannotTest})
+    if (const auto n = std::ranges::count_if(
+            claims, [&](const JudgedClaim& claim) { return claim.verdict.starts_with(verdict); }))
+      headline.verdicts.emplace_back(verdict, static_cast<std::size_t>(n));
+}
+
+bool is_of(const Chapter& chapter, StudyKind kind) { return chapter.provenance.kind == kind; }
+
+// The first figure of the first chapter of a kind.
+void add_figure(const ReportContent& content, const auto& is_wanted, Headline& headline) {
+  for (std::size_t c = 0; c < content.chapters.size(); ++c)
+    for (std::size_t f = 0; f < content.chapters[c].first_figures; ++f)
+      if (is_wanted(content.chapters[c], content.chapters[c].figures[f].figure)) {
+        headline.figures.emplace_back(c, f);
+        return;
+      }
+}
+
+}  // namespace
+
+Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper) {
+  Headline headline;
+  bool simulated = false, recorded = false;
+  for (const Chapter& chapter : content.chapters) (chapter.simulated ? simulated : recorded) = true;
+  headline.origin = simulated && recorded ? "Simulated and recorded data"
+                    : simulated           ? "Simulated data"
+                                          : "Recorded data";
+  const bool on_the_paper = paper && paper->evidence.walking;
+  for (const Chapter& chapter : content.chapters)
+    for (const std::string& warning : chapter.warnings)
+      if (!on_the_paper || chapter.provenance.study == paper->evidence.walking->study)
+        headline.warnings.push_back(content.chapters.size() > 1 ? chapter.title + ": " + warning : warning);
+  if (paper) add_verdicts(paper->claims, headline);
+  if (on_the_paper) {
+    headline.asked =
+        "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
+        "simpler "
+        "methods?";
+    headline.answers = answers_on_the_paper(*paper->evidence.walking);
+    for (const Chapter& chapter : content.chapters)
+      for (const std::string& finding : chapter.findings)
+        if (is_of(chapter, StudyKind::sensitivity) && finding.starts_with("**nonlinear before the mean**"))
+          headline.answers.push_back(finding);
+    if (simulated) headline.answers.emplace_back(kRecorded);
+    add_figure(
+        content,
+        [&](const Chapter& c, const Figure& f) {
+          return is_of(c, StudyKind::accuracy) && c.provenance.study == paper->evidence.walking->study &&
+                 !f.y_names.empty();
+        },
+        headline);
+    add_figure(
+        content, [](const Chapter& c, const Figure& f) { return is_of(c, StudyKind::sensitivity) && f.map; },
+        headline);
+    return headline;
+  }
+  const bool any_accuracy =
+      std::ranges::any_of(content.chapters, [](const Chapter& c) { return is_of(c, StudyKind::accuracy); });
+  headline.asked = any_accuracy ? "How far from the truth is each method?" : "What did the studies find?";
+  std::size_t left_out = 0;
+  for (const Chapter& chapter : content.chapters)
+    for (const std::string& finding : chapter.findings.empty() ? chapter.sentences : chapter.findings) {
+      if (headline.answers.size() < kMostAnswers)
+        headline.answers.push_back(content.chapters.size() > 1 ? chapter.title + ": " + finding : finding);
+      else
+        ++left_out;
+    }
+  if (left_out > 0) headline.answers.push_back(fmt::format("And {} more, in the studies below.", left_out));
+  add_figure(
+      content, [](const Chapter&, const Figure&) { return true; }, headline);
+  return headline;
+}
+
+std::string headline_text(const Headline& headline) {
+  constexpr std::size_t kColumns = 96;
+  std::string text = headline.asked + " " + headline.origin + ".\n";
+  const auto add = [&](std::string sentence) {
+    std::erase_if(sentence, [](char c) { return c == '*' || c == '`'; });
+    bool first = true;
+    for (const std::string& line : lines_of(sentence, kColumns)) {
+      text += (first ? "  - " : "    ") + line + "\n";
+      first = false;
+    }
+  };
+  for (const std::string& answer : headline.answers) add(answer);
+  std::string verdicts;
+  for (const auto& [verdict, count] : headline.verdicts)
+    verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", count, verdict);
+  if (!verdicts.empty()) add("The paper's claims: " + verdicts + ".");
+  for (const std::string& warning : headline.warnings) add("Warning: " + warning);
+  return text;
+}
+
+}  // namespace trilat
