@@ -99,7 +99,8 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   for (const Chapter& chapter : content.chapters)
     for (const std::string& warning : chapter.warnings)
       if (!on_the_paper || chapter.provenance.study == paper->evidence.walking->study)
-        headline.warnings.push_back(content.chapters.size() > 1 ? chapter.title + ": " + warning : warning);
+        headline.warnings.push_back(content.chapters.size() > 1 ? chapter.provenance.folder + ": " + warning
+                                                                : warning);
   if (paper) add_verdicts(paper->claims, headline);
   if (on_the_paper) {
     headline.asked =
@@ -131,7 +132,8 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   for (const Chapter& chapter : content.chapters)
     for (const std::string& finding : chapter.findings.empty() ? chapter.sentences : chapter.findings) {
       if (headline.answers.size() < kMostAnswers)
-        headline.answers.push_back(content.chapters.size() > 1 ? chapter.title + ": " + finding : finding);
+        headline.answers.push_back(content.chapters.size() > 1 ? chapter.provenance.folder + ": " + finding
+                                                               : finding);
       else
         ++left_out;
     }

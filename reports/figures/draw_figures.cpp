@@ -78,7 +78,8 @@ int run_gnuplot(const std::string& argument, const std::string& said) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-// Both pictures of a figure, of the same size: a millimetre is 96 / 25.4 px, 8 pt are 10.7 px.
+// Both pictures of a figure, behind one that makes every picture begin with the same colour. They have the
+// same size: a millimetre is 96 / 25.4 px, 8 pt are 10.7 px.
 std::string drawing_of(const Figure& figure, const Pictures& pictures) {
   constexpr double kPixelsPerMm = 96.0 / 25.4;
   const auto output = [&](const MemoryFile& file) { return "set output '" + file.name() + "'\n"; };
@@ -87,7 +88,7 @@ std::string drawing_of(const Figure& figure, const Pictures& pictures) {
   return fmt::format(
              "reset session\nset terminal svg noenhanced size {:.0f},{:.0f} fixed font 'Helvetica,10.7' "
              "background "
-             "'#ffffff'\n",
+             "'#ffffff'\nset output '/dev/null'\nplot 0\n",
              kPixelsPerMm * size.width_mm, kPixelsPerMm * size.height_mm) +
          output(pictures.svg) + script +
          fmt::format(

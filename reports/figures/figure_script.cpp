@@ -36,6 +36,13 @@ std::string gnuplot_text(const std::string& text) {
   return result + "'";
 }
 
+// Names of ticks are formats.
+std::string without_formats(const std::string& text) {
+  std::string result;
+  for (char c : text) result += c == '%' ? std::string("%%") : std::string(1, c);
+  return result;
+}
+
 bool can_draw(const Figure& figure, const FigurePoint& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && (!figure.log_x || p.x > 0.0) &&
          (!figure.log_y || p.y > 0.0);
@@ -260,7 +267,7 @@ class Script {
   static std::string ticks(const char* axis, const std::vector<std::string>& names) {
     std::string text = fmt::format("set {}tics (", axis);
     for (std::size_t k = 0; k < names.size(); ++k)
-      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(names[k]), k);
+      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(without_formats(names[k])), k);
     return text + ")\n";
   }
 

@@ -44,7 +44,7 @@ void report_on(const SoundFile& file) {
   } else if (file.name == "simulator.json") {
     print(parameters_table(read_declared_parameters(file.folder), "fuzz"));
   } else {
-    const Chapter chapter = read_chapter(file.folder);
+    const Chapter chapter = read_chapter(file.folder, true);
     for (const Table& table : chapter.tables) print(table);
     for (const DrawnFigure& figure : chapter.figures) gnuplot_script(figure.figure);
     if (const auto paper = judge_paper({file.folder})) print(claims_table(*paper));

@@ -169,7 +169,7 @@ TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
   EXPECT_EQ(only_json(json)["simulated"], true);
   const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
   EXPECT_EQ(report.code, 0) << report.err;
-  const std::string markdown = read_file(folder / "report/report.md");
+  const std::string markdown = read_file(folder / "report/index.csv");
   for (const Table& table : budget_tables(read_budget_summary(results)))
     EXPECT_THAT(markdown, HasSubstr(table.title));
 }

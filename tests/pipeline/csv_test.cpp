@@ -85,7 +85,7 @@ TEST(Csv, EveryFileOfEveryVerbHasRowsAsWideAsItsHeader) {
   for (const auto& [file, rows] : found.items()) EXPECT_EQ(rows[1], Json::array()) << file;
   for (const char* file :
        {"session.csv", "samples.csv", "campaign/p01-walking/truth.csv", "campaign/p01-walking/mocap.csv",
-        "report/table3.csv", "report/figure-errors-walking.csv"})
+        "report/tables/results/errors-walking.csv", "report/figures/results/errors-walking.csv"})
     EXPECT_TRUE(found.contains(file) && found[file][0] > 1) << file;
   EXPECT_THAT(read_file(work + "/samples.csv"), testing::HasSubstr(",\"the \"\"mean\"\", of all\","));
 }

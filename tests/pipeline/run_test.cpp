@@ -437,7 +437,7 @@ TEST(RunGolden, ATinyCampaignGivesItsTablesByteForByte) {
   const ResultsSummary summary =
       execute_study(study_with(R"(["mean", "none"])"), campaign, folder / "results", {});
   std::string text;
-  for (const Table& table : table3(summary)) text += markdown_of(table) + "\n";
+  for (const Table& table : article_tables(summary, true)) text += markdown_of(table) + "\n";
   for (Table table : accuracy_tables(summary)) {
     // how many steps a descent takes depends on the last bits of the processor's arithmetic
     const auto steps = std::ranges::find(table.columns, "iterations", &TableColumn::key);

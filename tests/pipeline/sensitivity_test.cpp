@@ -134,7 +134,8 @@ TEST(SensitivityVerb, TablesReportAndSlices) {
                                HasSubstr("nonlinear errs less than mean")));
   const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report"});
   EXPECT_EQ(report.code, 0) << report.err;
-  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("of the simulated space"));
+  EXPECT_THAT(read_file(folder / "report/report.md"),
+              HasSubstr("simulated campaigns all over the space of settings"));
 }
 
 // A difference that one factor decides alone, with a known break-even.

@@ -175,7 +175,7 @@ class DoorTest(unittest.TestCase):
         shutil.copytree(self.results.folder, newer)
         summary = json.loads((newer / "summary.json").read_text())
         (newer / "summary.json").write_text(json.dumps({**summary, "version": 99}))
-        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 5"):
+        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 6"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
         with h5py.File(newer / "samples.h5", "r+") as file:

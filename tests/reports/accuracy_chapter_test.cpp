@@ -47,15 +47,15 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 TEST(AccuracyChapter, HoldsTablesTrackingFiguresAndWhatIsAssumed) {
   const ScratchFolder folder;
   const ReportFiles report = write_report({full_results(folder, "mine", kAssumed)}, folder / "report");
-  const std::string markdown = read_file(folder / "report/report.md");
+  const std::string index = read_file(folder / "report/index.csv");
   for (const char* part :
        {"Which views are rejected, by joint", "Which views are rejected, by sensor",
         "Left and right exchanged by a sensor", "Offset between mocap and sensors by motion",
-        "What the simulation behind mine assumes", "trajectory-walking-wrist_right.svg"})
-    EXPECT_EQ(count_of(markdown, part), 1u) << part;
-  EXPECT_EQ(report.figures.size(), 2u);  // errors by joint, and the height of a wrist
+        "What the simulation behind mine assumes", "figures/mine/trajectory-walking-wrist_right.svg"})
+    EXPECT_EQ(count_of(index, part), 1u) << part;
+  EXPECT_EQ(report.figures, 3u);  // errors by method, their spread, and the height of a wrist
   for (const auto& path : report.written) EXPECT_GT(std::filesystem::file_size(path), 0u) << path;
-  EXPECT_TRUE(std::filesystem::exists(folder / "report/trajectory-walking-wrist_right.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "report/figures/mine/trajectory-walking-wrist_right.csv"));
 }
 
 TEST(AccuracyChapter, StudiesThatAssumeTheSameShareATableAndOthersHaveTheirOwn) {
@@ -63,18 +63,14 @@ TEST(AccuracyChapter, StudiesThatAssumeTheSameShareATableAndOthersHaveTheirOwn) 
   const auto one = full_results(folder, "one", kAssumed), two = full_results(folder, "two", kAssumed),
              three = full_results(folder, "three", kOther), four = full_results(folder, "four", {});
   write_report({one, two / "", four}, folder / "same");
-  const std::string same = read_file(folder / "same/report.md");
+  const std::string same = read_file(folder / "same/index.csv");
   EXPECT_EQ(count_of(same, "What the simulation behind"), 1u);
   EXPECT_THAT(same, HasSubstr("What the simulation behind one, two assumes"));
-  const ReportFiles report = write_report({one, three}, folder / "other");
-  const std::string other = read_file(folder / "other/report.md");
+  write_report({one, three}, folder / "other");
+  const std::string other = read_file(folder / "other/index.csv");
   EXPECT_EQ(count_of(other, "What the simulation behind"), 2u);
   EXPECT_THAT(other, HasSubstr("What the simulation behind three assumes"));
-  EXPECT_EQ(std::count_if(report.tables.begin(), report.tables.end(),
-                          [](const Table& t) { return t.id.ends_with("simulator"); }) +
-                std::count_if(report.tables.begin(), report.tables.end(),
-                              [](const Table& t) { return t.id.find("simulator-") != std::string::npos; }),
-            2);
+  EXPECT_THAT(other, HasSubstr("tables/assumptions/three.csv"));
 }
 
 TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
@@ -83,9 +79,9 @@ TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
   for (const char* file : {"samples.h5", "tracking.json", "simulator.json"})
     std::filesystem::remove(results / file);
   const ReportFiles report = write_report({results}, folder / "report");
-  EXPECT_EQ(report.figures.size(), 1u);  // errors by joint
-  EXPECT_EQ(report.tables.size(), 3u);   // the paper's claims and audit among them
-  EXPECT_THAT(read_file(folder / "report/report.md"), Not(HasSubstr("What the simulation behind")));
+  EXPECT_EQ(report.figures, 2u);  // errors by method, and their spread
+  EXPECT_EQ(report.tables, 3u);   // errors, their long form, and who answers
+  EXPECT_THAT(read_file(folder / "report/index.csv"), Not(HasSubstr("What the simulation behind")));
 }
 
 TEST(AccuracyChapter, ADamagedFileBesideTheSummaryIsNamed) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "reports/figures/figures.h"
@@ -34,72 +35,112 @@ double number(const Table& table, const std::string& joint, const std::string& m
   return row(table, joint, method)[column(table, key)].number.value();
 }
 
-TEST(Table3, StandsBesideThePaperWithRatioAndCounts) {
-  const auto tables = table3(hand_made_summary());
+// nonlinear answers 75 %, the mean all; the average of nonlinear is 3 cm.
+ResultsSummary summary_with_best() {
+  ResultsSummary summary = hand_made_summary();
+  for (SummaryCell& cell : summary.cells)
+    std::tie(cell.mae_low_m, cell.mae_high_m) = std::pair(cell.mae_m - 0.004, cell.mae_m + 0.005);
+  for (const auto& [method, m, n] : {std::tuple{"nonlinear", 0.03, 300}, {"mean", 0.05, 400}}) {
+    SummaryCell average = cell_of(method, kAverageGroup, m, static_cast<std::uint64_t>(n));
+    average.asked = 400;
+    std::tie(average.mae_low_m, average.mae_high_m) = std::pair(m - 0.01, m + 0.02);
+    summary.cells.push_back(average);
+  }
+  summary.best = {{"walking", "head", "mean", {"nonlinear"}}, {"walking", kAverageGroup, "mean", {}}};
+  return summary;
+}
+
+const TableValue& article_cell(const Table& table, const std::string& method, const std::string& key) {
+  for (const auto& values : table.rows)
+    if (values[0].text == method) return values[column(table, key)];
+  throw std::out_of_range(method);
+}
+
+TEST(Table3, StandsBesideThePaperWithIntervalsAndTheShareAnswered) {
+  const auto tables = article_tables(summary_with_best(), true);
   ASSERT_EQ(tables.size(), 1u);
   const Table& table = tables[0];
-  EXPECT_THAT(table.title, HasSubstr("simulated"));
-  EXPECT_EQ(number(table, "head", "nonlinear", "paper_mae_cm"), 5.3);
-  EXPECT_EQ(number(table, "wrist", "nonlinear", "paper_mae_cm"), 14.2);
-  EXPECT_DOUBLE_EQ(number(table, "wrist", "nonlinear", "mae_cm"), 6.0);
-  EXPECT_DOUBLE_EQ(number(table, "wrist", "nonlinear", "ratio"), 6.0 / 14.2);
-  EXPECT_EQ(number(table, "wrist", "nonlinear", "n"), 75.0);
-  EXPECT_EQ(number(table, "wrist", "nonlinear", "coverage_percent"), 75.0);
-  EXPECT_EQ(row(table, "wrist", "nonlinear")[column(table, "statuses")].text,
-            "converged 75.0 %, too_few_ranges 25.0 %");
-  EXPECT_TRUE(std::isnan(number(table, "head", "mean", "paper_mae_cm")));  // the paper has no such method
-  EXPECT_TRUE(std::isnan(number(table, "head", "mean", "ratio")));
+  EXPECT_EQ(table.id, "errors-walking");
+  EXPECT_THAT(table.title, AllOf(HasSubstr("Table III"), HasSubstr("simulated")));
+  const TableValue& wrist = article_cell(table, "nonlinear", "wrist_mae_cm");
+  EXPECT_DOUBLE_EQ(*wrist.number, 6.0);
+  EXPECT_DOUBLE_EQ(wrist.low, 5.6);
+  EXPECT_DOUBLE_EQ(wrist.high, 6.5);
+  EXPECT_EQ(wrist.beside, "paper 14.2");
+  EXPECT_EQ(article_cell(table, "nonlinear", "average_mae_cm").beside, "paper 8.7");
+  EXPECT_EQ(article_cell(table, "mean", "head_mae_cm").beside, "");  // the paper has no such method
+  EXPECT_EQ(*article_cell(table, "nonlinear", "answered_percent").number, 75.0);
+  EXPECT_THAT(csv_of(table), HasSubstr("method,head_mae_cm,head_mae_from_cm,head_mae_to_cm,"));
+  EXPECT_THAT(markdown_of(table), HasSubstr("6.0 (5.6 to 6.5); paper 14.2"));
 }
 
-TEST(Table3, TheAverageIsThePlainMeanOfTheGroups) {
-  const Table table = table3(hand_made_summary()).at(0);
-  EXPECT_DOUBLE_EQ(number(table, "average", "nonlinear", "mae_cm"), (1.0 + 2.0 + 3.0 + 6.0) / 4.0);
-  EXPECT_EQ(number(table, "average", "nonlinear", "paper_mae_cm"), 8.7);  // as printed
-  EXPECT_DOUBLE_EQ(number(table, "average", "nonlinear", "ratio"), 3.0 / 8.7);
-  EXPECT_EQ(number(table, "average", "nonlinear", "n"), 300.0);
-  EXPECT_EQ(number(table, "average", "nonlinear", "coverage_percent"), 75.0);
-  EXPECT_EQ(row(table, "average", "mean")[column(table, "statuses")].text, "converged 100.0 %");
+TEST(Table3, TheBestIsBoldAndWhatIsNotToldApartFromItIsMarked) {
+  const Table table = article_tables(summary_with_best(), false).at(0);
+  EXPECT_EQ(article_cell(table, "mean", "head_mae_cm").mark, TableValue::Mark::best);
+  EXPECT_EQ(article_cell(table, "nonlinear", "head_mae_cm").mark, TableValue::Mark::like_best);
+  EXPECT_EQ(article_cell(table, "nonlinear", "average_mae_cm").mark, TableValue::Mark::none);
+  EXPECT_EQ(article_cell(table, "nonlinear", "head_mae_cm").beside, "");  // the paper was not asked
 }
 
-TEST(Table3, AnAverageWithoutAllGroupsIsNoNumber) {
-  ResultsSummary missing = hand_made_summary();
-  std::erase_if(missing.cells, [](const SummaryCell& c) { return c.group == "elbow"; });
-  EXPECT_TRUE(std::isnan(number(table3(missing).at(0), "average", "nonlinear", "mae_cm")));
-  ResultsSummary unanswered = hand_made_summary();
-  unanswered.cells[0] = cell_of("nonlinear", "head", kNoNumber, 0);
-  const Table table = table3(unanswered).at(0);
-  EXPECT_TRUE(std::isnan(number(table, "average", "nonlinear", "mae_cm")));
-  EXPECT_TRUE(std::isnan(number(table, "head", "nonlinear", "mae_cm")));
-  EXPECT_EQ(number(table, "head", "nonlinear", "coverage_percent"), 0.0);
-  EXPECT_EQ(number(table, "average", "mean", "mae_cm"), 5.0);
-}
-
-TEST(Table3, VariantsStandBesideThePrintedMethodTheyAreNamedAfter) {
-  ResultsSummary summary = hand_made_summary();
-  summary.methods = {"nonlinear printed"};
-  for (SummaryCell& cell : summary.cells)
-    if (cell.method == "nonlinear") cell.method = "nonlinear printed";
-  EXPECT_EQ(number(table3(summary).at(0), "elbow", "nonlinear printed", "paper_mae_cm"), 7.3);
-}
-
-TEST(Table3, IsLeftOutWhenTheResultsHoldNothingOfTheKind) {
-  ResultsSummary standing = hand_made_summary();
+TEST(Table3, OnlyWalkingRelativeToTheMeanStandsBesideThePaper) {
+  ResultsSummary standing = summary_with_best(), unaligned = summary_with_best();
   standing.conditions = {"standing"};
   for (SummaryCell& cell : standing.cells) cell.condition = "standing";
-  EXPECT_TRUE(table3(standing).empty());
-  ResultsSummary unaligned = hand_made_summary();
   unaligned.alignments = {"none"};
   for (SummaryCell& cell : unaligned.cells) cell.alignment = "none";
-  EXPECT_TRUE(table3(unaligned).empty());
+  for (const ResultsSummary& summary : {standing, unaligned})
+    EXPECT_THAT(article_tables(summary, true).at(0).title, testing::Not(HasSubstr("Table III")));
 }
 
 TEST(Table3, FailedTakesAreNamedUnderTheTable) {
   ResultsSummary summary = hand_made_summary();
   summary.takes_failed = 1;
   summary.notes = {{"p02-walking", true, "p02/mocap.csv:9", "is cut"}};
-  const Table table = table3(summary).at(0);
+  const Table table = article_tables(summary, true).at(0);
   EXPECT_THAT(table.notes, testing::Contains("Take p02-walking failed: p02/mocap.csv:9: is cut."));
   EXPECT_THAT(table.title, HasSubstr("1 of 2 takes"));
+}
+
+TEST(LeadingMethods, AreThePapersTheBestSensorTheMeanAndTheBestInTheOrderOfTheirErrors) {
+  ResultsSummary s = hand_made_summary();
+  s.methods = {"linear", "geometric", "nonlinear", "single k1", "single k2", "a", "b", "mean", "rts", "c"};
+  s.cells.clear();
+  s.groups = {"head"};
+  for (std::size_t m = 0; m < s.methods.size(); ++m)
+    s.cells.push_back(cell_of(s.methods[m], "head", 0.10 - 0.01 * static_cast<double>(m)));
+  s.best = {{"walking", "head", "c", {}}};
+  EXPECT_THAT(leading_methods(s, "walking"),
+              ElementsAre("c", "mean", "single k2", "nonlinear", "geometric", "linear"));
+  const Table table = article_tables(s, false).at(0);
+  EXPECT_EQ(table.first_rows, 6u);
+  EXPECT_EQ(table.rows.size(), 10u);
+}
+
+// Seven takes at 5.0 to 5.6 cm and one at 9 cm.
+TEST(Oddities, TheTakeThatIsFarFromTheOthersComesFirstAndIsCalledOdd) {
+  ResultsSummary s = hand_made_summary();
+  for (int k = 0; k < 8; ++k)
+    s.by_take.push_back({fmt::format("t{}", k),
+                         "p1",
+                         "walking",
+                         "wrist",
+                         k == 0 ? "wrist_right" : "wrist_left",
+                         "mean",
+                         10,
+                         10,
+                         k == 7 ? 0.09 : 0.05 + 0.001 * k,
+                         {},
+                         {},
+                         {}});
+  s.best = {{"walking", kAverageGroup, "mean", {}}};
+  const std::vector<Table> tables = oddity_tables(s);
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_EQ(tables[0].rows[0][0].text, "t7");
+  EXPECT_EQ(tables[0].rows[0].back().text, "odd");
+  EXPECT_EQ(tables[0].rows[1].back().text, "");
+  const auto& sides = tables[1].rows.at(0);
+  EXPECT_EQ(sides[1].text, "wrist");
+  EXPECT_DOUBLE_EQ(*sides[4].number, 5.0);
 }
 
 TEST(AccuracyTables, RareStatusesAreNeitherHiddenNorRoundedToAll) {
@@ -218,7 +259,7 @@ TEST(AccuracyTables, DifferencesSayWhichMethodIsBetterAndInBothConventions) {
   EXPECT_EQ(table.id, "differences-walking-mean");
   EXPECT_THAT(table.title, HasSubstr("method less \"nonlinear\""));
   EXPECT_DOUBLE_EQ(number(table, "head", "b", "difference_cm"), -1.0);
-  EXPECT_DOUBLE_EQ(number(table, "head", "b", "difference_to_cm"), -0.5);
+  EXPECT_DOUBLE_EQ(row(table, "head", "b")[column(table, "difference_cm")].high, -0.5);
   EXPECT_EQ(number(table, "head", "b", "percent_of_reference"), -25.0);
   EXPECT_EQ(number(table, "head", "b", "percent_of_method"), -100.0 / 3.0);
   EXPECT_EQ(row(table, "head", "b").back().text, "better");
@@ -262,19 +303,6 @@ TEST(AccuracyTables, NotesSayHowExactlyTheTruthIsKnownAndWhyThereIsNoInterval) {
   EXPECT_THAT(table.notes, testing::Contains(HasSubstr("There are no intervals")));
 }
 
-TEST(Table3, TheAveragesIntervalIsThatOfTheResultsOwnAverageWhenItIsOfTheSameGroups) {
-  ResultsSummary summary = hand_made_summary();
-  SummaryCell average = cell_of("nonlinear", kAverageGroup, 0.03, 300);
-  average.asked = 400;
-  average.mae_low_m = 0.02;
-  average.mae_high_m = 0.05;
-  summary.cells.push_back(average);
-  EXPECT_DOUBLE_EQ(number(table3(summary).at(0), "average", "nonlinear", "mae_to_cm"), 5.0);
-  EXPECT_TRUE(std::isnan(number(table3(summary).at(0), "average", "mean", "mae_to_cm")));
-  summary.cells.back().asked = 500;  // the hip is in it too
-  EXPECT_TRUE(std::isnan(number(table3(summary).at(0), "average", "nonlinear", "mae_to_cm")));
-}
-
 // The activity is free text in campaign.json; the table's id becomes a file name and a LaTeX label.
 TEST(AccuracyTables, AnyActivityGivesAnIdThatCanBeAFileName) {
   ResultsSummary summary = hand_made_summary();
@@ -310,10 +338,17 @@ TEST(ErrorBoxes, HaveQuartilesWhiskersAndTheMeanOfEachJoint) {
   EXPECT_THAT(figures[0].x_names, ElementsAre("head", "shoulder", "elbow", "wrist"));
 }
 
-TEST(ErrorBoxes, AStudyOfOtherMethodsShowsItsFirst) {
-  ResultsSummary summary = hand_made_summary();
-  summary.methods = {"a", "b", "c", "d", "e", "f"};
-  EXPECT_THAT(methods_worth_a_figure(summary), ElementsAre("a", "b", "c", "d", "e"));
+TEST(MethodsFigure, HasAPanelAJointTheLeastErrorOnTopAndThePaperAsRings) {
+  const Figure figure = methods_figure(summary_with_best(), "walking", true);
+  EXPECT_THAT(figure.y_names, ElementsAre("nonlinear", "mean"));
+  EXPECT_THAT(figure.panels, ElementsAre("head", "shoulder", "elbow", "wrist", "average"));
+  const FigureSeries &ours = figure.series.at(0), &paper = figure.series.at(1);
+  EXPECT_NEAR(ours.points.at(0).x, 1.0, 1e-12);
+  EXPECT_NEAR(ours.points.at(0).high, 1.5, 1e-12);
+  EXPECT_TRUE(paper.hollow);
+  EXPECT_EQ(paper.points.at(0).x, 5.3);
+  EXPECT_THAT(figure.caption, AllOf(HasSubstr("Simulated"), HasSubstr("2 participants"), HasSubstr("95 %")));
+  EXPECT_EQ(methods_figure(summary_with_best(), "walking", false).series.size(), 5u);
 }
 
 TEST(GdopFigure, ShowsTheMapWithTheSensorsAndSaysWhatIsSimulated) {

@@ -27,7 +27,7 @@ Table one_row(TableValue value) {
   Table table;
   table.id = "t";
   table.title = "A title (with settings)";
-  table.columns = {{"method", "method", true}, {"from", "mae_from_cm", false}};
+  table.columns = {{"method", "method", true}, interval_column("error", "mae_cm")};
   table.rows = {{TableValue::of("a<b"), std::move(value)}};
   return table;
 }
@@ -48,16 +48,29 @@ TEST(HtmlText, Base64HasTheVectorsOfRfc4648) {
 }
 
 TEST(HtmlTable, NumbersCarryTheirUnroundedValueAndHeadersTheirUnit) {
-  const std::string html = html_of(one_row(TableValue::of(1.0 / 3.0, 2)), "");
-  EXPECT_THAT(html, HasSubstr("<td class=\"n\" data-v=\"0.3333333333333333\">0.33</td>"));
-  EXPECT_THAT(html,
-              HasSubstr("data-key=\"mae_from_cm\" class=\"n\"><button type=\"button\">from (cm)</button>"));
+  const std::string html = html_of(one_row(number_cell(2, 1.0 / 3.0, 0.25, 0.5)), "");
+  EXPECT_THAT(
+      html,
+      HasSubstr(
+          "data-v=\"0.3333333333333333\" data-ends=\"0.25,0.5\">0.33 <small>0.25 to 0.50</small></td>"));
+  EXPECT_THAT(html, HasSubstr("data-key=\"mae_cm\" data-ends=\"mae_from_cm,mae_to_cm\" class=\"n\"><button "
+                              "type=\"button\">error (cm)</button>"));
   EXPECT_THAT(html, HasSubstr("<th scope=\"row\">a&lt;b</th>"));
   EXPECT_THAT(html, HasSubstr("<caption>A title (with settings)</caption>"));
 }
 
 TEST(HtmlTable, WhatIsNoNumberIsADashWithoutAValue) {
-  EXPECT_THAT(html_of(one_row(TableValue::of(kNoNumber, 2)), ""), HasSubstr("<td class=\"n\">–</td>"));
+  EXPECT_THAT(html_of(one_row(TableValue::of(kNoNumber, 2)), ""),
+              HasSubstr("<td class=\"n\" data-v=\"\" data-ends=\",\">–</td>"));
+}
+
+TEST(HtmlTable, WhatIsNotAskedForAtFirstHides) {
+  Table table = one_row(TableValue::of(1.0, 0));
+  table.rows.push_back(table.rows.front());
+  EXPECT_THAT(html_of(table, ""), Not(HasSubstr("class=\"rest\"")));
+  table.first_rows = 1;
+  EXPECT_THAT(html_of(table, ""),
+              testing::AllOf(HasSubstr("Show 1 more rows"), HasSubstr("<tr class=\"rest\">")));
 }
 
 TEST(HtmlTable, CommandsStandUnderTheTableTheyMake) {
@@ -83,6 +96,7 @@ TEST(Page, SaysOnItsFirstScreenWhatWasFound) {
   s.reference = "nonlinear";
   s.conditions = {"walking"};
   s.groups = {"head"};
+  s.best = {{"walking", "head", "mean", {"nonlinear"}}};
   s.differences.resize(1);
   s.cells = {cell_of("nonlinear", "head", 0.044, 99), cell_of("mean", "head", 0.041, 100),
              cell_of("geometric", "head", 0.01, 60)};  // of the easy samples alone
@@ -99,19 +113,43 @@ TEST(Page, SaysOnItsFirstScreenWhatWasFound) {
   std::tie(d.percent_of_reference, d.percent_low, d.percent_high) = std::tuple(-7.0, -9.0, -5.0);
   const std::string page = page_with(folder, s);
   const std::size_t at = page.find(
-      "<strong>walking</strong>, simulated: of 2 methods <code>mean</code> errs least, by 4.1 cm (95 % "
-      "interval 3.9 to 4.5; one other lies within it), -7 % (-9 to -5) against <code>nonlinear</code>.");
+      "<strong>walking</strong>, simulated: of 3 methods <code>mean</code> errs least, by 4.1 cm (3.9 to "
+      "4.5), -7 % (-9 "
+      "to -5) against <code>nonlinear</code>; 1 other is not told apart from it (<code>nonlinear</code>).");
   EXPECT_LT(at, page.find("<section"));
 }
 
-TEST(Page, HoldsEveryTableOnceWithLinksToItsFiles) {
+TEST(Page, EveryTableIsOnceOnItOrBehindItWithLinksToItsFiles) {
   const ScratchFolder folder;
-  const std::string page = page_with(folder, hand_made_summary());
-  for (const Table& table : write_report({folder / "results"}, folder / "report", {.made = "then"}).tables) {
-    const std::string id = "id=\"table-" + table.id + "\"";
-    EXPECT_THAT(page, HasSubstr(id));
-    EXPECT_EQ(page.find(id), page.rfind(id)) << table.id;
-    EXPECT_THAT(page, HasSubstr("href=\"" + table.id + ".csv\""));
+  std::string pages = page_with(folder, hand_made_summary());
+  pages += read_file(folder / "report/all-tables.html");
+  const ReportContent content = read_report({folder / "results"});
+  EXPECT_FALSE(content.shown_tables().empty());
+  EXPECT_FALSE(content.other_tables().empty());
+  for (const auto& tables : {content.shown_tables(), content.other_tables()})
+    for (const Table* table : tables) {
+      const std::string id = "id=\"table-" + table->id + "\"";
+      EXPECT_THAT(pages, HasSubstr(id));
+      EXPECT_EQ(pages.find(id), pages.rfind(id)) << table->id;
+      EXPECT_THAT(pages, HasSubstr("href=\"tables/" + table->id + ".csv\""));
+    }
+}
+
+TEST(Page, OwnDataComeBeforeThePaperUnlessItWasAsked) {
+  const ScratchFolder folder;
+  EXPECT_THAT(page_with(folder, hand_made_summary()), Not(HasSubstr("The paper’s claims")));
+}
+
+TEST(Page, WarnsOfWhatAReaderMustKnow) {
+  const ScratchFolder folder;
+  ResultsSummary s = hand_made_summary();
+  s.notes = {{"p1", true, "p1/mocap.csv:3", "is cut"}};
+  s.resamples = 100;
+  const std::string page = page_with(folder, s);
+  for (const char* warning :
+       {"Take p1 failed: p1/mocap.csv:3: is cut.", "Only 2 participants: intervals are wide"}) {
+    EXPECT_NE(page.find(warning), std::string::npos) << warning;
+    EXPECT_LT(page.find(warning), page.find("<section")) << warning;
   }
 }
 
@@ -130,16 +168,16 @@ TEST(Page, TextsFromOutsideStayText) {
   EXPECT_THAT(page_with(folder, summary), Not(HasSubstr("<script>alert")));
 }
 
-TEST(Page, FiguresAreDocumentsOfTheirOwn) {
+TEST(Page, ItsFiguresAreInItAndTheOthersBesideIt) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "results");
   write_calibration_summary(folder / "results", hand_made_calibration());
-  const ReportFiles files = write_report({folder / "results"}, folder / "report", {.made = "then"});
-  const std::string page = read_file(folder / "report/report.html");
-  ASSERT_FALSE(files.figures.empty());
-  for (const Figure& figure : files.figures)
-    EXPECT_THAT(page, HasSubstr("data:image/svg+xml;base64," +
-                                base64_of(read_file(folder / ("report/" + figure.id + ".svg")))));
+  write_report({folder / "results"}, folder / "report", {.made = "then"});
+  const std::string page = read_file(folder / "report/report.html"),
+                    behind = read_file(folder / "report/all-tables.html");
+  EXPECT_THAT(page, HasSubstr("data:image/svg+xml;base64," +
+                              base64_of(read_file(folder / "report/figures/results/distance.svg"))));
+  EXPECT_THAT(behind, HasSubstr("src=\"figures/results/effect.svg\""));
 }
 
 }  // namespace

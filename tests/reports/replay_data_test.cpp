@@ -10,6 +10,7 @@
 #include "datasets/results/replay.h"
 #include "datasets/skeleton/skeleton.h"
 #include "reports/figures/figure_look.h"
+#include "reports/page/html.h"
 #include "reports/write_report.h"
 #include "tests/reports/summaries.h"
 #include "tests/reports/written_samples.h"
@@ -123,7 +124,8 @@ TEST(ReplayData, ThePageHoldsItOrSaysWhyNot) {
   };
   const std::string with = page("three.js");
   EXPECT_THAT(with, HasSubstr("id=\"replay-view\""));
-  EXPECT_THAT(with, HasSubstr("<script type=\"text/plain\" id=\"three-js\">/* three */</script>"));
+  EXPECT_THAT(with, HasSubstr("<script type=\"text/plain\" id=\"three-js\">" +
+                              base64_of(deflated("/* three */")) + "</script>"));
   const std::string without = page("absent.js");
   EXPECT_THAT(without, HasSubstr("Install the Debian package <code>libjs-three</code>"));
   EXPECT_THAT(without, Not(HasSubstr("replay-bytes\">")));

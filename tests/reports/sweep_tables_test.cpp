@@ -120,14 +120,17 @@ TEST(Table1, ShowsTheMeanOverTheAxesWhereTheSearchFoundThatMetric) {
   EXPECT_THAT(table.notes[0], HasSubstr("mean over the three axes"));
 }
 
-TEST(SweepTables, GiveOneTableAReadingWithCoverageAndStatuses) {
-  const std::vector<Table> tables = sweep_tables(hand_made_sweep(), hand_made_timings());
-  ASSERT_THAT(tables, SizeIs(3));
-  const std::string text = markdown_of(tables[2]);
-  EXPECT_THAT(text, HasSubstr("simulated"));
-  EXPECT_THAT(text, HasSubstr("converged 98.0 %, iteration_limit 2.0 %"));
-  EXPECT_THAT(text, HasSubstr("1e-06"));
-  EXPECT_THAT(text, HasSubstr("1.500"));
+TEST(SweepTables, HoldEveryCellWithEachOfItsSettings) {
+  const SweepSummary s = hand_made_sweep();
+  const Table table = sweep_table(s, hand_made_timings());
+  ASSERT_EQ(table.rows.size(), s.cells.size());
+  for (const auto& values : table.rows) ASSERT_EQ(values.size(), table.columns.size());
+  EXPECT_THAT(table.title, HasSubstr("simulated"));
+  const std::string text = markdown_of(table);
+  for (const char* part : {"converged 98.0 %, iteration_limit 2.0 %", "1e-06", "1.500"})
+    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(csv_of(table),
+              HasSubstr("gradient,curvature,stop,damping,start,range_low_cm,range_high_cm,threshold"));
 }
 
 SweepSearch hand_made_search() {
@@ -176,23 +179,32 @@ TEST(WriteReport, TellsASweepFromAnAccuracyStudy) {
   std::filesystem::create_directories(folder / "sweep");
   write_sweep_summary(folder / "sweep", s);
   const ReportFiles files = write_report({folder / "sweep"}, folder / "report");
-  EXPECT_THAT(files.tables, SizeIs(7));
+  EXPECT_EQ(files.tables, 5u);  // the search's, Table I, and every cell
   const std::string text = read_file(folder / "report/report.md");
   EXPECT_THAT(text, HasSubstr("Threshold sweep, **simulated**"));
   EXPECT_THAT(text, HasSubstr("Of 3 readings tried"));
 }
 
-TEST(SweepFigures, HaveThePapersErrorsBesideOursAndTheSteps) {
+TEST(SweepFigures, HaveAPanelARangeAndThePapersErrorsBesideOurs) {
   const std::vector<Figure> figures = sweep_figures(hand_made_sweep(), std::nullopt);
-  ASSERT_EQ(figures.size(), 2u);  // nothing was timed
+  ASSERT_EQ(figures.size(), 3u);  // nothing was timed
   const Figure &errors = figures[0], &steps = figures[1];
-  ASSERT_EQ(errors.series.size(), 9u);
+  EXPECT_THAT(errors.panels, ElementsAre("15-30 cm", "5-15 cm", "0-5 cm"));
+  ASSERT_EQ(errors.series.size(), 12u);  // three readings and the paper's
+  EXPECT_TRUE(errors.series[0].hollow);
   EXPECT_EQ(errors.series[0].points[1].x, 1e-2);
   EXPECT_EQ(errors.series[0].points[1].y, 15.7);  // printed for 15 to 30 cm
-  EXPECT_NEAR(errors.series[8].points[3].y, 232.0, 1e-9);
-  ASSERT_EQ(steps.series.size(), 6u);
-  EXPECT_EQ(steps.series[0].points[2].y, 1020.0);
+  EXPECT_EQ(steps.series.size(), 9u);
   EXPECT_THAT(errors.title, HasSubstr("simulated"));
+  EXPECT_THAT(errors.caption, HasSubstr("trials a point"));
+}
+
+TEST(SweepFigures, AnyGridHasThem) {
+  SweepSummary s = hand_made_sweep();
+  s.thresholds[1] = 0.02;
+  const std::vector<Figure> figures = sweep_figures(s, std::nullopt);
+  ASSERT_EQ(figures.size(), 3u);
+  EXPECT_EQ(figures[0].series.size(), 9u);  // without the paper's
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ TEST(TrackingTables, ClocksAreInMillisecondsAndWhatIsNotKnownIsADash) {
                       kNoNumber, kNoNumber, false});
   const Table table = tracking_tables(s)[3];
   EXPECT_EQ(cell(table, 0, "offset_ms"), "12.50");
-  EXPECT_EQ(cell(table, 0, "low_ms"), "10.00");
+  EXPECT_EQ(printed_interval(table.rows[0][1]), "10.00 to 15.00");
   EXPECT_EQ(cell(table, 0, "applied"), "yes");
   EXPECT_EQ(cell(table, 1, "offset_ms"), kDash);
   EXPECT_EQ(cell(table, 1, "outcome"), "too_little_motion");

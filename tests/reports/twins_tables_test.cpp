@@ -18,7 +18,7 @@ TwinsSummary summary() {
 TEST(TwinsTables, SetRecordedBesideSimulatedAndJudgedBeforeFitted) {
   const std::vector<Table> tables = twins_tables(summary());
   ASSERT_EQ(tables.size(), 2u);
-  EXPECT_EQ(tables[0].id, "twins-judged");
+  EXPECT_EQ(tables[0].id, "judged");
   EXPECT_THAT(tables[0].title, testing::HasSubstr("simulated"));
   EXPECT_EQ(tables[1].rows.at(0).at(2).text, "4.0 / 4.2; 6 / 9");
   EXPECT_EQ(tables[0].rows.at(0).at(3).text, "-");

@@ -61,13 +61,17 @@ TEST(Report, HoldsEveryTableInEveryForm) {
   const ScratchFolder folder;
   const ReportFiles report = write_report({results_in(folder, "results", hand_made_summary())},
                                           folder / "report", {.paper = PaperFindings{}});
-  ASSERT_EQ(report.tables.size(), 6u);
-  const std::string markdown = read_file(folder / "report/report.md");
-  for (const Table& table : report.tables) {
-    EXPECT_THAT(markdown, HasSubstr(table.title));
-    EXPECT_TRUE(std::filesystem::exists(folder / ("report/" + table.id + ".csv")));
-    EXPECT_TRUE(std::filesystem::exists(folder / ("report/" + table.id + ".tex")));
-  }
+  ASSERT_EQ(report.tables, 6u);
+  const ReportContent content = read_report({folder / "results"}, PaperFindings{});
+  const std::string markdown = read_file(folder / "report/report.md"),
+                    index = read_file(folder / "report/index.csv");
+  for (const Table* table : content.shown_tables()) EXPECT_THAT(markdown, HasSubstr(table->title));
+  for (const auto& tables : {content.shown_tables(), content.other_tables()})
+    for (const Table* table : tables) {
+      EXPECT_THAT(index, HasSubstr("tables/" + table->id + ".csv,"));
+      EXPECT_TRUE(std::filesystem::exists(folder / ("report/tables/" + table->id + ".csv")));
+      EXPECT_TRUE(std::filesystem::exists(folder / ("report/tables/" + table->id + ".tex")));
+    }
   EXPECT_THAT(markdown, HasSubstr("**simulated**"));
   for (const auto& path : report.written) EXPECT_TRUE(std::filesystem::exists(path)) << path;
 }
@@ -80,7 +84,8 @@ TEST(Report, EqualResultsGiveEqualBytes) {
   const ReportFiles first = write_report(results, folder / "first", {.made = "then"});
   write_report(results, folder / "second", {.made = "then"});
   for (const auto& path : first.written)
-    EXPECT_TRUE(read_file(path) == read_file(folder / "second" / path.filename())) << path;
+    EXPECT_TRUE(read_file(path) == read_file(folder / "second" / path.lexically_relative(folder / "first")))
+        << path;
 }
 
 TEST(Report, WithoutAFixedTimeOnlyThePageTellsWhenItWasMade) {
@@ -89,8 +94,8 @@ TEST(Report, WithoutAFixedTimeOnlyThePageTellsWhenItWasMade) {
   const ReportFiles first = write_report({results}, folder / "first", {.made = "once"});
   write_report({results}, folder / "second", {.made = "later"});
   for (const auto& path : first.written) {
-    std::string later = read_file(folder / "second" / path.filename());
-    if (const auto at = later.find("later."); path.filename() == "report.html" && at != std::string::npos)
+    std::string later = read_file(folder / "second" / path.lexically_relative(folder / "first"));
+    if (const auto at = later.find("later."); path.extension() == ".html" && at != std::string::npos)
       later.replace(at, 6, "once.");
     EXPECT_TRUE(read_file(path) == later) << path;
   }
@@ -154,21 +159,20 @@ TEST(Report, ACalibrationComesWithItsFiguresAndTheirNumbers) {
   const ScratchFolder folder;
   const auto results = results_in(folder, "results", hand_made_calibration());
   const ReportFiles report = write_report({results}, folder / "report");
-  EXPECT_EQ(report.tables.size(), 5u);
-  ASSERT_EQ(report.figures.size(), 6u);
+  EXPECT_EQ(report.tables, 5u);
+  ASSERT_EQ(report.figures, 6u);
   const std::string markdown = read_file(folder / "report/report.md");
   EXPECT_THAT(markdown, HasSubstr("Calibration, **simulated**"));
   EXPECT_THAT(markdown, HasSubstr("50 samples inside give 0.73 +- 0.85 cm"));
   EXPECT_THAT(markdown,
               HasSubstr("0.80 cm (95 % interval 0.40 to 1.20 cm) of the distance and 2.00 cm (95 % interval "
                         "1.00 to 3.00 cm) in three dimensions, 3 of 4 answered"));
-  for (const Figure& figure : report.figures) {
-    EXPECT_THAT(markdown, HasSubstr("![" + figure.title + "](" + figure.id + ".svg)"));
-    const std::string svg = read_file(folder / ("report/" + figure.id + ".svg")),
-                      pdf = read_file(folder / ("report/" + figure.id + ".pdf"));
-    EXPECT_TRUE(svg.ends_with("</svg>\n\n")) << figure.id;
-    EXPECT_TRUE(pdf.starts_with("%PDF")) << figure.id;
-    EXPECT_EQ(read_file(folder / ("report/" + figure.id + ".csv")), csv_of(figure));
+  const ReportContent content = read_report({results});
+  for (const DrawnFigure& drawn : content.chapters.at(0).figures) {
+    const std::filesystem::path path = folder / ("report/figures/" + drawn.figure.id);
+    EXPECT_TRUE(read_file(path.string() + ".svg").ends_with("</svg>\n\n")) << path;
+    EXPECT_TRUE(read_file(path.string() + ".pdf").starts_with("%PDF")) << path;
+    EXPECT_EQ(read_file(path.string() + ".csv"), csv_of(drawn.figure));
   }
 }
 
@@ -178,7 +182,7 @@ TEST(Report, FiguresOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({results, results}, folder / "report");
   const std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.figures.size(), 12u);
+  EXPECT_EQ(report.figures, 12u);
 }
 
 TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
@@ -190,7 +194,7 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({first, second, second}, folder / "report");
   std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.tables.size(), 9u);
+  EXPECT_EQ(report.tables, 9u);
 }
 
 // Two nights, say, whose folders are called alike.
@@ -238,8 +242,10 @@ TEST(Report, ItsTablesAndNumbersCompile) {
   std::string article =
       "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[T1]{fontenc}\n"
       "\\usepackage{booktabs,longtable}\n\\input{numbers}\n\\begin{document}\n"
-      "\\trilatCoverageTableThreeWalkingNonlinearCoveragePercent\n";
-  for (const Table& table : report.tables) article += "\\input{" + table.id + ".tex}\n";
+      "\\trilatPlainErrorsWalkingNonlinearHeadMaeCm\n";
+  for (const auto& path : report.written)
+    if (path.string().find("/tables/") != std::string::npos && path.extension() == ".tex")
+      article += "\\input{" + path.lexically_relative(folder / "report").string() + "}\n";
   write_file(folder / "report/article.tex", article + "\\end{document}\n");
   EXPECT_TRUE(compiles(folder / "report/article.tex")) << read_file(folder / "report/pdflatex.txt");
 }
