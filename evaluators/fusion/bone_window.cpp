@@ -114,9 +114,17 @@ struct Step {
 // The normal equations of a window, H x = b: a dense block an instant, and one that ties it to the instant
 // before. A block Cholesky factorisation costs as many block products as there are instants.
 class BandedSystem {
+  auto part(auto& vector, std::size_t i) const {  // that of an instant
+    const Eigen::Index size = diagonal_.front().rows();
+    return vector.segment(static_cast<Eigen::Index>(i) * size, size);
+  }
+
  public:
   BandedSystem(std::size_t instants, Eigen::Index size)
-      : diagonal_(instants, Eigen::MatrixXd(size, size)), before_(diagonal_), factor_(diagonal_) {}
+      : diagonal_(instants, Eigen::MatrixXd(size, size)),
+        before_(diagonal_),
+        factor_(diagonal_),
+        tie_(diagonal_) {}
 
   void set_zero() {
     for (Eigen::MatrixXd& block : diagonal_) block.setZero();
@@ -125,33 +133,28 @@ class BandedSystem {
   Eigen::MatrixXd& diagonal(std::size_t i) { return diagonal_[i]; }
   Eigen::MatrixXd& before(std::size_t i) { return before_[i]; }  // rows of i, columns of i - 1
 
-  // Solves (H + diag(damping)) x = b in place; false where that is not positive definite.
-  bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& b) {
-    const Eigen::Index size = diagonal_.front().rows();
-    const auto part = [&](auto& vector, std::size_t i) {
-      return vector.segment(static_cast<Eigen::Index>(i) * size, size);
-    };
+  // Of H + diag(damping); false where that is not positive definite.
+  bool factorise(const Eigen::VectorXd& damping) {
     for (std::size_t i = 0; i < diagonal_.size(); ++i) {
       factor_[i] = diagonal_[i];
       factor_[i].diagonal() += part(damping, i);
-      if (i > 0) {
-        take_off(i);
-        part(b, i).noalias() -= tie_.transpose() * part(b, i - 1);
-      }
+      if (i > 0) take_off(i);
       Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(factor_[i]);
       if (llt.info() != Eigen::Success) return false;
+    }
+    return true;
+  }
+
+  // H x = b in place, by the last factorisation.
+  void solve(Eigen::VectorXd& b) const {
+    for (std::size_t i = 0; i < factor_.size(); ++i) {
+      if (i > 0) part(b, i).noalias() -= tie_[i].transpose() * part(b, i - 1);
       factor_[i].triangularView<Eigen::Lower>().solveInPlace(part(b, i));
     }
-    for (std::size_t i = diagonal_.size(); i-- > 0;) {
-      auto x = part(b, i);
-      if (i + 1 < diagonal_.size()) {
-        Eigen::VectorXd tied = before_[i + 1].transpose() * part(b, i + 1);
-        factor_[i].triangularView<Eigen::Lower>().solveInPlace(tied);
-        x -= tied;
-      }
-      factor_[i].triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    for (std::size_t i = factor_.size(); i-- > 0;) {
+      if (i + 1 < factor_.size()) part(b, i).noalias() -= tie_[i + 1] * part(b, i + 1);
+      factor_[i].triangularView<Eigen::Lower>().transpose().solveInPlace(part(b, i));
     }
-    return b.allFinite();
   }
 
  private:
@@ -159,22 +162,22 @@ class BandedSystem {
   // itself alone, so W is lower triangular in blocks, and of the result the lower triangle is needed.
   void take_off(std::size_t i) {
     const Eigen::Index size = before_[i].rows();
-    tie_.setZero(size, size);
+    Eigen::MatrixXd& tie = tie_[i];
+    tie.setZero();
     for (Eigen::Index at = 0; at < size; at += kUnknowns) {
       const Eigen::Index rest = size - at;
-      auto column = tie_.block(at, at, rest, kUnknowns);
+      auto column = tie.block(at, at, rest, kUnknowns);
       column.topRows<kUnknowns>() = before_[i].block<kUnknowns, kUnknowns>(at, at).transpose();
       factor_[i - 1].bottomRightCorner(rest, rest).triangularView<Eigen::Lower>().solveInPlace(column);
     }
     for (Eigen::Index at = 0; at < size; at += kUnknowns) {
       const Eigen::Index rest = size - at, end = at + kUnknowns;
       factor_[i].block(at, 0, kUnknowns, end).noalias() -=
-          tie_.block(at, at, rest, kUnknowns).transpose() * tie_.block(at, 0, rest, end);
+          tie.block(at, at, rest, kUnknowns).transpose() * tie.block(at, 0, rest, end);
     }
   }
 
-  std::vector<Eigen::MatrixXd> diagonal_, before_, factor_;
-  Eigen::MatrixXd tie_;
+  std::vector<Eigen::MatrixXd> diagonal_, before_, factor_, tie_;
 };
 
 class Window {
@@ -236,37 +239,36 @@ class Window {
     return x;
   }
 
-  // Half of the sum of the losses; with `linearise` also the normal equations and the gradient.
-  double cost(const Eigen::VectorXd& x, bool linearise) {
-    if (linearise) {
-      system_.set_zero();
-      gradient_.setZero(x.size());
-    }
+  // Half of the sum of the losses, and its gradient and the normal equations as far as they are wanted.
+  enum class Wanted { value, gradient, equations };
+  double cost(const Eigen::VectorXd& x, Wanted wanted) {
+    if (wanted != Wanted::value) gradient_.setZero(x.size());
+    if (wanted == Wanted::equations) system_.set_zero();
     double sum = 0.0;
     for (std::size_t i = window_.first; i < window_.last; ++i)
       for (std::size_t j = 0; j < path_.joints.size(); ++j) {
         if (!has(i, j)) {
-          if (linearise)
+          if (wanted == Wanted::equations)
             system_.diagonal(i - window_.first).diagonal().segment(in_block(j), kUnknowns).setOnes();
           continue;
         }
         if (moves_on(i, j))
-          sum += add_motion(x, i, j, linearise);
+          sum += add_motion(x, i, j, wanted);
         else
-          sum += add_beginning(x, i, j, linearise);
+          sum += add_beginning(x, i, j, wanted);
         for (const JointObservation& o : path_.of(i, j))
           if (is_seen(o)) {
             const double factor = o.state == TrackingState::tracked ? 1.0 : options_.inferred_factor;
-            sum += add_value(x, i, j, 0, o.point_in_world_m, options_.sigma_m * factor, true, linearise);
+            sum += add_value(x, i, j, 0, o.point_in_world_m, options_.sigma_m * factor, true, wanted);
           }
       }
     for (const MedianBone& bone : windows_.bones)
       for (std::size_t i = window_.first; i < window_.last; ++i)
-        if (has(i, bone.parent) && has(i, bone.child)) sum += add_bone(x, i, bone, linearise);
+        if (has(i, bone.parent) && has(i, bone.child)) sum += add_bone(x, i, bone, wanted);
     return 0.5 * sum;
   }
 
-  double add_motion(const Eigen::VectorXd& x, std::size_t i, std::size_t j, bool linearise) {
+  double add_motion(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Wanted wanted) {
     const Step& step = steps_[i - window_.first - 1];
     const double dt_s = step_s(i);
     const Eigen::Index here = place(i, j), before = place(i - 1, j), block = in_block(j);
@@ -277,10 +279,11 @@ class Window {
       const Eigen::Vector2d pull = step.information * error,
                             pull_before = step.later_before.transpose() * error;
       sum += error.dot(pull);
-      if (!linearise) continue;
+      if (wanted == Wanted::value) continue;
       for (Eigen::Index a = 0; a < 2; ++a) {
         gradient_[here + axis + 3 * a] += pull[a];
         gradient_[before + axis + 3 * a] += pull_before[a];
+        if (wanted != Wanted::equations) continue;
         for (Eigen::Index b = 0; b < 2; ++b) {
           const Eigen::Index row = block + axis + 3 * a, column = block + axis + 3 * b;
           system_.diagonal(i - window_.first)(row, column) += step.information(a, b);
@@ -294,26 +297,26 @@ class Window {
 
   // Of a joint's stretch in the window: how fast it may start and, if no sensor sees it in all of the
   // stretch, where: what the smoother knows from before and after holds it.
-  double add_beginning(const Eigen::VectorXd& x, std::size_t i, std::size_t j, bool linearise) {
+  double add_beginning(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Wanted wanted) {
     bool observed = false;
     for (std::size_t k = i; k < window_.last && has(k, j) && !observed; ++k)
       observed = std::ranges::any_of(path_.of(k, j), is_seen);
     const double held = observed ? 0.0
                                  : add_value(x, i, j, 0, start_m(i, j),
-                                             options_.sigma_m * options_.inferred_factor, false, linearise);
-    return held + add_value(x, i, j, 3, Eigen::Vector3d::Zero(), options_.speed_sigma_m_s, false, linearise);
+                                             options_.sigma_m * options_.inferred_factor, false, wanted);
+    return held + add_value(x, i, j, 3, Eigen::Vector3d::Zero(), options_.speed_sigma_m_s, false, wanted);
   }
 
   // (part of the unknown - value) / sigma, with Cauchy's loss where that is asked for.
   double add_value(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Eigen::Index part,
-                   const Eigen::Vector3d& value, double sigma, bool robust, bool linearise) {
+                   const Eigen::Vector3d& value, double sigma, bool robust, Wanted wanted) {
     const Eigen::Index at = place(i, j) + part;
     const Eigen::Vector3d off = (x.segment<3>(at) - value) / sigma;
     const double squared = off.squaredNorm(), scale = options_.loss_scale_m / options_.sigma_m;
     const bool bends = robust && std::isfinite(scale);
     const double weight = bends ? 1.0 / (1.0 + squared / (scale * scale)) : 1.0;
-    if (linearise) {
-      gradient_.segment<3>(at) += weight / sigma * off;
+    if (wanted != Wanted::value) gradient_.segment<3>(at) += weight / sigma * off;
+    if (wanted == Wanted::equations) {
       auto block = system_.diagonal(i - window_.first).block<3, 3>(in_block(j) + part, in_block(j) + part);
       block.diagonal().array() += weight / (sigma * sigma);
       // the loss bends, so along the error the curvature is less; where it is negative, it counts as none
@@ -325,58 +328,69 @@ class Window {
   }
 
   // (|child - parent| - length) / sigma.
-  double add_bone(const Eigen::VectorXd& x, std::size_t i, const MedianBone& bone, bool linearise) {
+  double add_bone(const Eigen::VectorXd& x, std::size_t i, const MedianBone& bone, Wanted wanted) {
     const Eigen::Index parent = in_block(bone.parent), child = in_block(bone.child);
     const Eigen::Vector3d along_m = x.segment<3>(place(i, bone.child)) - x.segment<3>(place(i, bone.parent));
     const double distance_m = along_m.norm();
     const double off = (distance_m - bone.length_m) / options_.bone_sigma_m;
     // Joints in one place have no direction.
-    if (linearise && distance_m > 1e-12) {
+    if (wanted != Wanted::value && distance_m > 1e-12) {
       const Eigen::Vector3d row = along_m / (distance_m * options_.bone_sigma_m);
+      gradient_.segment<3>(place(i, bone.parent)) -= off * row;
+      gradient_.segment<3>(place(i, bone.child)) += off * row;
+      if (wanted != Wanted::equations) return off * off;
       const Eigen::Matrix3d square = row * row.transpose();
       Eigen::MatrixXd& block = system_.diagonal(i - window_.first);
       block.block<3, 3>(parent, parent) += square;
       block.block<3, 3>(child, child) += square;
       block.block<3, 3>(parent, child) -= square;
       block.block<3, 3>(child, parent) -= square;
-      gradient_.segment<3>(place(i, bone.parent)) -= off * row;
-      gradient_.segment<3>(place(i, bone.child)) += off * row;
     }
     return off * off;
   }
 
-  // Levenberg and Marquardt, the trust region's radius after Nielsen (1999).
+  bool factorise(double radius) {
+    Eigen::VectorXd damping(gradient_.size());
+    for (std::size_t i = 0; i < window_.last - window_.first; ++i)
+      damping.segment(static_cast<Eigen::Index>(i) * size_, size_) =
+          system_.diagonal(i).diagonal().cwiseMax(1e-6) / radius;
+    return system_.factorise(damping);
+  }
+
+  // Levenberg and Marquardt, the trust region's radius after Nielsen (1999). A factorisation serves as long
+  // as its steps gain most of what they promise; only a fresh one may say that the end is reached.
   SolveStatus minimise(Eigen::VectorXd& x) {
-    constexpr double kLeastGradient = 1e-12, kLeastStep = 1e-12, kLeastRadius = 1e-32, kLeastGain = 1e-3;
-    double radius = kFirstRadius, shrink = 2.0, now = cost(x, true);
+    constexpr double kLeastGradient = 1e-12, kLeastStep = 1e-12, kLeastRadius = 1e-32, kLeastGain = 1e-3,
+                     kGoodGain = 0.7;
+    double radius = kFirstRadius, shrink = 2.0, now = cost(x, Wanted::equations);
+    bool fresh = true;
     for (iterations_ = 0; iterations_ < options_.max_iterations;) {
       if (!std::isfinite(now)) return SolveStatus::diverged;
       if (gradient_.lpNorm<Eigen::Infinity>() <= kLeastGradient) return SolveStatus::converged;
       ++iterations_;
-      Eigen::VectorXd damping(x.size()), step = -gradient_;
-      for (std::size_t i = 0; i < window_.last - window_.first; ++i)
-        damping.segment(static_cast<Eigen::Index>(i) * size_, size_) =
-            system_.diagonal(i).diagonal().cwiseMax(1e-6) / radius;
-      const bool solved = system_.solve(damping, step);
-      const double promised = 0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(gradient_));
+      Eigen::VectorXd step = -gradient_;
+      const bool solved = !fresh || factorise(radius);
+      if (solved) system_.solve(step);
       const Eigen::VectorXd next = x + step;
-      const double then = solved ? cost(next, false) : now;
+      const double then = solved ? cost(next, Wanted::value) : now, promised = -0.5 * step.dot(gradient_);
       const double gain = (now - then) / promised;
-      const bool is_better = then < now;
       const bool ends = solved && (step.norm() <= kLeastStep * (x.norm() + kLeastStep) ||
                                    std::abs(now - then) <= options_.function_tolerance * now);
-      if (ends && is_better) x = next;
-      if (ends) return SolveStatus::converged;
-      if (!(gain > kLeastGain)) {
+      const bool is_better = then < now && gain > kLeastGain;
+      if (is_better) x = next;
+      if (ends && fresh) return SolveStatus::converged;
+      if (!is_better && fresh) {
         radius /= shrink;
         shrink *= 2.0;
         if (radius < kLeastRadius) return SolveStatus::diverged;
         continue;
       }
-      x = next;
-      radius = std::min(radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), 1e16);
-      shrink = 2.0;
-      now = cost(x, true);
+      if (fresh) {
+        radius = std::min(radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), 1e16);
+        shrink = 2.0;
+      }
+      fresh = ends || gain < kGoodGain || radius < kFirstRadius;
+      now = cost(x, fresh ? Wanted::equations : Wanted::gradient);
     }
     return SolveStatus::iteration_limit;
   }

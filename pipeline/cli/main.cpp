@@ -189,7 +189,7 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
 
   auto* report_verb =
       app.add_subcommand("report", "results to a page, Markdown, CSV and LaTeX; nothing is computed again");
-  report_verb->add_option("results", a.report.results, "results folders");
+  report_verb->add_option("results", a.report.results, "results folders, or a folder of them");
   report_verb->add_option("-o,--output", a.report.output, "folder of the report");
   report_verb->add_option("--time", a.report.time,
                           "the time stamp of the page, any text; without it the time of the day");
@@ -206,8 +206,12 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
       "everything: a simulated campaign after the paper, its studies, and the tables beside the paper's");
   reproduce_verb->add_option("-o,--output", a.reproduce.output, "folder of everything that is made")
       ->capture_default_str();
-  reproduce_verb->add_option("--scale", a.reproduce.scale, "quick: 4 participants; paper: all 16")
-      ->check(CLI::IsMember({"quick", "paper"}))
+  reproduce_verb
+      ->add_option(
+          "--scale", a.reproduce.scale,
+          "quick: a look in half a minute; paper: its 16 participants for Tables II and III, map and "
+          "calibration in small; full: 200 rigs and the large map too")
+      ->check(CLI::IsMember(reproduction_scales()))
       ->capture_default_str();
   reproduce_verb->add_option("--seed", a.reproduce.seed, "of every random number")->capture_default_str();
   reproduce_verb->add_option("--threads", a.reproduce.threads, "how many threads; 0: one a processor")

@@ -9,6 +9,7 @@
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/gate/found_results.h"
 #include "reports/claims/claims.h"
 #include "reports/render/render.h"
 #include "reports/write_report.h"
@@ -39,6 +40,17 @@ int print_audit(bool json) {
   return kDone;
 }
 
+// Results folders, and those directly inside a folder that is none itself.
+std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem::path>& given) {
+  std::vector<std::filesystem::path> results;
+  for (const std::filesystem::path& folder : given)
+    if (!std::filesystem::is_directory(folder) || std::filesystem::exists(folder / "summary.json"))
+      results.push_back(folder);
+    else
+      for (const FoundResults& found : find_results(folder).results) results.push_back(found.folder);
+  return results;
+}
+
 }  // namespace
 
 int report(const ReportArguments& arguments) {
@@ -47,12 +59,13 @@ int report(const ReportArguments& arguments) {
     throw InputError("trilat report",
                      "needs results folders, or --audit for what the paper's own numbers imply");
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
-  check_output({arguments.output, OutputKind::report, arguments.results, arguments.force});
+  const std::vector<std::filesystem::path> results = results_of(arguments.results);
+  check_output({arguments.output, OutputKind::report, results, arguments.force});
   ReportFiles files;
   {
     Progress progress("writing the report");
-    files = write_report(arguments.results, arguments.output,
-                         {.paper = arguments.paper ? judge_paper(arguments.results) : std::nullopt,
+    files = write_report(results, arguments.output,
+                         {.paper = arguments.paper ? judge_paper(results) : std::nullopt,
                           .made = arguments.time,
                           .progress = [&](double share) { progress.set(share); }});
   }

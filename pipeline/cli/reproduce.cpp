@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // `trilat reproduce`.
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,236 +29,265 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kQuickParticipants = 4, kQuickBudgetParticipants = 2;
-constexpr int kStages = 12;
-constexpr std::uint64_t kQuickSearchTrials = 300;
-constexpr std::uint64_t kQuickUnits = 4, kQuickFrames = 3, kQuickNearSamples = 25, kQuickRuns = 6;
-constexpr std::uint64_t kQuickRecordingFrames = 3000, kQuickRecordingRuns = 4;
-constexpr std::uint64_t kQuickMapParticipants = 2, kQuickMapRows = 4, kQuickMapSteps = 4;
-constexpr std::uint64_t kAllTrials = std::numeric_limits<std::uint64_t>::max();
-
-SimulationSpec campaign_spec(const char* text, const std::string& place,
-                             const ReproduceArguments& arguments) {
-  SimulationSpec spec = parse_simulation(parse_json(text, place), place, {});
-  spec.seed = arguments.seed;
-  if (arguments.scale == "quick") spec.participants = std::min(spec.participants, kQuickParticipants);
-  return spec;
-}
-
-SimulationSpec paper_campaign(const ReproduceArguments& arguments) {
-  return campaign_spec(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json", arguments);
-}
-
-StudySpec study_from(const char* text, const std::string& place) {
-  return parse_study(parse_json(text, place), place, {});
-}
-
-void begin_stage(int number, const std::string& text) {
-  fmt::print(stderr, "{}/{} {}\n", number, kStages, text);
-}
-
-Campaign simulate_into(const std::filesystem::path& folder, const SimulationSpec& spec) {
-  Progress progress("simulating");
-  return simulate_campaign(spec, folder, {stop_requested, [&](double s) { progress.set(s); }});
-}
-
-// What an earlier reproduction left there and did not change since.
-std::vector<std::filesystem::path> earlier(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder)) return {};
-  return {folder};
-}
-
-ResultsSummary evaluate_into(const std::filesystem::path& folder, const StudySpec& study,
-                             const Campaign& campaign, bool cross_check,
-                             const ReproduceArguments& arguments) {
-  Progress progress("evaluating");
-  return execute_study(
-      study, campaign, folder,
-      {arguments.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }, earlier(folder)});
-}
-
-void run_into(const std::filesystem::path& folder, const Study& study, const ReproduceArguments& arguments) {
-  StageProgressBars progress;
-  run_study(study, folder,
-            {.threads = arguments.threads,
-             .stop_requested = stop_requested,
-             .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
-             .reuse = earlier(folder)});
-}
-
-// Two rigs of eight sensors, of which the study takes two to eight. How many takes failed.
-std::uint64_t sensors_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  const std::pair<const char*, const char*> rigs[] = {
-      {"different_heights", embedded::sensors_different_heights_json},
-      {"equal_heights", embedded::sensors_equal_heights_json}};
-  std::uint64_t failed = 0;
-  for (const auto& [name, text] : rigs) {
-    const std::string rig = name;
-    const std::string place = "pipeline/studies/sensors_" + rig + ".json";
-    StudySpec study = study_from(embedded::sensors_json, "pipeline/studies/sensors.json");
-    study.name += "_" + rig;
-    const Campaign campaign =
-        simulate_into(folder / ("campaign_" + rig), campaign_spec(text, place, arguments));
-    failed += evaluate_into(folder / ("sensors_" + rig), study, campaign, false, arguments).takes_failed;
-  }
-  return failed;
-}
-
-void budget_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  const std::string place = "pipeline/studies/error_budget.json";
-  BudgetSpec spec =
-      parse_budget(parse_json(embedded::error_budget_json, place), place, {}, paper_campaign(arguments));
-  spec.simulation.seed = arguments.seed;
-  if (arguments.scale == "quick")
-    spec.simulation.participants = std::min(spec.simulation.participants, kQuickBudgetParticipants);
-  run_into(folder, budget_study(spec), arguments);
-}
-
-void sensitivity_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  const std::string place = "pipeline/studies/sensitivity.json";
-  SensitivitySpec spec = parse_sensitivity(parse_json(embedded::sensitivity_json, place), place, {}, {});
-  spec.head.seed = arguments.seed;
-  if (arguments.scale == "quick") {
-    spec.head.participants = kQuickMapParticipants;
-    spec.head.rows = kQuickMapRows;
-    spec.head.slices.resize(1);
-    spec.head.slices[0].steps = kQuickMapSteps;
-  }
-  run_into(folder, sensitivity_study(spec), arguments);
-}
-
-SweepPlan sweep_plan(const char* text, const std::string& place, const ReproduceArguments& arguments,
-                     std::uint64_t quick_trials) {
-  SweepSpec spec = parse_sweep(parse_json(text, place), place);
-  spec.seed = arguments.seed;
-  if (arguments.scale == "quick") spec.trials = std::min(spec.trials, quick_trials);
-  return make_sweep_plan(spec, place);
-}
-
-void calibration_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  const std::string place = "pipeline/studies/calibration.json";
-  CalibrationSpec spec = parse_calibration_spec(parse_json(embedded::calibration_json, place), place);
-  spec.seed = arguments.seed;
-  if (arguments.scale == "quick") {
-    spec.units = std::min(spec.units, kQuickUnits);
-    spec.frames = std::min(spec.frames, kQuickFrames);
-    spec.near_samples = std::min(spec.near_samples, kQuickNearSamples);
-    spec.runs = std::min(spec.runs, kQuickRuns);
-  }
-  run_into(folder, calibration_study(spec), arguments);
-}
-
-void recording_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  const std::string place = "pipeline/studies/table4.json";
-  RecordingSpec spec = parse_recording_spec(parse_json(embedded::table4_json, place), place);
-  spec.seed = arguments.seed;
-  if (arguments.scale == "quick") {
-    spec.frames = std::min(spec.frames, kQuickRecordingFrames);
-    spec.runs = std::min(spec.runs, kQuickRecordingRuns);
-  }
-  run_into(folder, recording_study(spec), arguments);
-}
-
-void twins_into(const std::filesystem::path& folder, const ReproduceArguments& arguments) {
-  TwinsSpec spec = parse_twins(parse_json(embedded::twins_json, "pipeline/studies/twins.json"), "twins.json");
-  spec.seed = arguments.seed;
-  run_into(folder, twins_study(spec), arguments);
-}
+// How much of each study is run; a study that asks for less stays as it is.
+struct Scale {
+  std::string name;
+  std::uint64_t participants;                              // of Tables II and III
+  std::uint64_t sensor_participants, budget_participants;  // of the other campaigns
+  std::uint64_t search_trials;                             // a cell
+  std::uint64_t units, samples, near_samples, frames;      // of the calibration
+  std::uint64_t distortion_frames, rigs;
+  std::uint64_t recording_frames, recording_runs;
+  std::uint64_t map_participants, map_rows, map_slices, map_steps;
+  std::uint64_t twins;  // participants
+};
+constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+const std::vector<Scale> kScales{{"quick", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3, 2},
+                                 {"paper", 16, 4, 2, 100, 4, 40, 15, 3, 200, 4, 3000, 4, 2, 2, 1, 4, 6},
+                                 {"full", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
+                                  kAll, kAll, kAll, kAll, kAll, kAll}};
 
 // Every results folder, in the order of the report.
-std::vector<std::filesystem::path> results_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> results;
-  for (const char* name :
-       {"sensitivity", "table3", "table2", "sensors_different_heights", "sensors_equal_heights",
-        "error_budget", "table1", "table1_search", "calibration", "table4", "twins"})
-    results.push_back(folder / name);
-  return results;
-}
+constexpr std::array kResults{"table3",
+                              "table2",
+                              "table1",
+                              "table1_search",
+                              "calibration",
+                              "table4",
+                              "sensors_different_heights",
+                              "sensors_equal_heights",
+                              "error_budget",
+                              "sensitivity",
+                              "twins"};
+constexpr std::array kCampaigns{"campaign", "campaign_different_heights", "campaign_equal_heights"};
 
-// Everything that will be written, before hours of work.
-void check_outputs(const ReproduceArguments& arguments) {
-  const std::filesystem::path& folder = arguments.output;
-  const auto check = [&](const std::filesystem::path& path, OutputKind kind) {
-    check_output({path, kind, {}, arguments.force});
-  };
-  check(folder, OutputKind::reproduction);
-  for (const char* campaign : {"campaign", "campaign_different_heights", "campaign_equal_heights"})
-    check(folder / campaign, OutputKind::campaign);
-  for (const std::filesystem::path& results : results_in(folder)) check(results, OutputKind::results);
-  check(folder / "report", OutputKind::report);
-}
+class Reproduction {
+ public:
+  explicit Reproduction(const ReproduceArguments& arguments)
+      : arguments_(arguments),
+        scale_(*std::ranges::find(kScales, arguments.scale, &Scale::name)),
+        folder_(arguments.output) {}
 
-ReportFiles report_into(const std::filesystem::path& folder) {
-  Progress progress("writing the report");
-  return write_report(
-      results_in(folder), folder / "report",
-      {.paper = judge_paper(results_in(folder)), .progress = [&](double s) { progress.set(s); }});
-}
+  // Everything that will be written, before the work begins.
+  void check_outputs() const {
+    const auto check = [&](const std::filesystem::path& path, OutputKind kind) {
+      check_output({path, kind, {}, arguments_.force});
+    };
+    check(folder_, OutputKind::reproduction);
+    for (const char* campaign : kCampaigns) check(folder_ / campaign, OutputKind::campaign);
+    for (const char* results : kResults) check(folder_ / results, OutputKind::results);
+    check(folder_ / "report", OutputKind::report);
+  }
 
-std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {
-  std::vector<std::string> texts;
-  for (const auto& path : paths) texts.push_back(path.string());
-  return texts;
-}
+  void simulate() { campaign_ = simulated("campaign", paper_campaign()); }
+  void table3() {
+    table3_ = evaluated("table3", study_from(embedded::table3_json, "table3.json"), *campaign_, true);
+  }
+  void table2() { evaluated("table2", study_from(embedded::table2_json, "table2.json"), *campaign_, false); }
 
-void print_json(const std::filesystem::path& folder, const ResultsSummary& summary) {
-  const Json json{{"campaign", (folder / "campaign").string()},
-                  {"results", texts_of(results_in(folder))},
-                  {"report", (folder / "report" / "report.md").string()},
-                  {"page", (folder / "report" / "report.html").string()},
-                  {"takes_failed", summary.takes_failed},
-                  {"cross_check_passed", summary.cross_check && summary.cross_check->passed()}};
-  fmt::print("{}\n", json_text(json, 2));
-}
+  // Two rigs of eight sensors, of which the study takes two to eight.
+  void sensors() {
+    for (const auto& [rig, text] :
+         {std::pair{std::string("different_heights"), embedded::sensors_different_heights_json},
+          {"equal_heights", embedded::sensors_equal_heights_json}}) {
+      StudySpec study = study_from(embedded::sensors_json, "sensors.json");
+      study.name += "_" + rig;
+      const Campaign campaign = simulated(
+          "campaign_" + rig, campaign_spec(text, "sensors_" + rig + ".json", scale_.sensor_participants));
+      evaluated("sensors_" + rig, study, campaign, false);
+    }
+  }
+
+  void budget() {
+    BudgetSpec spec = parse_budget(json_of(embedded::error_budget_json, "error_budget.json"),
+                                   "error_budget.json", {}, paper_campaign());
+    spec.simulation.seed = arguments_.seed;
+    lower(spec.simulation.participants, scale_.budget_participants);
+    run("error_budget", budget_study(spec));
+  }
+
+  void table1() { run("table1", sweep_study(sweep_plan(embedded::table1_json, "table1.json", kAll))); }
+  void search() {
+    run("table1_search",
+        sweep_study(sweep_plan(embedded::table1_search_json, "table1_search.json", scale_.search_trials)));
+  }
+
+  void calibration() {
+    CalibrationSpec spec =
+        parse_calibration_spec(json_of(embedded::calibration_json, "calibration.json"), "calibration.json");
+    spec.seed = arguments_.seed;
+    lower(spec.units, scale_.units);
+    lower(spec.samples, scale_.samples);
+    lower(spec.near_samples, scale_.near_samples);
+    lower(spec.frames, scale_.frames);
+    lower(spec.distortion_frames, scale_.distortion_frames);
+    lower(spec.runs, scale_.rigs);
+    run("calibration", calibration_study(spec));
+  }
+
+  void recording() {
+    RecordingSpec spec = parse_recording_spec(json_of(embedded::table4_json, "table4.json"), "table4.json");
+    spec.seed = arguments_.seed;
+    lower(spec.frames, scale_.recording_frames);
+    lower(spec.runs, scale_.recording_runs);
+    run("table4", recording_study(spec));
+  }
+
+  void map() {
+    SensitivitySpec spec = parse_sensitivity(json_of(embedded::sensitivity_json, "sensitivity.json"),
+                                             "sensitivity.json", {}, {});
+    spec.head.seed = arguments_.seed;
+    lower(spec.head.participants, scale_.map_participants);
+    lower(spec.head.rows, scale_.map_rows);
+    if (spec.head.slices.size() > scale_.map_slices) spec.head.slices.resize(scale_.map_slices);
+    for (auto& slice : spec.head.slices) lower(slice.steps, scale_.map_steps);
+    run("sensitivity", sensitivity_study(spec));
+  }
+
+  void twins() {
+    TwinsSpec spec = parse_twins(json_of(embedded::twins_json, "twins.json"), "twins.json");
+    spec.seed = arguments_.seed;
+    lower(spec.participants, scale_.twins);
+    run("twins", twins_study(spec));
+  }
+
+  void report() {
+    Progress progress("report");
+    report_ = write_report(results(), folder_ / "report",
+                           {.paper = judge_paper(results()), .progress = [&](double s) { progress.set(s); }});
+  }
+
+  bool passed() const { return takes_failed_ == 0 && table3_.cross_check && table3_.cross_check->passed(); }
+
+  void print() const {
+    const std::filesystem::path page = folder_ / "report" / "report.html";
+    if (!arguments_.json) {
+      fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", headline_text(report_.headline),
+                 folder_.string(), (folder_ / "campaign").string(), page.string());
+      return;
+    }
+    std::vector<std::string> texts;
+    for (const auto& path : results()) texts.push_back(path.string());
+    const Json json{{"campaign", (folder_ / "campaign").string()},
+                    {"results", texts},
+                    {"report", (folder_ / "report" / "report.md").string()},
+                    {"page", page.string()},
+                    {"answers", report_.headline.answers},
+                    {"takes_failed", takes_failed_},
+                    {"cross_check_passed", table3_.cross_check && table3_.cross_check->passed()}};
+    fmt::print("{}\n", json_text(json, 2));
+  }
+
+ private:
+  template <class T>
+  static void lower(T& value, std::uint64_t most) {
+    if (static_cast<std::uint64_t>(value) > most) value = static_cast<T>(most);
+  }
+  static Json json_of(const char* text, const std::string& file) {
+    return parse_json(text, "pipeline/studies/" + file);
+  }
+  static StudySpec study_from(const char* text, const std::string& file) {
+    return parse_study(json_of(text, file), "pipeline/studies/" + file, {});
+  }
+
+  SimulationSpec campaign_spec(const char* text, const std::string& file, std::uint64_t participants) const {
+    SimulationSpec spec = parse_simulation(json_of(text, file), "pipeline/studies/" + file, {});
+    spec.seed = arguments_.seed;
+    lower(spec.participants, participants);
+    return spec;
+  }
+  SimulationSpec paper_campaign() const {
+    return campaign_spec(embedded::paper_campaign_json, "paper_campaign.json", scale_.participants);
+  }
+
+  SweepPlan sweep_plan(const char* text, const std::string& file, std::uint64_t trials) const {
+    SweepSpec spec = parse_sweep(json_of(text, file), "pipeline/studies/" + file);
+    spec.seed = arguments_.seed;
+    lower(spec.trials, trials);
+    return make_sweep_plan(spec, "pipeline/studies/" + file);
+  }
+
+  Campaign simulated(const std::string& name, const SimulationSpec& spec) const {
+    Progress progress("simulating");
+    return simulate_campaign(spec, folder_ / name, {stop_requested, [&](double s) { progress.set(s); }});
+  }
+
+  ResultsSummary evaluated(const std::string& name, const StudySpec& study, const Campaign& campaign,
+                           bool cross_check) {
+    Progress progress("evaluating");
+    ResultsSummary summary = execute_study(
+        study, campaign, folder_ / name,
+        {arguments_.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }, earlier(name)});
+    takes_failed_ += summary.takes_failed;
+    return summary;
+  }
+
+  void run(const std::string& name, const Study& study) const {
+    StageProgressBars progress;
+    run_study(study, folder_ / name,
+              {.threads = arguments_.threads,
+               .stop_requested = stop_requested,
+               .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
+               .reuse = earlier(name)});
+  }
+
+  // What an earlier reproduction left there and did not change since.
+  std::vector<std::filesystem::path> earlier(const std::string& name) const {
+    if (!std::filesystem::is_directory(folder_ / name)) return {};
+    return {folder_ / name};
+  }
+
+  std::vector<std::filesystem::path> results() const {
+    std::vector<std::filesystem::path> paths;
+    for (const char* name : kResults) paths.push_back(folder_ / name);
+    return paths;
+  }
+
+  const ReproduceArguments& arguments_;
+  Scale scale_;
+  std::filesystem::path folder_;
+  std::optional<Campaign> campaign_;
+  ResultsSummary table3_;
+  std::uint64_t takes_failed_ = 0;
+  ReportFiles report_;
+};
+
+constexpr std::pair<const char*, void (Reproduction::*)()> kStages[] = {
+    {"simulate the paper's campaign", &Reproduction::simulate},
+    {"Table III: every method on every take, cross-checked with Ceres", &Reproduction::table3},
+    {"Table II: with and without occlusion compensation", &Reproduction::table2},
+    {"Table I: threshold against error and time", &Reproduction::table1},
+    {"which reading of the paper gives its Table I", &Reproduction::search},
+    {"calibration: the wand, a flat wall, whole rigs, joints", &Reproduction::calibration},
+    {"Table IV: clock errors, and what a frame costs", &Reproduction::recording},
+    {"two to eight sensors, at different heights and at one", &Reproduction::sensors},
+    {"the error budget: every source of error alone", &Reproduction::budget},
+    {"where in a space of simulations the conclusions hold", &Reproduction::map},
+    {"the simulator beside reality: twins of two real sensors", &Reproduction::twins},
+    {"the report", &Reproduction::report}};
 
 }  // namespace
 
+std::vector<std::string> reproduction_scales() {
+  std::vector<std::string> names;
+  for (const Scale& scale : kScales) names.push_back(scale.name);
+  return names;
+}
+
 int reproduce(const ReproduceArguments& arguments) {
-  const std::filesystem::path folder = arguments.output;
-  check_outputs(arguments);
-  const SimulationSpec spec = paper_campaign(arguments);
-  begin_stage(1, fmt::format("simulating {} participants ({} scale, seed {})", spec.participants,
-                             arguments.scale, spec.seed));
-  const Campaign campaign = simulate_into(folder / "campaign", spec);
-  begin_stage(2, "Table III: every method on every take, cross-checked with Ceres");
-  const ResultsSummary table3 =
-      evaluate_into(folder / "table3", study_from(embedded::table3_json, "pipeline/studies/table3.json"),
-                    campaign, true, arguments);
-  begin_stage(3, "Table II: with and without occlusion compensation, printed and corrected");
-  const ResultsSummary table2 =
-      evaluate_into(folder / "table2", study_from(embedded::table2_json, "pipeline/studies/table2.json"),
-                    campaign, false, arguments);
-  begin_stage(4, "two to eight sensors, at different heights and at one");
-  const std::uint64_t sensors_failed = sensors_into(folder, arguments);
-  begin_stage(5, "the error budget: every source of error alone");
-  budget_into(folder / "error_budget", arguments);
-  begin_stage(6, "Table I: threshold against error and time, printed and corrected");
-  const SweepPlan table1_plan =
-      sweep_plan(embedded::table1_json, "pipeline/studies/table1.json", arguments, kAllTrials);
-  run_into(folder / "table1", sweep_study(table1_plan), arguments);
-  const SweepPlan search_plan = sweep_plan(
-      embedded::table1_search_json, "pipeline/studies/table1_search.json", arguments, kQuickSearchTrials);
-  begin_stage(7, fmt::format("which of {} readings of the paper gives the printed Table I",
-                             search_plan.readings.size()));
-  run_into(folder / "table1_search", sweep_study(search_plan), arguments);
-  begin_stage(8, "calibration: one wand position, a flat wall, whole rigs, what it does to joints");
-  calibration_into(folder / "calibration", arguments);
-  begin_stage(9, "Table IV: clock errors, printed and corrected, and what a frame costs");
-  recording_into(folder / "table4", arguments);
-  begin_stage(10, "where in a space of simulations the conclusions hold");
-  sensitivity_into(folder / "sensitivity", arguments);
-  begin_stage(11, "the simulator beside reality: twins of two real sensors");
-  twins_into(folder / "twins", arguments);
-  begin_stage(12, "writing the report");
-  const ReportFiles report = report_into(folder);
-  const bool passed = table3.takes_failed + table2.takes_failed + sensors_failed == 0 &&
-                      (!table3.cross_check || table3.cross_check->passed());
-  if (arguments.json)
-    print_json(folder, table3);
-  else
-    fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", headline_text(report.headline),
-               folder.string(), (folder / "campaign").string(), (folder / "report" / "report.html").string());
-  return passed ? kDone : kItemsFailed;
+  Reproduction reproduction(arguments);
+  reproduction.check_outputs();
+  fmt::print(stderr, "reproducing the paper into {} ({} scale, seed {})\n", arguments.output.string(),
+             arguments.scale, arguments.seed);
+  for (std::size_t k = 0; k < std::size(kStages); ++k) {
+    const auto start = std::chrono::steady_clock::now();
+    (reproduction.*kStages[k].second)();
+    const std::chrono::duration<double> took_s = std::chrono::steady_clock::now() - start;
+    fmt::print(stderr, "{:2}/{} {:<64} {:6.1f} s\n", k + 1, std::size(kStages), kStages[k].first,
+               took_s.count());
+  }
+  reproduction.print();
+  return reproduction.passed() ? kDone : kItemsFailed;
 }
 
 }  // namespace trilat

@@ -156,13 +156,14 @@ int report(const ReportArguments& arguments);
 
 struct ReproduceArguments {
   std::filesystem::path output = "out/reproduce";
-  std::string scale = "quick";
+  std::string scale = "paper";
   std::uint64_t seed = 1;
   int threads = 0;
   bool force = false;  // may replace what others wrote
   bool json = false;
 };
 int reproduce(const ReproduceArguments& arguments);
+std::vector<std::string> reproduction_scales();
 
 struct GateArguments {
   std::filesystem::path results, baseline;
