@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat report`.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -40,14 +42,17 @@ int print_audit(bool json) {
   return kDone;
 }
 
-// Results folders, and those directly inside a folder that is none itself.
+// Results folders, and those directly inside a folder that is none itself, by kind: accuracy first.
 std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem::path>& given) {
   std::vector<std::filesystem::path> results;
   for (const std::filesystem::path& folder : given)
     if (!std::filesystem::is_directory(folder) || std::filesystem::exists(folder / "summary.json"))
       results.push_back(folder);
-    else
-      for (const FoundResults& found : find_results(folder).results) results.push_back(found.folder);
+    else {
+      std::vector<FoundResults> found = find_results(folder).results;
+      std::ranges::stable_sort(found, {}, &FoundResults::kind);
+      for (const FoundResults& one : found) results.push_back(one.folder);
+    }
   return results;
 }
 

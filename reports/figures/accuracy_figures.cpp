@@ -114,17 +114,17 @@ Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
   figure.caption = fmt::format(
       "How many times the error of a range a trilaterated position is off: the root of the sum of the "
       "variances "
-      "along the three axes, for ranges of variance 1. Geometry alone, of the sensors that have the point in "
+      "along the three axes, for ranges of variance 1. Geometry alone, of the sensors (with their heights) "
+      "that have the point in "
       "view (70.6 x 60 degrees, 0.5 to 4.5 m). White: fewer than three have. {} and more are one colour. "
       "Calibration of take {}{}.",
       kWorst, map.take, summary.simulated ? "; simulated" : "");
   figure.x_label = "x (m)";
   figure.y_label = "z (m)";
   figure.equal_scales = true;
-  figure.width = FigureWidth::column;
   figure.map = FigureMap{map.x_m, map.z_m, map.gdop, "GDOP", kBest, kWorst};
   for (std::size_t s = 0; s < map.sensors.size(); ++s)
-    figure.series.push_back({fmt::format("{}, {:.2f} m high", map.sensors[s], map.position_m[s][1]),
+    figure.series.push_back({fmt::format("{}, {:.2f} m", map.sensors[s], map.position_m[s][1]),
                              FigureSeries::Style::dots,
                              {{map.position_m[s][0], map.position_m[s][2]}}});
   return figure;

@@ -358,7 +358,7 @@ TEST(GdopFigure, ShowsTheMapWithTheSensorsAndSaysWhatIsSimulated) {
   ASSERT_TRUE(figure.map);
   EXPECT_EQ(figure.map->values.at(0), 2.5);
   ASSERT_EQ(figure.series.size(), 1u);
-  EXPECT_EQ(figure.series[0].name, "k1, 1.50 m high");
+  EXPECT_EQ(figure.series[0].name, "k1, 1.50 m");
   EXPECT_EQ(figure.series[0].points.at(0).x, 3.0);  // seen from above: x and z
   EXPECT_EQ(figure.series[0].points.at(0).y, 4.0);
 }
