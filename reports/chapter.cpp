@@ -19,8 +19,6 @@
 namespace trilat {
 namespace {
 
-constexpr double kWhole = 0.995;     // share of the samples asked
-constexpr double kClockOff_s = 0.1;  // more than a tracker lags behind
 constexpr std::size_t kFirstFigures = 3, kMostCells = 200;
 
 struct Answers {
@@ -66,101 +64,6 @@ Table coverage_table(const ResultsSummary& s) {
   return table;
 }
 
-std::string error_text(const SummaryCell& c) {
-  std::string text = fmt::format("{:.1f} cm", c.mae_m * kCentimetresPerMetre);
-  if (!std::isnan(c.mae_low_m))
-    text += fmt::format(" ({:.1f} to {:.1f})", c.mae_low_m * kCentimetresPerMetre,
-                        c.mae_high_m * kCentimetresPerMetre);
-  return text;
-}
-
-// "-57 % (-67 to -47) against `nonlinear`"; empty for the reference itself.
-std::string difference_text(const ResultsSummary& s, const std::string& condition,
-                            const std::string& method) {
-  for (const DifferenceCell& d : s.differences)
-    if (d.condition == condition && d.group == average_group(s) && d.alignment == s.alignments.front() &&
-        d.method == method && !std::isnan(d.percent_low))
-      return d.significant() ? fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`",
-                                           d.percent_of_reference, d.percent_low, d.percent_high, s.reference)
-                             : fmt::format("not told apart from `{}`", s.reference);
-  return {};
-}
-
-// Of each condition which method errs least on average over the joint groups, how many are not told apart
-// from it, and what that is against the reference.
-std::vector<std::string> findings_of(const ResultsSummary& s) {
-  std::vector<std::string> findings;
-  for (const std::string& condition : s.conditions) {
-    const BestMethod* best = find_best(s, condition, average_group(s));
-    const SummaryCell* cell =
-        best ? find_cell(s, best->method, condition, average_group(s), s.alignments.front()) : nullptr;
-    if (!cell) continue;
-    std::string text =
-        fmt::format("**{}**, {}: of {} methods `{}` {} least, by {}", condition,
-                    s.simulated ? "simulated" : "recorded", s.methods.size(), best->method,
-                    s.left_out() ? "differs from the sensor left out" : "errs", error_text(*cell));
-    if (s.methods.size() == 1)
-      text = fmt::format("**{}**, {}: `{}` errs by {}", condition, s.simulated ? "simulated" : "recorded",
-                         best->method, error_text(*cell));
-    if (cell->coverage() < kWhole)
-      text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
-    if (const std::string against = difference_text(s, condition, best->method); !against.empty())
-      text += ", " + against;
-    if (const std::size_t alike = best->like_best.size(); alike > 0)
-      text += fmt::format("; {} other{} not told apart from it (`{}`)", alike, alike == 1 ? " is" : "s are",
-                          fmt::join(best->like_best, "`, `"));
-    findings.push_back(text + ".");
-  }
-  return findings;
-}
-
-// What a reader must know before believing a number: failed takes, notes of the checks, clocks, silent
-// methods.
-std::vector<std::string> warnings_of(const ResultsSummary& s,
-                                     const std::optional<TrackingSummary>& tracking) {
-  std::vector<std::string> warnings;
-  std::size_t notes = 0;
-  for (const TakeNote& note : s.notes) {
-    if (note.failed)
-      warnings.push_back(fmt::format("Take {} failed: {}: {}.", note.take, note.place, note.text));
-    notes += !note.failed;
-  }
-  const auto noted = std::ranges::find(s.notes, false, &TakeNote::failed);
-  if (notes > 0)
-    warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}: {}.", notes,
-                                   notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
-                                   noted->place, noted->text));
-  if (s.participants < 6 && s.resamples > 0)
-    warnings.push_back(
-        fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
-                    s.participants < 2 ? "there are no intervals"
-                                       : "intervals are wide, and hold for people like these alone"));
-  if (s.cross_check && !s.cross_check->passed())
-    warnings.push_back(fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", s.cross_check->method,
-                                   s.cross_check->worst_m));
-  for (const std::string& condition : s.conditions)
-    for (const std::string& method : leading_methods(s, condition)) {
-      const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());
-      if (c && c->coverage() < kLeastCoverage)
-        warnings.push_back(fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
-                                       method, 100.0 * c->coverage(), condition));
-    }
-  if (tracking)
-    for (const ClockRow& row : tracking->clocks)
-      if (!row.applied && row.status == "found" && (row.low_s > kClockOff_s || row.high_s < -kClockOff_s))
-        warnings.push_back(
-            fmt::format("Take {}: the motion says that mocap and sensors are {:.0f} ms apart ({:.0f} to "
-                        "{:.0f}), and the study does not correct it.",
-                        row.take, 1e3 * row.offset_s, 1e3 * row.low_s, 1e3 * row.high_s));
-  constexpr std::size_t kMost = 5;
-  if (warnings.size() > kMost) {
-    const std::size_t more = warnings.size() - kMost;
-    warnings.resize(kMost);
-    warnings.push_back(fmt::format("And {} more; the tables' notes have all.", more));
-  }
-  return warnings;
-}
-
 void append(Chapter& chapter, std::vector<Table> more) {
   for (Table& table : more) chapter.tables.push_back(std::move(table));
 }
@@ -183,8 +86,8 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
-  chapter.findings = findings_of(s);
-  chapter.warnings = warnings_of(s, tracking);
+  chapter.findings = accuracy_findings(s);
+  chapter.warnings = accuracy_warnings(s, tracking);
   if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   if (s.cross_check)
     chapter.sentences.push_back(fmt::format(

@@ -88,7 +88,8 @@ void add_figure(const ReportContent& content, const auto& is_wanted, Headline& h
 
 }  // namespace
 
-Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper) {
+Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper,
+                     const std::optional<ErrorChanges>& changes) {
   Headline headline;
   bool simulated = false, recorded = false;
   for (const Chapter& chapter : content.chapters) (chapter.simulated ? simulated : recorded) = true;
@@ -127,6 +128,13 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   }
   const bool any_accuracy =
       std::ranges::any_of(content.chapters, [](const Chapter& c) { return is_of(c, StudyKind::accuracy); });
+  if (changes) {
+    headline.asked = "What changed, by how much, and is it real?";
+    headline.answers = changes_sentences(*changes);
+    add_figure(
+        content, [](const Chapter&, const Figure&) { return true; }, headline);
+    return headline;
+  }
   headline.asked = any_accuracy ? "How far from the truth is each method?" : "What did the studies find?";
   std::size_t left_out = 0;
   for (const Chapter& chapter : content.chapters)

@@ -11,6 +11,7 @@
 #include "datasets/results/declared_parameters.h"
 #include "reports/claims/claims.h"
 #include "reports/provenance.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -95,6 +96,7 @@ void refuse_unfinished(const std::filesystem::path& given) {
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper,
+                          const std::optional<ErrorChanges>& changes,
                           const std::function<void(double)>& progress) {
   ReportContent content;
   const std::vector<std::string> names = names_of(results);
@@ -109,6 +111,10 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
   }
   std::set<std::string> ids, figure_ids;
+  if (changes) {
+    content.changes = changes_table(*changes);
+    make_id(content.changes->id, "comparison", ids);
+  }
   if (paper) {
     content.claims = claims_table(*paper);
     content.audit = {errata_table(*paper), audit_table()};
@@ -123,7 +129,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   }
   content.parameters = parameter_tables(results, names);
   for (Table& table : content.parameters) make_id(table.id, "assumptions", ids);
-  content.headline = headline_of(content, paper);
+  content.headline = headline_of(content, paper, changes);
   draw_all(content);
   return content;
 }
@@ -140,6 +146,7 @@ std::vector<const Table*> tables_that(const ReportContent& content, bool shown) 
     count += is_shown;
     if (is_shown == shown) tables.push_back(&table);
   };
+  if (content.changes) add(*content.changes, true);
   if (content.claims) add(*content.claims, true);
   for (const Chapter& chapter : content.chapters)
     for (std::size_t t = 0; t < chapter.tables.size(); ++t) add(chapter.tables[t], t < chapter.first_tables);

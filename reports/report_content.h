@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/results/changes.h"
 #include "datasets/results/paper_evidence.h"
 #include "reports/chapter.h"
 #include "reports/tables/table.h"
@@ -27,6 +28,7 @@ struct Headline {
 // STUDY/NAME.
 struct ReportContent {
   Headline headline;
+  std::optional<Table> changes;  // between two results of one study
   std::optional<Table> claims;
   std::vector<Table> audit;  // of the paper; beside its claims
   std::vector<Chapter> chapters;
@@ -38,13 +40,16 @@ struct ReportContent {
 };
 
 // Reads results folders in this order and draws their figures. `paper`: what they say about
-// the paper, as far as that was asked. `progress` is told the share that is done.
+// the paper, as far as that was asked; `changes`: between two of them. `progress` is told the share that is
+// done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
+                          const std::optional<ErrorChanges>& changes = {},
                           const std::function<void(double)>& progress = {});
 
 // The first screen of a report without figures yet to be drawn.
-Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper);
+Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper,
+                     const std::optional<ErrorChanges>& changes);
 // The same for a terminal, in lines of at most 100 characters.
 std::string headline_text(const Headline& headline);
 

@@ -69,6 +69,7 @@ std::string markdown_of(const ReportContent& content) {
   const auto add = [&](const Table& table) {
     if (std::ranges::find(shown, &table) != shown.end()) markdown += "\n" + markdown_of(table);
   };
+  if (content.changes) add(*content.changes);
   if (content.claims) add(*content.claims);
   for (const Chapter& chapter : content.chapters) {
     markdown += fmt::format("\n## {}\n\n{}\n", chapter.title, chapter.about);
@@ -194,8 +195,8 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   const auto advance = [&](double share) {
     if (options.progress) options.progress(share);
   };
-  const ReportContent content =
-      read_report(results, options.paper, [&](double share) { advance(kReadShare * share); });
+  const ReportContent content = read_report(results, options.paper, options.changes,
+                                            [&](double share) { advance(kReadShare * share); });
   ReportFiles report{content.headline, content.shown_tables().size() + content.other_tables().size(), 0, {}};
   for (const Chapter& chapter : content.chapters) report.figures += chapter.figures.size();
   const PageOptions page{options.made.empty() ? time_of_day() : options.made, citation_bibtex(),

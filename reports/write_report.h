@@ -13,8 +13,9 @@
 namespace trilat {
 
 struct ReportOptions {
-  std::optional<PaperFindings> paper = {};  // the claims and the audit of the paper; none: neither
-  std::string made = {};                    // the page's time stamp; empty: the time of the day, UTC
+  std::optional<PaperFindings> paper = {};   // the claims and the audit of the paper; none: neither
+  std::optional<ErrorChanges> changes = {};  // between the two results, when there are two of one study
+  std::string made = {};                     // the page's time stamp; empty: the time of the day, UTC
   // three.js, as Debian's libjs-three has it; where it is not, the page has no replay
   std::filesystem::path three_js = "/usr/share/javascript/three/three.min.js";
   std::function<void(double)> progress = {};  // share of the work that is done

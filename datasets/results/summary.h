@@ -230,7 +230,7 @@ struct FamilyCell {
 struct BestMethod {
   std::string condition, group, method;
   // The others whose mean error is not told apart from it: Student's t at 95 % over the participants'
-  // differences, on samples that any of both answers.
+  // differences, on samples that any of both answers. None where there is no interval.
   std::vector<std::string> like_best;
 
   TRILAT_FIELDS(condition, group, method, like_best)

@@ -14,6 +14,7 @@
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
 #include "reports/render/render.h"
+#include "reports/tables/accuracy_words.h"
 #include "reports/tables/sensor_counts.h"
 #include "reports/tables/tables.h"
 
@@ -136,6 +137,20 @@ int print_accuracy_part(const std::filesystem::path& part, const Shard& shard, c
   return failures_in(notes) > 0 ? kItemsFailed : kDone;
 }
 
+// Under the study's first alignment.
+Json errors_json(const ResultsSummary& s) {
+  Json rows = Json::array();
+  for (const SummaryCell& c : s.cells)
+    if (c.alignment == s.alignments.front()) rows.push_back(json_of(c));
+  return rows;
+}
+
+Json json_list(const std::vector<BestMethod>& best) {
+  Json list = Json::array();
+  for (const BestMethod& one : best) list.push_back(json_of(one));
+  return list;
+}
+
 }  // namespace
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
@@ -172,19 +187,22 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
   print_notes(summary.notes);
   print_cross_check(summary);
   const bool passed = !summary.cross_check || summary.cross_check->passed();
+  const auto tracking = read_tracking_summary(results);
   if (shown.json) {
     document["results"] = results.string();
     document["takes"] = summary.takes;
     document["takes_failed"] = summary.takes_failed;
     document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
+    document["errors"] = errors_json(summary);
+    document["best"] = json_list(summary.best);
+    document["warnings"] = accuracy_warnings(summary, tracking);
     fmt::print("{}\n", json_text(document, 2));
   } else {
-    const auto tracking = read_tracking_summary(results);
     if (shown.tables)
       for (const Table& table : accuracy_tables(without_sets(summary)))
         fmt::print("{}\n", markdown_of(table));
     else
-      fmt::print("{}", outcome_text(without_sets(summary)));
+      fmt::print("{}", outcome_text(without_sets(summary), tracking));
     if (tracking && (shown.tables || summary.left_out()))
       for (const Table& table : prediction_tables(*tracking)) fmt::print("{}\n", markdown_of(table));
     if (tracking && shown.tables)

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "reports/render/render.h"
 #include "reports/tables/accuracy_words.h"
 
 namespace trilat {
@@ -18,12 +19,6 @@ constexpr std::size_t kWidest = 100, kMostRows = 40;
 constexpr double kWhole = 0.995;  // of what is asked
 
 using Row = std::vector<std::string>;
-
-// In characters, not in bytes of UTF-8.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
-}
 
 const SummaryCell* cell_of(const ResultsSummary& s, const std::string& condition, const std::string& group,
                            const std::string& method) {
@@ -125,14 +120,21 @@ std::string table_text(const ResultsSummary& s) {
 
 }  // namespace
 
-std::string outcome_text(const ResultsSummary& s) {
+std::string outcome_text(const ResultsSummary& s, const std::optional<TrackingSummary>& tracking) {
   if (s.alignments.empty()) return "";
+  std::string words;
+  const auto add = [&](std::string sentence) {
+    std::erase_if(sentence, [](char c) { return c == '*' || c == '`'; });
+    for (const std::string& line : lines_of(sentence, kWidest)) words += line + "\n";
+  };
+  for (const std::string& finding : accuracy_findings(s)) add(finding);
+  for (const std::string& warning : accuracy_warnings(s, tracking)) add("warning: " + warning);
   return fmt::format(
              "{}, {}: {} of {} takes, {} participants\nmean error in cm{} (alignment {}), ± half of the 95 % "
              "interval\n\n",
              s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
              s.participants, s.left_out() ? " against the sensor left out" : "", s.alignments.front()) +
-         table_text(s) + "\n" + (s.left_out() ? truth_note(s) + "\n" : "");
+         table_text(s) + "\n" + (s.left_out() ? truth_note(s) + "\n" : "") + words + "\n";
 }
 
 }  // namespace trilat

@@ -2,8 +2,10 @@
 // `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -183,6 +185,20 @@ int info(const InfoArguments& arguments) {
   return kDone;
 }
 
+namespace {
+
+// Alike in all but the sensor and the numbers.
+std::string kind_of(const Finding& finding) {
+  const std::string sensors = "/sensors/";
+  std::string kind = finding.place.substr(finding.place.find(":/") + 1) + finding.text;
+  if (const auto at = kind.find(sensors); at != std::string::npos)
+    kind.erase(at, kind.find('/', at + sensors.size()) - at);
+  std::erase_if(kind, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  return std::string(name_of(finding.severity)) + kind;
+}
+
+}  // namespace
+
 int verify(const VerifyArguments& arguments) {
   const SessionReader session(found_session(arguments.session));
   std::vector<Finding> findings;
@@ -204,10 +220,18 @@ int verify(const VerifyArguments& arguments) {
     fmt::print("{}\n", json_text(json, 2));
   } else {
     std::set<std::string> told;  // what several findings endanger is said once
-    for (const Finding& f : findings)
+    std::map<std::string, std::size_t> alike;
+    for (const Finding& f : findings) ++alike[kind_of(f)];
+    for (const Finding& f : findings) {
+      const std::size_t others = std::exchange(alike[kind_of(f)], 0);
+      const bool is_error = f.severity == Severity::error;
+      if (!is_error && others == 0) continue;
       fmt::print(
-          "{}: {}: {}{}\n", name_of(f.severity), f.place, f.text,
+          "{}: {}: {}{}{}\n", name_of(f.severity),
+          is_error ? f.place : f.place.substr(f.place.find(":/") + 1), f.text,
+          !is_error && others > 1 ? fmt::format("; {} more of the kind", others - 1) : "",
           told.insert(f.endangers).second && !f.endangers.empty() ? " (endangers " + f.endangers + ")" : "");
+    }
     fmt::print("{}: {}{}\n", arguments.session.string(),
                errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"),
                sees_nobody(session) ? ", but no sensor sees anybody: no frame holds a body" : "");

@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
+#include "pipeline/accuracy/statistics/error_changes.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -71,6 +72,7 @@ int report(const ReportArguments& arguments) {
     Progress progress("writing the report");
     files = write_report(results, arguments.output,
                          {.paper = arguments.paper ? judge_paper(results) : std::nullopt,
+                          .changes = arguments.paper ? std::nullopt : changes_between(results),
                           .made = arguments.time,
                           .progress = [&](double share) { progress.set(share); }});
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // `trilat simulate`.
+#include <set>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
@@ -43,7 +46,15 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
     fmt::print("{}\n", json_text(json, 2));
     return;
   }
-  fmt::print("{} simulated takes: {}\n", campaign.takes.size(), (folder / "campaign.json").string());
+  const SessionReader first(campaign.takes.front().session);
+  std::set<std::string> people, activities;
+  for (const Take& take : campaign.takes) {
+    people.insert(take.participant);
+    activities.insert(take.activity);
+  }
+  fmt::print("{} simulated take{} of {} participant{} and {} sensors ({}): {}\n", campaign.takes.size(),
+             campaign.takes.size() == 1 ? "" : "s", people.size(), people.size() == 1 ? "" : "s",
+             first.header().sensors.size(), fmt::join(activities, ", "), (folder / "campaign.json").string());
   if (spec.wand)
     fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n", (wand / "session.h5").string(),
                wand_mocap_start(spec).ns);

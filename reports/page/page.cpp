@@ -171,6 +171,7 @@ std::string document(const ReportContent& content, const PageOptions& options,
 
 std::string page_of(const ReportContent& content, const PageOptions& options) {
   std::vector<PageSection> sections;
+  if (content.changes) sections.push_back({"changes", "What changed", html_of(*content.changes, {})});
   for (PageSection& section : chapter_sections(content)) sections.push_back(std::move(section));
   // what the reader's own studies found comes before somebody else's paper
   sections.insert(content.headline.verdicts.empty() ? sections.end() : sections.begin(),

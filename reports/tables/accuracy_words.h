@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/tables/table.h"
 
@@ -25,6 +28,14 @@ inline constexpr double kLeastCoverage = 0.8;
 void add_coverage_note(const ResultsSummary& summary, const std::string& condition,
                        const std::string& alignment, Table& table);
 void add_take_notes(const ResultsSummary& summary, Table& table);
+
+// A sentence a condition: which method errs least, by how much, against the reference, and what is like it;
+// `code` and **bold** as in Markdown.
+std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
+// What a reader must know before believing a number: failed takes, notes of the checks, few participants,
+// silent methods, clocks.
+std::vector<std::string> accuracy_warnings(const ResultsSummary& summary,
+                                           const std::optional<TrackingSummary>& tracking);
 
 // "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
 std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);

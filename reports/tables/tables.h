@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/changes.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
@@ -44,6 +45,10 @@ double printed_table3_cm(const std::string& group, const std::string& method);
 // Which take or participant is odd, and which side: the leading methods' errors by take, the oddest first,
 // and by joint, left beside right. Empty without more than one take.
 std::vector<Table> oddity_tables(const ResultsSummary& summary);
+
+// Two results of one study: what changed, the real changes first; and the sentences that lead.
+Table changes_table(const ErrorChanges& changes);
+std::vector<std::string> changes_sentences(const ErrorChanges& changes);
 
 // The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
 std::vector<Table> table2(const ResultsSummary& summary);

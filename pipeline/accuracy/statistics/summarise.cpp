@@ -264,7 +264,7 @@ void add_best(const ParticipantErrors& errors, ResultsSummary& summary) {
             errors.difference(cell->method, best.method, condition,
                               group == kAverageGroup ? errors.groups_of(condition) : std::vector{group},
                               ComparedSamples::complete));
-        if (!(e.low() > 0.0)) best.like_best.push_back(cell->method);
+        if (e.low() <= 0.0) best.like_best.push_back(cell->method);
       }
       summary.best.push_back(std::move(best));
     }

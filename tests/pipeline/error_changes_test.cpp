@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/statistics/error_changes.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "reports/tables/tables.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+// The wrist of one person a number, in centimetres; without the others that results hold.
+std::filesystem::path results_of(const ScratchFolder& folder, const std::string& name,
+                                 const std::vector<double>& errors_cm, const std::string& person = "p") {
+  ResultsSummary s;
+  s.study = "study";
+  s.campaign = "campaign";
+  s.methods = {"mean"};
+  s.conditions = {"walking"};
+  s.groups = {"wrist"};
+  s.alignments = {"none"};
+  for (std::size_t p = 0; p < errors_cm.size(); ++p)
+    s.by_take.push_back({fmt::format("t{}", p),
+                         fmt::format("{}{}", person, p),
+                         "walking",
+                         "wrist",
+                         "wrist_left",
+                         "mean",
+                         10,
+                         10,
+                         0.01 * errors_cm[p],
+                         {},
+                         {},
+                         {}});
+  std::filesystem::create_directories(folder / name);
+  write_summary(folder / name, s);
+  return folder / name;
+}
+
+// The differences are 1, 2 and 3 cm: 2 +- 4.303 / sqrt(3) by Student's t with two degrees of freedom.
+TEST(ErrorChanges, OfTheSamePeopleAreThoseOfTheirDifferences) {
+  const ScratchFolder folder;
+  const auto before = results_of(folder, "before", {4.0, 8.0, 12.0}),
+             after = results_of(folder, "after", {5.0, 10.0, 15.0});
+  const auto changes = changes_between({before, after});
+  ASSERT_TRUE(changes);
+  EXPECT_TRUE(changes->paired);
+  ASSERT_EQ(changes->rows.size(), 1u);
+  const ErrorChange& change = changes->rows[0];
+  EXPECT_NEAR(change.before_m, 0.08, 1e-12);
+  EXPECT_NEAR(change.after_m, 0.10, 1e-12);
+  EXPECT_NEAR(change.difference_m, 0.02, 1e-12);
+  EXPECT_NEAR(change.high_m, 0.02 + 0.04303 / std::sqrt(3.0), 1e-5);
+  EXPECT_FALSE(change.is_real());
+  EXPECT_THAT(changes_sentences(*changes).at(0), HasSubstr("**0 of 1**"));
+}
+
+TEST(ErrorChanges, OfOtherPeopleHaveTheSpreadOfBoth) {
+  const ScratchFolder folder;
+  const auto before = results_of(folder, "before", {4.0, 8.0, 12.0});
+  const auto same = changes_between({before, results_of(folder, "same", {5.0, 10.0, 15.0})}),
+             others = changes_between({before, results_of(folder, "others", {5.0, 10.0, 15.0}, "q")});
+  ASSERT_TRUE(same && others);
+  EXPECT_FALSE(others->paired);
+  EXPECT_NEAR(others->rows[0].difference_m, 0.02, 1e-12);
+  EXPECT_GT(others->rows[0].high_m, 2.0 * same->rows[0].high_m - 0.02);
+}
+
+TEST(ErrorChanges, ARealOneIsSaidToBeOne) {
+  const ScratchFolder folder;
+  const auto changes = changes_between(
+      {results_of(folder, "before", {4.0, 8.0, 12.0}), results_of(folder, "after", {3.0, 6.9, 11.1})});
+  ASSERT_TRUE(changes);
+  EXPECT_TRUE(changes->rows[0].is_real());
+  EXPECT_EQ(changes_table(*changes).rows[0].back().text, "better");
+  EXPECT_THAT(changes_sentences(*changes).at(1), HasSubstr("-1.00 cm"));
+}
+
+TEST(ErrorChanges, AreBetweenTwoAlone) {
+  const ScratchFolder folder;
+  const auto one = results_of(folder, "one", {4.0, 8.0});
+  EXPECT_FALSE(changes_between({one}));
+  EXPECT_FALSE(changes_between({one, one, one}));
+}
+
+}  // namespace
+}  // namespace trilat
