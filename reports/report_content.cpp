@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
 #include "reports/claims/claims.h"
+#include "reports/figures/figures.h"
 #include "reports/provenance.h"
 #include "reports/tables/tables.h"
 
@@ -96,7 +97,7 @@ void refuse_unfinished(const std::filesystem::path& given) {
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper,
-                          const std::optional<ErrorChanges>& changes,
+                          const std::optional<ErrorChanges>& changes, const History& history,
                           const std::function<void(double)>& progress) {
   ReportContent content;
   const std::vector<std::string> names = names_of(results);
@@ -130,6 +131,12 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   content.parameters = parameter_tables(results, names);
   for (Table& table : content.parameters) make_id(table.id, "assumptions", ids);
   content.headline = headline_of(content, paper, changes);
+  const std::vector<std::string> night = history_sentences(history);
+  content.headline.answers.insert(content.headline.answers.begin(), night.begin(), night.end());
+  if (std::optional<Figure> figure = history_figure(history)) {
+    make_id(figure->id, "nights", figure_ids);
+    content.headline.history = draw_figures({std::move(*figure)}).front();
+  }
   draw_all(content);
   return content;
 }

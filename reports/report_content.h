@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/results/changes.h"
+#include "datasets/results/gate_history.h"
 #include "datasets/results/paper_evidence.h"
 #include "reports/chapter.h"
 #include "reports/tables/table.h"
@@ -22,6 +23,7 @@ struct Headline {
   std::vector<std::string> warnings;  // what to know before believing them
   std::vector<std::pair<std::string, std::size_t>> verdicts;  // on the paper's claims, and how many
   std::vector<std::pair<std::size_t, std::size_t>> figures;   // chapter and figure
+  std::optional<DrawnFigure> history;                         // errors by night
 };
 
 // All that a report says, before it is written in any form. The ids of its tables and figures differ:
@@ -40,11 +42,11 @@ struct ReportContent {
 };
 
 // Reads results folders in this order and draws their figures. `paper`: what they say about
-// the paper, as far as that was asked; `changes`: between two of them. `progress` is told the share that is
-// done.
+// the paper, as far as that was asked; `changes`: between two of them; `history`: of the nights, whose
+// verdict leads. `progress` is told the share that is done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
-                          const std::optional<ErrorChanges>& changes = {},
+                          const std::optional<ErrorChanges>& changes = {}, const History& history = {},
                           const std::function<void(double)>& progress = {});
 
 // The first screen of a report without figures yet to be drawn.

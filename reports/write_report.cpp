@@ -178,14 +178,17 @@ void write_tables(const ReportContent& content, Writer& write, Index& index,
 }
 
 void write_figures(const ReportContent& content, Writer& write, Index& index) {
+  std::vector<const DrawnFigure*> figures;
+  if (content.headline.history) figures.push_back(&*content.headline.history);
   for (const Chapter& chapter : content.chapters)
-    for (const DrawnFigure& figure : chapter.figures) {
-      const std::string path = "figures/" + figure.figure.id;
-      write(path + ".svg", figure.svg);
-      write(path + ".pdf", figure.pdf);
-      write(path + ".csv", csv_of(figure.figure));
-      index.add(path + ".svg", "figure", figure.figure.title + ". " + figure.figure.caption);
-    }
+    for (const DrawnFigure& figure : chapter.figures) figures.push_back(&figure);
+  for (const DrawnFigure* figure : figures) {
+    const std::string path = "figures/" + figure->figure.id;
+    write(path + ".svg", figure->svg);
+    write(path + ".pdf", figure->pdf);
+    write(path + ".csv", csv_of(figure->figure));
+    index.add(path + ".svg", "figure", figure->figure.title + ". " + figure->figure.caption);
+  }
 }
 
 }  // namespace
@@ -195,7 +198,7 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   const auto advance = [&](double share) {
     if (options.progress) options.progress(share);
   };
-  const ReportContent content = read_report(results, options.paper, options.changes,
+  const ReportContent content = read_report(results, options.paper, options.changes, options.history,
                                             [&](double share) { advance(kReadShare * share); });
   ReportFiles report{content.headline, content.shown_tables().size() + content.other_tables().size(), 0, {}};
   for (const Chapter& chapter : content.chapters) report.figures += chapter.figures.size();

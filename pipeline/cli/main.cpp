@@ -193,6 +193,9 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   report_verb->add_option("-o,--output", a.report.output, "folder of the report");
   report_verb->add_option("--time", a.report.time,
                           "the time stamp of the page, any text; without it the time of the day");
+  report_verb->add_option(
+      "--history", a.report.history,
+      "history of nights that `trilat gate` keeps: the last verdict and the errors by night lead");
   report_verb->add_flag("--paper", a.report.paper,
                         "judge the paper's claims by these results, and audit its tables, on the page");
   report_verb->add_flag("--audit", a.report.audit,
@@ -207,10 +210,9 @@ void add_work(CLI::App& app, AllArguments& a, int& code) {
   reproduce_verb->add_option("-o,--output", a.reproduce.output, "folder of everything that is made")
       ->capture_default_str();
   reproduce_verb
-      ->add_option(
-          "--scale", a.reproduce.scale,
-          "quick: a look in half a minute; paper: its 16 participants for Tables II and III, map and "
-          "calibration in small; full: 200 rigs and the large map too")
+      ->add_option("--scale", a.reproduce.scale,
+                   "quick: a look in a minute; paper: its 16 participants for Tables II and III, map and "
+                   "calibration in small; full: 200 rigs and the large map too")
       ->check(CLI::IsMember(reproduction_scales()))
       ->capture_default_str();
   reproduce_verb->add_option("--seed", a.reproduce.seed, "of every random number")->capture_default_str();

@@ -43,11 +43,19 @@ int print_audit(bool json) {
   return kDone;
 }
 
+bool holds_results_folders(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder) || std::filesystem::exists(folder / "summary.json"))
+    return false;
+  return std::ranges::any_of(std::filesystem::directory_iterator(folder), [](const auto& inside) {
+    return std::filesystem::exists(inside.path() / "summary.json");
+  });
+}
+
 // Results folders, and those directly inside a folder that is none itself, by kind: accuracy first.
 std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem::path>& given) {
   std::vector<std::filesystem::path> results;
   for (const std::filesystem::path& folder : given)
-    if (!std::filesystem::is_directory(folder) || std::filesystem::exists(folder / "summary.json"))
+    if (!holds_results_folders(folder))
       results.push_back(folder);
     else {
       std::vector<FoundResults> found = find_results(folder).results;
@@ -73,6 +81,7 @@ int report(const ReportArguments& arguments) {
     files = write_report(results, arguments.output,
                          {.paper = arguments.paper ? judge_paper(results) : std::nullopt,
                           .changes = arguments.paper ? std::nullopt : changes_between(results),
+                          .history = arguments.history.empty() ? History{} : read_history(arguments.history),
                           .made = arguments.time,
                           .progress = [&](double share) { progress.set(share); }});
   }

@@ -146,10 +146,11 @@ int merge(const MergeArguments& arguments);
 struct ReportArguments {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
-  bool audit = false;  // of the paper alone; needs no results
-  bool paper = false;  // with the paper's claims and their audit
-  std::string time;    // the page's time stamp; empty: now
-  bool force = false;  // may replace what others wrote
+  bool audit = false;             // of the paper alone; needs no results
+  bool paper = false;             // with the paper's claims and their audit
+  std::filesystem::path history;  // of nights, as the gate keeps it; empty: none
+  std::string time;               // the page's time stamp; empty: now
+  bool force = false;             // may replace what others wrote
   bool json = false;
 };
 int report(const ReportArguments& arguments);

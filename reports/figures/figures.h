@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/gate_history.h"
 #include "datasets/results/gdop_map.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
@@ -27,6 +28,11 @@ Figure methods_figure(const ResultsSummary& summary, const std::string& conditio
 // the 95th percentile) with the mean and its interval, one figure a condition, in the study's first
 // alignment.
 std::vector<Figure> error_box_figures(const ResultsSummary& summary);
+
+// Mean error by night, with the nights whose change was accepted; nothing without nights. And the last one's
+// verdict in words.
+std::optional<Figure> history_figure(const History& history);
+std::vector<std::string> history_sentences(const History& history);
 
 // The rig from above: how well ranges fix a point at each place, and where the sensors stand.
 Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary);

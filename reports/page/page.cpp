@@ -123,6 +123,7 @@ std::string lead_html(const ReportContent& content) {
                                  html_text(headline.origin), html_text(headline.asked));
   html += html_list("answers", headline.answers) + verdicts_html(headline) +
           html_list("warnings", headline.warnings);
+  if (headline.history) html += figure_html(*headline.history);
   if (!headline.figures.empty()) html += "<div class=\"first\">\n";
   for (const auto& [chapter, figure] : headline.figures)
     html += figure_html(content.chapters[chapter].figures[figure]);

@@ -58,7 +58,7 @@ TEST(RunLaw, WithoutNoiseAndClockErrorsEveryMethodFindsTheTruth) {
   expect_every_error_below(summary, 1e-5);
   ASSERT_TRUE(summary.cross_check);
   EXPECT_TRUE(summary.cross_check->passed()) << summary.cross_check->worst_m;
-  EXPECT_GT(summary.cross_check->samples, 400u);
+  EXPECT_GT(summary.cross_check->samples, 50u);  // of every eighth instant
 }
 
 TEST(RunLaw, APersonWhoStandsStillIsFoundWhateverTheClocks) {

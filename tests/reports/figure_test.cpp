@@ -12,6 +12,7 @@
 #include "reports/figures/draw_figures.h"
 #include "reports/figures/figure_look.h"
 #include "reports/figures/figure_script.h"
+#include "reports/figures/figures.h"
 
 namespace trilat {
 namespace {
@@ -256,6 +257,57 @@ TEST(DrawFigures, TextIsEscaped) {
 TEST(DrawFigures, NothingIsFetchedFromElsewhere) {
   const std::string svg = drawn(small_figure()).svg;
   EXPECT_FALSE(std::regex_search(svg, std::regex("(xlink:href|src|href)\\s*=\\s*[\"']?(http|file|//)")));
+}
+
+HistoryEntry night_of(const std::string& day, double error_m) {
+  HistoryEntry night;
+  night.time = day + "T03:00:00Z";
+  night.error_m = {{"walk | mean | walking | average", error_m}, {"walk | mean | walking | head", 1.0}};
+  return night;
+}
+
+TEST(HistoryFigure, HasTheAveragesByNightAndShadesWhatWasAccepted) {
+  History history;
+  history.entries = {night_of("2026-01-01", 0.05), night_of("2026-01-02", 0.06)};
+  history.entries[0].accepted = true;
+  history.entries[0].reason = "the first night";
+  const auto figure = history_figure(history);
+  ASSERT_TRUE(figure);
+  EXPECT_THAT(figure->x_names, ElementsAre("2026-01-01", "2026-01-02"));
+  ASSERT_EQ(figure->series.size(), 1u);
+  EXPECT_DOUBLE_EQ(figure->series[0].points[1].y, 6.0);
+  ASSERT_EQ(figure->bands.size(), 1u);
+  EXPECT_THAT(history_sentences(history),
+              ElementsAre(HasSubstr("2026-01-02: quiet"), HasSubstr("2026-01-01: the first night")));
+  history.entries[1].alarms = {"worse"};
+  EXPECT_THAT(history_sentences(history)[0], HasSubstr("1 alarm**, the first: worse"));
+  EXPECT_FALSE(history_figure({}));
+}
+
+TEST(FigureScript, PanelsShareTheirAxesAndHaveOneLegend) {
+  Figure figure = small_figure();
+  figure.panels = {"one", "two"};
+  figure.series = {line_of("a", {{0.0, 1.0}, {1.0, 2.0}}), line_of("b", {{0.0, 10.0}, {1.0, 20.0}})};
+  figure.series[1].panel = 1;
+  const std::string script = gnuplot_script(figure);
+  EXPECT_THAT(script,
+              AllOf(HasSubstr("set multiplot"), HasSubstr("set title 'one'"), HasSubstr("set title 'two'")));
+  EXPECT_EQ(occurrences(script, "set yrange ["), 1u);
+  for (const char* name : {"set label 'a' at screen", "set label 'b' at screen"})
+    EXPECT_EQ(occurrences(script, name), 1u);
+  EXPECT_THAT(drawn(figure).svg, HasSubstr(">x (m)<"));
+}
+
+TEST(FigureScript, NamedRowsHaveTheirIntervalsAlongTheNumbers) {
+  Figure figure = small_figure();
+  figure.y_names = {"best", "worst"};
+  figure.series = {{"ours", FigureSeries::Style::dots, {{2.0, 0.0, 1.5, 2.5}, {4.0, 1.0}}}};
+  const std::string script = gnuplot_script(figure);
+  EXPECT_THAT(rows_of(script), ElementsAre("2 0 1.5 2.5", "4 1 4 4"));
+  EXPECT_THAT(script,
+              AllOf(HasSubstr("using 3:2:($4-$3):(0) with vectors"), HasSubstr("set yrange [1.6:-0.6]")));
+  EXPECT_EQ(csv_of(figure),
+            "series,x (m),y (cm),low (m),high (m)\r\nours,2,best,1.5,2.5\r\nours,4,worst,,\r\n");
 }
 
 }  // namespace
