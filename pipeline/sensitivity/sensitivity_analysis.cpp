@@ -18,6 +18,16 @@ constexpr std::size_t kBins = 6;
 
 Estimate estimate_of(const WithInterval& w) { return {w.value, w.low, w.high}; }
 
+// A share of all or of nothing varies in no resample: the exact bound (Clopper and Pearson 1934), a row of
+// the design as one trial, since its points go together.
+Estimate share_estimate(const WithInterval& share, std::size_t rows) {
+  Estimate e = estimate_of(share);
+  const double tail = std::pow(0.025, 1.0 / static_cast<double>(rows));
+  if (e.value <= 0.0) e.high = 1.0 - tail;
+  if (e.value >= 1.0) e.low = tail;
+  return e;
+}
+
 double percent_of(double log_ratio) { return 100.0 * std::expm1(log_ratio); }
 Estimate in_percent(const WithInterval& w) {
   return {percent_of(w.value), percent_of(w.low), percent_of(w.high)};
@@ -139,7 +149,7 @@ void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityC
             sums.add(difference[k]);
         return std::vector<double>{sums.share(), sums.mean()};
       });
-  claim.share = estimate_of(all[0]);
+  claim.share = share_estimate(all[0], space.rows);
   claim.difference_percent = in_percent(all[1]);
   claim.default_percent = as_it_is(s, claim);
   const std::vector<SobolIndices> indices = sobol_indices(difference, s.factors.size(), kResamples, s.seed);
@@ -172,7 +182,7 @@ std::vector<Estimate> best_shares(const SensitivitySummary& s, const Space& spac
          count.pop_back();
          return count;
        }))
-    shares.push_back(estimate_of(share));
+    shares.push_back(share_estimate(share, space.rows));
   return shares;
 }
 

@@ -191,6 +191,7 @@ TEST(SensitivityAnalysis, PointsWithoutCommonSamplesAreCountedAndNotCompared) {
   ASSERT_GT(silent, 0u);
   EXPECT_EQ(s.claims[0].silent, silent);
   EXPECT_EQ(s.claims[0].share.value, 1.0);
+  EXPECT_NEAR(s.claims[0].share.low, std::pow(0.025, 1.0 / static_cast<double>(s.rows)), 1e-12);
   EXPECT_NEAR(s.claims[0].difference_percent.value, -50.0, 1e-9);
   EXPECT_EQ(s.claims[1].silent, 0u);
   EXPECT_EQ(s.claims[1].share.value, 0.0);
