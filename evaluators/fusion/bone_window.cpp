@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "datasets/base/error.h"
@@ -111,8 +110,40 @@ struct Step {
   }
 };
 
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define TRILAT_WIDEST_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define TRILAT_WIDEST_VECTORS  // sanitizers are not ready yet when the width is chosen
+#endif
+
+// Y -= X C^T: rows x 6 of Y, rows x columns of X, 6 x columns of C, each column `stride` behind the one
+// before. Every number is summed in one order, so that all vector widths give the same bits.
+TRILAT_WIDEST_VECTORS void subtract_products(double* y, const double* x, const double* c, std::ptrdiff_t rows,
+                                             std::ptrdiff_t columns, std::ptrdiff_t stride) {
+  using Lanes __attribute__((vector_size(64), aligned(8), may_alias)) = double;
+  constexpr std::ptrdiff_t kLanes = 8;
+  std::ptrdiff_t r = 0;
+  for (; r + kLanes <= rows; r += kLanes) {
+    Lanes sum[kUnknowns];
+#pragma GCC unroll 6
+    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q)
+      sum[q] = *reinterpret_cast<const Lanes*>(y + q * stride + r);
+    for (std::ptrdiff_t k = 0; k < columns; ++k) {
+      const Lanes xk = *reinterpret_cast<const Lanes*>(x + k * stride + r);
+#pragma GCC unroll 6
+      for (std::ptrdiff_t q = 0; q < kUnknowns; ++q) sum[q] -= xk * c[k * stride + q];
+    }
+#pragma GCC unroll 6
+    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q) *reinterpret_cast<Lanes*>(y + q * stride + r) = sum[q];
+  }
+  for (; r < rows; ++r)
+    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q)
+      for (std::ptrdiff_t k = 0; k < columns; ++k) y[q * stride + r] -= x[k * stride + r] * c[k * stride + q];
+}
+
 // The normal equations of a window, H x = b: a dense block an instant, and one that ties it to the instant
-// before. A block Cholesky factorisation costs as many block products as there are instants.
+// before, each joint to itself. A block Cholesky factorisation costs as many block products as there are
+// instants.
 class BandedSystem {
   auto part(auto& vector, std::size_t i) const {  // that of an instant
     const Eigen::Index size = diagonal_.front().rows();
@@ -138,9 +169,8 @@ class BandedSystem {
     for (std::size_t i = 0; i < diagonal_.size(); ++i) {
       factor_[i] = diagonal_[i];
       factor_[i].diagonal() += part(damping, i);
-      if (i > 0) take_off(i);
-      Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(factor_[i]);
-      if (llt.info() != Eigen::Success) return false;
+      if (i > 0) take_off(before_[i], factor_[i - 1], tie_[i], factor_[i]);
+      if (!factorise(factor_[i])) return false;
     }
     return true;
   }
@@ -148,33 +178,48 @@ class BandedSystem {
   // H x = b in place, by the last factorisation.
   void solve(Eigen::VectorXd& b) const {
     for (std::size_t i = 0; i < factor_.size(); ++i) {
-      if (i > 0) part(b, i).noalias() -= tie_[i].transpose() * part(b, i - 1);
+      if (i > 0) part(b, i).noalias() -= tie_[i] * part(b, i - 1);
       factor_[i].triangularView<Eigen::Lower>().solveInPlace(part(b, i));
     }
     for (std::size_t i = factor_.size(); i-- > 0;) {
-      if (i + 1 < factor_.size()) part(b, i).noalias() -= tie_[i + 1] * part(b, i + 1);
+      if (i + 1 < factor_.size()) part(b, i).noalias() -= tie_[i + 1].transpose() * part(b, i + 1);
       factor_[i].triangularView<Eigen::Lower>().transpose().solveInPlace(part(b, i));
     }
   }
 
  private:
-  // Off the block of i what it owes to the instant before: W^T W, W = L(i-1)^-1 B^T. B ties each joint to
-  // itself alone, so W is lower triangular in blocks, and of the result the lower triangle is needed.
-  void take_off(std::size_t i) {
-    const Eigen::Index size = before_[i].rows();
-    Eigen::MatrixXd& tie = tie_[i];
-    tie.setZero();
-    for (Eigen::Index at = 0; at < size; at += kUnknowns) {
-      const Eigen::Index rest = size - at;
-      auto column = tie.block(at, at, rest, kUnknowns);
-      column.topRows<kUnknowns>() = before_[i].block<kUnknowns, kUnknowns>(at, at).transpose();
-      factor_[i - 1].bottomRightCorner(rest, rest).triangularView<Eigen::Lower>().solveInPlace(column);
+  // V = B L^-T for the L of the instant before, and V V^T off S, the lower triangle alone. B ties each joint
+  // to itself: column k of V ends with k's joint.
+  static void take_off(const Eigen::MatrixXd& b, const Eigen::MatrixXd& l, Eigen::MatrixXd& v,
+                       Eigen::MatrixXd& s) {
+    const Eigen::Index size = b.rows();
+    v.setZero();
+    for (Eigen::Index own = 0; own < size; own += kUnknowns) {
+      v.block<kUnknowns, kUnknowns>(own, own) = b.block<kUnknowns, kUnknowns>(own, own);
+      if (own > 0) subtract_products(&v(0, own), &v(0, 0), &l(own, 0), own, own, size);
+      for (Eigen::Index k = own; k < own + kUnknowns; ++k) {
+        auto column = v.col(k).head(own + kUnknowns);
+        for (Eigen::Index j = own; j < k; ++j) column -= l(k, j) * v.col(j).head(own + kUnknowns);
+        column /= l(k, k);
+      }
     }
-    for (Eigen::Index at = 0; at < size; at += kUnknowns) {
-      const Eigen::Index rest = size - at, end = at + kUnknowns;
-      factor_[i].block(at, 0, kUnknowns, end).noalias() -=
-          tie.block(at, at, rest, kUnknowns).transpose() * tie.block(at, 0, rest, end);
+    for (Eigen::Index own = 0; own < size; own += kUnknowns)
+      subtract_products(&s(own, own), &v(own, own), &v(own, own), size - own, size - own, size);
+  }
+
+  // Cholesky's L in the place of S's lower triangle.
+  static bool factorise(Eigen::MatrixXd& s) {
+    const Eigen::Index size = s.rows();
+    for (Eigen::Index own = 0; own < size; own += kUnknowns) {
+      if (own > 0) subtract_products(&s(own, own), &s(own, 0), &s(own, 0), size - own, own, size);
+      for (Eigen::Index j = own; j < own + kUnknowns; ++j) {
+        auto column = s.col(j).tail(size - j);
+        for (Eigen::Index k = own; k < j; ++k) column -= s(j, k) * s.col(k).tail(size - j);
+        if (!(s(j, j) > 0.0)) return false;
+        column /= std::sqrt(s(j, j));
+      }
     }
+    return true;
   }
 
   std::vector<Eigen::MatrixXd> diagonal_, before_, factor_, tie_;
