@@ -21,49 +21,6 @@ namespace {
 
 constexpr std::size_t kFirstFigures = 3, kMostCells = 200;
 
-struct Answers {
-  std::uint64_t asked = 0, answered = 0;
-  std::map<std::string, std::uint64_t> statuses;
-};
-
-Answers answers_of(const ResultsSummary& s, const std::string& condition, const std::string& method) {
-  Answers sum;
-  for (const SummaryCell& c : s.cells) {
-    if (c.condition != condition || c.method != method || c.alignment != s.alignments.front() ||
-        c.group == kAverageGroup)
-      continue;
-    sum.asked += c.asked;
-    sum.answered += c.answered;
-    for (const auto& [status, n] : c.statuses) sum.statuses[status] += n;
-  }
-  return sum;
-}
-
-// How many samples each method answered in each condition, all joint groups together, and how all ended.
-// Statuses do not depend on the alignment. Without rows when the results hold none.
-Table coverage_table(const ResultsSummary& s) {
-  Table table;
-  table.id = "coverage";
-  table.title = "Coverage and statuses by method, all joint groups together (" + about(s, "", "") + ")";
-  table.columns = {{"condition", "condition", true},
-                   {"method", "method", true},
-                   {"asked", "asked", false},
-                   {"n answered", "answered", false},
-                   {"coverage (%)", "coverage_percent", false},
-                   {"statuses", "statuses", true}};
-  if (s.alignments.empty()) return table;
-  for (const std::string& condition : s.conditions)
-    for (const std::string& method : s.methods) {
-      const Answers sum = answers_of(s, condition, method);
-      if (sum.asked == 0) continue;
-      table.rows.push_back({TableValue::of(condition), TableValue::of(method), count_cell(sum.asked),
-                            count_cell(sum.answered), percent_cell(share_of(sum.answered, sum.asked)),
-                            TableValue::of(statuses_text(sum.statuses, sum.asked))});
-    }
-  table.notes = {"Asked: instants and joints with ground truth. Answered: those with a usable estimate."};
-  return table;
-}
-
 void append(Chapter& chapter, std::vector<Table> more) {
   for (Table& table : more) chapter.tables.push_back(std::move(table));
 }
@@ -104,8 +61,6 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   chapter.first_tables = chapter.tables.size();
   if (!second.empty() || counts_sensors) append(chapter, article_tables(s, false));
   if (!counts_sensors) append(chapter, sensor_counts_table(s));
-  if (Table coverage = coverage_table(s); !coverage.rows.empty())
-    append(chapter, std::vector{std::move(coverage)});
   append(chapter, accuracy_tables(s));
   chapter.apart = apart_tables(s);
   if (tracking) {
@@ -118,7 +73,6 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   append(chapter, sensor_counts_figure(s));
   append(chapter, trajectory_figures(path, s));
   chapter.first_figures = std::min<std::size_t>(chapter.figures.size(), kFirstFigures);
-  append(chapter, error_box_figures(s));
   if (const auto map = read_gdop_map(path)) append(chapter, std::vector{gdop_figure(*map, s)});
   chapter.replays = packed_replays(path, s);
   return chapter;

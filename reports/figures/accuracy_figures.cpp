@@ -14,49 +14,6 @@ namespace trilat {
 
 namespace {
 
-constexpr const char* kMean = "mean with its 95 % interval";
-
-FigurePoint box_of(const SummaryCell& cell, double x) {
-  const auto cm = [](double metres) { return metres * kCentimetresPerMetre; };
-  return {x, cm(cell.median_m), cm(cell.p25_m), cm(cell.p75_m), cm(cell.p05_m), cm(cell.p95_m)};
-}
-
-FigurePoint mean_of(const SummaryCell& cell, double x) {
-  return {x, cell.mae_m * kCentimetresPerMetre, cell.mae_low_m * kCentimetresPerMetre,
-          cell.mae_high_m * kCentimetresPerMetre};
-}
-
-Figure box_figure(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  Figure figure;
-  figure.id = usable_id("spread-" + condition);
-  figure.title = "Spread of the errors by joint (" + about(s, condition, "") + ")";
-  figure.caption = fmt::format(
-      "{}Boxes: the middle half of the errors with the median; whiskers: from the 5th to the 95th "
-      "percentile. Dots: "
-      "the mean absolute error with its interval. Alignment: {}.",
-      s.simulated ? "Simulated. " : "", alignment);
-  figure.x_label = "joint";
-  figure.y_label = "error (cm)";
-  for (const std::string& group : s.groups)
-    if (group != kAverageGroup) figure.x_names.push_back(group);
-  const std::vector<std::string> methods = leading_methods(s, condition);
-  const double width = 0.8 / static_cast<double>(std::max<std::size_t>(1, methods.size()));
-  FigureSeries means{kMean, FigureSeries::Style::dots, {}, kMean, "truth"};
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    FigureSeries boxes{methods[m], FigureSeries::Style::boxes, {}, {}, methods[m], 0.85 * width};
-    for (std::size_t g = 0; g < figure.x_names.size(); ++g) {
-      const SummaryCell* cell = find_cell(s, methods[m], condition, figure.x_names[g], alignment);
-      if (!cell || cell->answered == 0) continue;
-      const double x = static_cast<double>(g) + (static_cast<double>(m) + 0.5) * width - 0.4;
-      boxes.points.push_back(box_of(*cell, x));
-      means.points.push_back(mean_of(*cell, x));
-    }
-    if (!boxes.points.empty()) figure.series.push_back(std::move(boxes));
-  }
-  if (!figure.series.empty()) figure.series.push_back(std::move(means));
-  return figure;
-}
-
 constexpr double kBest = 1.0, kWorst = 5.0;  // what lies beyond has the colour of the end
 
 }  // namespace
@@ -95,15 +52,6 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition, boo
     figure.panels.push_back(groups[g]);
   }
   return figure;
-}
-
-std::vector<Figure> error_box_figures(const ResultsSummary& s) {
-  std::vector<Figure> figures;
-  if (s.alignments.empty()) return figures;
-  for (const std::string& condition : s.conditions)
-    if (Figure figure = box_figure(s, condition, s.alignments.front()); !figure.series.empty())
-      figures.push_back(std::move(figure));
-  return figures;
 }
 
 Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {

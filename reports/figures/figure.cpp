@@ -34,13 +34,11 @@ const std::string& group_of(const FigureSeries& series) {
 
 std::string csv_of(const Figure& figure) {
   const bool intervals = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.low); });
-  const bool whiskers = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.least); });
   const auto add = [&](const std::string& name) { return ',' + csv_field(name); };
   const std::string unit = unit_of(figure.y_names.empty() ? figure.y_label : figure.x_label);
   std::string text =
       (figure.panels.empty() ? "series" : "panel,series") + add(figure.x_label) + add(figure.y_label);
   if (intervals) text += add("low" + unit) + add("high" + unit);
-  if (whiskers) text += add("least" + unit) + add("most" + unit);
   if (figure.map) text += add(figure.map->label);
   text += "\r\n";
   const auto named = [](const std::vector<std::string>& names, double place) {
@@ -52,11 +50,10 @@ std::string csv_of(const Figure& figure) {
       if (!figure.panels.empty()) text += csv_field(figure.panels.at(s.panel)) + ',';
       text += csv_field(s.name) + ',' + named(figure.x_names, p.x) + ',' + named(figure.y_names, p.y);
       if (intervals) text += ',' + number(p.low) + ',' + number(p.high);
-      if (whiskers) text += ',' + number(p.least) + ',' + number(p.most);
       text += figure.map ? ",\r\n" : "\r\n";
     }
   if (!figure.map) return text;
-  const std::string gap = std::string(intervals ? ",," : "") + (whiskers ? ",," : "");
+  const std::string gap = intervals ? ",," : "";
   for (std::size_t r = 0; r < figure.map->y.size(); ++r)
     for (std::size_t c = 0; c < figure.map->x.size(); ++c)
       text += csv_field(figure.map->label) + ',' + number(figure.map->x[c]) + ',' + number(figure.map->y[r]) +

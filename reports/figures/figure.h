@@ -12,20 +12,19 @@ namespace trilat {
 struct FigurePoint {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double x = 0.0, y = 0.0;
-  double low = kNone, high = kNone;    // an interval about y, what a bar spans, or the ends of a box
-  double least = kNone, most = kNone;  // the whiskers of a box
+  double low = kNone, high = kNone;  // an interval about y, or what a bar spans
 };
 
 struct FigureSeries {
-  // Intervals are drawn where points have them. A bar spans low to high; a box also has a line at y.
+  // Intervals are drawn where points have them. A bar spans low to high.
   // A band is a line with its intervals shaded.
-  enum class Style { dots, line, line_and_dots, band, bars, boxes };
+  enum class Style { dots, line, line_and_dots, band, bars };
   std::string name;  // of the numbers
   Style style = Style::dots;
   std::vector<FigurePoint> points;
   std::string group{};    // series of one group share a look and a legend entry; empty: its own name
   std::string method{};   // whose colour it has, the same in every figure; empty: as the group comes
-  double width = 0.8;     // of bars and boxes, in units of x
+  double width = 0.8;     // of bars, in units of x
   std::size_t panel = 0;  // of the figure's panels
   bool hollow = false;    // marks without filling: what the paper prints
 };
@@ -74,8 +73,8 @@ struct Figure {
 // Under which name a series stands in the legend.
 const std::string& group_of(const FigureSeries& series);
 
-// The series, x and y under the labels of their axes and, where any point has them, low, high and least,
-// most; of a map its value too. Full precision (RFC 4180); what is not a number is an empty field, and x is
+// The series, x and y under the labels of their axes and, where any point has them, low and high; of a
+// map its value too. Full precision (RFC 4180); what is not a number is an empty field, and x is
 // the name that stands there where there are names.
 std::string csv_of(const Figure& figure);
 

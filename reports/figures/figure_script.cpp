@@ -53,7 +53,7 @@ bool has_interval(const Figure& figure, const FigurePoint& p) {
          !((figure.y_names.empty() ? figure.log_y : figure.log_x) && p.low <= 0.0);
 }
 
-bool is_box(const FigureSeries& s) { return s.style == Style::bars || s.style == Style::boxes; }
+bool is_bar(const FigureSeries& s) { return s.style == Style::bars; }
 bool is_line(const FigureSeries& s) {
   return s.style == Style::line || s.style == Style::line_and_dots || s.style == Style::band;
 }
@@ -109,7 +109,7 @@ Range x_range(const Figure& figure) {
   for (const FigureSeries& s : figure.series)
     for (const FigurePoint& p : s.points) {
       if (!can_draw(figure, p)) continue;
-      const double half = is_box(s) ? 0.5 * s.width : 0.0;
+      const double half = is_bar(s) ? 0.5 * s.width : 0.0;
       range.add(p.x - half);
       range.add(p.x + half);
       if (figure.y_names.empty() || !has_interval(figure, p)) continue;
@@ -132,8 +132,8 @@ Range y_range(const Figure& figure) {
     bars |= s.style == Style::bars;
     for (const FigurePoint& p : s.points) {
       if (!can_draw(figure, p)) continue;
-      if (s.style != Style::boxes) range.add(p.y);
-      for (const double end : {p.low, p.high, p.least, p.most})
+      range.add(p.y);
+      for (const double end : {p.low, p.high})
         if (!figure.log_y || end > 0.0) range.add(end);
     }
   }
@@ -277,9 +277,9 @@ class Script {
     if (panels_of(figure_) > 1) place_panel(panel);
     if (figure_.map) add_map(*figure_.map);
     const std::vector<Entry> entries = entries_of(figure_, panel);
-    for (const bool boxes : {true, false})
+    for (const bool bars : {true, false})
       for (const Entry& e : entries)
-        if (is_box(*e.series.front()) == boxes) boxes ? add_boxes(e) : add_points(e);
+        if (is_bar(*e.series.front()) == bars) bars ? add_bars(e) : add_points(e);
     for (const FigureLine& line : figure_.lines)
       if (!figure_.log_y || line.y > 0.0)
         plots_.push_back(fmt::format("{} with lines lw 1 dt 2 lc rgb '#222222' {}", script_number(line.y),
@@ -450,33 +450,18 @@ class Script {
     plots_.push_back(block + " using 1:2:3 with image pixels notitle");
   }
 
-  void add_boxes(const Entry& entry) {
-    const bool bars = entry.series.front()->style == Style::bars;
+  void add_bars(const Entry& entry) {
     const std::string name = begin_block();
     for (const FigureSeries* s : entry.series)
-      for (const FigurePoint& p : s->points) {
-        if (!can_draw(figure_, p) || !std::isfinite(p.low) || !std::isfinite(p.high)) continue;
-        if (bars)
+      for (const FigurePoint& p : s->points)
+        if (can_draw(figure_, p) && std::isfinite(p.low) && std::isfinite(p.high))
           row({p.x, p.y, p.x - 0.5 * s->width, p.x + 0.5 * s->width, p.low, p.high});
-        else
-          row({p.x, p.low, p.least, p.most, p.high, s->width, p.y});
-      }
     end_block();
-    const std::string title = title_of(group_of(*entry.series.front()));
-    if (bars) {
-      // where colours come round again, hatched
-      const std::string fill = entry.look.dash == 1 ? std::string("solid 0.75 noborder")
-                                                    : fmt::format("pattern {} border", entry.look.dash + 2);
-      plots_.push_back(fmt::format("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fillstyle {} {}", name,
-                                   entry.look.colour, fill, title));
-      return;
-    }
-    plots_.push_back(fmt::format(
-        "{} using 1:2:3:4:5:6 with candlesticks whiskerbars 0.5 lc rgb '{}' lw 0.8 fillstyle solid 0.35 "
-        "border {}",
-        name, entry.look.colour, title));
-    plots_.push_back(
-        fmt::format("{} using 1:7:7:7:7:6 with candlesticks lc rgb '#222222' lw 1.2 notitle", name));
+    // where colours come round again, hatched
+    const std::string fill = entry.look.dash == 1 ? std::string("solid 0.75 noborder")
+                                                  : fmt::format("pattern {} border", entry.look.dash + 2);
+    plots_.push_back(fmt::format("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fillstyle {} {}", name,
+                                 entry.look.colour, fill, title_of(group_of(*entry.series.front()))));
   }
 
   static std::string marks_of(const Entry& entry, double dot) {

@@ -24,11 +24,6 @@ namespace trilat {
 // `with_paper`: the paper's Table III as rings.
 Figure methods_figure(const ResultsSummary& summary, const std::string& condition, bool with_paper);
 
-// The leading methods' errors of each joint group as boxes (quartiles and median; whiskers from the 5th to
-// the 95th percentile) with the mean and its interval, one figure a condition, in the study's first
-// alignment.
-std::vector<Figure> error_box_figures(const ResultsSummary& summary);
-
 // Mean error by night, with the nights whose change was accepted; nothing without nights. And the last one's
 // verdict in words.
 std::optional<Figure> history_figure(const History& history);

@@ -25,24 +25,28 @@ std::string verdict_of(const ResultsSummary& s, const DifferenceCell& cell) {
   return verdict;
 }
 
+struct ErrorSum {
+  std::uint64_t asked = 0, answered = 0;
+  double distance_m = 0.0;
+  void add(const TakeJointRow& row) {
+    asked += row.asked;
+    answered += row.answered;
+    if (row.answered > 0) distance_m += row.mae_m * static_cast<double>(row.answered);
+  }
+  double mean_m() const { return answered == 0 ? kNoNumber : distance_m / static_cast<double>(answered); }
+};
+
 // Rows of by_take that have the same names in `key`, added up in the order in which they come.
 using TakeKey = std::vector<std::string> (*)(const TakeJointRow&);
 
 Table added_up(const ResultsSummary& s, const std::string& id, const std::string& title, TakeKey key,
                std::vector<TableColumn> names) {
-  struct Sum {
-    std::uint64_t asked = 0, answered = 0;
-    double distance_m = 0.0;
-  };
-  std::vector<std::pair<std::vector<std::string>, Sum>> sums;
+  std::vector<std::pair<std::vector<std::string>, ErrorSum>> sums;
   std::map<std::vector<std::string>, std::size_t> place;
   for (const TakeJointRow& row : s.by_take) {
     const auto [found, is_new] = place.try_emplace(key(row), sums.size());
-    if (is_new) sums.emplace_back(found->first, Sum{});
-    Sum& sum = sums[found->second].second;
-    sum.asked += row.asked;
-    sum.answered += row.answered;
-    if (row.answered > 0) sum.distance_m += row.mae_m * static_cast<double>(row.answered);
+    if (is_new) sums.emplace_back(found->first, ErrorSum{});
+    sums[found->second].second.add(row);
   }
   Table table;
   table.id = id;
@@ -56,10 +60,8 @@ Table added_up(const ResultsSummary& s, const std::string& id, const std::string
   for (const auto& [texts, sum] : sums) {
     std::vector<TableValue> cells;
     for (const std::string& text : texts) cells.push_back(TableValue::of(text));
-    cells.insert(
-        cells.end(),
-        {count_cell(sum.asked), count_cell(sum.answered), percent_cell(share_of(sum.answered, sum.asked)),
-         cm_cell(sum.answered == 0 ? kNoNumber : sum.distance_m / static_cast<double>(sum.answered))});
+    cells.insert(cells.end(), {count_cell(sum.asked), count_cell(sum.answered),
+                               percent_cell(share_of(sum.answered, sum.asked)), cm_cell(sum.mean_m())});
     table.rows.push_back(std::move(cells));
   }
   return table;
@@ -97,17 +99,6 @@ std::vector<Table> apart_tables(const ResultsSummary& s) {
 }
 
 namespace {
-
-struct ErrorSum {
-  std::uint64_t asked = 0, answered = 0;
-  double distance_m = 0.0;
-  void add(const TakeJointRow& row) {
-    asked += row.asked;
-    answered += row.answered;
-    if (row.answered > 0) distance_m += row.mae_m * static_cast<double>(row.answered);
-  }
-  double mean_m() const { return answered == 0 ? kNoNumber : distance_m / static_cast<double>(answered); }
-};
 
 // The method that the oddity of a condition is told by.
 std::string best_in(const ResultsSummary& s, const std::string& condition) {

@@ -53,7 +53,7 @@ TEST(AccuracyChapter, HoldsTablesTrackingFiguresAndWhatIsAssumed) {
         "Left and right exchanged by a sensor", "Offset between mocap and sensors by motion",
         "What the simulation behind mine assumes", "figures/mine/trajectory-walking-wrist_right.svg"})
     EXPECT_EQ(count_of(index, part), 1u) << part;
-  EXPECT_EQ(report.figures, 3u);  // errors by method, their spread, and the height of a wrist
+  EXPECT_EQ(report.figures, 2u);  // errors by method, and the height of a wrist
   for (const auto& path : report.written) EXPECT_GT(std::filesystem::file_size(path), 0u) << path;
   EXPECT_TRUE(std::filesystem::exists(folder / "report/figures/mine/trajectory-walking-wrist_right.csv"));
 }
@@ -79,8 +79,8 @@ TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
   for (const char* file : {"samples.h5", "tracking.json", "simulator.json"})
     std::filesystem::remove(results / file);
   const ReportFiles report = write_report({results}, folder / "report");
-  EXPECT_EQ(report.figures, 2u);  // errors by method, and their spread
-  EXPECT_EQ(report.tables, 3u);   // errors, their long form, and who answers
+  EXPECT_EQ(report.figures, 1u);  // errors by method
+  EXPECT_EQ(report.tables, 2u);   // errors, and their long form
   EXPECT_THAT(read_file(folder / "report/index.csv"), Not(HasSubstr("What the simulation behind")));
 }
 

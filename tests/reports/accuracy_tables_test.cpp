@@ -314,30 +314,6 @@ TEST(AccuracyTables, AnyActivityGivesAnIdThatCanBeAFileName) {
   EXPECT_THAT(tables[0].title, HasSubstr("../walk & run/50 %"));
 }
 
-TEST(ErrorBoxes, HaveQuartilesWhiskersAndTheMeanOfEachJoint) {
-  ResultsSummary summary = hand_made_summary();
-  SummaryCell& head = summary.cells[0];  // of nonlinear
-  head.p05_m = 0.001;
-  head.p25_m = 0.004;
-  head.median_m = 0.008;
-  head.p75_m = 0.012;
-  head.p95_m = 0.03;
-  head.mae_low_m = 0.009;
-  head.mae_high_m = 0.011;
-  const std::vector<Figure> figures = error_box_figures(summary);
-  ASSERT_EQ(figures.size(), 1u);
-  ASSERT_EQ(figures[0].series.size(), 3u);  // two methods and their means
-  const FigurePoint& box = figures[0].series[0].points.at(0);
-  for (const auto& [number, cm] :
-       {std::pair{box.least, 0.1}, {box.low, 0.4}, {box.y, 0.8}, {box.high, 1.2}, {box.most, 3.0}})
-    EXPECT_NEAR(number, cm, 1e-12);
-  const FigurePoint& mean = figures[0].series[2].points.at(0);
-  EXPECT_EQ(mean.x, box.x);
-  EXPECT_NEAR(mean.y, 1.0, 1e-12);
-  EXPECT_NEAR(mean.low, 0.9, 1e-12);
-  EXPECT_THAT(figures[0].x_names, ElementsAre("head", "shoulder", "elbow", "wrist"));
-}
-
 TEST(MethodsFigure, HasAPanelAJointTheLeastErrorOnTopAndThePaperAsRings) {
   const Figure figure = methods_figure(summary_with_best(), "walking", true);
   EXPECT_THAT(figure.y_names, ElementsAre("nonlinear", "mean"));

@@ -106,14 +106,13 @@ TEST(FigureScript, BandsOfOneNameAreOneEntryOfTheLegend) {
   EXPECT_EQ(occurrences(script, "title 'worse'"), 1u);
 }
 
-TEST(FigureScript, ABarSpansItsIntervalAndABoxHasItsMedian) {
+TEST(FigureScript, ABarSpansItsInterval) {
   Figure figure = small_figure();
   figure.x_names = {"head", "wrist"};
-  figure.series = {{"bars", FigureSeries::Style::bars, {{0.0, 3.0, 1.0, 4.0}}, {}, {}, 0.5},
-                   {"boxes", FigureSeries::Style::boxes, {{1.0, 3.0, 2.0, 4.0, 1.0, 9.0}}, {}, {}, 0.5}};
+  figure.series = {{"bars", FigureSeries::Style::bars, {{0.0, 3.0, 1.0, 4.0}}, {}, {}, 0.5}};
   const std::string script = gnuplot_script(figure);
-  EXPECT_THAT(script, AllOf(HasSubstr("\n0 3 -0.25 0.25 1 4\n"), HasSubstr("\n1 2 1 9 4 0.5 3\n"),
-                            HasSubstr("set xtics ('head' 0, 'wrist' 1)")));
+  EXPECT_THAT(script,
+              AllOf(HasSubstr("\n0 3 -0.25 0.25 1 4\n"), HasSubstr("set xtics ('head' 0, 'wrist' 1)")));
 }
 
 TEST(FigureScript, AMapCutsWhatLiesBeyondItsColours) {
@@ -196,9 +195,8 @@ TEST(Figure, ItsNumbersAreUnroundedAndMissingOnesEmpty) {
 TEST(Figure, NumbersOfIntervalsBoxesNamesAndMapsAreThereToo) {
   Figure figure = small_figure();
   figure.x_names = {"head", "wrist"};
-  figure.series = {{"a", FigureSeries::Style::boxes, {{1.2, 3.0, 2.0, 4.0, 1.0, 9.0}}}};
-  EXPECT_EQ(csv_of(figure),
-            "series,x (m),y (cm),low (cm),high (cm),least (cm),most (cm)\r\na,wrist,3,2,4,1,9\r\n");
+  figure.series = {{"a", FigureSeries::Style::bars, {{1.2, 3.0, 2.0, 4.0}}}};
+  EXPECT_EQ(csv_of(figure), "series,x (m),y (cm),low (cm),high (cm)\r\na,wrist,3,2,4\r\n");
   figure = small_figure();
   figure.map = FigureMap{{0.5}, {5.0}, {2.0}, "GDOP"};
   EXPECT_EQ(csv_of(figure), "series,x (m),y (cm),GDOP\r\ndots,0,0,\r\ndots,100,6,\r\nGDOP,0.5,5,2\r\n");
@@ -210,12 +208,11 @@ TEST(DrawFigures, EveryStyleIsDrawnAsSvgAndAsPdf) {
   figure.lines = {{3.0, "limit"}};
   figure.bands = {{0.2, 0.4, "good"}};
   figure.series = {{"bars", FigureSeries::Style::bars, {{0.0, 3.0, 1.0, 4.0}}},
-                   {"boxes", FigureSeries::Style::boxes, {{1.0, 3.0, 2.0, 4.0, 1.0, 9.0}}},
                    {"dots", FigureSeries::Style::dots, {{1.0, 3.0, 2.0, 4.0}}},
                    line_of("line", {{0.0, 1.0}, {1.0, 2.0}}),
                    {"both", FigureSeries::Style::line_and_dots, {{0.0, 1.0}, {1.0, 2.0}}}};
   const DrawnFigure picture = drawn(figure);
-  for (const char* name : {"bars", "boxes", "dots", "line", "both", "limit", "good", "head"})
+  for (const char* name : {"bars", "dots", "line", "both", "limit", "good", "head"})
     EXPECT_NE(picture.svg.find(std::string(">") + name + "<"), std::string::npos) << name;
   EXPECT_EQ(picture.svg.find("A title"), std::string::npos);  // stands around the picture
   EXPECT_THAT(picture.pdf, StartsWith("%PDF"));

@@ -61,7 +61,7 @@ TEST(Report, HoldsEveryTableInEveryForm) {
   const ScratchFolder folder;
   const ReportFiles report = write_report({results_in(folder, "results", hand_made_summary())},
                                           folder / "report", {.paper = PaperFindings{}});
-  ASSERT_EQ(report.tables, 6u);
+  ASSERT_EQ(report.tables, 5u);
   const ReportContent content = read_report({folder / "results"}, PaperFindings{});
   const std::string markdown = read_file(folder / "report/report.md"),
                     index = read_file(folder / "report/index.csv");
@@ -194,7 +194,7 @@ TEST(Report, TablesOfSeveralResultsDoNotOverwriteEachOther) {
   const ReportFiles report = write_report({first, second, second}, folder / "report");
   std::set<std::filesystem::path> written(report.written.begin(), report.written.end());
   EXPECT_EQ(written.size(), report.written.size());
-  EXPECT_EQ(report.tables, 9u);
+  EXPECT_EQ(report.tables, 6u);
 }
 
 // Two nights, say, whose folders are called alike.
