@@ -9,6 +9,7 @@
 #include "datasets/results/summary.h"
 #include "reports/claims/claims.h"
 #include "reports/tables/calibration_findings.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 
 namespace trilat {
@@ -225,10 +226,7 @@ Table errata_table(const PaperFindings& findings) {
     table.rows.push_back({TableValue::of(e.id), TableValue::of(e.where), TableValue::of(e.printed),
                           TableValue::of(e.problem), TableValue::of(e.corrected), TableValue::of(effect)});
   }
-  table.notes = {
-      "Every erratum that changes a number is a setting (printed or corrected), so both can be run.",
-      "Percent: of the error of the method that stands second, as in the table of claims, with its 95 % "
-      "interval."};
+  table.notes = notes("errata");
   return table;
 }
 

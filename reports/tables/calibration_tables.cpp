@@ -8,6 +8,7 @@
 #include "datasets/paper/printed_tables.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/calibration_findings.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
@@ -194,9 +195,7 @@ Table calibration_bins_table(const CalibrationSummary& s) {
       add_bins(table, s.wand[r], "distance (m)", distances);
       add_bins(table, s.wand[r], "angle (degrees)", angles);
     }
-  table.notes = {
-      "Bins of distance hold every angle and bins of angle every distance; a sample on an edge counts in the "
-      "bin above it, on the last in the last; n includes samples without an answer, the mean does not."};
+  table.notes = notes("calibration_bins");
   return table;
 }
 
@@ -275,13 +274,7 @@ Table calibration_distortion_table(const CalibrationSummary& s) {
                    {"stated", "stated", true}};
   table.rows.push_back(paper_distortion_row(printed_calibration(), table.columns.size()));
   for (const DistortionCurve& curve : s.distortion) table.rows.push_back(distortion_cells(curve));
-  table.notes = {
-      "Less offset: each frame's mean error over the row is taken off first, which leaves noise and what "
-      "bends the wall.",
-      "Sideways errors are those of a pixel's place across the view: by eq. 4 as printed (E2), and by the "
-      "lens model, where only the depth error is left.",
-      "The paper's figure of this is missing from its source: there is only its text, whose last column lies "
-      "beyond the image's."};
+  table.notes = notes("calibration_distortion");
   return table;
 }
 
@@ -314,19 +307,7 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
          percent_cell(r.within_limits_share), percent_cell(r.coverage_share, r.coverage_low, r.coverage_high),
          TableValue::of(r.position_z_rms, 2), TableValue::of(r.rotation_z_rms, 2),
          TableValue::of(r.mahalanobis2_mean, 1), TableValue::of(r.reduced_chi2_mean, 2)});
-  table.notes = {
-      "Errors are of the sensors that got a pose (a run that fails leaves all of its sensors without one), "
-      "with the mean's 95 % interval over runs; within limits: 5 mm and 0.2 degrees, from bodies 2 cm and "
-      "0.5 degrees, of all sensors.",
-      "Truth in interval: how often a stated 95 % interval of an axis holds the truth, with its own "
-      "interval; a dash where a method states none. Error/sigma is the root mean square over axes, 1 where "
-      "what is stated is right; Mahalanobis squared is of all six numbers of a pose, 6 where it is right.",
-      "The wand's depth correction expects offsets and wiggles of the size that the simulated units have; "
-      "with others its intervals may hold the truth less often.",
-      "Two positions: the ball is found by our sphere fit, at places that all sensors can see, and its "
-      "movement is level and known exactly; only eq. 6 and 7 are the paper's.",
-      "Bodies place the sensors beside one of them, which is not counted.",
-      "The paper gives no number for the poses of a rig."};
+  table.notes = notes("calibration_rigs");
   return table;
 }
 

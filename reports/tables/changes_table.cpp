@@ -6,6 +6,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/changes.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -34,10 +35,7 @@ Table changes_table(const ErrorChanges& changes) {
                           TableValue::of(!c->is_real()           ? "no"
                                          : c->difference_m < 0.0 ? "better"
                                                                  : "worse")});
-  table.notes = {
-      "Of the average over the joint groups, under the first alignment of each. The interval is of 95 %, by "
-      "Student's t "
-      "between participants; of twenty rows without any change, one is expected to be said to differ."};
+  table.notes = notes("changes");
   return table;
 }
 

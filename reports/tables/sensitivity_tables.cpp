@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
@@ -89,18 +90,7 @@ Table claims_table(const SensitivitySummary& s) {
                           share_cell(claim.share), TableValue::of(claim.difference_percent.value, 1),
                           TableValue::of(claim.worst_percent, 1), estimate_cell(1, claim.default_percent),
                           TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
-  table.notes = {
-      "The difference is the method's error over that of the method it is held against, on the samples that "
-      "both answer; of several, the largest; less the margin. Below 0 the claim holds. Means are of "
-      "logarithms "
-      "of ratios; errors are means over the joint groups. Compared in: the campaigns with samples that both "
-      "answer; all other figures are of these.",
-      "Decided by: total Sobol index, the share of the difference's variance in which a factor has a part. "
-      "Changes at: where the straight line through all points crosses 0, over all other factors; an end of "
-      "the "
-      "range stands for beyond it.",
-      "Shares are of the space as it is stated, every factor uniform in its range and independent of the "
-      "others: another space has other shares."};
+  table.notes = notes("space_claims");
   return table;
 }
 

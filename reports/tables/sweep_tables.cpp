@@ -7,6 +7,7 @@
 
 #include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -84,10 +85,7 @@ Table compromise_table(const SweepSummary& s) {
                    {"error x, corrected", "corrected_error_factor", false},
                    {"answered, printed (%)", "printed_coverage_percent", false},
                    {"answered, corrected (%)", "corrected_coverage_percent", false}};
-  table.notes = {
-      "Answered: the least share of trials with a usable estimate in any cell of the reading. Where it is "
-      "low, the factors are those of the easy trials: undamped Gauss-Newton diverges or cycles on nearly "
-      "flat rigs."};
+  table.notes = notes("search_compromise");
   for (const SweepCompromise& c : s.search->compromises)
     for (std::size_t r = 0; r < s.ranges.size(); ++r)
       table.rows.push_back(
@@ -232,15 +230,7 @@ Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timi
                    {"one (us)", "scalar_us"},
                    {"batched (us)", "batched_us"},
                    {"statuses", "statuses", true}};
-  table.notes = {
-      "Errors are distances to the true joint, of the answered trials; the axis mean is the mean of the "
-      "three axes' "
-      "mean absolute errors. Steps are of all trials, also of those that failed.",
-      "Digits of agreement with the minimum of F, -log10 of the relative difference, at most 15. Times are "
-      "of this "
-      "machine, start included: one problem at a time, and many side by side by solve_nonlinear; the sweep "
-      "itself, "
-      "with one rig for all, is faster."};
+  table.notes = notes("sweep");
   for (const SweepCell& c : s.cells) {
     const SweepInterpretation& i = s.interpretations[c.interpretation];
     const SweepSummary::ErrorRange& range = s.ranges[c.range];

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
@@ -146,29 +147,6 @@ std::vector<TableValue> queue_cells(const QueueRow& r, double processed) {
           fine_cell(processed * share_of(r.counts.taken, r.counts.came))};
 }
 
-std::vector<std::string> queue_notes() {
-  return {
-      "The paper drops what exceeds \"a time range\" around the server's time when it is taken out of the "
-      "queue. "
-      "Here a frame is dropped when its stated time of sending differs from the server's time by more than "
-      "the "
-      "limit: it is too late, or, by a wrong clock, too early. The time is the server's, but with "
-      "equations 20 to 22 on the client's clock it is the client's.",
-      "The paper does not say when a frame is taken out. As they come: its age is the delay of the network "
-      "alone. "
-      "Once a frame of its own: the server takes one frame of each client at the beginning of each of its "
-      "frames, "
-      "and one that was sent before a frame of the server began and came after it is older than a whole "
-      "frame "
-      "at the next.",
-      "In real time: taken, and processed in less than 33 ms. Processing rests on body tracking as "
-      "declared (simulated) "
-      "and trilateration as measured, by the slowest of the study's methods; the paper's also holds its "
-      "network.",
-      "The paper counts frames of the server and ours are those of the clients; how many of four clients a "
-      "lost frame of the server lacks is not said. It names no frame without a time."};
-}
-
 }  // namespace
 
 Table table4_queue(const RecordingSummary& s, const std::optional<StageTimings>& timings) {
@@ -191,7 +169,7 @@ Table table4_queue(const RecordingSummary& s, const std::optional<StageTimings>&
   table.rows.push_back(paper_queue_row());
   const double processed = processed_share(timings);
   for (const QueueRow& row : s.queues) table.rows.push_back(queue_cells(row, processed));
-  table.notes = queue_notes();
+  table.notes = notes("queue");
   return table;
 }
 
@@ -235,10 +213,7 @@ Table table4_fits(const RecordingSummary& s) {
   for (const ClockFitRow& r : s.fits)
     table.rows.push_back({TableValue::of(r.network), ms_cell(r.offset_sigma_s), ms_cell(r.offset_bound_s),
                           percent_cell(r.within_bound_share), percent_cell(r.exchanges_used_share)});
-  table.notes = {
-      "The bound is, of the exchanges that are used, the largest sum of half the delay and the clock's "
-      "distance "
-      "from the midpoint. Within both: an error of at most the bound and four standard deviations."};
+  table.notes = notes("fits");
   return table;
 }
 
@@ -266,12 +241,7 @@ Table table4_processing(const StageTimings& t) {
       row.push_back(us_cell(q));
     table.rows.push_back(std::move(row));
   }
-  table.notes = {
-      "Body tracking is as the study declares it, and simulated. Trilateration is the way from the bodies of "
-      "all sensors, simulated, to 25 joints, on one thread; the "
-      "paper's time begins with the depth image at the client and includes body tracking and the network, so "
-      "the two cannot be set against each other.",
-      "Measured times differ from machine to machine and from run to run."};
+  table.notes = notes("processing");
   return table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
+#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
@@ -62,12 +63,7 @@ Table views_table(const TrackingSummary& s, const std::string& by,
                           known(row.truth_known, share_of(row.hidden, row.views)),
                           known(row.truth_known, share_of(row.rightly, row.rejected)),
                           known(row.truth_known, share_of(row.rightly, row.hidden))});
-  table.notes = {
-      "A view is one joint at one instant for which a sensor gives a position. Rules: what the tracker calls "
-      "inferred; limbs that cross in front, by equation 8 as printed and corrected; what the recorded depth "
-      "hides; and what methods that choose their sensors leave out.",
-      "What is truly hidden only a simulation knows: less than the declared share of the joint's own surface "
-      "is in the depth image."};
+  table.notes = notes("views");
   return table;
 }
 
@@ -93,9 +89,7 @@ Table exchanges_table(const TrackingSummary& s) {
          row.truth_known ? count_cell(row.true_stretches) : no_cell(),
          known(row.truth_known, share_of(row.stretches_found, row.true_stretches)),
          known(row.truth_known, share_of(row.found - row.rightly, row.instants - row.exchanged))});
-  table.notes = {
-      "Found by agreement between the sensors and by what left and right cannot fake: toes, knees, elbows "
-      "and the walking direction. A true stretch counts as found when 95 % of its instants are."};
+  table.notes = notes("exchanges");
   return table;
 }
 
@@ -115,11 +109,7 @@ Table clocks_table(const TrackingSummary& s) {
          TableValue::of(row.drift_ppm, 0), TableValue::of(row.drift_sigma_ppm, 0),
          TableValue::of(row.peak, 3), TableValue::of(row.second, 3), TableValue::of(row.status),
          TableValue::of(std::string(row.applied ? "yes" : "no"))});
-  table.notes = {
-      "Mocap time = stated time + offset. A tracker that lags behind the body looks like a clock that is "
-      "late: motion alone cannot tell one from the other, so the interval is that of clock and lag together, "
-      "and the offset is "
-      "only applied when the study says so. Drift is never applied."};
+  table.notes = notes("clocks");
   return table;
 }
 
@@ -136,12 +126,7 @@ Table rays_table(const TrackingSummary& s) {
     table.rows.push_back({TableValue::of(row.take), cm_cell(row.range_m), cm_cell(row.bearing_m),
                           number_cell(2, row.ratio, row.ratio_low, row.ratio_high),
                           TableValue::of(row.problem)});
-  table.notes = {
-      "Standard deviations, estimated without truth by restricted maximum likelihood. They hold how far the "
-      "sensors "
-      "disagree, also because one is turned or displaced. What all sensors have in common, such as a bias of "
-      "the body "
-      "model, no disagreement shows."};
+  table.notes = notes("rays");
   return table;
 }
 
@@ -160,13 +145,7 @@ Table predictions_table(const TrackingSummary& s) {
                           cm_cell(row.range_m, row.range_low_m, row.range_high_m),
                           cm_cell(row.bearing_m, row.bearing_low_m, row.bearing_high_m),
                           cm_cell(row.mean_range_m), count_cell(row.n)});
-  table.notes = {
-      "Mean distances of what the other sensors say from the tracked joints of the sensor left out, before "
-      "any "
-      "alignment; every sensor is left out in turn. In brackets: 95 % interval by Student's t, participants "
-      "as "
-      "clusters; "
-      "a single participant has none. Errors that all sensors share are in none of these numbers."};
+  table.notes = notes("predictions");
   return table;
 }
 
@@ -229,19 +208,7 @@ std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSumm
     for (const RangeRow& range : tracking.ranges)
       if (range.condition == condition) add_rows(s, range, table);
     if (table.rows.empty()) continue;
-    table.notes = {
-        "Bound: the root mean square error of the ranges times the root mean square GDOP of the geometry, "
-        "the "
-        "Cramér-Rao bound of unbiased estimates from ranges whose errors are independent, normal and without "
-        "a "
-        "mean. GDOP and RMSE are of the same samples: those answered where the GDOP is finite. The ranges "
-        "are those "
-        "of all sensors, also for a method that uses some.",
-        "Efficiency: the square of bound over RMSE. Trackers' errors are not independent: those of opposite "
-        "sensors "
-        "are anticorrelated along the line between them, which lets a method pass 1; so does answering only "
-        "samples "
-        "with small errors."};
+    table.notes = notes("efficiency");
     tables.push_back(std::move(table));
   }
   return tables;
