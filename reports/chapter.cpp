@@ -12,7 +12,6 @@
 #include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/sensor_counts.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 

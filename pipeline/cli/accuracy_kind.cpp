@@ -15,7 +15,6 @@
 #include "pipeline/cli/reused_results.h"
 #include "reports/render/render.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/sensor_counts.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

@@ -9,7 +9,6 @@
 #include "datasets/results/summary.h"
 #include "reports/claims/claims.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 
 namespace trilat {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "reports/figures/figures.h"
-#include "reports/tables/budget_parts.h"
 #include "reports/tables/table.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

@@ -15,7 +15,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "reports/figures/figure_script.h"
 
 extern char** environ;
 

@@ -18,4 +18,12 @@ struct DrawnFigure {
 // when gnuplot is not installed or refuses, with what it says.
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures);
 
+struct FigureSize {
+  double width_mm = 0.0, height_mm = 0.0;
+};
+FigureSize size_of(const Figure& figure);
+
+// The gnuplot commands that draw one figure with its numbers in them, onto whatever terminal is set.
+std::string gnuplot_script(const Figure& figure);
+
 }  // namespace trilat

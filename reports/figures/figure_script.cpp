@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/figures/figure_script.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "reports/figures/draw_figures.h"
 #include "reports/figures/figure_look.h"
 #include "reports/render/render.h"
 

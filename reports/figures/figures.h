@@ -51,6 +51,9 @@ std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
 // method.
 std::vector<Figure> clock_figures(const RecordingSummary& summary);
 
+// Families named "METHOD, N sensors": error against N.
+std::vector<Figure> sensor_counts_figure(const ResultsSummary& summary);
+
 // Error, steps, share of answers and, where it was measured, time over the threshold C: a panel for each rig,
 // error model and range of errors, a line for each other choice. With the paper's grid its Table I stands
 // beside.

@@ -8,7 +8,6 @@
 #include "datasets/paper/printed_tables.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 

@@ -6,7 +6,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/changes.h"
-#include "reports/tables/notes.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

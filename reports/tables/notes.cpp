@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/notes.h"
-
 #include <sstream>
 
 #include "datasets/base/error.h"
 #include "reports/tables/embedded_notes.h"
+#include "reports/tables/table.h"
 
 namespace trilat {
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 

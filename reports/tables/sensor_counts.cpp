@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/sensor_counts.h"
-
 #include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/table.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

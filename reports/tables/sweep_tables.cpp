@@ -7,7 +7,7 @@
 
 #include "datasets/base/units.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/notes.h"
+#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

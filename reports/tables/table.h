@@ -78,4 +78,7 @@ inline double share_of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? kNoNumber : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// The sentences that stand under a table: those of a section of notes.md.
+std::vector<std::string> notes(const std::string& section);
+
 }  // namespace trilat

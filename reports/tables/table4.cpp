@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "reports/tables/notes.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 

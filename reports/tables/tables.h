@@ -68,6 +68,14 @@ std::vector<Table> apart_tables(const ResultsSummary& summary);
 // source of error alone, their sum and what all of them together give; and a table of what the sources are.
 std::vector<Table> budget_tables(const BudgetSummary& summary);
 
+// The root mean square error with one source alone, of the row that is `like` this one but for the source;
+// NaN when there is none.
+double rmse_of_source_m(const BudgetSummary& summary, const BudgetRow& like, const std::string& source);
+// What the source adds to the mean square error: "none" is in every other source and is taken off.
+double added_m2(const BudgetSummary& summary, const BudgetRow& like, const std::string& source);
+// The root of the sum over all sources, "none" counted once. NaN when one is not known.
+double sum_of_sources_m(const BudgetSummary& summary, const BudgetRow& like);
+
 // Which claims hold where: their shares of the space and where they change; which method errs least; what
 // decides; and the space itself.
 std::vector<Table> sensitivity_tables(const SensitivitySummary& summary);
@@ -134,5 +142,12 @@ const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, con
 
 // A sentence or two a person can take away from the search; empty without one.
 std::vector<std::string> search_sentences(const SweepSummary& summary);
+
+// Families of methods, one for each set of so many sensors: their mean, best and worst set. Empty for a study
+// without families of sets.
+std::vector<Table> sensor_counts_table(const ResultsSummary& summary);
+// The summary without the methods that stand for one of several sets: the tables of families speak for them.
+// What is by take stays whole.
+ResultsSummary without_sets(ResultsSummary summary);
 
 }  // namespace trilat

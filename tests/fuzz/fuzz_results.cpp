@@ -8,7 +8,7 @@
 #include "pipeline/gate/found_results.h"
 #include "reports/chapter.h"
 #include "reports/claims/claims.h"
-#include "reports/figures/figure_script.h"
+#include "reports/figures/draw_figures.h"
 #include "reports/provenance.h"
 #include "reports/render/latex.h"
 #include "reports/render/render.h"

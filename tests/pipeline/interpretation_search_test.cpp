@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/sweep/interpretation_search.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 

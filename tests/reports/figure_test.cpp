@@ -11,7 +11,6 @@
 
 #include "reports/figures/draw_figures.h"
 #include "reports/figures/figure_look.h"
-#include "reports/figures/figure_script.h"
 #include "reports/figures/figures.h"
 
 namespace trilat {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/sensor_counts.h"
-
 #include <gmock/gmock.h>
+
+#include "reports/figures/figures.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
