@@ -67,8 +67,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
     append(chapter, tracking_tables(*tracking));
   }
   for (const std::string& condition : s.conditions)
-    append(chapter,
-           std::vector{methods_figure(s, condition, paper && condition == "walking" && !s.left_out())});
+    append(chapter, std::vector{methods_figure(s, condition, paper && is_like_the_papers(s, condition))});
   append(chapter, sensor_counts_figure(s));
   append(chapter, trajectory_figures(path, s));
   chapter.first_figures = std::min<std::size_t>(chapter.figures.size(), kFirstFigures);

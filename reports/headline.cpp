@@ -31,13 +31,16 @@ std::string error_with_interval(const SummaryCell& c) {
 // How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
 std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   constexpr const char* kCondition = "walking";
+  // relative to the mean, as the paper has it
+  const bool relative = std::ranges::find(s.alignments, "mean") != s.alignments.end();
+  const std::string alignment = relative ? "mean" : s.alignments.front();
   const auto cell = [&](const std::string& method) {
-    return find_cell(s, method, kCondition, kAverageGroup, s.alignments.front());
+    return find_cell(s, method, kCondition, kAverageGroup, alignment);
   };
   const auto percent = [&](const std::string& method) {
     for (const DifferenceCell& d : s.differences)
       if (d.method == method && d.condition == kCondition && d.group == kAverageGroup &&
-          d.alignment == s.alignments.front())
+          d.alignment == alignment)
         return fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`", d.percent_of_reference,
                            d.percent_low, d.percent_high, s.reference);
     return std::string();
@@ -51,14 +54,15 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
           fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", printed_table3_cm(kAverageGroup, method));
     }
   if (ours.empty()) return answers;
-  answers.push_back(fmt::format("**Trilateration** of {} walkers, {}: mean error {}. The paper prints {} cm.",
-                                s.participants, s.simulated ? "simulated" : "recorded", ours, printed));
+  answers.push_back(fmt::format("**Trilateration** of {} walkers, {}: mean error {}.{}", s.participants,
+                                s.simulated ? "simulated" : "recorded", ours,
+                                relative ? " The paper prints " + printed + " cm." : ""));
   const SummaryCell* mean = cell("mean");
   const BestMethod* best = find_best(s, kCondition, kAverageGroup);
   if (mean)
     answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}: {}.",
                                   error_with_interval(*mean), percent("mean")));
-  if (best && best->method != "mean" && cell(best->method))
+  if (best && best->method != "mean" && alignment == s.alignments.front() && cell(best->method))
     answers.push_back(
         fmt::format("**Least** errs `{}`, by {}{}.", best->method, error_with_interval(*cell(best->method)),
                     best->like_best.empty()
@@ -165,7 +169,7 @@ std::string headline_text(const Headline& headline) {
   for (const std::string& answer : headline.answers) add(answer);
   std::string verdicts;
   for (const auto& [verdict, count] : headline.verdicts)
-    verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", count, verdict);
+    verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", verdict, count);
   if (!verdicts.empty()) add("The paper's claims: " + verdicts + ".");
   for (const std::string& warning : headline.warnings) add("Warning: " + warning);
   return text;

@@ -150,11 +150,14 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
   return table;
 }
 
+bool is_like_the_papers(const ResultsSummary& s, const std::string& condition) {
+  return condition == "walking" && !s.left_out() && s.alignments.front() == "mean";
+}
+
 std::vector<Table> article_tables(const ResultsSummary& s, bool with_paper) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions) {
-    const bool beside =
-        with_paper && condition == "walking" && !s.left_out() && s.alignments.front() == "mean";
+    const bool beside = with_paper && is_like_the_papers(s, condition);
     if (Table table = article_table(s, condition, s.alignments.front(), beside); table.columns.size() > 1)
       tables.push_back(std::move(table));
   }

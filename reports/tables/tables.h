@@ -39,6 +39,8 @@ std::vector<std::string> by_error(const ResultsSummary& summary, const std::stri
 std::string average_group(const ResultsSummary& summary);
 // Those with results, their average last.
 std::vector<std::string> groups_in(const ResultsSummary& summary, const std::string& condition);
+// Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
+bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
 // The paper's Table III; NaN where it prints nothing.
 double printed_table3_cm(const std::string& group, const std::string& method);
 
