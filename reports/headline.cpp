@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "datasets/base/units.h"
 #include "datasets/results/summary.h"
 #include "reports/render/render.h"
 #include "reports/report_content.h"
+#include "reports/tables/accuracy_words.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -18,15 +17,8 @@ namespace {
 constexpr std::size_t kMostAnswers = 4;
 constexpr const char* kRecorded =
     "Recorded, for comparison: against Vicon one real Kinect v2 errs by 0.8 to 4.4 cm, by movement (UI-PRMD, "
-    "five "
-    "persons, each joint’s constant offset taken away); two at 90 degrees disagree by 5.5 to 11 cm in the "
-    "median while "
-    "a person walks (KinectMultiTrack, six persons).";
-
-std::string error_with_interval(const SummaryCell& c) {
-  return fmt::format("{:.1f} cm ({:.1f} to {:.1f})", c.mae_m * kCentimetresPerMetre,
-                     c.mae_low_m * kCentimetresPerMetre, c.mae_high_m * kCentimetresPerMetre);
-}
+    "five persons, each joint’s constant offset taken away); two at 90 degrees disagree by 5.5 to 11 cm in "
+    "the median while a person walks (KinectMultiTrack, six persons).";
 
 // How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
 std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
@@ -34,37 +26,31 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   // relative to the mean, as the paper has it
   const bool relative = std::ranges::find(s.alignments, "mean") != s.alignments.end();
   const std::string alignment = relative ? "mean" : s.alignments.front();
+  const std::string group = average_group(s);
   const auto cell = [&](const std::string& method) {
-    return find_cell(s, method, kCondition, kAverageGroup, alignment);
-  };
-  const auto percent = [&](const std::string& method) {
-    for (const DifferenceCell& d : s.differences)
-      if (d.method == method && d.condition == kCondition && d.group == kAverageGroup &&
-          d.alignment == alignment)
-        return fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`", d.percent_of_reference,
-                           d.percent_low, d.percent_high, s.reference);
-    return std::string();
+    const SummaryCell* found = find_cell(s, method, kCondition, group, alignment);
+    return found && std::isfinite(found->mae_m) ? found : nullptr;
   };
   std::vector<std::string> answers;
   std::string ours, printed;
   for (const char* method : {"nonlinear", "linear", "geometric"})
     if (const SummaryCell* c = cell(method)) {
-      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_with_interval(*c));
-      printed +=
-          fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", printed_table3_cm(kAverageGroup, method));
+      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_text(*c));
+      printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", printed_table3_cm(group, method));
     }
   if (ours.empty()) return answers;
-  answers.push_back(fmt::format("**Trilateration** of {} walkers, {}: mean error {}.{}", s.participants,
-                                s.simulated ? "simulated" : "recorded", ours,
+  answers.push_back(fmt::format("**Trilateration** of {} walker{}, {}: mean error {}.{}", s.participants,
+                                s.participants == 1 ? "" : "s", s.simulated ? "simulated" : "recorded", ours,
                                 relative ? " The paper prints " + printed + " cm." : ""));
-  const SummaryCell* mean = cell("mean");
-  const BestMethod* best = find_best(s, kCondition, kAverageGroup);
-  if (mean)
-    answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}: {}.",
-                                  error_with_interval(*mean), percent("mean")));
+  if (const SummaryCell* mean = cell("mean")) {
+    const std::string against = difference_text(s, kCondition, alignment, "mean");
+    answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}{}{}.", error_text(*mean),
+                                  against.empty() ? "" : ": ", against));
+  }
+  const BestMethod* best = find_best(s, kCondition, group);
   if (best && best->method != "mean" && alignment == s.alignments.front() && cell(best->method))
     answers.push_back(
-        fmt::format("**Least** errs `{}`, by {}{}.", best->method, error_with_interval(*cell(best->method)),
+        fmt::format("**Least** errs `{}`, by {}{}.", best->method, error_text(*cell(best->method)),
                     best->like_best.empty()
                         ? std::string()
                         : fmt::format("; not told apart from it: `{}`", fmt::join(best->like_best, "`, `"))));
@@ -110,8 +96,7 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   if (on_the_paper) {
     headline.asked =
         "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
-        "simpler "
-        "methods?";
+        "simpler methods?";
     headline.answers = answers_on_the_paper(*paper->evidence.walking);
     for (const Chapter& chapter : content.chapters)
       for (const std::string& finding : chapter.findings)

@@ -200,7 +200,10 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   };
   const ReportContent content = read_report(results, options.paper, options.changes, options.history,
                                             [&](double share) { advance(kReadShare * share); });
-  ReportFiles report{content.headline, content.shown_tables().size() + content.other_tables().size(), 0, {}};
+  ReportFiles report{content.headline,
+                     content.shown_tables().size() + content.other_tables().size(),
+                     content.headline.history.has_value(),
+                     {}};
   for (const Chapter& chapter : content.chapters) report.figures += chapter.figures.size();
   const PageOptions page{options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
                          std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""};

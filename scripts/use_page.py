@@ -226,7 +226,7 @@ def phone(page, pictures):
             driver.save_screenshot(str(pictures / f"{name}.png"))
         figure = driver.execute_script("const box = document.querySelector('figure.picture .pan');"
                                        "return [box.scrollWidth, box.clientWidth]")
-        assert figure[0] > 600 and figure[1] <= 390, f"figures are read by panning: {figure}"
+        assert figure[0] > 650 and figure[1] <= 390, f"figures are read by panning: {figure}"
         widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
         driver.find_element(By.ID, "theme").click()

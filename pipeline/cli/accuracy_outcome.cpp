@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,25 +10,16 @@
 #include "datasets/base/units.h"
 #include "reports/render/render.h"
 #include "reports/tables/accuracy_words.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::size_t kWidest = 100, kMostRows = 40;
-constexpr double kWhole = 0.995;  // of what is asked
 
 using Row = std::vector<std::string>;
 
-const SummaryCell* cell_of(const ResultsSummary& s, const std::string& condition, const std::string& group,
-                           const std::string& method) {
-  const auto found = std::ranges::find_if(s.cells, [&](const SummaryCell& c) {
-    return c.condition == condition && c.group == group && c.method == method &&
-           c.alignment == s.alignments.front();
-  });
-  return found == s.cells.end() ? nullptr : &*found;
-}
-
-std::string error_text(const SummaryCell* cell) {
+std::string short_error(const SummaryCell* cell) {
   if (!cell || std::isnan(cell->mae_m)) return "–";
   const double half_m = 0.5 * (cell->mae_high_m - cell->mae_low_m);
   return fmt::format("{:.1f}", cell->mae_m * kCentimetresPerMetre) +
@@ -37,8 +27,8 @@ std::string error_text(const SummaryCell* cell) {
 }
 
 // The difference of the mean errors where both answer, when it is real.
-std::string difference_text(const ResultsSummary& s, const std::string& condition, const std::string& group,
-                            const std::string& method) {
+std::string short_difference(const ResultsSummary& s, const std::string& condition, const std::string& group,
+                             const std::string& method) {
   if (method == s.reference) return "";
   for (const DifferenceCell& d : s.differences)
     if (d.condition == condition && d.group == group && d.method == method &&
@@ -61,34 +51,27 @@ std::vector<std::string> columns_of(const ResultsSummary& s) {
   return groups;
 }
 
-std::vector<std::string> by_error(const ResultsSummary& s, const std::string& condition,
-                                  const std::string& group) {
-  std::vector<std::string> methods = s.methods;
-  std::ranges::stable_sort(methods, {}, [&](const std::string& method) {
-    const SummaryCell* cell = cell_of(s, condition, group, method);
-    return cell && !std::isnan(cell->mae_m) ? cell->mae_m : std::numeric_limits<double>::infinity();
-  });
-  return methods;
-}
-
 std::string table_text(const ResultsSummary& s) {
   const std::vector<std::string> groups = columns_of(s);
   if (groups.empty()) return "no sample was answered\n";
   const bool several = s.conditions.size() > 1, compared = s.methods.size() > 1,
              silent = std::ranges::any_of(s.cells, [](const SummaryCell&c) { return !is_whole(c); });
+  const auto cell = [&](const std::string& condition, const std::string& group, const std::string& method) {
+    return find_cell(s, method, condition, group, s.alignments.front());
+  };
   std::vector<Row> rows{{several ? "condition, method" : "method"}};
   if (compared) rows[0].push_back("difference");
   if (silent) rows[0].push_back("answered");
   rows[0].insert(rows[0].end(), groups.begin(), groups.end());
   for (const std::string& condition : s.conditions)
-    for (const std::string& method : by_error(s, condition, groups.front())) {
+    for (const std::string& method : by_error(s, condition, s.methods)) {
       Row& row = rows.emplace_back();
       row.push_back((several ? condition + ", " : "") + method);
-      if (compared) row.push_back(difference_text(s, condition, groups.front(), method));
-      const SummaryCell* all = cell_of(s, condition, groups.front(), method);
+      if (compared) row.push_back(short_difference(s, condition, groups.front(), method));
+      const SummaryCell* all = cell(condition, groups.front(), method);
       if (silent)
         row.push_back(!all || is_whole(*all) ? "" : fmt::format("{:.1f} %", 100.0 * all->coverage()));
-      for (const std::string& group : groups) row.push_back(error_text(cell_of(s, condition, group, method)));
+      for (const std::string& group : groups) row.push_back(short_error(cell(condition, group, method)));
     }
   std::vector<std::size_t> widths;
   std::size_t total = 0;

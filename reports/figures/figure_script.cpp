@@ -273,7 +273,7 @@ class Script {
   void add_panel(std::size_t panel) {
     plots_.clear();
     titled_ = !direct_ && figure_.panels.empty();
-    if (panels_of(figure_) > 1) place_panel(panel);
+    if (!figure_.panels.empty()) place_panel(panel);
     if (figure_.map) add_map(*figure_.map);
     const std::vector<Entry> entries = entries_of(figure_, panel);
     for (const bool bars : {true, false})

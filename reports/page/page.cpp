@@ -60,10 +60,10 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
   }
   section.html = fmt::format(
       "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker gave "
-      "(thin, faint "
-      "where a joint is inferred), each method’s estimate, the truth (thick), and lines from truth to "
-      "estimate "
-      "coloured by their length. Positions are as estimated, before any alignment, to a millimetre.</p>\n",
+      "(thin, faint where a joint is inferred), each method’s estimate, the truth (thick), and lines from "
+      "truth "
+      "to estimate coloured by their length. Positions are as estimated, before any alignment, to a "
+      "millimetre.</p>\n",
       simulated ? ", <strong>simulated</strong>" : "");
   if (!left_out.empty())
     section.html += "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
@@ -133,26 +133,21 @@ std::string lead_html(const ReportContent& content) {
     if (chapter.simulated) {
       html +=
           "Simulated: no camera was used; a number says what follows from the errors that sensors and body "
-          "tracker are "
-          "declared to have, by default as measured on real people. ";
+          "tracker are declared to have, by default as measured on real people. ";
       break;
     }
   return html + fmt::format(
-                    "Below: {} tables and the replay; everything else is in <a "
+                    "Below: {} tables; everything else is in <a "
                     "href=\"all-tables.html\">all-tables.html</a>.</p>\n</header>\n",
                     content.shown_tables().size());
 }
 
 std::string citation_html(const std::string& citation) {
-  return "<p>The numbers of the main tables are LaTeX macros in <a href=\"numbers.tex\">numbers.tex</a>; all "
-         "tables are in <a href=\"report.md\">report.md</a>, and each is a LaTeX file of its own.</p>\n"
+  return "<p>The numbers of this page’s tables are LaTeX macros in <a href=\"numbers.tex\">numbers.tex</a>. "
+         "Every table is a LaTeX file of its own; <a href=\"index.csv\">index.csv</a> says which.</p>\n"
          "<pre>" +
          html_text(citation) + "</pre>\n";
 }
-
-}  // namespace
-
-namespace {
 
 std::string document(const ReportContent& content, const PageOptions& options,
                      std::vector<PageSection> sections, const std::string& lead) {

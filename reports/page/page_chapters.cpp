@@ -93,8 +93,6 @@ std::string joined(const std::vector<std::string>& words) {
 
 std::string inputs_html(const Provenance& p) {
   if (p.inputs.empty()) return {};
-  Table table;
-  table.id = usable_id("inputs-" + p.folder);
   std::string rows;
   for (const InputFile& file : p.inputs)
     rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td><code>{}</code></td></tr>\n",

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -112,7 +114,9 @@ constexpr double kOdd = 3.5;  // Iglewicz and Hoaglin (1993)
 struct TakeErrors {
   const TakeJointRow* row = nullptr;  // its first
   std::map<std::string, ErrorSum> methods;
-  double odd = 0.0;  // of the best method's error, from the median of the condition's takes, in deviations
+  // Of the best method's error, from the median of the condition's takes, in deviations; NaN: no answer.
+  double odd = 0.0;
+  double far() const { return std::isnan(odd) ? std::numeric_limits<double>::infinity() : std::abs(odd); }
 };
 
 std::vector<TakeErrors> errors_by_take(const ResultsSummary& s, const std::string& condition) {
@@ -125,16 +129,19 @@ std::vector<TakeErrors> errors_by_take(const ResultsSummary& s, const std::strin
   }
   const std::string best = best_in(s, condition);
   std::vector<double> errors_m, off_m;
-  for (TakeErrors& take : takes)
-    if (const double m = take.methods[best].mean_m(); std::isfinite(m)) errors_m.push_back(m);
-  if (errors_m.size() < 3) return takes;
-  const double middle_m = median(errors_m);
-  for (const double m : errors_m) off_m.push_back(std::abs(m - middle_m));
-  const double deviation_m = 1.4826 * median(off_m);
-  for (TakeErrors& take : takes)
-    if (deviation_m > 0.0) take.odd = (take.methods[best].mean_m() - middle_m) / deviation_m;
-  std::ranges::stable_sort(
-      takes, [](const TakeErrors& a, const TakeErrors& b) { return std::abs(a.odd) > std::abs(b.odd); });
+  for (TakeErrors& take : takes) {
+    const double m = take.methods[best].mean_m();
+    if (std::isfinite(m)) errors_m.push_back(m);
+    if (!std::isfinite(m)) take.odd = kNoNumber;
+  }
+  if (errors_m.size() >= 3) {
+    const double middle_m = median(errors_m);
+    for (const double m : errors_m) off_m.push_back(std::abs(m - middle_m));
+    const double deviation_m = 1.4826 * median(off_m);
+    for (TakeErrors& take : takes)
+      if (deviation_m > 0.0) take.odd = (take.methods[best].mean_m() - middle_m) / deviation_m;
+  }
+  std::ranges::stable_sort(takes, std::greater{}, &TakeErrors::far);
   return takes;
 }
 
@@ -155,7 +162,9 @@ Table takes_table(const ResultsSummary& s, const std::string& condition) {
     for (const std::string& method : methods) cells.push_back(cm_cell(take.methods[method].mean_m()));
     const ErrorSum& best = take.methods[best_in(s, condition)];
     cells.insert(cells.end(), {percent_cell(share_of(best.answered, best.asked)), TableValue::of(take.odd, 1),
-                               TableValue::of(std::abs(take.odd) > kOdd ? "odd" : "")});
+                               TableValue::of(std::isnan(take.odd) ? "no answer"
+                                              : take.far() > kOdd  ? "odd"
+                                                                   : "")});
     table.rows.push_back(std::move(cells));
   }
   table.first_rows = std::min(table.rows.size(), kShownTakes);

@@ -34,9 +34,10 @@ std::string truth_note(const ResultsSummary& s) {
 std::string interval_note(const ResultsSummary& s) {
   if (s.resamples == 0) return "There are no intervals: the study asks for no resamples.";
   return fmt::format(
-      "In brackets stands the 95 % interval: the wider of Student's t and of a "
-      "bootstrap-t with participants as clusters and blocks of {:g} s within them, {} resamples; of fewer "
-      "than six participants Student's t. A single participant has none.",
+      "Beside a number stands its 95 % interval: the wider of Student's t and of a bootstrap-t with "
+      "participants as clusters and blocks of {:g} s within them, {} resamples; of fewer than six "
+      "participants "
+      "Student's t. A single participant has none.",
       s.block_s, s.resamples);
 }
 
@@ -89,12 +90,6 @@ std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, 
   return text;
 }
 
-namespace {
-
-constexpr std::size_t kMostNamed = 4;
-constexpr double kWhole = 0.995;     // share of the samples asked
-constexpr double kClockOff_s = 0.1;  // more than a tracker lags behind
-
 std::string error_text(const SummaryCell& c) {
   std::string text = fmt::format("{:.1f} cm", c.mae_m * kCentimetresPerMetre);
   if (!std::isnan(c.mae_low_m))
@@ -103,11 +98,10 @@ std::string error_text(const SummaryCell& c) {
   return text;
 }
 
-// "-57 % (-67 to -47) against `nonlinear`"; empty for the reference itself.
 std::string difference_text(const ResultsSummary& s, const std::string& condition,
-                            const std::string& method) {
+                            const std::string& alignment, const std::string& method) {
   for (const DifferenceCell& d : s.differences)
-    if (d.condition == condition && d.group == average_group(s) && d.alignment == s.alignments.front() &&
+    if (d.condition == condition && d.group == average_group(s) && d.alignment == alignment &&
         d.method == method && !std::isnan(d.percent_low))
       return d.significant() ? fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`",
                                            d.percent_of_reference, d.percent_low, d.percent_high, s.reference)
@@ -115,11 +109,10 @@ std::string difference_text(const ResultsSummary& s, const std::string& conditio
   return {};
 }
 
-}  // namespace
-
 // Of each condition which method errs least on average over the joint groups, how many are not told apart
 // from it, and what that is against the reference.
 std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
+  constexpr std::size_t kMostNamed = 4;
   std::vector<std::string> findings;
   for (const std::string& condition : s.conditions) {
     const BestMethod* best = find_best(s, condition, average_group(s));
@@ -135,7 +128,8 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
                          best->method, error_text(*cell));
     if (cell->coverage() < kWhole)
       text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
-    if (const std::string against = difference_text(s, condition, best->method); !against.empty())
+    if (const std::string against = difference_text(s, condition, s.alignments.front(), best->method);
+        !against.empty())
       text += ", " + against;
     std::vector<std::string> named = best->like_best;
     if (named.size() > kMostNamed) named.resize(kMostNamed);
@@ -151,6 +145,7 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
 // methods.
 std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
                                            const std::optional<TrackingSummary>& tracking) {
+  constexpr double kClockOff_s = 0.1;  // more than a tracker lags behind
   std::vector<std::string> warnings;
   std::size_t notes = 0;
   for (const TakeNote& note : s.notes) {

@@ -24,10 +24,19 @@ inline constexpr const char* kOneFrameNote =
 std::string interval_note(const ResultsSummary& summary);
 // Below this share of the samples asked, an error is said to be of these only.
 inline constexpr double kLeastCoverage = 0.8;
+// From this share on, every sample counts as answered.
+inline constexpr double kWhole = 0.995;
 // One note for the methods that answer less, each with its share and how most of the others end.
 void add_coverage_note(const ResultsSummary& summary, const std::string& condition,
                        const std::string& alignment, Table& table);
 void add_take_notes(const ResultsSummary& summary, Table& table);
+
+// "4.9 cm (4.7 to 5.1)", without brackets where there is no interval.
+std::string error_text(const SummaryCell& cell);
+// "-57 % (-67 to -47) against `nonlinear`" of the average, or that it is not told apart; empty for the
+// reference itself and where there is no interval.
+std::string difference_text(const ResultsSummary& summary, const std::string& condition,
+                            const std::string& alignment, const std::string& method);
 
 // A sentence a condition: which method errs least, by how much, against the reference, and what is like it;
 // `code` and **bold** as in Markdown.

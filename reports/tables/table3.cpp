@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t kMostLeading = 8;
 constexpr std::array kLeading{"linear", "geometric", "nonlinear", "mean", "range_bearing"};
-constexpr double kWhole = 0.995;  // share of the samples asked; who answers less is told
 
 bool has(const std::vector<std::string>& list, const std::string& name) {
   return std::ranges::find(list, name) != list.end();

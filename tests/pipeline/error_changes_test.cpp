@@ -16,14 +16,15 @@ using testing::HasSubstr;
 
 // The wrist of one person a number, in centimetres; without the others that results hold.
 std::filesystem::path results_of(const ScratchFolder& folder, const std::string& name,
-                                 const std::vector<double>& errors_cm, const std::string& person = "p") {
+                                 const std::vector<double>& errors_cm, const std::string& person = "p",
+                                 const std::string& alignment = "none") {
   ResultsSummary s;
   s.study = "study";
   s.campaign = "campaign";
   s.methods = {"mean"};
   s.conditions = {"walking"};
   s.groups = {"wrist"};
-  s.alignments = {"none"};
+  s.alignments = {alignment};
   for (std::size_t p = 0; p < errors_cm.size(); ++p)
     s.by_take.push_back({fmt::format("t{}", p),
                          fmt::format("{}{}", person, p),
@@ -86,6 +87,14 @@ TEST(ErrorChanges, AreBetweenTwoAlone) {
   const auto one = results_of(folder, "one", {4.0, 8.0});
   EXPECT_FALSE(changes_between({one}));
   EXPECT_FALSE(changes_between({one, one, one}));
+}
+
+TEST(ErrorChanges, AreNotBetweenTwoMeasuresOfError) {
+  const ScratchFolder folder;
+  const std::vector<double> errors_cm{4.0, 8.0};
+  const auto one = results_of(folder, "one", errors_cm);
+  EXPECT_TRUE(changes_between({one, results_of(folder, "same", errors_cm)}));
+  EXPECT_FALSE(changes_between({one, results_of(folder, "aligned", errors_cm, "p", "rigid")}));
 }
 
 }  // namespace

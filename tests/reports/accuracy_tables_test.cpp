@@ -117,7 +117,8 @@ TEST(LeadingMethods, AreThePapersTheBestSensorTheMeanAndTheBestInTheOrderOfTheir
 }
 
 // Seven takes at 5.0 to 5.6 cm and one at 9 cm.
-TEST(Oddities, TheTakeThatIsFarFromTheOthersComesFirstAndIsCalledOdd) {
+// Eight takes of about 5 cm, of which the last has 9.
+ResultsSummary with_an_odd_take() {
   ResultsSummary s = hand_made_summary();
   for (int k = 0; k < 8; ++k)
     s.by_take.push_back({fmt::format("t{}", k),
@@ -133,7 +134,11 @@ TEST(Oddities, TheTakeThatIsFarFromTheOthersComesFirstAndIsCalledOdd) {
                          {},
                          {}});
   s.best = {{"walking", kAverageGroup, "mean", {}}};
-  const std::vector<Table> tables = oddity_tables(s);
+  return s;
+}
+
+TEST(Oddities, TheTakeThatIsFarFromTheOthersComesFirstAndIsCalledOdd) {
+  const std::vector<Table> tables = oddity_tables(with_an_odd_take());
   ASSERT_EQ(tables.size(), 2u);
   EXPECT_EQ(tables[0].rows[0][0].text, "t7");
   EXPECT_EQ(tables[0].rows[0].back().text, "odd");
@@ -141,6 +146,23 @@ TEST(Oddities, TheTakeThatIsFarFromTheOthersComesFirstAndIsCalledOdd) {
   const auto& sides = tables[1].rows.at(0);
   EXPECT_EQ(sides[1].text, "wrist");
   EXPECT_DOUBLE_EQ(*sides[4].number, 5.0);
+}
+
+TEST(Oddities, ATakeWithoutAnyAnswerComesBeforeAllOthers) {
+  ResultsSummary s = with_an_odd_take();
+  for (const std::size_t silent : {3u, 5u}) {
+    s.by_take[silent].answered = 0;
+    s.by_take[silent].mae_m = kNoNumber;
+  }
+  const Table table = oddity_tables(s).at(0);
+  std::vector<std::string> takes, odd;
+  for (const auto& row : table.rows) {
+    takes.push_back(row.front().text);
+    odd.push_back(row.back().text);
+  }
+  EXPECT_EQ(std::vector(takes.begin(), takes.begin() + 3), (std::vector<std::string>{"t3", "t5", "t7"}));
+  EXPECT_EQ(std::vector(odd.begin(), odd.begin() + 4),
+            (std::vector<std::string>{"no answer", "no answer", "odd", ""}));
 }
 
 TEST(AccuracyTables, RareStatusesAreNeitherHiddenNorRoundedToAll) {

@@ -294,6 +294,14 @@ TEST(FigureScript, PanelsShareTheirAxesAndHaveOneLegend) {
   EXPECT_THAT(drawn(figure).svg, HasSubstr(">x (m)<"));
 }
 
+TEST(FigureScript, OnePanelHasItsLegendToo) {
+  Figure figure = small_figure();
+  figure.panels = {"one"};
+  figure.series = {line_of("a", {{0.0, 1.0}, {1.0, 2.0}}), line_of("b", {{0.0, 10.0}, {1.0, 20.0}})};
+  const std::string svg = drawn(figure).svg;
+  for (const char* text : {">one<", ">a<", ">b<"}) EXPECT_EQ(occurrences(svg, text), 1u) << text;
+}
+
 TEST(FigureScript, NamedRowsHaveTheirIntervalsAlongTheNumbers) {
   Figure figure = small_figure();
   figure.y_names = {"best", "worst"};

@@ -78,6 +78,22 @@ TEST(HtmlTable, CommandsStandUnderTheTableTheyMake) {
               HasSubstr("<pre>trilat run &quot;x&quot;</pre>"));
 }
 
+TEST(Headline, WithoutIntervalsAndDifferencesSaysTheErrorsAlone) {
+  ResultsSummary summary = hand_made_summary();
+  summary.participants = 1;
+  summary.reference = "nonlinear";
+  summary.cells.push_back(cell_of("nonlinear", kAverageGroup, 0.03));
+  summary.cells.push_back(cell_of("mean", kAverageGroup, 0.05));
+  summary.cells.push_back(cell_of("linear", kAverageGroup, kNoNumber, 0));
+  PaperFindings findings;
+  findings.evidence.walking = summary;
+  const Headline headline = headline_of({}, findings, {});
+  EXPECT_THAT(headline.answers,
+              testing::ElementsAre("**Trilateration** of 1 walker, simulated: mean error `nonlinear` 3.0 cm. "
+                                   "The paper prints 8.7 cm.",
+                                   "**The plain mean** of the same sensors errs by 5.0 cm."));
+}
+
 TEST(Page, SaysFirstWhetherItsNumbersAreSimulated) {
   const ScratchFolder folder;
   ResultsSummary summary = hand_made_summary();

@@ -46,6 +46,8 @@ std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::p
   for (const auto& path : results)
     if (results_kind(path) != StudyKind::accuracy) return std::nullopt;
   const ResultsSummary before = read_summary(results[0]), after = read_summary(results[1]);
+  if (before.alignments.front() != after.alignments.front() || before.truth != after.truth)
+    return std::nullopt;
   const std::vector<std::string> then = participants_of(before), now = participants_of(after);
   ErrorChanges changes{
       results[0].string(), results[1].string(), then == now, std::min(then.size(), now.size()), {}};

@@ -10,7 +10,8 @@
 namespace trilat {
 
 // What changed from the first of two accuracy results to the second, for the conditions, groups and methods
-// of both, under the first alignment of each. Nothing for other kinds, or for more or fewer than two.
+// of both, under their first alignment. Nothing for other kinds, for more or fewer than two, or where
+// alignment or truth differ: those are two measures.
 std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::path>& results);
 
 }  // namespace trilat
