@@ -25,8 +25,9 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition, boo
   figure.id = usable_id("errors-" + (condition.empty() ? "all" : condition));
   figure.title =
       fmt::format("Mean error by method and joint{}", with_paper ? ", the paper's beside ours" : "");
-  figure.caption = fmt::format("{} {}, {} participants: mean error with its 95 % interval, alignment {}{}.",
-                               s.simulated ? "Simulated" : "Recorded", condition, s.participants, alignment,
+  figure.caption = fmt::format("{} {}, {} participant{}: mean error with its 95 % interval, alignment {}{}.",
+                               s.simulated ? "Simulated" : "Recorded", condition, s.participants,
+                               s.participants == 1 ? "" : "s", alignment,
                                with_paper ? "; rings: what the paper prints" : "");
   figure.x_label = "mean error (cm)";
   figure.y_names = leading_methods(s, condition);

@@ -28,9 +28,9 @@ Figure slice_figure(const SensitivitySummary& s, const SensitivitySlice& slice,
   figure.id = usable_id(fmt::format("slice-{}-{}", slice.name, claim.name));
   figure.title = fmt::format("{} (simulated)", claim.name);
   figure.caption = fmt::format(
-      "Simulated, {} participants a point; everything else as the simulation has it. Colours: error of {} "
+      "Simulated, {} participant{} a point; everything else as the simulation has it. Colours: error of {} "
       "over that of the methods it is held against, on common samples{}; below 0 the claim holds.",
-      s.participants, claim.better,
+      s.participants, s.participants == 1 ? "" : "s", claim.better,
       claim.margin_percent == 0.0 ? std::string() : fmt::format(", less {:g} %", claim.margin_percent));
   figure.x_label = axis_label(s.factors[fx]);
   figure.y_label = axis_label(s.factors[fy]);

@@ -129,7 +129,7 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
     if (cell->coverage() < kWhole)
       text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
     if (const std::string against = difference_text(s, condition, s.alignments.front(), best->method);
-        !against.empty())
+        !against.empty() && std::ranges::find(best->like_best, s.reference) == best->like_best.end())
       text += ", " + against;
     std::vector<std::string> named = best->like_best;
     if (named.size() > kMostNamed) named.resize(kMostNamed);
@@ -170,8 +170,10 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
     for (const std::string& method : leading_methods(s, condition)) {
       const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());
       if (c && c->coverage() < kLeastCoverage)
-        warnings.push_back(fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
-                                       method, 100.0 * c->coverage(), condition));
+        warnings.push_back(c->answered == 0
+                               ? fmt::format("`{}` answers nothing in {}.", method, condition)
+                               : fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
+                                             method, 100.0 * c->coverage(), condition));
     }
   if (tracking)
     for (const ClockRow& row : tracking->clocks)

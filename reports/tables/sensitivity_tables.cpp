@@ -154,7 +154,7 @@ std::vector<std::string> sensitivity_sentences(const SensitivitySummary& s) {
     if (const std::string flips = flips_of(s, claim); !always && !never && !flips.empty())
       text += fmt::format("; it changes at {}", flips);
     if (claim.silent > 0)
-      text += fmt::format("; {} of {} campaigns have no sample that both methods answer, and do not count",
+      text += fmt::format("; campaigns without a sample that both methods answer do not count: {} of {}",
                           claim.silent, campaigns_of(s));
     sentences.push_back(text + '.');
   }

@@ -80,6 +80,18 @@ TEST(Outcome, IsAtMostAHundredColumnsWideAndSaysWhatIsLeftOut) {
   EXPECT_THAT(text, HasSubstr("more of the joint groups: --tables"));
 }
 
+TEST(Outcome, SaysOnceWhatTheBestIsLikeAndWhoIsSilent) {
+  ResultsSummary s = small();
+  s.differences = {difference("mean", -31.0, -0.02, 0.01)};
+  s.best = {{"walking", kAverageGroup, "mean", {"nonlinear"}}};
+  for (SummaryCell& c : s.cells)
+    if (c.method == "linear") c.answered = 0;
+  const std::string text = outcome_text(s);
+  EXPECT_THAT(text, HasSubstr("mean errs least, by 4.1 cm (3.9 to 4.5); 1 other is not told apart\n"
+                              "from it (nonlinear)."));
+  EXPECT_THAT(text, HasSubstr("warning: linear answers nothing in walking."));
+}
+
 TEST(Outcome, OfOneMethodHasNoDifferenceAndOfNothingSaysSo) {
   ResultsSummary s = small();
   s.methods = {"nonlinear"};

@@ -200,7 +200,8 @@ TEST(SensitivityAnalysis, PointsWithoutCommonSamplesAreCountedAndNotCompared) {
   EXPECT_NEAR(s.best_share[2].value, static_cast<double>(silent) / 64.0, 1e-12);
   EXPECT_EQ(s.best_share[1].value, 0.0);
   EXPECT_THAT(sensitivity_sentences(s)[0],
-              HasSubstr(fmt::format("{} of 64 campaigns have no sample that both methods answer", silent)));
+              HasSubstr(fmt::format(
+                  "campaigns without a sample that both methods answer do not count: {} of 64", silent)));
 }
 
 // What the results of an accuracy study say of its reference.
