@@ -104,12 +104,6 @@ class JointOffset {
   Eigen::Vector3d corrected(const Eigen::Vector3d& estimate_m, double heading_rad) const {
     return estimate_m - world_from_body(heading_rad) * in_body_m();
   }
-  // Shows all that `offset` consists of to see(number), which may change it: to store it and bring it back.
-  template <class Offset, class See>
-  static void see_state(Offset& offset, const See& see) {
-    see(offset.count_);
-    for (int axis = 0; axis < 3; ++axis) see(offset.mean_in_body_m_[axis]);
-  }
 
  private:
   std::int64_t count_ = 0;

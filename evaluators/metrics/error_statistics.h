@@ -18,12 +18,6 @@ class CompensatedSum {
   void add(double value);
   void merge(const CompensatedSum& later);
   double value() const { return sum_ + lost_; }
-  // Shows all that `sum` consists of to see(number), which may change it: to store it and bring it back.
-  template <class Sum, class See>
-  static void see_state(Sum& sum, const See& see) {
-    see(sum.sum_);
-    see(sum.lost_);
-  }
 
  private:
   double sum_ = 0.0;
@@ -44,17 +38,6 @@ class ErrorSums {
   std::int64_t answered() const { return answered_; }
   std::int64_t count_of(SolveStatus status) const { return status_counts_[static_cast<std::size_t>(status)]; }
   const CompensatedSum& distance_m() const { return distance_m_; }  // of the answered items
-  // As CompensatedSum::see_state.
-  template <class Sums, class See>
-  static void see_state(Sums& sums, const See& see) {
-    see(sums.asked_);
-    see(sums.answered_);
-    for (auto& count : sums.status_counts_) see(count);
-    CompensatedSum::see_state(sums.distance_m_, see);
-    CompensatedSum::see_state(sums.squared_m2_, see);
-    for (auto& sum : sums.axis_distance_m_) CompensatedSum::see_state(sum, see);
-    see(sums.max_m_);
-  }
 
  private:
   friend struct ErrorStatistics;

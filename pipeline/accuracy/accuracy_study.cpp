@@ -11,6 +11,7 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/gather_takes.h"
 #include "pipeline/accuracy/planned_work.h"
+#include "pipeline/accuracy/take/replay_take.h"
 #include "pipeline/accuracy/take/rig_gdop.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/study/parallel.h"
@@ -29,9 +30,10 @@ struct AccuracyRun {
   Plan plan;
   AccuracyOptions options;
   std::shared_ptr<HashCache> hashes;
-  std::vector<WatchedFiles> files;             // by take, from before the plan was made
-  std::vector<std::vector<TakeInput>> inputs;  // by take, once its key was asked for
-  std::vector<EvaluatedTake> takes;            // once they are put together
+  std::vector<WatchedFiles> files;                    // by take, from before the plan was made
+  std::vector<std::vector<TakeInput>> inputs;         // by take, once its key was asked for
+  std::vector<std::optional<TakeSummary>> summaries;  // by take, of those that were evaluated
+  std::vector<EvaluatedTake> takes;                   // once they are put together
   StageClocks clocks;
 };
 
@@ -70,11 +72,13 @@ TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const
   for (const TakeInput& input : run.inputs[t])
     if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
   check_memory(run.plan, planned, run.options.memory_bytes);
-  TakeResult result = evaluate_take(run.plan, t, run.options.cross_check, into, run.clocks, watch);
+  EvaluatedTake evaluated = evaluate_take(run.plan, t, run.options.cross_check, into, run.clocks, watch);
   run.files[t].check();
+  run.summaries[t] = std::move(evaluated.summary);
+  TakeResult& result = evaluated.result;
   result.inputs = run.inputs[t];
   for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, run.plan.campaign);
-  return result;
+  return std::move(result);
 }
 
 Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
@@ -95,12 +99,14 @@ Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Wa
 
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& results, const Watch& watch) {
   run.takes.clear();
-  for (const PlannedTake& planned : run.plan.takes) {
+  for (std::size_t t = 0; t < run.plan.takes.size(); ++t) {
+    const PlannedTake& planned = run.plan.takes[t];
     const auto found = outcomes.find(item_of(planned));
     if (found == outcomes.end())
       throw InputError(planned.take.id, "is a take of the study, but none of its items");
     run.takes.push_back({found->second.folder,
-                         read_as<TakeResult>(JsonObject(found->second.json(), found->second.place(), ""))});
+                         read_as<TakeResult>(JsonObject(found->second.json(), found->second.place(), "")),
+                         std::exchange(run.summaries[t], {})});
   }
   const Stopwatch time(run.clocks.summarise_ns);
   gather_takes(run.plan, run.takes, run.options.cross_check, results, watch);
@@ -187,12 +193,6 @@ Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
           [run, t](const Watch& watch) { return key_of_take(*run, t, watch); }};
 }
 
-std::size_t index_of(const Plan& plan, const std::string& item) {
-  const auto found = std::find_if(plan.takes.begin(), plan.takes.end(),
-                                  [&](const PlannedTake& planned) { return item_of(planned) == item; });
-  return static_cast<std::size_t>(found - plan.takes.begin());
-}
-
 void check_cross_check(const Plan& plan) {
   if (!checked_method(plan))
     throw InputError(
@@ -226,6 +226,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
   run->options = options;
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
+  run->summaries.resize(run->plan.takes.size());
   const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
   Study study = study_of(
       run, planned_work(run->plan, options.cross_check, *hashes, {watch.stop_requested, {}}), parameters);
@@ -237,12 +238,9 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
     if (const auto map = rig_gdop(run->plan)) write_gdop_map(folder, *map);
     if (!parameters.empty()) write_declared_parameters(folder, parameters);
   };
-  study.holds = [run](const fs::path& results, const std::string& item) {
-    return holds_take(run->plan, index_of(run->plan, item), results);
-  };
-  study.take_out = [run](const fs::path& results, const std::string& item, const fs::path& into) {
-    take_out(run->plan, index_of(run->plan, item), results, into);
-  };
+  study.gathers = {"samples.h5"};
+  for (std::size_t t = 0; t < run->plan.takes.size() && study.gathers.size() < 2; ++t)
+    if (is_replayed(run->plan, t)) study.gathers.emplace_back("replay.h5");
   study.at_once = takes_at_once(run->plan, options.memory_bytes);
   return study;
 }
@@ -251,6 +249,7 @@ Study accuracy_of_parts(const Json& work, const std::string& place) {
   const auto run = std::make_shared<AccuracyRun>();
   PlannedWork planned = read_planned_work(work, place);
   run->plan = std::move(planned.plan);
+  run->summaries.resize(run->plan.takes.size());
   run->options = {.cross_check = planned.cross_check};
   run->hashes = std::make_shared<HashCache>();
   return study_of(run, work, planned.parameters);

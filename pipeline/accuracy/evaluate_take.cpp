@@ -9,7 +9,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/replay.h"
-#include "pipeline/accuracy/statistics/take_summary.h"
+#include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/replay_take.h"
 #include "pipeline/accuracy/take/solve_block.h"
@@ -82,10 +82,9 @@ std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, 
   return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
 }
 
-void summarise_into(const Plan& plan, const std::filesystem::path& folder, StageClocks& clocks) {
+TakeSummary summarised(const Plan& plan, const std::filesystem::path& folder, StageClocks& clocks) {
   const Stopwatch time(clocks.summarise_ns);
-  write_take_summary(folder, summary_key(plan),
-                     summarise_take(SamplesFile::open(folder / "samples.h5"), 0, statistics_layout(plan)));
+  return summarise_take(SamplesFile::open(folder / "samples.h5"), 0, statistics_layout(plan));
 }
 
 }  // namespace
@@ -110,8 +109,8 @@ SamplesHeader samples_header(const Plan& plan) {
   return samples_header(plan, all);
 }
 
-TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
-                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
+                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
   TakeProgress progress(plan, take, watch);
   TakeData data = load(plan, planned, clocks, watch);
@@ -126,14 +125,7 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
   if (is_replayed(plan, take)) write_replay(folder, std::array{replay_of(plan, take, data)});
   result.notes = std::move(data.notes);
   result.evaluated = true;
-  summarise_into(plan, folder, clocks);
-  return result;
-}
-
-std::string summary_key(const Plan& plan) {
-  Json joints = Json::array();
-  for (const Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
-  return key_of({{"study", resolved_json(plan.study)}, {"rig", plan.rig}, {"joints", joints}});
+  return {folder, std::move(result), summarised(plan, folder, clocks)};
 }
 
 }  // namespace trilat

@@ -34,12 +34,9 @@ class Stopwatch {
 SamplesHeader samples_header(const Plan& plan);
 SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes);
 
-// Sends one take through every method into `folder`: samples.h5, summary.bin, and replay.h5 when it is
-// replayed. Throws Interrupted when asked to stop.
-TakeResult evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
-                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
-
-// What summary.bin of takes of this plan is made with.
-std::string summary_key(const Plan& plan);
+// Sends one take through every method into `folder`: samples.h5, and replay.h5 when it is replayed. Throws
+// Interrupted when asked to stop.
+EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
+                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
 
 }  // namespace trilat

@@ -2,9 +2,9 @@
 #include "pipeline/accuracy/gather_takes.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "datasets/base/error.h"
 #include "datasets/results/replay.h"
@@ -60,37 +60,28 @@ void check_shape(const OpenSamples& from, const SamplesHeader& wanted, std::size
 // Copies takes from where they are, one at a time, while the threads summarise others.
 class Gatherer {
  public:
-  Gatherer(const Plan& plan, std::span<const EvaluatedTake> takes, SamplesFile& samples, const Watch& watch)
-      : plan_(plan),
-        takes_(takes),
-        samples_(samples),
-        watch_(watch),
-        layout_(statistics_layout(plan)),
-        summary_key_(summary_key(plan)) {}
+  Gatherer(std::span<const EvaluatedTake> takes, SamplesFile& samples, const Watch& watch)
+      : takes_(takes), samples_(samples), watch_(watch) {}
 
-  std::optional<TakeSummary> bring(std::size_t t) {
+  void bring(std::size_t t) {
     watch_.check();
     const EvaluatedTake& take = takes_[t];
     const std::lock_guard lock(mutex_);
     if (!take.result.evaluated) {
       copy_take(nullptr, 0, samples_, t);
-      return TakeSummary{{}, empty_statistics(layout_, 0)};
+      return;
     }
     const auto from = open_.try_emplace(take.folder, take.folder).first;
     const OpenSamples& there = from->second;
     check_shape(there, samples_.header(), t, (take.folder / "samples.h5").string());
     copy_take(&there.file, there.number.at(samples_.header().takes[t].id), samples_, t);
     if (there.number.size() == 1) open_.erase(from);
-    return read_take_summary(take.folder, summary_key_, layout_, plan_.takes[t].instants);
   }
 
  private:
-  const Plan& plan_;
   std::span<const EvaluatedTake> takes_;
   SamplesFile& samples_;
   const Watch& watch_;
-  StatisticsLayout layout_;
-  std::string summary_key_;
   std::mutex mutex_;
   std::map<std::filesystem::path, OpenSamples> open_;  // of several takes, or of the one being copied
 };
@@ -116,33 +107,19 @@ std::vector<ReplayTake> gather_replays(const Plan& plan, std::span<const Evaluat
 
 }  // namespace
 
-void gather_takes(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check,
+void gather_takes(const Plan& plan, std::span<EvaluatedTake> takes, bool cross_check,
                   const std::filesystem::path& results, const Watch& watch) {
   SamplesFile samples = SamplesFile::create(results / "samples.h5", samples_header(plan));
   const RunOutcome outcome = outcome_of(plan, takes, cross_check);
-  Gatherer gatherer(plan, takes, samples, watch);
+  std::vector<std::optional<TakeSummary>> known;
+  for (EvaluatedTake& take : takes) known.push_back(std::exchange(take.summary, {}));
+  Gatherer gatherer(takes, samples, watch);
   const ResultsSummary summary = summarise(
-      plan, outcome, samples, [&](std::size_t t) { return gatherer.bring(t); }, watch.progress);
+      plan, outcome, samples, std::move(known), [&](std::size_t t) { gatherer.bring(t); }, watch.progress);
   samples.finish();
   write_summary(results, summary);
   write_tracking_summary(results, outcome.tracking);
   if (const auto replays = gather_replays(plan, takes); !replays.empty()) write_replay(results, replays);
-}
-
-bool holds_take(const Plan& plan, std::size_t take, const std::filesystem::path& results) {
-  return std::filesystem::exists(results / "samples.h5") &&
-         (!is_replayed(plan, take) || std::filesystem::exists(results / "replay.h5"));
-}
-
-void take_out(const Plan& plan, std::size_t take, const std::filesystem::path& results,
-              const std::filesystem::path& into) {
-  const OpenSamples earlier(results);
-  SamplesFile samples = SamplesFile::create(into / "samples.h5", samples_header(plan, std::array{take}));
-  check_shape(earlier, samples.header(), 0, (results / "samples.h5").string());
-  const std::string& id = plan.takes[take].take.id;
-  copy_take(&earlier.file, earlier.number.at(id), samples, 0);
-  samples.finish();
-  if (is_replayed(plan, take)) write_replay(into, std::array{replay_in(results, id)});
 }
 
 }  // namespace trilat

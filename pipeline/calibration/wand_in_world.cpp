@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kStill_m = 0.005;
 
-struct Mean {
+struct PointMean {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d first_m = Eigen::Vector3d::Zero();
   double farthest_m = 0.0;
@@ -70,7 +70,7 @@ WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string&
 
 std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
   const WandTrack track = world.track ? *world.track : read_wand_track(world.mocap, world.asset);
-  std::vector<Mean> means(positions.size());
+  std::vector<PointMean> means(positions.size());
   for (std::size_t i = 0; i < track.times.size(); ++i) {
     const HostTime time{world.mocap_start_host_ns + track.times[i].ns};
     for (std::size_t p = 0; p < positions.size(); ++p)

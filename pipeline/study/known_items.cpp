@@ -45,8 +45,9 @@ std::string when_listed(const fs::path& output) {
 
 }  // namespace
 
-KnownItems::KnownItems(const Study& study, const fs::path& folder, std::span<const fs::path> reuse)
-    : study_(study), folder_(folder) {
+KnownItems::KnownItems(const Study& study, const fs::path& folder, std::span<const fs::path> reuse,
+                       bool is_whole)
+    : study_(study), folder_(folder), is_whole_(is_whole) {
   for (const fs::path& output : reuse) {
     if (!fs::is_directory(output))
       throw InputError(output.string(), "is no folder whose results could be used again");
@@ -75,7 +76,10 @@ std::optional<Outcome> KnownItems::find_in(const Earlier& earlier, const std::st
   if (auto whole = whole_item(earlier.folder, id, key)) return whole;
   const auto item = earlier.gathered.find(key);
   if (item == earlier.gathered.end()) return std::nullopt;
-  if (study_.holds && !study_.holds(earlier.folder, id)) return std::nullopt;
+  if (!std::ranges::all_of(study_.gathers, [&](const std::string& name) {
+        return is_whole_ && fs::exists(earlier.folder / name);
+      }))
+    return std::nullopt;
   return Outcome{key, earlier.folder, item->second};
 }
 
@@ -83,9 +87,7 @@ Outcome KnownItems::bring_here(const std::string& id, const Outcome& found, cons
   const fs::path here = item_folder(folder_, id);
   if (found.folder == here) return found;
   make_folder(aside);
-  if (found.gathered) {
-    if (study_.take_out) study_.take_out(found.folder, id, aside);
-  } else {
+  if (!found.gathered) {
     const std::optional<StoredItem> stored = stored_item(found.folder);
     TRILAT_CHECK(stored.has_value(), "an item was found because it is stored");
     for (const auto& [name, bytes] : stored->bytes) link_or_copy(found.folder / name, aside / name);

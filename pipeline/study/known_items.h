@@ -17,9 +17,9 @@ namespace trilat {
 // outputs. All functions may be called from any thread.
 class KnownItems {
  public:
-  // `folder`: the unfinished output. InputError when one of `reuse` is no folder.
+  // `folder`: the unfinished output, of all items or of a part. InputError when one of `reuse` is no folder.
   KnownItems(const Study& study, const std::filesystem::path& folder,
-             std::span<const std::filesystem::path> reuse);
+             std::span<const std::filesystem::path> reuse, bool is_whole);
 
   struct Found {
     Outcome outcome;
@@ -45,6 +45,7 @@ class KnownItems {
 
   const Study& study_;
   std::filesystem::path folder_;
+  bool is_whole_;
   std::vector<Earlier> earlier_;
   std::mutex mutex_;
 };

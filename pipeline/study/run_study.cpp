@@ -61,7 +61,10 @@ class StageProgress {
 class Run {
  public:
   Run(const Study& study, const fs::path& folder, const StudyOptions& options)
-      : study_(study), folder_(folder), options_(options), known_(study, folder, options.reuse) {
+      : study_(study),
+        folder_(folder),
+        options_(options),
+        known_(study, folder, options.reuse, options.shard.whole()) {
     std::vector<double> costs;
     for (const Item& item : study.items) costs.push_back(item.cost);
     const std::vector<std::uint64_t> owner = shards_of(costs, options.shard.of);

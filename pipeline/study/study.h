@@ -90,12 +90,9 @@ struct Study {
   // no record of its items.
   std::function<Json(const Outcomes& outcomes)> manifest = {};
 
-  // For items whose files reduce() gathers into files of the results:
-  std::function<bool(const std::filesystem::path& results, const std::string& id)> holds = {};
-  // Puts the files of an item into an empty folder.
-  std::function<void(const std::filesystem::path& results, const std::string& id,
-                     const std::filesystem::path& into)>
-      take_out = {};
+  // Files of the results into which reduce() gathers those of the items: earlier results without them give no
+  // items, and to a part they give none either.
+  std::vector<std::string> gathers = {};
   // Where the key of all results depends on more than `work`: asked when all items are done.
   std::function<std::string()> key = {};
   std::size_t at_once = 0;                 // items that are computed beside each other; 0: any number

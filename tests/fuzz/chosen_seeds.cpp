@@ -69,7 +69,7 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
     const fs::path path = sound / "parts" / file.folder / file.name;
     write_chosen(seed("parts", file.folder + "_" + path.parent_path().filename().string() + "_" +
                                    path.filename().string()),
-                 i, fuzzed_text_in(file, read_file(path)));
+                 i, read_file(path));
   }
   write_chosen(seed("samples", "samples"), 0, read_file(sound / "accuracy" / "samples.h5"));
   write_chosen(seed("samples", "replay"), 1, read_file(sound / "accuracy" / "replay.h5"));

@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const SoundPartFile& file = kSoundPartFiles[data[0] % kSoundPartFiles.size()];
   const std::filesystem::path path = parts / file.folder / file.name;
   const std::string sound = read_file(path);
-  put(path, replaced_in(file, {reinterpret_cast<const char*>(data) + 1, size - 1}));
+  put(path, {reinterpret_cast<const char*>(data) + 1, size - 1});
   tolerate_bad_input([&] { merge(parts / file.folder, scratch.path() / "merged"); });
   put(path, sound);
   return 0;

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "datasets/results/summary.h"
-#include "pipeline/accuracy/statistics/take_summary.h"
+#include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_result.h"
 

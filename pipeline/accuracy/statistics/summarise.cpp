@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/error.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/aligned_errors.h"
 #include "pipeline/accuracy/statistics/participant_errors.h"
@@ -51,19 +50,6 @@ Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
   });
   for (std::vector<double>& of_cell_m : distances_m) of_cell_m.shrink_to_fit();
   return distances_m;
-}
-
-// The same distances were added in the same order when the take was summarised, so the sums are equal to the
-// bit.
-bool is_of_samples(const TakeSummary& summary, const Distances& distances_m) {
-  for (std::size_t cell = 0; cell < distances_m.size(); ++cell) {
-    const ErrorSums& errors = summary.statistics.sums[cell].errors;
-    CompensatedSum sum_m;
-    for (const double distance_m : distances_m[cell]) sum_m.add(distance_m);
-    if (errors.distance_m().value() != sum_m.value() || errors.answered() != std::ssize(distances_m[cell]))
-      return false;
-  }
-  return true;
 }
 
 SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
@@ -326,7 +312,8 @@ void compare_with(std::size_t reference, const SamplesFile& samples, StatisticsL
 }  // namespace
 
 ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         const BringTake& bring, const std::function<void(double)>& progress) {
+                         std::vector<std::optional<TakeSummary>> known, const BringTake& bring,
+                         const std::function<void(double)>& progress) {
   ResultsSummary summary = empty_summary(plan, outcome);
   StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
@@ -335,11 +322,9 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFil
   std::vector<Distances> distances_m(takes.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    std::optional<TakeSummary> known = bring ? bring(t) : std::nullopt;
-    takes[t] = known ? std::move(*known) : summarise_take(samples, t, layout);
+    bring(t);
+    takes[t] = known[t] ? std::move(*known[t]) : summarise_take(samples, t, layout);
     distances_m[t] = write_errors(samples, t, axes, takes[t].alignments);
-    if (known && !is_of_samples(takes[t], distances_m[t]))
-      throw InputError(takes[t].file, "is not of the samples beside it; run that shard again");
     takes[t].alignments = {};
     if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
   });

@@ -278,8 +278,8 @@ TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t in
   return empty;
 }
 
-TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout,
-                           const TakeAlignments& alignments) {
+TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
+  TakeAlignments alignments = align_take(samples, take, layout);
   const std::uint64_t instants = samples.header().takes[take].instants;
   TakeGatherer gatherer(layout, alignments, instants);
   SampleBlock block;
@@ -289,7 +289,9 @@ TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const S
     samples.read(take, from, to - from, SampleColumns::all, block);
     gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
   }
-  return gatherer.finish();
+  TakeSummary summary{{}, gatherer.finish()};
+  for (KindAlignments& kind : alignments) summary.alignments.push_back(std::move(kind.own));
+  return summary;
 }
 
 }  // namespace trilat

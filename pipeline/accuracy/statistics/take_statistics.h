@@ -81,8 +81,13 @@ struct TakeStatistics {
 // Of the right sizes, without any samples.
 TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants);
 
-// Streams one take's samples once.
-TakeStatistics gather_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout,
-                           const TakeAlignments& alignments);
+// What one take adds to the summary of a study, made from its samples alone.
+struct TakeSummary {
+  std::vector<AlignmentTable> alignments;  // by kind, each on all of a method's answers
+  TakeStatistics statistics;
+};
+
+// Streams the take's samples twice. `take`: of the file.
+TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout);
 
 }  // namespace trilat

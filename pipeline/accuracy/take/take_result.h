@@ -11,6 +11,7 @@
 #include "datasets/base/described.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
+#include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/tracking_check.h"
 
@@ -51,6 +52,7 @@ struct TakeResult {
 struct EvaluatedTake {
   std::filesystem::path folder;
   TakeResult result;
+  std::optional<TakeSummary> summary;  // of one that was evaluated by this process
 };
 
 // What the takes of a plan say together.
