@@ -24,6 +24,24 @@ namespace trilat {
 
 namespace {
 
+struct CalibrateArguments {
+  std::vector<std::filesystem::path> sessions;
+  std::filesystem::path output;
+  std::string method = "wand";
+  double ball_radius_m = 0.075;
+  std::vector<std::string> intrinsics;  // SENSOR=FILE
+  std::filesystem::path mocap;
+  std::string asset;
+  std::optional<std::int64_t> mocap_start_host_ns;
+  std::optional<double> movement_m;
+  double movement_sigma_m = 0.001;
+  bool no_depth_correction = false;
+  std::string trajectory_axis;  // x, y or z; empty: that of the method
+  int threads = 0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 constexpr double kGoodSigma_m = 0.005;
 constexpr double kGoodSigma_rad = 0.2 * kRadPerDegree;
 constexpr std::uint64_t kFewPositions = 15;
@@ -204,8 +222,6 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
   return {std::move(result.calibration), std::move(result.views.evidence)};
 }
 
-}  // namespace
-
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
   check_output({arguments.output, OutputKind::calibration, inputs_of(arguments), arguments.force});
@@ -214,6 +230,49 @@ int calibrate(const CalibrateArguments& arguments) {
   write_calibration(arguments.output, outcome.calibration);
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);
   return kDone;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<CalibrateArguments>(
+      app, code, "calibrate", "wand frames to sensor poses, with stated uncertainty", calibrate);
+  verb.add_option("sessions", a.sessions,
+                  "session.h5 of one rig, in which the wand is held still at many places")
+      ->required();
+  verb.add_option("-o,--output", a.output, "calibration.json")->required();
+  verb.add_option("--method", a.method,
+                  "wand: all positions, refined together; bodies: a tracked person instead of a wand; "
+                  "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed")
+      ->check(CLI::IsMember({"wand", "bodies", "two_positions", "printed"}))
+      ->capture_default_str();
+  verb.add_option("--ball-radius-m", a.ball_radius_m, "of the wand's ball")
+      ->check(CLI::Range(0.02, 0.3))
+      ->capture_default_str();
+  verb.add_option(
+      "--intrinsics", a.intrinsics,
+      "SENSOR=FILE: an OpenCV calibration (YAML) instead of the session's intrinsics; may be repeated");
+  verb.add_option("--mocap", a.mocap, "OptiTrack export of the wand: poses come out in OptiTrack's world");
+  verb.add_option("--asset", a.asset, "asset of the export whose position is the ball's centre");
+  verb.add_option("--mocap-start-host-ns", a.mocap_start_host_ns,
+                  "what the recording's host clock showed at the export's first frame");
+  verb.add_option("--movement-m", a.movement_m,
+                  "how far the wand moved from its first place to its second, when measured: fixes the scale")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--movement-sigma-m", a.movement_sigma_m, "how sure that is, one standard deviation")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb.add_option(
+          "--trajectory-axis", a.trajectory_axis,
+          "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the paper's "
+          "y of eq. 6; without it y as printed, z (a horizontal axis) corrected")
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  verb.add_flag("--no-depth-correction", a.no_depth_correction,
+                "do not estimate each sensor's depth offset and wiggle beside its pose");
+  add_gone(verb, "--shard", "run it whole: ten minutes of four sensors take one to two minutes");
+  add_threads(verb, a.threads);
+  add_force(verb, a.force);
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat

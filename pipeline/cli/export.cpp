@@ -9,12 +9,23 @@
 #include "datasets/export/session_trc.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
 namespace {
+
+struct ExportArguments {
+  std::string format;
+  std::filesystem::path input;  // a session, or for csv a results folder
+  std::filesystem::path output;
+  std::filesystem::path calibration;
+  std::string sensor;
+  std::optional<std::uint64_t> body;
+  std::string unit = "mm";
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
 
 void refuse(bool given, const char* option, const char* why) {
   if (given) throw InputError(option, why);
@@ -54,8 +65,6 @@ Json export_csv(const ExportArguments& a, const ExportOptions& frame) {
   return Json::array({{{"file", a.output.string()}, {"rows", rows}}});
 }
 
-}  // namespace
-
 int export_recording(const ExportArguments& arguments) {
   Json files;
   {
@@ -74,6 +83,28 @@ int export_recording(const ExportArguments& arguments) {
     for (const Json& file : files)
       fmt::print("{}: {} rows\n", file["file"].get<std::string>(), file["rows"].get<std::int64_t>());
   return kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<ExportArguments>(
+      app, code, "export", "bodies of a session, or tracks of results, for other programs", export_recording);
+  verb.add_option("format", a.format,
+                  "csv: one row a frame, body and joint, or of results one a joint and method; trc: "
+                  "OpenSim's markers")
+      ->required()
+      ->check(CLI::IsMember({"csv", "trc"}));
+  verb.add_option("input", a.input, "session.h5; for csv a results folder too")->required();
+  verb.add_option("-o,--output", a.output, "the file; trc with several bodies: NAME-ID.trc each")->required();
+  verb.add_option("--calibration", a.calibration,
+                  "calibration.json: positions in its world instead of in the sensor's frame");
+  verb.add_option("--sensor", a.sensor, "trc: of which sensor, when there are several");
+  verb.add_option("--body", a.body, "trc: only the body with this tracking id");
+  verb.add_option("--unit", a.unit, "trc: mm or m")->check(CLI::IsMember({"mm", "m"}))->capture_default_str();
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer("Example: trilat export trc session.h5 --sensor k1 -o walk.trc");
 }
 
 }  // namespace trilat

@@ -9,13 +9,21 @@
 #include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/exchange_verbs.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
+
+struct FuseArguments {
+  std::filesystem::path session, calibration, output;
+  std::string method = "range_bearing";
+  std::string sensor;  // of single
+  double rate_hz = 30.0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
 
 // With the settings that a study gives it by default; sigmas come from the rig where they can.
 MethodSpec method_of(const FuseArguments& a) {
@@ -44,8 +52,6 @@ const JointFormat& joint_format_of(const std::filesystem::path& output) {
     if (output.extension() == format.extension) return format;
   throw InputError(output.string(), "must end in .trc, .c3d or .csv, which say the format");
 }
-
-}  // namespace
 
 int fuse(const FuseArguments& a) {
   const JointFormat& format = joint_format_of(a.output);
@@ -77,6 +83,29 @@ int fuse(const FuseArguments& a) {
       "trilat: {}: no joint at any instant has an answer: `trilat verify {}` says whether anybody was seen\n",
       a.output.string(), a.session.string());
   return kItemsFailed;
+}
+
+}  // namespace
+
+void add_fuse(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<FuseArguments>(
+      app, code, "fuse", "one person's joints from all sensors of a session, without OptiTrack", fuse);
+  verb.add_option("session", a.session, "session.h5 of several calibrated sensors")->required();
+  verb.add_option("--calibration", a.calibration, "calibration.json of its sensors")->required();
+  verb.add_option("-o,--output", a.output,
+                  "walk.trc (OpenSim's markers), walk.c3d or walk.csv (with statuses and sigmas)")
+      ->required();
+  verb.add_option("--method", a.method,
+                  "any method of a study, with its default settings; range_bearing takes "
+                  "its sigmas from the disagreement of the sensors")
+      ->capture_default_str();
+  verb.add_option("--sensor", a.sensor, "single: which one");
+  verb.add_option("--rate-hz", a.rate_hz, "instants a second")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer("Example: trilat fuse session.h5 --calibration calibration.json -o walk.trc");
 }
 
 }  // namespace trilat

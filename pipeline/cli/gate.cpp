@@ -19,6 +19,18 @@
 namespace trilat {
 namespace {
 
+struct GateArguments {
+  std::filesystem::path results, baseline;
+  std::filesystem::path history, junit;  // or empty
+  double smallest_percent = 1.0;
+  std::uint64_t resamples = 2000;
+  std::string method;                        // whose cells are listed instead of the verdict
+  std::optional<std::string> accept_reason;  // the results become the baseline
+  int threads = 0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 std::string time_now() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
@@ -29,13 +41,13 @@ int accept(const GateArguments& arguments, const std::string& time) {
   if (!arguments.history.empty()) read_history(arguments.history);
   const std::vector<std::string> left_behind = studies_left_behind(arguments.results, arguments.baseline);
   const AcceptedBaseline accepted =
-      accept_results(arguments.results, arguments.baseline, arguments.reason, time);
+      accept_results(arguments.results, arguments.baseline, *arguments.accept_reason, time);
   if (!arguments.history.empty()) {
     HistoryEntry entry;
     entry.time = time;
     entry.program = kProgramVersion;
     entry.accepted = true;
-    entry.reason = arguments.reason;
+    entry.reason = *arguments.accept_reason;
     add_series(find_results(arguments.results), entry);
     append_history(arguments.history, entry);
   }
@@ -111,21 +123,46 @@ int compare(const GateArguments& arguments, const std::string& time) {
   return exit_code_of(verdict);
 }
 
-}  // namespace
-
 int gate(const GateArguments& arguments) {
   const std::string time = time_now();
   const std::pair<std::filesystem::path, OutputKind> outputs[] = {{arguments.junit, OutputKind::junit},
                                                                   {arguments.history, OutputKind::history}};
   for (const auto& [path, kind] : outputs)
     if (!path.empty()) check_output({path, kind, {arguments.results, arguments.baseline}, arguments.force});
-  if (arguments.accepts) return accept(arguments, time);
+  if (arguments.accept_reason) return accept(arguments, time);
   try {
     return compare(arguments, time);
   } catch (const InputError& error) {
     if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit_of_error(time, error.what()));
     throw;
   }
+}
+
+}  // namespace
+
+void add_gate(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<GateArguments>(
+      app, code, "gate", "nightly: is anything worse than the baseline, beyond noise", gate);
+  verb.add_option("results", a.results, "a results folder, or a folder that holds several")->required();
+  verb.add_option("--baseline", a.baseline, "what to compare with: a folder of the same shape")->required();
+  verb.add_option("--history", a.history, "history.jsonl: says since when, and gets one line more");
+  verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are not told")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb.add_option("--resamples", a.resamples, "of the bootstrap intervals")
+      ->check(CLI::Range(100, 100'000))
+      ->capture_default_str();
+  verb.add_option("--junit", a.junit, "also write the verdict as JUnit XML to this file");
+  verb.add_option("--method", a.method, "list every cell of this method that is not identical");
+  verb.add_option("--accept", a.accept_reason,
+                  "make these results the baseline, for the reason given, and compare nothing");
+  add_threads(verb, a.threads);
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer(
+      "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: too "
+      "few "
+      "participants to tell a change from chance.");
 }
 
 }  // namespace trilat

@@ -13,6 +13,11 @@
 namespace trilat {
 namespace {
 
+struct MocapArguments {
+  std::filesystem::path file;
+  bool json = false;
+};
+
 // Motive's own exports have y up, whatever they show.
 LikelyUp up_of(const MocapHeader& header, const MocapSummary& summary) {
   return header.format.starts_with("Motive") ? LikelyUp{} : likely_up(summary);
@@ -107,8 +112,6 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   }
 }
 
-}  // namespace
-
 int mocap(const MocapArguments& arguments) {
   MocapReader reader(arguments.file);
   const MocapSummary summary = summarize_mocap(reader);
@@ -117,6 +120,17 @@ int mocap(const MocapArguments& arguments) {
   else
     print_text(arguments.file.string(), reader.header(), summary, reader.anomalies());
   return kDone;
+}
+
+}  // namespace
+
+void add_mocap(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<MocapArguments>(
+      app, code, "mocap",
+      "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches",
+      mocap, Ends::at_once);
+  verb.add_option("file", a.file, "CSV of Motive, Arena or Tracking Tools, TRC, or C3D")->required();
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat

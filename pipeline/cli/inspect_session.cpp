@@ -24,6 +24,25 @@
 namespace trilat {
 namespace {
 
+struct RecoverArguments {
+  std::filesystem::path session;
+  std::filesystem::path output;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
+struct VerifyArguments {
+  std::filesystem::path session;
+  bool skip_depth = false;
+  bool json = false;
+};
+
+struct InfoArguments {
+  std::filesystem::path session;
+  bool follow = false;
+  bool json = false;
+};
+
 // How a sensor's clock stands on the host clock, for `trilat info --json`; {"problem": …} when it cannot be
 // placed.
 Json clock_json(const SessionReader& session, std::size_t sensor) {
@@ -123,6 +142,7 @@ SessionReader patiently_opened(const std::filesystem::path& path) {
 
 // A line whenever something has been added, until the recording is finished or somebody has seen enough.
 int follow(const std::filesystem::path& path) {
+  end_in_order();
   constexpr int kPatience_s = 10;
   std::uint64_t seen = 0;
   int unchanged_s = 0;
@@ -151,8 +171,6 @@ int follow(const std::filesystem::path& path) {
   }
   return kDone;
 }
-
-}  // namespace
 
 int info(const InfoArguments& arguments) {
   if (arguments.follow) return follow(arguments.session);
@@ -185,8 +203,6 @@ int info(const InfoArguments& arguments) {
   return kDone;
 }
 
-namespace {
-
 // Alike in all but the sensor and the numbers.
 std::string kind_of(const Finding& finding) {
   const std::string sensors = "/sensors/";
@@ -196,8 +212,6 @@ std::string kind_of(const Finding& finding) {
   std::erase_if(kind, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
   return std::string(name_of(finding.severity)) + kind;
 }
-
-}  // namespace
 
 int verify(const VerifyArguments& arguments) {
   const SessionReader session(found_session(arguments.session));
@@ -238,8 +252,6 @@ int verify(const VerifyArguments& arguments) {
   }
   return errors == 0 ? kDone : kItemsFailed;
 }
-
-namespace {
 
 // Where the saved session goes when nobody says: the name without .partial, where there is one.
 std::filesystem::path default_output(const std::filesystem::path& damaged) {
@@ -299,8 +311,6 @@ Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesyste
       {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
 }
 
-}  // namespace
-
 int recover(const RecoverArguments& arguments) {
   const std::filesystem::path damaged = found_session(arguments.session);
   const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
@@ -325,6 +335,33 @@ int recover(const RecoverArguments& arguments) {
   fmt::print(stderr, "failed: {} has rows that are damaged or cannot be read; they were left out\n",
              damaged.string());
   return kItemsFailed;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<InfoArguments>(app, code, "info", "what is in a session", info, Ends::at_once);
+  verb.add_option("session", a.session, "session.h5")->required();
+  auto* follow = verb.add_flag("--follow", a.follow, "a line a second while it is being recorded");
+  add_json(verb, a.json);
+  verb.get_option("--json")->excludes(follow);
+}
+
+void add_verify(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<VerifyArguments>(
+      app, code, "verify", "read everything in a session and say what is odd", verify, Ends::at_once);
+  verb.add_option("session", a.session, "session.h5")->required();
+  verb.add_flag("--skip-depth", a.skip_depth, "do not decompress the depth frames");
+  add_json(verb, a.json);
+}
+
+void add_recover(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<RecoverArguments>(
+      app, code, "recover", "save what a killed recorder left, into a new session", recover);
+  verb.add_option("session", a.session, "session.h5, or session.h5.partial")->required();
+  verb.add_option("-o,--output", a.output, "the new session; by default the name without .partial");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat

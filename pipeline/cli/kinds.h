@@ -4,15 +4,36 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
+
+// What `trilat run` is told.
+struct RunArguments {
+  std::filesystem::path study;
+  std::filesystem::path campaign;
+  std::filesystem::path calibration;  // instead of the takes' own
+  std::filesystem::path output;
+  OutsidePaths outside = OutsidePaths::refused;
+  int threads = 0;                         // 0: as many as there are processors
+  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
+  bool cross_check = false;
+  bool dry_run = false;
+  std::string shard;                         // k/n, or empty: all of it
+  std::vector<std::filesystem::path> reuse;  // earlier results
+  bool fresh = false;                        // nothing is taken from the results that `output` holds
+  bool force = false;                        // may replace what others wrote
+  bool json = false;
+  bool tables = false;  // all of them are printed
+};
 
 // What `trilat run` needs of a study that was read.
 struct OpenedStudy {

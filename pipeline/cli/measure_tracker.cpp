@@ -18,6 +18,14 @@
 namespace trilat {
 namespace {
 
+struct MeasureTrackerArguments {
+  std::vector<std::filesystem::path> campaigns;
+  std::filesystem::path output;
+  OutsidePaths outside = OutsidePaths::refused;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 // Three digits say more than the intervals do.
 double rounded(double value) { return std::stod(fmt::format("{:.3g}", value)); }
 
@@ -56,8 +64,6 @@ void print(const TrackerMeasurement& measurement) {
   }
   for (const UntoldParameter& u : measurement.untold) fmt::print("{}: left as declared; {}\n", u.name, u.why);
 }
-
-}  // namespace
 
 int measure_tracker(const MeasureTrackerArguments& a) {
   check_output({a.output, OutputKind::body_tracker, a.campaigns, a.force});
@@ -98,6 +104,27 @@ int measure_tracker(const MeasureTrackerArguments& a) {
                left_out);
   }
   return left_out == 0 ? kDone : kItemsFailed;
+}
+
+}  // namespace
+
+void add_measure_tracker(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<MeasureTrackerArguments>(
+      app, code, "measure-tracker",
+      "takes with a truth, or of several sensors -> the parameters of the simulated tracker, with intervals",
+      measure_tracker);
+  verb.add_option("campaigns", a.campaigns, "folders of takes; a participant is known in one of them only")
+      ->required();
+  verb.add_option("-o,--output", a.output,
+                  "body_tracker.json; simulation.json may name it as \"body_tracker\"")
+      ->required();
+  add_allow_outside(verb, a.outside, "campaign.json");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer(
+      "What the takes do not tell stays as declared and is named. Intervals are over participants; fewer "
+      "than "
+      "three give none.\nExample: trilat measure-tracker ui-prmd kinectmultitrack -o body_tracker.json");
 }
 
 }  // namespace trilat

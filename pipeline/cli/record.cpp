@@ -36,6 +36,26 @@ namespace trilat {
 
 namespace {
 
+struct RecordArguments {
+  std::vector<std::string> sources;
+  std::string listen;  // HOST:PORT, or empty
+  std::size_t agents = 1;
+  double wait_s = 60.0;
+  std::string keys;
+  bool plain_text = false;
+  std::filesystem::path output;
+  double duration_s = 0.0;
+  std::string compression = "blosc";
+  int queue_mb = 512;
+  int reserve_mb = 256;
+  int workers = 2;
+  bool preview = false;
+  std::filesystem::path calibration;
+  std::filesystem::path truth;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 // What a running recording shows on stderr: a line over itself on a terminal, now and then elsewhere, and
 // what there is to say above it. Written by a thread of its own, so that a terminal that takes nothing holds
 // up nobody; what cannot be written is left out. Any thread may call it.
@@ -331,8 +351,6 @@ void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
                                   free_mb, reserve_mb));
 }
 
-}  // namespace
-
 int record_session(const RecordArguments& arguments) {
   if (arguments.sources.empty() && arguments.listen.empty())
     throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
@@ -389,6 +407,55 @@ int record_session(const RecordArguments& arguments) {
     print_summary(summary, arguments.output);
   const bool whole = !summary.lost_frames() && !summary.source_failed && summary.end != CaptureEnd::disk_full;
   return whole ? kDone : kItemsFailed;
+}
+
+}  // namespace
+
+void add_record(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<RecordArguments>(app, code, "record",
+                                             "sensors to a session; Ctrl-C ends it in order", record_session);
+  verb.add_option("--source", a.sources, source_help() + "; may be repeated");
+  auto* listen = verb.add_option("--listen", a.listen,
+                                 "HOST:PORT where agents on other computers connect (`trilat-agent --help`)");
+  verb.add_option("--agents", a.agents, "the recording begins when so many are there")
+      ->check(CLI::Range(1, 64))
+      ->needs(listen)
+      ->capture_default_str();
+  verb.add_option("--wait-s", a.wait_s, "how long to wait for them")
+      ->check(CLI::PositiveNumber)
+      ->needs(listen)
+      ->capture_default_str();
+  verb.add_option("--keys", a.keys, "server.pem, as made by `trilat-agent keys`")->needs(listen);
+  verb.add_flag("--plain-text", a.plain_text, "without keys: let everybody on the way read and write")
+      ->needs(listen);
+  verb.add_option("-o,--output", a.output, "session.h5")->required();
+  verb.add_option("--duration-s", a.duration_s, "ends after so long; 0: when somebody stops it")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  verb.add_option("--compression", a.compression,
+                  "of depth: blosc (Zstandard, best; h5py needs hdf5plugin), deflate (any reader), none")
+      ->check(CLI::IsMember({"blosc", "deflate", "none"}))
+      ->capture_default_str();
+  verb.add_option("--queue-mb", a.queue_mb, "memory for frames that wait for the disk; beyond, they are lost")
+      ->check(CLI::Range(4, 1 << 16))
+      ->capture_default_str();
+  verb.add_option("--reserve-mb", a.reserve_mb, "the recording ends in order when the disk has less left")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
+  verb.add_option("--workers", a.workers, "threads that compress")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  verb.add_flag("--preview", a.preview, "shows the skeletons on the terminal");
+  verb.add_option("--calibration", a.calibration,
+                  "with --preview: poses of the sensors; shows the person whom all see together, too");
+  verb.add_option("--truth", a.truth,
+                  "of a synthetic source: folder for the OptiTrack export, true poses and a campaign.json");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer(
+      "Examples:\n"
+      "  trilat record --source synthetic:4 --duration-s 20 -o session.h5\n"
+      "  trilat record --listen 0.0.0.0:7345 --agents 4 --keys keys/server.pem -o session.h5");
 }
 
 }  // namespace trilat

@@ -21,6 +21,17 @@ namespace trilat {
 
 namespace {
 
+struct ReportArguments {
+  std::vector<std::filesystem::path> results;
+  std::filesystem::path output;
+  bool audit = false;             // of the paper alone; needs no results
+  bool paper = false;             // with the paper's claims and their audit
+  std::filesystem::path history;  // of nights, as the gate keeps it; empty: none
+  std::string time;               // the page's time stamp; empty: now
+  bool force = false;             // may replace what others wrote
+  bool json = false;
+};
+
 Json json_of(const Table& table) {
   Json rows = Json::array();
   for (const auto& row : table.rows) {
@@ -65,8 +76,6 @@ std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem:
   return results;
 }
 
-}  // namespace
-
 int report(const ReportArguments& arguments) {
   if (arguments.audit && arguments.results.empty()) return print_audit(arguments.json);
   if (arguments.results.empty())
@@ -99,6 +108,26 @@ int report(const ReportArguments& arguments) {
                (arguments.output / "report.html").string());
   }
   return kDone;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<ReportArguments>(
+      app, code, "report", "results to a page, Markdown, CSV and LaTeX; nothing is computed again", report,
+      Ends::at_once);
+  verb.add_option("results", a.results, "results folders, or a folder of them");
+  verb.add_option("-o,--output", a.output, "folder of the report");
+  verb.add_option("--time", a.time, "the time stamp of the page, any text; without it the time of the day");
+  verb.add_option(
+      "--history", a.history,
+      "history of nights that `trilat gate` keeps: the last verdict and the errors by night lead");
+  verb.add_flag("--paper", a.paper,
+                "judge the paper's claims by these results, and audit its tables, on the page");
+  verb.add_flag("--audit", a.audit,
+                "print what the paper's own tables imply against what it says; needs no results");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat

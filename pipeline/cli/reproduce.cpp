@@ -29,6 +29,15 @@
 namespace trilat {
 namespace {
 
+struct ReproduceArguments {
+  std::filesystem::path output = "out/reproduce";
+  std::string scale = "paper";
+  std::uint64_t seed = 1;
+  int threads = 0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 // How much of each study is run; a study that asks for less stays as it is.
 struct Scale {
   std::string name;
@@ -266,8 +275,6 @@ constexpr std::pair<const char*, void (Reproduction::*)()> kStages[] = {
     {"the simulator beside reality: twins of two real sensors", &Reproduction::twins},
     {"the report", &Reproduction::report}};
 
-}  // namespace
-
 std::vector<std::string> reproduction_scales() {
   std::vector<std::string> names;
   for (const Scale& scale : kScales) names.push_back(scale.name);
@@ -288,6 +295,25 @@ int reproduce(const ReproduceArguments& arguments) {
   }
   reproduction.print();
   return reproduction.passed() ? kDone : kItemsFailed;
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<ReproduceArguments>(
+      app, code, "reproduce",
+      "everything: a simulated campaign after the paper, its studies, and the tables beside the paper's",
+      reproduce);
+  verb.add_option("-o,--output", a.output, "folder of everything that is made")->capture_default_str();
+  verb.add_option("--scale", a.scale,
+                  "quick: a look in a minute; paper: its 16 participants for Tables II and III, map and "
+                  "calibration in small; full: 200 rigs and the large map too")
+      ->check(CLI::IsMember(reproduction_scales()))
+      ->capture_default_str();
+  verb.add_option("--seed", a.seed, "of every random number")->capture_default_str();
+  add_threads(verb, a.threads);
+  add_force(verb, a.force);
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat

@@ -7,7 +7,7 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/kinds.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

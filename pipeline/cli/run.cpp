@@ -10,11 +10,21 @@
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
+
+struct MergeArguments {
+  std::vector<std::filesystem::path> parts;
+  std::filesystem::path output;
+  int threads = 0;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+  bool tables = false;  // all of them are printed
+};
 
 void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
   if (!kind.no_campaign.empty() && (!arguments.campaign.empty() || !arguments.calibration.empty()))
@@ -65,8 +75,6 @@ void put_together(const Study& study, const MergeArguments& arguments, const std
                .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
 }
 
-}  // namespace
-
 int run(const RunArguments& arguments) {
   const Json json = read_json(arguments.study);
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
@@ -114,6 +122,45 @@ int merge(const MergeArguments& given) {
                               : ""));
   put_together(kind->of_parts(first.part.work, place), arguments, parts);
   return kind->print(arguments.output, {{"parts", parts.size()}}, {arguments.json, arguments.tables});
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<RunArguments>(
+      app, code, "run",
+      "a study: takes x methods, a threshold sweep, calibration, clocks or an error budget -> results", run);
+  verb.add_option("study", a.study, "study.json")->required();
+  verb.add_option("--campaign", a.campaign, "folder of takes, instead of the study's own");
+  verb.add_option("--calibration", a.calibration, "calibration.json, instead of the takes' own");
+  verb.add_option("-o,--output", a.output, "results folder; not needed with --dry-run");
+  add_threads(verb, a.threads);
+  verb.add_option("--memory-mb", a.memory_mb,
+                  "evaluate no more takes at once than fit into so much memory; half of what there is")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+  verb.add_flag("--cross-check", a.cross_check,
+                "solve again with Ceres, report the worst difference and fail beyond the study's limit");
+  verb.add_flag("--dry-run", a.dry_run, "print the plan and stop");
+  verb.add_option("--shard", a.shard, "k/n: compute only part k of n, into a folder for `trilat merge`");
+  verb.add_option("--reuse", a.reuse,
+                  "earlier results: what did not change since is taken from there; may be repeated. What "
+                  "--output holds is always asked");
+  verb.add_flag("--fresh", a.fresh, "compute all again, whatever --output holds");
+  add_allow_outside(verb, a.outside, "campaign.json or simulation.json");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.add_flag("--tables", a.tables, "accuracy: print all tables, as Markdown");
+}
+
+void add_merge(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<MergeArguments>(
+      app, code, "merge", "the parts that --shard has written -> what one run would have", merge);
+  verb.add_option("parts", a.parts, "folders of all parts, in any order")->required();
+  verb.add_option("-o,--output", a.output, "results, campaign, or calibration.json")->required();
+  add_threads(verb, a.threads);
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.add_flag("--tables", a.tables, "accuracy: print all tables, as Markdown");
 }
 
 }  // namespace trilat

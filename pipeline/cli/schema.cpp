@@ -13,6 +13,7 @@
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/cli/kinds.h"
+#include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_spec.h"
 #include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/sweep/sweep_spec.h"
@@ -20,6 +21,11 @@
 
 namespace trilat {
 namespace {
+
+struct SchemaArguments {
+  std::string document;
+  bool markdown = false;  // of all documents
+};
 
 using Text = const char*;
 
@@ -173,6 +179,8 @@ Json twins_schema() {
   return schema_of(examples, [](const Json& json) { parse_twins(json, "example"); });
 }
 
+namespace {
+
 int schema(const SchemaArguments& arguments) {
   const std::vector<Document> all = documents();
   if (arguments.markdown) {
@@ -193,6 +201,17 @@ int schema(const SchemaArguments& arguments) {
   }
   fmt::print("{}\n", json_text(schema_of_document(*found), 2));
   return kDone;
+}
+
+}  // namespace
+
+void add_schema(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<SchemaArguments>(
+      app, code, "schema",
+      "JSON Schema of a document that users write, for editors that complete and check it", schema,
+      Ends::at_once);
+  verb.add_option("document", a.document, "study, simulation, campaign, mapping or calibration");
+  verb.add_flag("--markdown", a.markdown, "the keys of all documents as tables");
 }
 
 }  // namespace trilat

@@ -21,6 +21,15 @@
 namespace trilat {
 namespace {
 
+struct SimulateArguments {
+  std::filesystem::path spec;
+  std::filesystem::path output;
+  std::string shard;  // k/n, or empty: all of it
+  OutsidePaths outside = OutsidePaths::refused;
+  bool force = false;  // may replace what others wrote
+  bool json = false;
+};
+
 std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, const SimulationSpec& spec) {
   std::vector<std::filesystem::path> files{arguments.spec};
   if (spec.recorded) files.insert(files.end(), {spec.recorded->mocap, spec.recorded->mapping});
@@ -83,8 +92,6 @@ void check_part(const Study& study, const Shard& shard, const std::filesystem::p
                      "replace it with --force");
 }
 
-}  // namespace
-
 int simulate(const SimulateArguments& arguments) {
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
@@ -111,6 +118,19 @@ int simulate(const SimulateArguments& arguments) {
   else
     print_part(arguments.output, shard, tally, arguments.json);
   return kDone;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<SimulateArguments>(
+      app, code, "simulate", "virtual Kinects watch a generated person or a real OptiTrack take", simulate);
+  verb.add_option("spec", a.spec, "simulation.json")->required();
+  verb.add_option("-o,--output", a.output, "folder of the campaign")->required();
+  verb.add_option("--shard", a.shard, "k/n: make only part k of n, into a folder for `trilat merge`");
+  add_allow_outside(verb, a.outside, "simulation.json");
+  add_force(verb, a.force);
+  add_json(verb, a.json);
 }
 
 }  // namespace trilat
