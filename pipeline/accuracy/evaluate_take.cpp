@@ -67,6 +67,7 @@ TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const Tak
   if (!planned.take.left_out.empty() && planned.take.left_out != plan.rig.front()) return {};
   TakeTracking tracking = check_tracking(plan, planned, data);
   tracking.rays = rays_of(plan, planned, data);
+  tracking.corrections = correction_rows(plan, planned, data);
   return tracking;
 }
 
@@ -115,8 +116,13 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check
   TakeProgress progress(plan, take, watch);
   TakeData data = load(plan, planned, clocks, watch);
   TakeResult result;
+  find_corrections(plan, planned, data);
   result.tracking = tracking_of(plan, planned, data);
+  for (TakeNote& note : correction_notes(planned, result.tracking.corrections))
+    data.notes.push_back(std::move(note));
   leave_out(plan, planned, data);
+  if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
+  find_corrections(plan, planned, data);
   estimate_sigmas(plan, planned, data);
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));

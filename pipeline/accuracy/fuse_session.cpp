@@ -44,16 +44,18 @@ FusedPoint point_of(SolveStatus status, const Eigen::Vector3d& position_m) {
 void solve_instants(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
   const PlannedTake& planned = plan.takes[0];
   const Method& method = plan.methods[0];
+  const bool is_corrected = method.spec.calibration_is_estimated;
+  const std::vector<RigidTransform>& rig = rig_of(planned, data, is_corrected);
   const bool has_sigma = method.spec.kind == &method_kind("range_bearing");
   std::atomic<std::size_t> done{0};
   parallel_for_index(fused.instants(), kTogether, [&](std::size_t i) {
     if (i % kTogether == 0) watch.check();
     std::vector<JointObservation> seen(plan.rig.size());
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      observe_joint(data, i, plan.joints[j], planned.world_from_sensor, seen);
+      observe_joint(data, planned, is_corrected, i, plan.joints[j], seen);
       const PointEstimate estimate =
-          evaluate(method, {seen, planned.world_from_sensor, occlusions_of(data, i, plan.joints[j]),
-                            ranges_of(seen, planned.world_from_sensor), sigma_at(data, i, j)});
+          evaluate(method, {seen, rig, occlusions_of(data, i, plan.joints[j]), ranges_of(seen, rig),
+                            sigma_at(data, is_corrected, i, j)});
       FusedPoint& point = fused.points[i * plan.joints.size() + j];
       point = point_of(estimate.status, estimate.position_m);
       if (has_sigma) point.sigma_m = std::sqrt(estimate.covariance.trace() / 3.0);
@@ -79,6 +81,7 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                           const MethodSpec& method, double rate_hz, const Watch& watch) {
   const Plan plan = plan_of(session, calibration, method, rate_hz);
   TakeData data = load_take(plan, plan.takes[0], watch.stop_requested);
+  find_corrections(plan, plan.takes[0], data);
   estimate_sigmas(plan, plan.takes[0], data);
   FusedSession fused{.rate_hz = rate_hz,
                      .start_host_ns = data.time.front().ns,

@@ -129,6 +129,31 @@ Table rays_table(const TrackingSummary& s) {
   return table;
 }
 
+Table corrections_table(const TrackingSummary& s) {
+  const auto degrees = [](double rad) { return rad / kRadPerDegree; };
+  Table table;
+  table.id = "corrections";
+  table.title = fmt::format("How sensors stand and measure beside their calibration ({})", data_text(s));
+  table.columns = {{"take", "take", true},
+                   {"sensor", "sensor", true},
+                   interval_column("turned (degrees)", "turned_deg"),
+                   {"stated (degrees)", "stated_turn_deg"},
+                   interval_column("shifted (cm)", "shifted_cm"),
+                   {"stated (cm)", "stated_shift_cm"},
+                   interval_column("ranges too long (cm)", "too_long_cm"),
+                   {"", "problem", true}};
+  for (const CorrectionRow& row : s.corrections)
+    table.rows.push_back(
+        {TableValue::of(row.take), TableValue::of(row.sensor),
+         number_cell(1, degrees(row.turned_rad), degrees(row.turned_low_rad), degrees(row.turned_high_rad)),
+         TableValue::of(degrees(row.stated_turn_rad), 1),
+         cm_cell(row.shifted_m, row.shifted_low_m, row.shifted_high_m),
+         TableValue::of(row.stated_shift_m * kCentimetresPerMetre, 1),
+         cm_cell(row.too_long_m, row.too_long_low_m, row.too_long_high_m), TableValue::of(row.problem)});
+  table.notes = notes("corrections");
+  return table;
+}
+
 Table predictions_table(const TrackingSummary& s) {
   Table table;
   table.id = "predictions";
@@ -178,6 +203,7 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   if (!s.exchanges.empty()) tables.push_back(exchanges_table(s));
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
   if (!s.rays.empty()) tables.push_back(rays_table(s));
+  if (!s.corrections.empty()) tables.push_back(corrections_table(s));
   for (Table& table : prediction_tables(s)) tables.push_back(std::move(table));
   return tables;
 }

@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include "datasets/calibration/calibration.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
@@ -13,8 +14,13 @@
 namespace trilat {
 namespace {
 
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 constexpr const char* kEstimated =
-    R"("methods": [{"method": "mean"}, {"method": "range_bearing", "sigma": "estimated"}])";
+    R"("methods": [{"method": "mean"}, {"method": "range_bearing", "calibration": "stated"}])";
 
 // One simulated take with white errors, equal in all directions, as methods see it.
 struct SeenTake {
@@ -47,15 +53,44 @@ TEST(TakeRays, AnInstantIsJudgedWithTheSigmasOfTheOtherHalf) {
   SeenTake take;
   const std::size_t instants = take.data.time.size();
   estimate_sigmas(take.plan, take.plan.takes[0], take.data);
-  const RaySigma first = sigma_at(take.data, 0, 0), second = sigma_at(take.data, instants - 1, 0);
+  const RaySigma first = sigma_at(take.data, false, 0, 0),
+                 second = sigma_at(take.data, false, instants - 1, 0);
   EXPECT_NEAR(first.range_m, 0.025, 0.01);
   for (std::size_t i = 0; i < instants / 2; ++i)  // the first sensor errs by a metre along its z axis
     for (Eigen::Vector3f& joint_m : take.data.bodies.at(i, 0).joint_in_sensor_m)
       joint_m.z() += i % 2 == 0 ? 1.0f : -1.0f;
-  take.data.sigma.clear();
+  take.data.sigma = {};
   estimate_sigmas(take.plan, take.plan.takes[0], take.data);
-  EXPECT_EQ(sigma_at(take.data, 0, 0).range_m, first.range_m);
-  EXPECT_GT(sigma_at(take.data, instants - 1, 0).range_m, 5.0 * second.range_m);
+  EXPECT_EQ(sigma_at(take.data, false, 0, 0).range_m, first.range_m);
+  EXPECT_GT(sigma_at(take.data, false, instants - 1, 0).range_m, 5.0 * second.range_m);
+}
+
+// A sensor that stands turned by 4 degrees is found and told, and methods whose calibration is estimated do
+// as well as with the true one.
+TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 8.0));
+  const StudySpec study = study_of(
+      R"("methods": [{"method": "mean"}, {"name": "corrected", "method": "mean", "calibration": "estimated"}, {"method": "range_bearing"}],
+         "alignments": ["none"])");
+  const ResultsSummary straight = execute_study(study, campaign, folder / "straight", {});
+  const std::filesystem::path file = campaign.takes[0].calibration;
+  Calibration calibration = read_calibration(file);
+  RigidTransform& pose = calibration.sensors[1].world_from_sensor;
+  pose.rotation = Eigen::AngleAxisd(0.07, Eigen::Vector3d::UnitY()) * pose.rotation;
+  write_calibration(file, calibration);
+  const ResultsSummary turned = execute_study(study, campaign, folder / "turned", {});
+  const auto error_m = [](const ResultsSummary& s, const char* method) {
+    return find_cell(s, method, "walking", kAverageGroup, "none")->mae_m;
+  };
+  EXPECT_GT(error_m(turned, "mean"), error_m(straight, "mean") + 0.01);
+  EXPECT_LT(error_m(turned, "corrected"), error_m(straight, "corrected") + 0.005);
+  EXPECT_LT(error_m(turned, "range_bearing"), error_m(straight, "range_bearing") + 0.005);
+  const std::vector<CorrectionRow> rows = read_tracking_summary(folder / "turned")->corrections;
+  ASSERT_EQ(rows.size(), calibration.sensors.size());
+  EXPECT_NEAR(rows[1].turned_rad, 0.07, 0.02);
+  EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("stands turned by "))));
+  EXPECT_THAT(straight.notes, Not(Contains(Field(&TakeNote::text, HasSubstr("stands turned by ")))));
 }
 
 TEST(TakeRays, AreToldOfEveryTake) {

@@ -89,6 +89,21 @@ struct RayRow {
   TRILAT_FIELDS(take, rows, problem, range_m, bearing_m, ratio, ratio_low, ratio_high)
 };
 
+// What one take shows of how a sensor stands and measures beside its calibration: how far it is turned and
+// shifted, and by how much its ranges are too long, with 95 % intervals. `problem` says why there are no
+// numbers.
+struct CorrectionRow {
+  std::string take, sensor;
+  std::string problem = {};
+  double turned_rad = kNoNumber, turned_low_rad = kNoNumber, turned_high_rad = kNoNumber;
+  double shifted_m = kNoNumber, shifted_low_m = kNoNumber, shifted_high_m = kNoNumber;
+  double too_long_m = kNoNumber, too_long_low_m = kNoNumber, too_long_high_m = kNoNumber;
+  double stated_turn_rad = kNoNumber, stated_shift_m = kNoNumber;  // standard deviations of the calibration
+
+  TRILAT_FIELDS(take, sensor, problem, turned_rad, turned_low_rad, turned_high_rad, shifted_m, shifted_low_m,
+                shifted_high_m, too_long_m, too_long_low_m, too_long_high_m, stated_turn_rad, stated_shift_m)
+};
+
 // How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
 // turn: mean distances along its ray and across, 95 % intervals with participants as clusters, and the mean
 // with its sign along the ray. What all sensors have in common is in none of these numbers.
@@ -112,9 +127,10 @@ struct TrackingSummary {
   std::vector<ClockRow> clocks;
   std::vector<RangeRow> ranges = {};
   std::vector<RayRow> rays = {};
+  std::vector<CorrectionRow> corrections = {};  // of studies in which a method asks
   std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
 
-  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, ranges, rays, predictions)
+  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, ranges, rays, corrections, predictions)
 };
 
 // tracking.json, beside an accuracy study's summary.json. NaN is written as null.

@@ -18,7 +18,6 @@ const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
 const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
-const std::vector<std::string> kSigmas{"stated", "estimated"};
 const std::vector<std::string> kLosses{"squares", "huber", "cauchy"};
 
 template <class Enum>
@@ -114,14 +113,14 @@ void write_newton(const MethodSpec& m, Json& entry) { write_descent(m.nonlinear,
 
 void read_range_bearing(JsonObject& object, MethodSpec& method) {
   RangeBearingOptions& o = method.range_bearing;
-  method.sigma_is_estimated = object.choice("sigma", kSigmas, 0) == 1;
+  method.sigma_is_estimated = object.choice("sigma", stated_or_estimated(), 1) == 1;
   setting(object, "range_sigma_m", o.sigma.range_m, {1e-6, 1e3},
           "standard deviation of a sensor's position along its ray");
   setting(object, "bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3},
           "and across it, in each of both directions");
   setting(object, "inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
           "on both, of an inferred joint; where sigma is estimated it is, too");
-  o.loss = enum_choice(object, "loss", kLosses, o.loss);
+  o.loss = enum_choice(object, "loss", kLosses, Loss::cauchy);
   setting(object, "loss_scale", o.loss_scale, {1e-3, 1e3}, "of huber and cauchy, in sigmas");
   object.about({{"sigma",
                  "stated: the next two; estimated: from the disagreement of the sensors in the other half of "
@@ -131,7 +130,7 @@ void read_range_bearing(JsonObject& object, MethodSpec& method) {
 
 void write_range_bearing(const MethodSpec& m, Json& entry) {
   const RangeBearingOptions& o = m.range_bearing;
-  entry["sigma"] = kSigmas[m.sigma_is_estimated ? 1 : 0];
+  entry["sigma"] = stated_or_estimated()[m.sigma_is_estimated ? 1 : 0];
   entry["range_sigma_m"] = o.sigma.range_m;
   entry["bearing_sigma_m"] = o.sigma.bearing_m;
   entry["inferred_factor"] = o.sigma.inferred_factor;
@@ -283,6 +282,7 @@ const std::vector<MethodKind>& method_kinds() {
                "as well as its sigma says: nonlinear, triangulation and the mean are its limits",
        .source = "maximum likelihood; eq. 10 without its second term",
        .needs_ranges = true,
+       .calibrates = true,
        .read = read_range_bearing,
        .write = write_range_bearing,
        .evaluate =

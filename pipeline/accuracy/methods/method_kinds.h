@@ -18,6 +18,7 @@ struct MethodKind {
   std::string_view what;
   std::string_view source;  // equation or paper
   bool needs_ranges;        // it sees the joint's distances; else its positions in the world
+  bool calibrates = false;  // its calibration is estimated unless a study says otherwise
   std::size_t sensors = 0;  // it uses just so many; 0: any number
   // Its own settings; null when it has none.
   void (*read)(JsonObject& object, MethodSpec& spec) = nullptr;

@@ -41,6 +41,11 @@ const std::vector<std::string>& occlusion_rule_names() {
   return names;
 }
 
+const std::vector<std::string>& stated_or_estimated() {
+  static const std::vector<std::string> names{"stated", "estimated"};
+  return names;
+}
+
 std::vector<std::string> different_texts(JsonObject& object, const std::string& key) {
   std::vector<std::string> texts = object.texts(key, {});
   if (const std::string twice = first_repeated(texts); !twice.empty())
@@ -64,11 +69,16 @@ MethodSpec read_method(JsonObject& object) {
   if (used > 1 && method.each == 0 && !method.sensors.empty() && method.sensors.size() != used)
     object.refuse("sensors", fmt::format("must name the {} sensors that {} uses", used, method.kind->name));
   if (method.kind->read) method.kind->read(object, method);
+  method.calibration_is_estimated =
+      object.choice("calibration", stated_or_estimated(), method.kind->calibrates ? 1 : 0) == 1;
   read_occlusion(object, method);
   object.about(
       {{"method", fmt::format("{}; {}", method.kind->what, method.kind->source).c_str()},
        {"name", "of its rows; unique in the study; without it the kind and the sensors that are named"},
        {"sensors", "those it may use; empty: all"},
+       {"calibration",
+        "stated: as calibration.json has it; estimated: each sensor's turn, shift and range offset, found "
+        "from the bodies of the take without truth, are taken away first"},
        {"each", "one method for each set of so many sensors"},
        {"most_sets", "at most so many sets"},
        {"occlusion",
@@ -84,6 +94,7 @@ Json resolved_json(const MethodSpec& m) {
   Json entry{{"method", m.kind->name}, {"name", m.name}, {"sensors", m.sensors}};
   if (m.each > 0) entry.update({{"each", m.each}, {"most_sets", m.most_sets}});
   if (m.kind->write) m.kind->write(m, entry);
+  entry["calibration"] = stated_or_estimated()[m.calibration_is_estimated ? 1 : 0];
   entry["occlusion"] = occlusion_rule_names()[static_cast<std::size_t>(m.occlusion)];
   if (m.occlusion != OcclusionRule::off) {
     entry["inferred_is_occluded"] = m.inferred_is_occluded;

@@ -42,12 +42,17 @@ struct MethodSpec {
   bool inferred_is_occluded = true;  // an inferred joint counts as one crossing more
   int fewest_sensors = 1;            // those with the fewest crossings come back until there are as many
   RangeBearingOptions range_bearing;
-  bool sigma_is_estimated = false;  // range_bearing: from the rig itself, without truth
+  bool sigma_is_estimated = false;  // range_bearing: from the take itself, without truth
+  // How the sensors stand and measure is corrected by what the take shows of it, without truth.
+  bool calibration_is_estimated = false;
   WeightedMeanOptions weighted;
   RobustMeanOptions robust;
   KalmanOptions kalman;  // of kalman and rts
   BoneWindowOptions window;
 };
+
+// Where a setting comes from: from the study or calibration, or from the take itself.
+const std::vector<std::string>& stated_or_estimated();
 
 // One entry of a study's "methods".
 MethodSpec read_method(JsonObject& object);

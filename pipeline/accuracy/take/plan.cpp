@@ -138,8 +138,8 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   for (const std::string& name : rig) {
     const std::size_t sensor = sensor_of(session, name);
     planned.session_sensor.push_back(sensor);
-    planned.world_from_sensor.push_back(
-        pose_of(calibration, name, planned.take.calibration.string()).world_from_sensor);
+    planned.poses.push_back(pose_of(calibration, name, planned.take.calibration.string()));
+    planned.world_from_sensor.push_back(planned.poses.back().world_from_sensor);
     planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
     spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
   }

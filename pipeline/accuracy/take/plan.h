@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/base/time.h"
+#include "datasets/calibration/calibration.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/summary.h"
 #include "datasets/session/clock/session_clock.h"
@@ -30,6 +31,7 @@ struct PlannedTake {
   bool truth_has_z_up = false;
   JointMapping mapping;
   std::vector<std::size_t> session_sensor;        // by rig sensor
+  std::vector<SensorPose> poses;                  // by rig sensor, as calibrated
   std::vector<RigidTransform> world_from_sensor;  // by rig sensor
   std::vector<SensorClockMap> host_from_sensor;
   HostTime start;

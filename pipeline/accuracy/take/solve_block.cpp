@@ -18,9 +18,11 @@ constexpr std::uint64_t kCheckedEvery = 8;
 
 constexpr std::uint64_t kSideBySide = 16;  // instants that one thread solves side by side
 
-// What the rig saw during a block: per instant and joint, one observation a sensor.
+// What the rig saw during a block, as stated or as corrected: per instant and joint, one observation a
+// sensor.
 struct Observations {
   std::size_t sensors = 0, joints = 0;
+  bool is_corrected = false;
   std::vector<JointObservation> values;
   std::span<const JointObservation> of(std::uint64_t instant, std::size_t joint) const {
     return {&values[(instant * joints + joint) * sensors], sensors};
@@ -29,12 +31,13 @@ struct Observations {
 
 void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, SampleBlock& block,
             Observations& seen) {
+  seen.values.resize(block.instants * seen.joints * seen.sensors);
   for (std::uint64_t i = 0; i < block.instants; ++i) {
     const std::uint64_t instant = block.first_instant + i;
     block.time_ns[i] = data.time[instant].ns;
     block.heading_rad[i] = data.heading_rad[instant];
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      observe_joint(data, instant, plan.joints[j], planned.world_from_sensor,
+      observe_joint(data, planned, seen.is_corrected, instant, plan.joints[j],
                     std::span(seen.values).subspan((i * seen.joints + j) * seen.sensors, seen.sensors));
       const Eigen::Vector3d& truth = data.truth(instant, j, plan.joints.size());
       for (int axis = 0; axis < 3; ++axis)
@@ -75,26 +78,31 @@ std::uint8_t occluded_views(const JointInstant& instant) {
   return count;
 }
 
-// Every method that takes instants by themselves on a few of them, which are few enough to stay in the cache.
+bool sees(const Observations& seen, const Method& method) {
+  return !is_over_time(method) && method.spec.calibration_is_estimated == seen.is_corrected;
+}
+
+// Every method that takes instants by themselves, and the rig as it is seen, on a few of them, which are few
+// enough to stay in the cache.
 void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                     const Observations& seen, std::uint64_t first, std::uint64_t last, SampleBlock& block) {
+  const std::vector<RigidTransform>& rig = rig_of(planned, data, seen.is_corrected);
   std::vector<JointInstant> instants;
   instants.reserve((last - first) * plan.joints.size());
   const std::uint64_t first_row = first * plan.joints.size();
   for (std::uint64_t i = first; i < last; ++i)
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {
       const auto observations = seen.of(i, j);
-      instants.push_back({observations, planned.world_from_sensor,
-                          occlusions_of(data, block.first_instant + i, plan.joints[j]),
-                          ranges_of(observations, planned.world_from_sensor),
-                          sigma_at(data, block.first_instant + i, j)});
+      instants.push_back({observations, rig, occlusions_of(data, block.first_instant + i, plan.joints[j]),
+                          ranges_of(observations, rig),
+                          sigma_at(data, seen.is_corrected, block.first_instant + i, j)});
       const std::uint64_t row = first_row + instants.size() - 1;
       block.ranges[row] = static_cast<std::uint8_t>(instants.back().ranges.count);
       block.occluded[row] = occluded_views(instants.back());
     }
   std::vector<PointEstimate> estimates(instants.size());
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
-    if (is_over_time(plan.methods[m])) continue;
+    if (!sees(seen, plan.methods[m])) continue;
     evaluate(plan.methods[m], instants, estimates);
     for (std::size_t k = 0; k < estimates.size(); ++k)
       store(block, (first_row + k) * plan.methods.size() + m, estimates[k]);
@@ -133,7 +141,8 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
 const Method* checked_method(const Plan& plan) {
   for (const Method& m : plan.methods)
     if (m.spec.kind->name == "nonlinear" && m.spec.nonlinear.damping == Damping::lm &&
-        m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares)
+        m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares &&
+        !m.spec.calibration_is_estimated)
       return &m;
   return nullptr;
 }
@@ -142,16 +151,22 @@ TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeDa
                       const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block) {
   const Method* checked = cross_check ? checked_method(plan) : nullptr;
   const std::uint64_t count = block.instants;
-  Observations seen{plan.rig.size(), plan.joints.size(), {}};
-  seen.values.resize(count * seen.joints * seen.sensors);
+  std::vector<Observations> rigs;
+  for (const bool is_corrected : {false, true}) {
+    Observations seen{plan.rig.size(), plan.joints.size(), is_corrected, {}};
+    if (is_corrected && std::ranges::none_of(plan.methods, [&](const Method& m) { return sees(seen, m); }))
+      continue;
+    gather(plan, planned, data, block, seen);
+    rigs.push_back(std::move(seen));
+  }
   std::vector<TakeCheck> checks(checked ? count : 0);
-  gather(plan, planned, data, block, seen);
   parallel_for_index((count + kSideBySide - 1) / kSideBySide, 1, [&](std::size_t part) {
     const std::uint64_t from = part * kSideBySide, to = std::min(count, from + kSideBySide);
-    solve_instants(plan, planned, data, seen, from, to, block);
+    for (const Observations& seen : rigs) solve_instants(plan, planned, data, seen, from, to, block);
     for (std::uint64_t i = from; checked && i < to; ++i) {
       if ((block.first_instant + i) % kCheckedEvery != 0) continue;
-      checks[i] = cross_check_instant(plan, planned, data, seen, i, *checked, block.first_instant + i);
+      checks[i] =
+          cross_check_instant(plan, planned, data, rigs.front(), i, *checked, block.first_instant + i);
     }
   });
   for (const MethodPaths& path : paths) store(plan, path, block);

@@ -242,9 +242,22 @@ void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
   }
 }
 
-RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint) {
-  if (data.sigma.empty()) return {kNaN, kNaN};
-  return data.sigma[2 * joint + (instant < data.time.size() / 2 ? 0 : 1)];
+const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const TakeData& data,
+                                          bool is_corrected) {
+  return is_corrected ? data.corrected_rig : planned.world_from_sensor;
+}
+
+void observe_joint(const TakeData& data, const PlannedTake& planned, bool is_corrected, std::size_t instant,
+                   Joint joint, std::span<JointObservation> observations) {
+  observe_joint(data, instant, joint, planned.world_from_sensor, observations);
+  for (std::size_t s = 0; is_corrected && s < observations.size(); ++s)
+    observations[s] = corrected_view(observations[s], planned.world_from_sensor[s], data.shown.of_sensor[s]);
+}
+
+RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, std::size_t joint) {
+  const std::vector<RaySigma>& sigma = data.sigma[is_corrected];
+  if (sigma.empty()) return {kNaN, kNaN};
+  return sigma[2 * joint + (instant < data.time.size() / 2 ? 0 : 1)];
 }
 
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint) {

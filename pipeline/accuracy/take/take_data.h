@@ -11,6 +11,7 @@
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/fusion/range_bearing.h"
+#include "evaluators/fusion/self_calibration.h"
 #include "pipeline/accuracy/take/plan.h"
 
 namespace trilat {
@@ -44,8 +45,11 @@ struct TakeData {
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
   std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
   ClockRow clock;                                           // by motion, when the study asks
-  // Of methods whose sigma is estimated: by joint of the plan, for the take's first and second half.
-  std::vector<RaySigma> sigma;
+  SelfCalibration shown;                      // what the take shows of its calibration, when a method asks
+  std::vector<RigidTransform> corrected_rig;  // world_from_sensor by it, by rig sensor
+  // Of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan, for the
+  // take's first and second half.
+  std::array<std::vector<RaySigma>, 2> sigma;
   std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
@@ -63,8 +67,14 @@ void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
                    const std::vector<RigidTransform>& world_from_sensor,
                    std::span<JointObservation> observations);
 
+// The poses of the sensors as stated, or as the take corrects them, and a joint as they then see it.
+const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const TakeData& data,
+                                          bool is_corrected);
+void observe_joint(const TakeData& data, const PlannedTake& planned, bool is_corrected, std::size_t instant,
+                   Joint joint, std::span<JointObservation> observations);
+
 // The sigmas that are estimated for a joint of the plan at an instant; NaN without.
-RaySigma sigma_at(const TakeData& data, std::size_t instant, std::size_t joint);
+RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, std::size_t joint);
 
 // How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);

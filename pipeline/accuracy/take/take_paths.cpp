@@ -24,7 +24,7 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
   parallel_for_index(all.size(), 1, [&](std::size_t k) {
     const Method& method = plan.methods[all[k].method];
     const auto observe = [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
-      observe_joint(data, instant, joint, planned.world_from_sensor, observations);
+      observe_joint(data, planned, method.spec.calibration_is_estimated, instant, joint, observations);
       const SensorMask used = sensors_of(
           method, {observations, planned.world_from_sensor, occlusions_of(data, instant, joint), {}});
       for (std::size_t s = 0; s < observations.size(); ++s)

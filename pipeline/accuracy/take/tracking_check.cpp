@@ -245,6 +245,7 @@ TrackingSummary sum_tracking(const Plan& plan, const std::vector<TakeTracking>& 
         });
     if (!take.clock.status.empty()) summary.clocks.push_back(take.clock);
     if (!take.rays.take.empty()) summary.rays.push_back(take.rays);
+    summary.corrections.insert(summary.corrections.end(), take.corrections.begin(), take.corrections.end());
   }
   for (const RangeSums& r : ranges) {
     const double n = static_cast<double>(r.n);

@@ -23,10 +23,11 @@ struct TakeTracking {
   std::vector<ExchangeRow> exchanges;
   ClockRow clock;
   RayRow rays = {};
+  std::vector<CorrectionRow> corrections = {};
   std::vector<RangeSums> ranges;
   std::vector<PredictionSums> predictions = {};
 
-  TRILAT_FIELDS(views, exchanges, ranges, predictions, clock, rays)
+  TRILAT_FIELDS(views, exchanges, ranges, predictions, clock, rays, corrections)
 };
 
 // Counts which views each rule and each method with an occlusion rule rejects, and which exchanges of left

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT
+#include "evaluators/fusion/self_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gsl/gsl_cdf.h>
+
+#include "datasets/base/error.h"
+#include "evaluators/metrics/student.h"
+#include "evaluators/solvers/range_equations.h"
+
+namespace trilat {
+namespace {
+
+constexpr int kParameters = 7;  // of a sensor
+constexpr std::size_t kFewestRows = 20;
+constexpr std::size_t kFewestInferredViews = 100;  // to know their own sigma from
+constexpr int kRounds = 8, kRobustPasses = 3;
+constexpr int kFirstOfPriors = 2;     // round from which the priors are estimated
+constexpr double kStatedCount = 8.0;  // parameters of sensors that the stated priors count as
+constexpr double kLossScale = 3.0;    // sigmas
+constexpr double kLeastSigma_m = 1e-4;
+constexpr double kNormalQuantile = 1.959964;  // of 95 %
+constexpr double kLeastPrior = 1e-4;          // rad or m
+
+Eigen::Quaterniond turned_back(const Eigen::Vector3d& turn_rad) {
+  const double angle_rad = turn_rad.norm();
+  if (angle_rad == 0.0) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(-angle_rad, turn_rad / angle_rad));
+}
+
+struct View {
+  std::size_t sensor = 0;
+  bool inferred = false;
+  Eigen::Vector3d stated_m, point_m;  // as the calibration has it, and corrected
+  Eigen::Matrix3d weight;             // inverse covariance of point_m
+};
+
+// One joint at one instant as two sensors or more see it.
+struct Row {
+  std::uint32_t joint = 0;
+  std::vector<View> views;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+};
+
+class Calibrator {
+ public:
+  Calibrator(std::span<const JointObservation> observations, std::span<const RigidTransform> rig,
+             std::span<const std::uint32_t> joint, const CorrectionPriors& priors)
+      : rig_(rig), stated_priors_(priors), priors_(priors), theta_(Eigen::VectorXd::Zero(size())) {
+    read_rows(observations, joint);
+  }
+
+  std::size_t rows() const { return rows_.size(); }
+  std::size_t joints() const { return joints_.size(); }
+
+  SelfCalibration run() {
+    for (int round = 0; round < kRounds; ++round) {
+      correct();
+      if (round == 0) start_at_means();
+      estimate_variances(round == 0 ? 25 : 8);
+      place_robustly();
+      step(round);
+    }
+    return result();
+  }
+
+ private:
+  Eigen::Index size() const { return kParameters * static_cast<Eigen::Index>(rig_.size()); }
+
+  void read_rows(std::span<const JointObservation> observations, std::span<const std::uint32_t> joint) {
+    const auto inferred = std::ranges::count_if(
+        observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
+    with_inferred_ = static_cast<std::size_t>(inferred) >= kFewestInferredViews;
+    for (std::size_t i = 0; i < joint.size(); ++i) {
+      Row row{.joint = joint[i], .views = {}};
+      for (std::size_t s = 0; s < rig_.size(); ++s) {
+        const JointObservation& o = observations[i * rig_.size() + s];
+        const bool is_inferred = o.state == TrackingState::inferred;
+        if (!o.seen || !(o.range_m > kOnSensor_m) || (is_inferred && !with_inferred_)) continue;
+        row.views.push_back({s, is_inferred, o.point_in_world_m, o.point_in_world_m, {}});
+      }
+      if (row.views.size() < 2) continue;
+      joints_.try_emplace(row.joint, joints_.size());
+      rows_.push_back(std::move(row));
+    }
+  }
+
+  SensorCorrection correction_of(std::size_t s) const {
+    const auto of = theta_.segment<kParameters>(kParameters * static_cast<Eigen::Index>(s));
+    SensorCorrection correction;
+    correction.turn_rad = of.head<3>();
+    correction.shift_m = of.segment<3>(3);
+    correction.range_m = of[6];
+    return correction;
+  }
+
+  void correct() {
+    poses_.clear();
+    std::vector<Eigen::Matrix3d> back;
+    for (std::size_t s = 0; s < rig_.size(); ++s) {
+      const SensorCorrection c = correction_of(s);
+      back.push_back(turned_back(c.turn_rad).toRotationMatrix());
+      poses_.push_back(corrected_pose(rig_[s], c));
+    }
+    for (Row& row : rows_)
+      for (View& view : row.views) {
+        const Eigen::Vector3d v = back[view.sensor] * (view.stated_m - rig_[view.sensor].translation_m);
+        const double offset_m = theta_[kParameters * static_cast<Eigen::Index>(view.sensor) + 6];
+        view.point_m = poses_[view.sensor].translation_m + v * (1.0 - offset_m / v.norm());
+      }
+  }
+
+  void start_at_means() {
+    for (Row& row : rows_) {
+      row.position_m.setZero();
+      for (const View& view : row.views)
+        row.position_m += view.point_m / static_cast<double>(row.views.size());
+    }
+  }
+
+  Eigen::Vector3d ray_of(const Row& row, const View& view) const {
+    const Eigen::Vector3d v = row.position_m - poses_[view.sensor].translation_m;
+    return v / std::max(v.norm(), kOnSensor_m);
+  }
+
+  // Weights at the row's place, and the place that they give.
+  void place(Row& row) {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (View& view : row.views) {
+      const Eigen::Vector3d u = ray_of(row, view);
+      const double factor = view.inferred ? sigma_.inferred_factor : 1.0;
+      const double across = 1.0 / (factor * factor * sigma_.bearing_m * sigma_.bearing_m);
+      const double along = 1.0 / (factor * factor * sigma_.range_m * sigma_.range_m);
+      view.weight = across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose();
+      information += view.weight;
+      right += view.weight * view.point_m;
+    }
+    row.covariance = information.inverse();
+    row.position_m = row.covariance * right;
+  }
+
+  // Each variance is scaled by its squares over their degrees of freedom until both agree.
+  void estimate_variances(int most_iterations) {
+    constexpr double kTolerance = 1e-4;
+    for (int k = 0; k < most_iterations; ++k) {
+      Eigen::Array3d square = Eigen::Array3d::Zero(), freedom = Eigen::Array3d::Zero();
+      for (Row& row : rows_) {
+        place(row);
+        const double trace = row.covariance.trace();
+        for (const View& view : row.views) {
+          const Eigen::Vector3d u = ray_of(row, view), e = view.point_m - row.position_m;
+          const double factor = view.inferred ? sigma_.inferred_factor : 1.0;
+          const double range2 = std::pow(factor * sigma_.range_m, 2);
+          const double bearing2 = std::pow(factor * sigma_.bearing_m, 2);
+          const double along2 = std::pow(e.dot(u), 2), across2 = std::max(0.0, e.squaredNorm() - along2);
+          const double place_along2 = u.dot(row.covariance * u);
+          const int along = view.inferred ? 2 : 0, across = view.inferred ? 2 : 1;
+          square[along] += along2 / range2;
+          square[across] += across2 / bearing2;
+          freedom[along] += 1.0 - place_along2 / range2;
+          freedom[across] += 2.0 - (trace - place_along2) / bearing2;
+        }
+      }
+      Eigen::Array3d factor = (square / freedom.max(1e-9)).sqrt();
+      const double tracked = std::sqrt(factor[0] * factor[1]);
+      if (!with_inferred_) factor[2] = tracked;
+      sigma_.range_m = std::max(kLeastSigma_m, sigma_.range_m * factor[0]);
+      sigma_.bearing_m = std::max(kLeastSigma_m, sigma_.bearing_m * factor[1]);
+      sigma_.inferred_factor =
+          std::clamp(sigma_.inferred_factor * factor[2] / std::max(tracked, 1e-9), 0.2, 50.0);
+      if ((factor - 1.0).abs().maxCoeff() < kTolerance) return;
+    }
+  }
+
+  // Places by M-estimates; the weights stay with the views.
+  void place_robustly() {
+    for (Row& row : rows_) {
+      place(row);
+      std::array<Eigen::Matrix3d, kMaxSensors> full;
+      for (std::size_t k = 0; k < row.views.size(); ++k) full[k] = row.views[k].weight;
+      for (int pass = 0; pass < kRobustPasses; ++pass) {
+        Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+        Eigen::Vector3d right = Eigen::Vector3d::Zero();
+        for (std::size_t k = 0; k < row.views.size(); ++k) {
+          View& view = row.views[k];
+          const Eigen::Vector3d e = view.point_m - row.position_m;
+          view.weight = full[k] / (1.0 + e.dot(full[k] * e) / (kLossScale * kLossScale));
+          information += view.weight;
+          right += view.weight * view.point_m;
+        }
+        row.covariance = information.inverse();
+        row.position_m = row.covariance * right;
+      }
+    }
+  }
+
+  // How the view's corrected point moves with its sensor's turn, shift and range offset.
+  Eigen::Matrix<double, 3, kParameters> design(const View& view) const {
+    const Eigen::Vector3d v = view.point_m - poses_[view.sensor].translation_m;
+    Eigen::Matrix<double, 3, kParameters> design;
+    design.leftCols<3>() << 0.0, v.z(), -v.y(), -v.z(), 0.0, v.x(), v.y(), -v.x(), 0.0;
+    design.middleCols<3>(3).setIdentity();
+    design.col(6) = v.normalized();
+    return design;
+  }
+
+  void step(int round) {
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size(), size());
+    Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(joints_.size()), size());
+    for (const Row& row : rows_) add(row, information, scores);
+    design_effect_ = design_effect(information, scores, round == 0);
+    information /= design_effect_;
+    const Eigen::VectorXd precision = precision_of(priors_);
+    const Eigen::VectorXd right =
+        scores.colwise().sum().transpose() / design_effect_ - precision.cwiseProduct(theta_);
+    covariance_ = inverse_with(information, precision);
+    theta_ += covariance_ * right;
+    if (round >= kFirstOfPriors) priors_ = estimated_priors(0.0);
+    // few parameters tell little of their own priors: what is said to be known counts the stated ones, too
+    if (round == kRounds - 1)
+      covariance_ = inverse_with(information, precision_of(estimated_priors(kStatedCount)));
+  }
+
+  // The row's part of the normal equations, its place eliminated.
+  void add(const Row& row, Eigen::MatrixXd& information, Eigen::MatrixXd& scores) const {
+    const auto joint = static_cast<Eigen::Index>(joints_.at(row.joint));
+    std::array<Eigen::Matrix<double, 3, kParameters>, kMaxSensors> weighted, placed;
+    for (std::size_t k = 0; k < row.views.size(); ++k) {
+      const View& view = row.views[k];
+      const Eigen::Matrix<double, 3, kParameters> of = design(view);
+      weighted[k] = view.weight * of;
+      placed[k] = row.covariance * weighted[k];
+      const Eigen::Index at = kParameters * static_cast<Eigen::Index>(view.sensor);
+      information.block<kParameters, kParameters>(at, at) += of.transpose() * weighted[k];
+      scores.row(joint).segment<kParameters>(at) +=
+          (weighted[k].transpose() * (view.point_m - row.position_m)).transpose();
+    }
+    for (std::size_t a = 0; a < row.views.size(); ++a)
+      for (std::size_t b = 0; b < row.views.size(); ++b)
+        information.block<kParameters, kParameters>(
+            kParameters * static_cast<Eigen::Index>(row.views[a].sensor),
+            kParameters * static_cast<Eigen::Index>(row.views[b].sensor)) -=
+            weighted[a].transpose() * placed[b];
+  }
+
+  // How much more the joints' scores vary than those of independent views, in the directions that the views
+  // tell at all.
+  double design_effect(const Eigen::MatrixXd& information, const Eigen::MatrixXd& scores,
+                       bool centred) const {
+    constexpr double kTold = 1e-3;  // of the best told direction
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+    const double least = kTold * eigen.eigenvalues().maxCoeff();
+    double squares = 0.0, directions = 0.0;
+    for (Eigen::Index k = 0; k < size(); ++k) {
+      if (eigen.eigenvalues()[k] <= least) continue;
+      Eigen::VectorXd z = scores * eigen.eigenvectors().col(k) / std::sqrt(eigen.eigenvalues()[k]);
+      if (centred) z.array() -= z.mean();
+      squares += z.squaredNorm();
+      directions += 1.0;
+    }
+    const auto joints = static_cast<double>(joints_.size());
+    return std::max(1.0, squares / directions * joints / std::max(1.0, joints - 1.0));
+  }
+
+  Eigen::VectorXd precision_of(const CorrectionPriors& priors) const {
+    Eigen::VectorXd sigma(size());
+    for (Eigen::Index at = 0; at < size(); at += kParameters) {
+      sigma.segment<3>(at).setConstant(priors.turn_rad);
+      sigma.segment<3>(at + 3).setConstant(priors.shift_m);
+      sigma[at + 6] = priors.range_m;
+    }
+    return sigma.array().square().inverse();
+  }
+
+  static Eigen::MatrixXd inverse_with(Eigen::MatrixXd information, const Eigen::VectorXd& precision) {
+    information.diagonal() += precision;
+    return information.inverse();
+  }
+
+  // One step of expectation and maximisation, in which the stated priors count as so many parameters.
+  CorrectionPriors estimated_priors(double stated_count) const {
+    const Eigen::Array3d stated{stated_priors_.turn_rad, stated_priors_.shift_m, stated_priors_.range_m};
+    Eigen::Array3d squares = stated_count * stated.square(), count = Eigen::Array3d::Constant(stated_count);
+    for (Eigen::Index k = 0; k < size(); ++k) {
+      const Eigen::Index kind = k % kParameters < 3 ? 0 : k % kParameters < 6 ? 1 : 2;
+      squares[kind] += theta_[k] * theta_[k] + covariance_(k, k);
+      count[kind] += 1.0;
+    }
+    const Eigen::Array3d sigma = (squares / count).sqrt().max(kLeastPrior);
+    return {sigma[0], sigma[1], sigma[2]};
+  }
+
+  SelfCalibration result() const {
+    SelfCalibration result{
+        .of_sensor = {}, .priors = priors_, .sigma = sigma_, .design_effect = design_effect_, .problem = {}};
+    for (std::size_t s = 0; s < rig_.size(); ++s) {
+      const Eigen::Index at = kParameters * static_cast<Eigen::Index>(s);
+      result.of_sensor.push_back(correction_of(s));
+      result.of_sensor.back().covariance = covariance_.block<kParameters, kParameters>(at, at);
+    }
+    return result;
+  }
+
+  std::span<const RigidTransform> rig_;
+  CorrectionPriors stated_priors_, priors_;
+  bool with_inferred_ = false;
+  std::vector<Row> rows_;
+  std::map<std::uint32_t, std::size_t> joints_;  // their numbers
+  std::vector<RigidTransform> poses_;            // corrected
+  RaySigma sigma_{0.05, 0.05, 3.0};
+  Eigen::VectorXd theta_;
+  Eigen::MatrixXd covariance_;
+  double design_effect_ = 1.0;
+};
+
+}  // namespace
+
+RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const SensorCorrection& correction) {
+  return {(turned_back(correction.turn_rad) * world_from_sensor.rotation).normalized(),
+          world_from_sensor.translation_m - correction.shift_m};
+}
+
+JointObservation corrected_view(const JointObservation& observation, const RigidTransform& world_from_sensor,
+                                const SensorCorrection& correction) {
+  JointObservation result = observation;
+  if (!observation.seen || !(observation.range_m > kOnSensor_m)) return result;
+  const Eigen::Vector3d v =
+      turned_back(correction.turn_rad) * (observation.point_in_world_m - world_from_sensor.translation_m);
+  result.range_m = observation.range_m - correction.range_m;
+  result.point_in_world_m =
+      world_from_sensor.translation_m - correction.shift_m + v * (result.range_m / observation.range_m);
+  return result;
+}
+
+// Of a normal vector: its squared length is taken as gamma distributed with the mean and variance that it
+// has; from 0 where the vector may be none.
+Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+  const double square = mean.squaredNorm() + covariance.trace();
+  const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
+  const auto quantile = [&](double p) {
+    return std::sqrt(gsl_cdf_gamma_Pinv(p, square * square / variance, variance / square));
+  };
+  const bool may_be_none = mean.dot(covariance.inverse() * mean) < gsl_cdf_chisq_Pinv(0.95, 3.0);
+  return {quantile(0.5), may_be_none ? 0.0 : quantile(0.025), quantile(0.975)};
+}
+
+CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor) {
+  if (!calibration.problem.empty()) return {};
+  const SensorCorrection& c = calibration.of_sensor[sensor];
+  const double quantile = student_quantile(calibration.joints - 1);
+  const Eigen::Matrix<double, 7, 7> covariance = c.covariance * std::pow(quantile / kNormalQuantile, 2);
+  const double reach_m = kNormalQuantile * std::sqrt(covariance(6, 6));
+  return {length_of(c.turn_rad, covariance.topLeftCorner<3, 3>()),
+          length_of(c.shift_m, covariance.block<3, 3>(3, 3)),
+          {c.range_m, c.range_m - reach_m, c.range_m + reach_m}};
+}
+
+SelfCalibration self_calibrate(std::span<const JointObservation> observations,
+                               std::span<const RigidTransform> world_from_sensor,
+                               std::span<const std::uint32_t> joint, const CorrectionPriors& priors) {
+  TRILAT_CHECK(observations.size() == world_from_sensor.size() * joint.size() &&
+                   world_from_sensor.size() <= kMaxSensors,
+               "every row has an observation of every sensor");
+  TRILAT_CHECK(priors.turn_rad > 0.0 && priors.shift_m > 0.0 && priors.range_m > 0.0,
+               "priors are greater than 0");
+  Calibrator calibrator(observations, world_from_sensor, joint, priors);
+  SelfCalibration result{
+      .of_sensor = std::vector<SensorCorrection>(world_from_sensor.size()), .priors = priors, .problem = {}};
+  if (calibrator.rows() < kFewestRows)
+    result.problem = "fewer than " + std::to_string(kFewestRows) + " times do two sensors see the same joint";
+  else if (calibrator.joints() < 3)
+    result.problem = "fewer than 3 joints are seen by two sensors";
+  else
+    result = calibrator.run();
+  result.rows = calibrator.rows();
+  result.joints = calibrator.joints();
+  return result;
+}
+
+}  // namespace trilat

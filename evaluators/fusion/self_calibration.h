@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "evaluators/fusion/range_bearing.h"
+
+namespace trilat {
+
+// How a sensor stands and measures beside what its calibration says. Of (turn, shift, range):
+using CorrectionVector = Eigen::Matrix<double, 7, 1>;
+struct SensorCorrection {
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector about the sensor, in the world
+  Eigen::Vector3d shift_m =
+      Eigen::Vector3d::Zero();  // what it sees lies so far from where it is, in the world
+  double range_m = 0.0;         // its ranges are so much too long
+  Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
+};
+
+// The pose and the view without what the correction says.
+RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const SensorCorrection& correction);
+JointObservation corrected_view(const JointObservation& observation, const RigidTransform& world_from_sensor,
+                                const SensorCorrection& correction);
+
+// Standard deviations of a sensor's turn, shift (each an axis) and range offset before anything was seen.
+// Positive.
+struct CorrectionPriors {
+  double turn_rad = 0.03;
+  double shift_m = 0.01;
+  double range_m = 0.015;
+};
+
+struct SelfCalibration {
+  std::vector<SensorCorrection> of_sensor;  // one each, zero when there is a problem
+  CorrectionPriors priors;                  // as the take shows them
+  RaySigma sigma{kNaN, kNaN};               // of all joints together, beside the corrections
+  double design_effect = 1.0;               // so many views tell what one independent view does
+  std::size_t rows = 0, joints = 0;         // that were used
+  std::string problem;                      // why nothing could be told; empty when something could
+};
+
+// How much a sensor is turned (rad), shifted (m) and measures too far (m), with 95 % intervals of Student's t
+// over the joints. Of turn and shift the median of the length; from 0 where there may be none.
+struct Magnitude {
+  double value = kNaN, low = kNaN, high = kNaN;
+};
+struct CorrectionMagnitudes {
+  Magnitude turn_rad, shift_m, range_m;
+};
+CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor);
+
+// What a rig shows of its own calibration by the joints of one person, without truth: for each sensor a turn
+// about its position, a shift and an offset of its ranges, with normal priors. Each round estimates the
+// variances along and across the rays (restricted maximum likelihood, as estimate_ray_sigma()), linearises,
+// eliminates the joints' places (Schur complement), gives views that disagree by more than three sigmas
+// less weight (Cauchy), and solves (H / tau + Lambda) theta = g / tau. tau is the design effect: how much
+// the scores of whole joints vary beyond what independent views would, so that the tracker's constant error
+// of a joint counts once and not once an instant. The priors are estimated again from the third round on
+// (empirical Bayes); in the covariance the stated ones count beside them as eight sensors' parameters. What
+// turns and shifts all sensors together shows in no disagreement: of it the priors alone decide, so the world
+// does not move. One sensor, or sensors that never see the same joint, tell nothing: `problem`.
+// `observations`: rows times sensors of the rig; `joint`: of each row. InternalError when the sizes do not
+// fit or a prior is not positive.
+[[nodiscard]] SelfCalibration self_calibrate(std::span<const JointObservation> observations,
+                                             std::span<const RigidTransform> world_from_sensor,
+                                             std::span<const std::uint32_t> joint,
+                                             const CorrectionPriors& priors = {});
+
+}  // namespace trilat
