@@ -48,19 +48,35 @@ bool is_finite(const Rays& rays) {
   return true;
 }
 
-// What a sensor's squared residual costs, and the weight with which it enters the normal equations.
-struct Cost {
-  double value, weight;
-};
-Cost cost_of(double square, const RangeBearingOptions& o) {
-  const double limit = o.loss_scale * o.loss_scale;
-  if (o.loss == Loss::cauchy) return {limit * std::log1p(square / limit), 1.0 / (1.0 + square / limit)};
-  if (o.loss == Loss::huber && square > limit) {
-    const double length = std::sqrt(square);
-    return {2.0 * o.loss_scale * length - limit, o.loss_scale / length};
+// What the sensors' squared residuals cost together. Cauchy's is the logarithm of a product.
+class Costs {
+ public:
+  explicit Costs(const RangeBearingOptions& options) : options_(options) {}
+  // The weight with which the residual enters the normal equations.
+  double add(double square) {
+    const double limit = options_.loss_scale * options_.loss_scale;
+    if (options_.loss == Loss::cauchy) {
+      const double grown = square / limit;
+      product_less_1_ += grown + product_less_1_ * grown;
+      return 1.0 / (1.0 + grown);
+    }
+    if (options_.loss == Loss::huber && square > limit) {
+      const double length = std::sqrt(square);
+      sum_ += 2.0 * options_.loss_scale * length - limit;
+      return options_.loss_scale / length;
+    }
+    sum_ += square;
+    return 1.0;
   }
-  return {square, 1.0};
-}
+  double value() const {
+    if (options_.loss != Loss::cauchy) return sum_;
+    return options_.loss_scale * options_.loss_scale * std::log1p(product_less_1_);
+  }
+
+ private:
+  const RangeBearingOptions& options_;
+  double sum_ = 0.0, product_less_1_ = 0.0;
+};
 
 struct Equations {
   Symmetric3 normal;
@@ -75,6 +91,7 @@ void add_projection(Symmetric3& matrix, double weight, const Eigen::Vector3d& di
 
 Equations linearise(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
   Equations result;
+  Costs costs(options);
   for (int i = 0; i < rays.count; ++i) {
     const Eigen::Vector3d v = x_m - rays.sensor_m[i];
     const double distance_m = v.norm();
@@ -82,13 +99,13 @@ Equations linearise(const Rays& rays, const RangeBearingOptions& options, const 
     const double along_m = distance_m - rays.range_m[i];
     const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
     const double range_weight = rays.range_weight[i], bearing_weight = rays.bearing_weight[i];
-    const Cost cost =
-        cost_of(range_weight * along_m * along_m + bearing_weight * across_m.squaredNorm(), options);
-    result.cost += cost.value;
-    result.normal.add_outer(cost.weight * range_weight, e);
-    add_projection(result.normal, cost.weight * bearing_weight, rays.direction[i]);
-    result.gradient += cost.weight * (range_weight * along_m * e + bearing_weight * across_m);
+    const double weight =
+        costs.add(range_weight * along_m * along_m + bearing_weight * across_m.squaredNorm());
+    result.normal.add_outer(weight * range_weight, e);
+    add_projection(result.normal, weight * bearing_weight, rays.direction[i]);
+    result.gradient += weight * (range_weight * along_m * e + bearing_weight * across_m);
   }
+  result.cost = costs.value();
   return result;
 }
 
@@ -179,20 +196,36 @@ PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
   return estimate;
 }
 
+// Whether a sensor is so far off that the loss bends back: then another minimum may be lower.
+bool any_disagrees(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
+  for (int i = 0; i < rays.count; ++i) {
+    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
+    const double along_m = v.norm() - rays.range_m[i];
+    const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
+    const double square =
+        rays.range_weight[i] * along_m * along_m + rays.bearing_weight[i] * across_m.squaredNorm();
+    if (!(square <= options.loss_scale * options.loss_scale)) return true;
+  }
+  return false;
+}
+
 // The lowest of the minima that the descents find: from the mean and, where ranges count more than bearings,
 // from both sides of the ranges' own minimum.
 Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
   if (options.start_m) return descend(rays, options, *options.start_m);
+  constexpr double kCoarse_m = 1e-4;  // tells whose minimum is the lowest, which then is found exactly
+  RangeBearingOptions coarse = options;
+  coarse.step_tolerance_m = std::max(kCoarse_m, options.step_tolerance_m);
   const RangeProblem problem = ranges_of(rays);
   Minimum best;
   int iterations = 0;
   const auto try_from = [&](const Eigen::Vector3d& start_m) {
-    const Minimum found = descend(rays, options, start_m);
+    const Minimum found = descend(rays, coarse, start_m);
     iterations += found.iterations;
     if (found.cost < best.cost) best = found;
   };
   try_from(*problem.hint_m);
-  if (options.loss != Loss::squares)  // where sensors disagree each may be right
+  if (options.loss != Loss::squares && any_disagrees(rays, options, best.position_m))  // each may be right
     for (int i = 0; i < rays.count; ++i) try_from(rays.point_m[i]);
   if (rays.count >= 3 && options.sigma.range_m < options.sigma.bearing_m) {
     const SensorPlane plane = plane_of(problem);
@@ -202,7 +235,8 @@ Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
       try_from(plane.mirrored(start_m));
     }
   }
-  best.iterations = iterations;
+  if (std::isfinite(best.cost)) best = descend(rays, options, best.position_m);
+  best.iterations += iterations;
   return best;
 }
 

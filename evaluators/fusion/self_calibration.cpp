@@ -39,7 +39,10 @@ struct View {
   std::size_t sensor = 0;
   bool inferred = false;
   Eigen::Vector3d stated_m, point_m;  // as the calibration has it, and corrected
-  Eigen::Matrix3d weight;             // inverse covariance of point_m
+  // As far along the ray to the joint's place as it is from its sensor, and as far across as it is: what the
+  // point would be if rays were parallel.
+  Eigen::Vector3d straight_m;
+  Eigen::Matrix3d weight;  // its inverse covariance
 };
 
 // One joint at one instant as two sensors or more see it.
@@ -85,7 +88,7 @@ class Calibrator {
         const JointObservation& o = observations[i * rig_.size() + s];
         const bool is_inferred = o.state == TrackingState::inferred;
         if (!o.seen || !(o.range_m > kOnSensor_m) || (is_inferred && !with_inferred_)) continue;
-        row.views.push_back({s, is_inferred, o.point_in_world_m, o.point_in_world_m, {}});
+        row.views.push_back({s, is_inferred, o.point_in_world_m, o.point_in_world_m, o.point_in_world_m, {}});
       }
       if (row.views.size() < 2) continue;
       joints_.try_emplace(row.joint, joints_.size());
@@ -141,8 +144,10 @@ class Calibrator {
       const double across = 1.0 / (factor * factor * sigma_.bearing_m * sigma_.bearing_m);
       const double along = 1.0 / (factor * factor * sigma_.range_m * sigma_.range_m);
       view.weight = across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose();
+      const Eigen::Vector3d v = view.point_m - poses_[view.sensor].translation_m;
+      view.straight_m = view.point_m + (v.norm() - v.dot(u)) * u;
       information += view.weight;
-      right += view.weight * view.point_m;
+      right += view.weight * view.straight_m;
     }
     row.covariance = information.inverse();
     row.position_m = row.covariance * right;
@@ -157,7 +162,7 @@ class Calibrator {
         place(row);
         const double trace = row.covariance.trace();
         for (const View& view : row.views) {
-          const Eigen::Vector3d u = ray_of(row, view), e = view.point_m - row.position_m;
+          const Eigen::Vector3d u = ray_of(row, view), e = view.straight_m - row.position_m;
           const double factor = view.inferred ? sigma_.inferred_factor : 1.0;
           const double range2 = std::pow(factor * sigma_.range_m, 2);
           const double bearing2 = std::pow(factor * sigma_.bearing_m, 2);
@@ -192,10 +197,10 @@ class Calibrator {
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         for (std::size_t k = 0; k < row.views.size(); ++k) {
           View& view = row.views[k];
-          const Eigen::Vector3d e = view.point_m - row.position_m;
+          const Eigen::Vector3d e = view.straight_m - row.position_m;
           view.weight = full[k] / (1.0 + e.dot(full[k] * e) / (kLossScale * kLossScale));
           information += view.weight;
-          right += view.weight * view.point_m;
+          right += view.weight * view.straight_m;
         }
         row.covariance = information.inverse();
         row.position_m = row.covariance * right;
@@ -217,17 +222,17 @@ class Calibrator {
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size(), size());
     Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(joints_.size()), size());
     for (const Row& row : rows_) add(row, information, scores);
+    information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
     design_effect_ = design_effect(information, scores, round == 0);
     information /= design_effect_;
-    const Eigen::VectorXd precision = precision_of(priors_);
-    const Eigen::VectorXd right =
-        scores.colwise().sum().transpose() / design_effect_ - precision.cwiseProduct(theta_);
-    covariance_ = inverse_with(information, precision);
+    const Eigen::MatrixXd precision = precision_of(priors_);
+    const Eigen::VectorXd right = scores.colwise().sum().transpose() / design_effect_ - precision * theta_;
+    covariance_ = (information + precision).inverse();
     theta_ += covariance_ * right;
     if (round >= kFirstOfPriors) priors_ = estimated_priors(0.0);
-    // few parameters tell little of their own priors: what is said to be known counts the stated ones, too
+    // few sensors tell little of their own priors: what is said to be known counts the stated ones, too
     if (round == kRounds - 1)
-      covariance_ = inverse_with(information, precision_of(estimated_priors(kStatedCount)));
+      covariance_ = (information + precision_of(estimated_priors(kStatedCount))).inverse();
   }
 
   // The row's part of the normal equations, its place eliminated.
@@ -242,10 +247,10 @@ class Calibrator {
       const Eigen::Index at = kParameters * static_cast<Eigen::Index>(view.sensor);
       information.block<kParameters, kParameters>(at, at) += of.transpose() * weighted[k];
       scores.row(joint).segment<kParameters>(at) +=
-          (weighted[k].transpose() * (view.point_m - row.position_m)).transpose();
+          (weighted[k].transpose() * (view.straight_m - row.position_m)).transpose();
     }
     for (std::size_t a = 0; a < row.views.size(); ++a)
-      for (std::size_t b = 0; b < row.views.size(); ++b)
+      for (std::size_t b = 0; b <= a; ++b)  // the lower half: sensors rise
         information.block<kParameters, kParameters>(
             kParameters * static_cast<Eigen::Index>(row.views[a].sensor),
             kParameters * static_cast<Eigen::Index>(row.views[b].sensor)) -=
@@ -271,32 +276,48 @@ class Calibrator {
     return std::max(1.0, squares / directions * joints / std::max(1.0, joints - 1.0));
   }
 
-  Eigen::VectorXd precision_of(const CorrectionPriors& priors) const {
-    Eigen::VectorXd sigma(size());
-    for (Eigen::Index at = 0; at < size(); at += kParameters) {
-      sigma.segment<3>(at).setConstant(priors.turn_rad);
-      sigma.segment<3>(at + 3).setConstant(priors.shift_m);
-      sigma[at + 6] = priors.range_m;
+  using KindArray = Eigen::Array<double, kParameters, 1>;  // a number for each parameter of a sensor
+  static KindArray squared(const CorrectionPriors& p) {
+    KindArray sigma;
+    sigma << p.turn_rad, p.turn_rad, p.turn_rad, p.shift_m, p.shift_m, p.shift_m, p.range_m;
+    return sigma.square();
+  }
+
+  // Of normal priors on how sensors differ from the rig's mean, and the stated ones on that mean.
+  Eigen::MatrixXd precision_of(const CorrectionPriors& priors) const {
+    const auto sensors = static_cast<double>(rig_.size());
+    const KindArray own = squared(priors), common = squared(stated_priors_);
+    const KindArray shared = common / (own * (own + sensors * common));
+    Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(size(), size());
+    for (Eigen::Index a = 0; a < size(); ++a) {
+      precision(a, a) = 1.0 / own[a % kParameters];
+      for (Eigen::Index b = a % kParameters; b < size(); b += kParameters)
+        precision(a, b) -= shared[a % kParameters];
     }
-    return sigma.array().square().inverse();
+    return precision;
   }
 
-  static Eigen::MatrixXd inverse_with(Eigen::MatrixXd information, const Eigen::VectorXd& precision) {
-    information.diagonal() += precision;
-    return information.inverse();
-  }
-
-  // One step of expectation and maximisation, in which the stated priors count as so many parameters.
+  // One step of expectation and maximisation on the sensors' deviations from their mean, in which the stated
+  // priors count as so many parameters.
   CorrectionPriors estimated_priors(double stated_count) const {
-    const Eigen::Array3d stated{stated_priors_.turn_rad, stated_priors_.shift_m, stated_priors_.range_m};
-    Eigen::Array3d squares = stated_count * stated.square(), count = Eigen::Array3d::Constant(stated_count);
-    for (Eigen::Index k = 0; k < size(); ++k) {
-      const Eigen::Index kind = k % kParameters < 3 ? 0 : k % kParameters < 6 ? 1 : 2;
-      squares[kind] += theta_[k] * theta_[k] + covariance_(k, k);
-      count[kind] += 1.0;
+    const auto sensors = static_cast<Eigen::Index>(rig_.size());
+    KindArray squares = KindArray::Zero();
+    for (Eigen::Index k = 0; k < kParameters; ++k) {
+      const auto of = Eigen::seqN(k, sensors, kParameters);
+      const Eigen::VectorXd theta = theta_(of);
+      const Eigen::MatrixXd covariance = covariance_(of, of);
+      squares[k] = (theta.array() - theta.mean()).square().sum() + covariance.trace() -
+                   covariance.sum() / static_cast<double>(sensors);
     }
-    const Eigen::Array3d sigma = (squares / count).sqrt().max(kLeastPrior);
-    return {sigma[0], sigma[1], sigma[2]};
+    const auto sigma = [&](double stated, Eigen::Index first, Eigen::Index count) {
+      const double freedom = static_cast<double>(count * (sensors - 1));
+      return std::max(kLeastPrior,
+                      std::sqrt((stated_count * stated * stated + squares.segment(first, count).sum()) /
+                                (stated_count + freedom)));
+    };
+    return {sigma(stated_priors_.turn_rad, 0, 3),
+            std::min(stated_priors_.shift_m, sigma(stated_priors_.shift_m, 3, 3)),
+            std::min(stated_priors_.range_m, sigma(stated_priors_.range_m, 6, 1))};
   }
 
   SelfCalibration result() const {

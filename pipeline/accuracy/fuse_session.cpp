@@ -5,10 +5,13 @@
 #include <atomic>
 #include <cmath>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/version.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/take/take_paths.h"
 #include "pipeline/accuracy/take/take_rays.h"
+#include "pipeline/study/hash_cache.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
@@ -89,7 +92,10 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                      .points = std::vector<FusedPoint>(data.time.size() * plan.joints.size()),
                      .sensors = method.sensors.empty() ? plan.rig : method.sensors,
                      .rays = rays_of(plan, plan.takes[0], data),
+                     .corrections = correction_rows(plan, plan.takes[0], data),
                      .notes = data.notes};
+  for (TakeNote& note : correction_notes(plan.takes[0], fused.corrections))
+    fused.notes.push_back(std::move(note));
   if (is_over_time(plan.methods[0]))
     solve_paths(plan, data, watch, fused);
   else
@@ -97,6 +103,42 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
   for (const FusedPoint& point : fused.points)
     fused.answered += is_usable(point.status) ? 1.0 / static_cast<double>(fused.points.size()) : 0.0;
   return fused;
+}
+
+CorrectedCalibration correct_calibration(const std::filesystem::path& session,
+                                         const std::filesystem::path& calibration, const Watch& watch) {
+  WatchedFiles files;
+  files.add(session);
+  Json method{{"method", "range_bearing"}};
+  JsonObject object(method, "range_bearing", "");
+  const Plan plan = plan_of(session, calibration, read_method(object), 30.0);
+  const PlannedTake& planned = plan.takes[0];
+  TakeData data = load_take(plan, planned, watch.stop_requested);
+  find_corrections(plan, planned, data);
+  if (!data.shown.problem.empty())
+    throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
+  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data)};
+  Calibration& corrected = result.calibration;
+  corrected.method = "corrected by bodies";
+  corrected.program = kProgramVersion;
+  corrected.positions = data.shown.rows;
+  corrected.rejected.clear();
+  corrected.reduced_chi2 = 0.0;
+  corrected.sources = {{session.filename().string(), hash_of_file(session, watch.stop_requested)},
+                       {calibration.filename().string(), hash_of_file(calibration, watch.stop_requested)}};
+  corrected.sensors = planned.poses;
+  for (std::size_t s = 0; s < corrected.sensors.size(); ++s) {
+    SensorPose& pose = corrected.sensors[s];
+    pose.world_from_sensor = data.corrected_rig[s];
+    pose.covariance = data.shown.of_sensor[s].covariance.topLeftCorner<6, 6>();
+    pose.rotation_sigma_rad = std::sqrt(pose.covariance->topLeftCorner<3, 3>().trace() / 3.0);
+    pose.position_sigma_m = std::sqrt(pose.covariance->bottomRightCorner<3, 3>().trace() / 3.0);
+    pose.used = data.shown.rows;
+    pose.left_out = 0;
+    pose.residual_rms_m = 0.0;
+  }
+  files.check();
+  return result;
 }
 
 JointTrack track_of(const FusedSession& fused) {

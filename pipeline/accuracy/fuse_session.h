@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/calibration/calibration.h"
 #include "datasets/markers/joint_files.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
@@ -29,6 +30,7 @@ struct FusedSession {
   std::vector<FusedPoint> points;  // instants times joints; a position that no sensor gives is NaN
   std::vector<std::string> sensors;
   RayRow rays;
+  std::vector<CorrectionRow> corrections;  // of methods whose calibration is estimated
   std::vector<TakeNote> notes;
   double answered = 0.0;  // share of instants and joints
 
@@ -40,6 +42,15 @@ struct FusedSession {
 // asked to stop.
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
                           const MethodSpec& method, double rate_hz, const Watch& watch);
+
+// A calibration whose sensors are turned and shifted as the bodies of a session show, with the covariances
+// that they leave; and what they show. InputError when they tell nothing, and as fuse_session().
+struct CorrectedCalibration {
+  Calibration calibration;
+  std::vector<CorrectionRow> corrections;
+};
+CorrectedCalibration correct_calibration(const std::filesystem::path& session,
+                                         const std::filesystem::path& calibration, const Watch& watch);
 
 // As the writers of marker files take it; refers to `fused`.
 JointTrack track_of(const FusedSession& fused);

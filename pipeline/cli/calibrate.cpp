@@ -11,6 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
 #include "datasets/calibration/calibration.h"
+#include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_wand.h"
 #include "pipeline/calibration/wand_views.h"
@@ -19,6 +20,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/results_folder.h"
 #include "reports/render/render.h"
+#include "reports/tables/tables.h"
 
 namespace trilat {
 
@@ -28,6 +30,7 @@ struct CalibrateArguments {
   std::vector<std::filesystem::path> sessions;
   std::filesystem::path output;
   std::string method = "wand";
+  std::filesystem::path from;  // of bodies: the calibration that is corrected; empty: none
   double ball_radius_m = 0.075;
   std::vector<std::string> intrinsics;  // SENSOR=FILE
   std::filesystem::path mocap;
@@ -180,6 +183,7 @@ void refuse_ignored(const CalibrateArguments& a) {
     throw InputError(option, "is of no use with --method " + a.method);
   };
   if ((bodies || two) && !a.mocap.empty()) refuse("--mocap");
+  if (!bodies && !a.from.empty()) refuse("--from");
   if (bodies && !a.intrinsics.empty()) refuse("--intrinsics");
   if (bodies && a.movement_m) refuse("--movement-m");
   if ((bodies || two) && a.no_depth_correction) refuse("--no-depth-correction");
@@ -199,6 +203,7 @@ WandMethod wand_method(const CalibrateArguments& arguments) {
 std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments) {
   std::vector<std::filesystem::path> inputs = arguments.sessions;
   inputs.push_back(arguments.mocap);
+  inputs.push_back(arguments.from);
   for (const auto& [sensor, file] : named_files(arguments.intrinsics)) inputs.push_back(file);
   return inputs;
 }
@@ -206,10 +211,16 @@ std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments
 struct Calibrated {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
+  std::vector<CorrectionRow> corrections = {};
 };
 
 Calibrated calibrate_by(const CalibrateArguments& arguments) {
   Progress progress(arguments.method == "bodies" ? "calibrating" : "looking for the wand");
+  if (!arguments.from.empty()) {
+    CorrectedCalibration result =
+        correct_calibration(arguments.sessions[0], arguments.from, {stop_requested, {}});
+    return {std::move(result.calibration), {}, std::move(result.corrections)};
+  }
   if (arguments.method == "bodies") {
     CalibrateBodiesOptions options;
     options.stop_requested = stop_requested;
@@ -228,6 +239,8 @@ int calibrate(const CalibrateArguments& arguments) {
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
+  if (!arguments.json)
+    for (const CorrectionRow& row : outcome.corrections) fmt::print("{}\n", correction_text(row));
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);
   return kDone;
 }
@@ -246,6 +259,8 @@ void add_calibrate(CLI::App& app, int& code) {
                   "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed")
       ->check(CLI::IsMember({"wand", "bodies", "two_positions", "printed"}))
       ->capture_default_str();
+  verb.add_option("--from", a.from,
+                  "bodies: this calibration.json, its sensors turned and shifted as the bodies show");
   verb.add_option("--ball-radius-m", a.ball_radius_m, "of the wand's ball")
       ->check(CLI::Range(0.02, 0.3))
       ->capture_default_str();

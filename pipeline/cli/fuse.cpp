@@ -25,13 +25,12 @@ struct FuseArguments {
   bool json = false;
 };
 
-// With the settings that a study gives it by default; sigmas come from the rig where they can.
+// With the settings that a study gives it by default.
 MethodSpec method_of(const FuseArguments& a) {
   if (!a.sensor.empty() && a.method != "single")
     throw InputError("--sensor",
                      fmt::format("is for --method single; {} uses all sensors of the session", a.method));
   Json json{{"method", a.method}};
-  if (a.method == "range_bearing") json["sigma"] = "estimated";
   if (!a.sensor.empty()) json["sensors"] = {a.sensor};
   JsonObject object(json, "--method", "");
   return read_method(object);
@@ -64,12 +63,15 @@ int fuse(const FuseArguments& a) {
   }();
   format.write(a.output, track_of(fused));
   if (a.json) {
+    Json corrections = Json::array();
+    for (const CorrectionRow& row : fused.corrections) corrections.push_back(json_of(row));
     fmt::print("{}\n", json_text(Json{{"file", a.output.string()},
                                       {"instants", fused.instants()},
                                       {"start_host_ns", fused.start_host_ns},
                                       {"sensors", fused.sensors},
                                       {"answered", fused.answered},
-                                      {"rays", json_of(fused.rays)}},
+                                      {"rays", json_of(fused.rays)},
+                                      {"corrections", corrections}},
                                  2));
     return fused.answered > 0.0 ? kDone : kItemsFailed;
   }
@@ -77,6 +79,7 @@ int fuse(const FuseArguments& a) {
   fmt::print("{}: {} joints at {} instants ({:g} Hz) by {} from {}; {:.1f} % answered\n{}\n",
              a.output.string(), fused.joints.size(), fused.instants(), fused.rate_hz, a.method,
              fmt::join(fused.sensors, ", "), 100.0 * fused.answered, ray_text(fused.rays));
+  for (const CorrectionRow& row : fused.corrections) fmt::print("{}\n", correction_text(row));
   if (fused.answered > 0.0) return kDone;
   fmt::print(
       stderr,
@@ -96,8 +99,8 @@ void add_fuse(CLI::App& app, int& code) {
                   "walk.trc (OpenSim's markers), walk.c3d or walk.csv (with statuses and sigmas)")
       ->required();
   verb.add_option("--method", a.method,
-                  "any method of a study, with its default settings; range_bearing takes "
-                  "its sigmas from the disagreement of the sensors")
+                  "any method of a study, with its default settings; range_bearing finds from the bodies how "
+                  "well sensors measure, and how they stand beside their calibration")
       ->capture_default_str();
   verb.add_option("--sensor", a.sensor, "single: which one");
   verb.add_option("--rate-hz", a.rate_hz, "instants a second")

@@ -167,6 +167,7 @@ Json sensitivity_schema() {
             R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1},
       "space": [{"setting": "/rig/radius_m", "low": 1, "high": 2}, {"setting": "/sensor/rate_hz", "values": [10, 30]}],
       "claims": [{"better": "mean", "than": ["linear"]}],
+      "parts": [{"factor": "radius_m", "low": 1, "high": 2}],
       "slices": [{"x": "radius_m", "y": "rate_hz"}]})"),
       false);
   return schema_of({example},

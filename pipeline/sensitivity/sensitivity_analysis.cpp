@@ -118,10 +118,10 @@ ClaimByFactor by_factor(const SensitivitySummary& s, const Space& space,
 }
 
 // The mean over the campaigns of the simulation as it is, with its interval by Student's t.
-Estimate as_it_is(const SensitivitySummary& s, const SensitivityClaim& claim) {
+Estimate as_it_is(const SensitivitySummary& s, const SensitivityClaim& claim, std::size_t alignment) {
   std::vector<double> values;
   for (const SensitivityPoint& point : s.points)
-    if (const double percent = difference_percent(claim, s.methods, point);
+    if (const double percent = difference_percent(claim, s.methods, point, alignment);
         point.design == "default" && std::isfinite(percent))
       values.push_back(std::log1p(0.01 * percent));
   if (values.empty()) return {};
@@ -134,12 +134,29 @@ Estimate as_it_is(const SensitivitySummary& s, const SensitivityClaim& claim) {
   return in_percent({mean, mean - half, mean + half});
 }
 
-void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityClaim& claim) {
-  std::vector<double> difference;  // logarithms of ratios
+// By point, the logarithm of the ratio; NaN also outside the part.
+std::vector<double> differences_of(const SensitivitySummary& s, const Space& space,
+                                   const SensitivityClaim& claim, std::size_t alignment,
+                                   const SpacePart& part) {
+  const auto factor = static_cast<std::size_t>(
+      std::ranges::find(s.factors, part.factor, &SensitivityFactor::name) - s.factors.begin());
+  std::vector<double> differences;
   for (const SensitivityPoint* point : space.points) {
-    difference.push_back(std::log1p(0.01 * difference_percent(claim, s.methods, *point)));
-    claim.worst_percent = std::fmax(claim.worst_percent, percent_of(difference.back()));
-    claim.silent += std::isnan(difference.back()) ? 1 : 0;
+    const double value = factor < s.factors.size() ? s.value_at(factor, point->position[factor]) : 0.0;
+    const bool is_outside = factor < s.factors.size() && !(part.low <= value && value <= part.high);
+    differences.push_back(
+        is_outside ? kNoNumber : std::log1p(0.01 * difference_percent(claim, s.methods, *point, alignment)));
+  }
+  return differences;
+}
+
+ClaimIn claim_in(const SensitivitySummary& s, const Space& space, const SensitivityClaim& claim,
+                 std::size_t alignment, const SpacePart& part) {
+  ClaimIn result{.alignment = s.alignments[alignment], .part = part.name};
+  const std::vector<double> difference = differences_of(s, space, claim, alignment, part);
+  for (const double d : difference) {
+    result.worst_percent = std::fmax(result.worst_percent, percent_of(d));
+    result.compared += std::isnan(d) ? 0 : 1;
   }
   const std::vector<WithInterval> all =
       bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
@@ -149,9 +166,25 @@ void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityC
             sums.add(difference[k]);
         return std::vector<double>{sums.share(), sums.mean()};
       });
-  claim.share = share_estimate(all[0], space.rows);
-  claim.difference_percent = in_percent(all[1]);
-  claim.default_percent = as_it_is(s, claim);
+  result.share = share_estimate(all[0], space.rows);
+  result.difference_percent = in_percent(all[1]);
+  result.default_percent = as_it_is(s, claim, alignment);
+  return result;
+}
+
+void analyse_claim(const SensitivitySummary& s, const Space& space, SensitivityClaim& claim) {
+  std::vector<SpacePart> parts{{}};
+  parts.insert(parts.end(), s.parts.begin(), s.parts.end());
+  for (const SpacePart& part : parts)
+    for (std::size_t a = 0; a < s.alignments.size(); ++a)
+      claim.side_by_side.push_back(claim_in(s, space, claim, a, part));
+  const ClaimIn& first = claim.side_by_side.front();
+  claim.silent = space.points.size() - first.compared;
+  claim.share = first.share;
+  claim.difference_percent = first.difference_percent;
+  claim.worst_percent = first.worst_percent;
+  claim.default_percent = first.default_percent;
+  const std::vector<double> difference = differences_of(s, space, claim, 0, {});
   const std::vector<SobolIndices> indices = sobol_indices(difference, s.factors.size(), kResamples, s.seed);
   for (std::size_t f = 0; f < s.factors.size(); ++f)
     claim.factors.push_back(by_factor(s, space, difference, f, indices[f]));

@@ -91,16 +91,35 @@ std::vector<std::string> names_of(const std::vector<SensitivityClaim>& claims) {
   return names;
 }
 
-SensitivitySlice read_slice(JsonObject& object, const SensitivitySummary& head) {
+std::string read_factor_name(JsonObject& object, const std::string& key, const SensitivitySummary& head) {
   std::vector<std::string> factors;
   for (const SensitivityFactor& factor : head.factors) factors.push_back(factor.name);
+  const std::string name = object.text(key);
+  if (std::ranges::find(factors, name) == factors.end())
+    object.refuse(key, fmt::format("is \"{}\", which is none of the factors: \"{}\"", name,
+                                   fmt::join(factors, "\", \"")));
+  return name;
+}
+
+SpacePart read_part(JsonObject& object, const SensitivitySummary& head) {
+  SpacePart part;
+  part.factor = read_factor_name(object, "factor", head);
+  part.low = object.number("low");
+  part.high = object.number("high");
+  if (!(part.low < part.high)) object.refuse("high", "must be greater than low");
+  part.name = object.text("name", fmt::format("{} {:g} to {:g}", part.factor, part.low, part.high));
+  object.about({{"name", "in tables"},
+                {"factor", "which lies"},
+                {"low", "from here"},
+                {"high", "to here, in the factor's unit; of a list its numbers from 0"}});
+  object.finish();
+  return part;
+}
+
+SensitivitySlice read_slice(JsonObject& object, const SensitivitySummary& head) {
   SensitivitySlice slice;
-  for (const auto& [key, factor] : {std::pair{"x", &slice.x}, {"y", &slice.y}}) {
-    *factor = object.text(key);
-    if (std::ranges::find(factors, *factor) == factors.end())
-      object.refuse(key, fmt::format("is \"{}\", which is none of the factors: \"{}\"", *factor,
-                                     fmt::join(factors, "\", \"")));
-  }
+  slice.x = read_factor_name(object, "x", head);
+  slice.y = read_factor_name(object, "y", head);
   if (slice.x == slice.y) object.refuse("y", "must be another factor than x");
   slice.name = object.text("name", slice.x + " and " + slice.y);
   slice.steps = count_within(object, "steps", 7, 2, 100);
@@ -162,7 +181,8 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
   spec.simulation = simulation_of(object, folder, fallback, spec.place);
   SensitivitySummary& head = spec.head;
   head.study = spec.study.name;
-  head.alignment = name_of(spec.study.alignments.front());
+  for (const AlignmentKind alignment : spec.study.alignments)
+    head.alignments.emplace_back(name_of(alignment));
   head.seed = object.count("seed", 1);
   head.participants = count_within(object, "participants", 4, 1, 10'000);
   for (const MethodSpec& method : spec.study.methods) head.methods.push_back(method.name);
@@ -176,6 +196,8 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
   refuse_twice(object, "space", factors);
   for (JsonObject& entry : object.objects("claims")) head.claims.push_back(read_claim(entry, head.methods));
   refuse_twice(object, "claims", names_of(head.claims));
+  if (object.has("parts"))
+    for (JsonObject& entry : object.objects("parts")) head.parts.push_back(read_part(entry, head));
   if (object.has("slices"))
     for (JsonObject& entry : object.objects("slices")) head.slices.push_back(read_slice(entry, head));
   head.rows = count_within(object, "rows", 150, kFewestRows, 1'000'000);
@@ -185,6 +207,7 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
                 {"participants", "of each campaign"},
                 {"space", "the settings that are varied"},
                 {"claims", "which method is said to err less than which"},
+                {"parts", "of the space, in which the claims are judged again"},
                 {"slices", "pairs of factors, all others as the simulation has them"},
                 {"rows", "of the design; campaigns are as many times the factors and 2"}});
   object.finish();

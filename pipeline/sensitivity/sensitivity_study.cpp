@@ -77,7 +77,7 @@ std::vector<Row> rows_of(const SensitivitySummary& head) {
   return rows;
 }
 
-// The shares that the methods answer in the study's first condition, and their errors in its first alignment.
+// The shares that the methods answer in the study's first condition, and their errors.
 void take_errors(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& results,
                  const ResultsSummary& summary, const Watch& watch, SensitivityPoint& point) {
   for (std::size_t m = 0; m < summary.methods.size(); ++m)
@@ -102,7 +102,7 @@ std::uint64_t seed_of(const SensitivitySpec& spec, const Row& row) {
 void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::filesystem::path& scratch,
                     const Watch& watch, SensitivityPoint& point) {
   const std::size_t methods = spec.head.methods.size();
-  point.paired_m.assign(methods * methods, kNoNumber);
+  point.paired_m.assign(spec.head.alignments.size() * methods * methods, kNoNumber);
   point.answered.assign(methods, kNoNumber);
   const SimulationSpec simulation = simulation_at(spec, point.position, seed);
   const Campaign campaign = simulate_campaign(simulation, scratch / "campaign", {watch.stop_requested, {}});
@@ -150,6 +150,9 @@ Json work_json(const SensitivitySpec& spec) {
                               {"better", claim.better},
                               {"than", claim.than},
                               {"margin_percent", claim.margin_percent}});
+  for (const SpacePart& part : spec.head.parts)
+    work["parts"].push_back(
+        {{"name", part.name}, {"factor", part.factor}, {"low", part.low}, {"high", part.high}});
   work["slices"] = Json::array();
   for (const SensitivitySlice& slice : spec.head.slices)
     work["slices"].push_back({{"name", slice.name},

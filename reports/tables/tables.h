@@ -106,6 +106,9 @@ Table calibration_effect_table(const CalibrationSummary& summary);
 // and by sensor; exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
 
+// One sensor's correction in a line.
+std::string correction_text(const CorrectionRow& row);
+
 // Of a study that leaves sensors out: how well each method predicts what they see. One table or none.
 std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, in one line.

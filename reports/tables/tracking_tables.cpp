@@ -216,6 +216,18 @@ std::string ray_text(const RayRow& row) {
       row.ratio_high);
 }
 
+std::string correction_text(const CorrectionRow& row) {
+  if (!row.problem.empty()) return fmt::format("{}: as calibrated, {}", row.sensor, row.problem);
+  const auto text = [](double factor, double value, double low, double high) {
+    return fmt::format("{:.1f} ({:.1f} to {:.1f})", factor * value, factor * low, factor * high);
+  };
+  return fmt::format(
+      "{}: turned by {} degrees, shifted by {} cm, ranges too long by {} cm, beside its calibration",
+      row.sensor, text(1.0 / kRadPerDegree, row.turned_rad, row.turned_low_rad, row.turned_high_rad),
+      text(kCentimetresPerMetre, row.shifted_m, row.shifted_low_m, row.shifted_high_m),
+      text(kCentimetresPerMetre, row.too_long_m, row.too_long_low_m, row.too_long_high_m));
+}
+
 std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions) {

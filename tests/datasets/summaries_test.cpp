@@ -125,11 +125,14 @@ BudgetSummary small_budget() {
 SensitivitySummary full_sensitivity() {
   SensitivitySummary s;
   s.study = "map";
+  s.alignments = {"rigid"};
+  s.parts = {{"calibrated", "bias", 0.0, 0.02}};
   s.methods = {"mean", "linear"};
   s.factors = {{"bias", "m", "/body_tracker/bias_sigma_m", {}, 0.01, 0.1, true, false}};
   s.slices = {{"slice", "bias", "bias", 3, {"claim"}}};
   s.claims = {{"claim", "linear", {"mean"}, 1.0, 2, {0.5, 0.4, 0.6}}};
   s.claims[0].factors = {{"bias", {0.1, kNoNumber, 0.2}, {}, {}, {{0.5, {1.0, 0.9, 1.1}, {}}}}};
+  s.claims[0].side_by_side = {{"rigid", "calibrated", 7, {0.5, 0.4, 0.6}, {-1.0, -2.0, 0.5}, 3.0, {}}};
   s.best_share = {{0.5, 0.25, 0.75}, {}};
   s.points = {{"space", 0, {0.5}, {0.01, 0.02, kNoNumber, 0.03}, {1.0, 0.5}, ""}};
   return s;

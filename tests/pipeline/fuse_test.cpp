@@ -60,6 +60,7 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
       run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", trc, "--rate-hz", "15"});
   EXPECT_EQ(markers.code, 0) << markers.err;
   EXPECT_THAT(markers.out, HasSubstr("cm along their rays and"));
+  EXPECT_THAT(markers.out, HasSubstr("k2: turned by 0."));
   EXPECT_THAT(read_file(trc), HasSubstr("15\t15\t"));
   EXPECT_THAT(read_file(trc), HasSubstr("Frame#\tTime\tspine_base\t"));
   EXPECT_EQ(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv}).code, 0);
@@ -83,6 +84,35 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
   refused({"-o", session}, "must end in .trc, .c3d or .csv");
   expect_refused(run_trilat(folder, {"fuse", "absent.h5", "--calibration", calibration, "-o", trc}),
                  "absent.h5");
+}
+
+// A sensor that was turned by 4 degrees since it was calibrated is turned back, and the rest stays.
+TEST(Fuse, ACalibrationIsCorrectedByTheBodies) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 8.0));
+  const Take& take = campaign.takes[0];
+  const Calibration truth = read_calibration(take.calibration);
+  Calibration stated = truth;
+  RigidTransform& pose = stated.sensors[1].world_from_sensor;
+  pose.rotation = Eigen::AngleAxisd(0.07, Eigen::Vector3d::UnitY()) * pose.rotation;
+  write_calibration(folder / "stated.json", stated);
+  const Ended ended =
+      run_trilat(folder, {"calibrate", take.session.string(), "--method", "bodies", "--from",
+                          (folder / "stated.json").string(), "-o", (folder / "new.json").string()});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("k2: turned by "));
+  const Calibration corrected = read_calibration(folder / "new.json");
+  EXPECT_EQ(corrected.method, "corrected by bodies");
+  EXPECT_EQ(corrected.sources.size(), 2u);
+  for (std::size_t s = 0; s < truth.sensors.size(); ++s) {
+    const RigidTransform &is = corrected.sensors[s].world_from_sensor,
+                         &was = truth.sensors[s].world_from_sensor;
+    EXPECT_LT(is.rotation.angularDistance(was.rotation), 0.025) << s;
+    EXPECT_LT((is.translation_m - was.translation_m).norm(), 0.03) << s;
+    EXPECT_TRUE(corrected.sensors[s].covariance.has_value());
+  }
+  expect_refused(run_trilat(folder, {"calibrate", take.session.string(), "--from", "x.json", "-o", "y.json"}),
+                 "--from: is of no use with --method wand");
 }
 
 }  // namespace

@@ -143,6 +143,8 @@ TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
   SensitivitySummary s;
   s.rows = 64;
   s.seed = 1;
+  s.alignments = {"rigid", "none"};
+  s.parts = {{"small x", "x", 0.0, 2.0}};
   s.methods = {"a", "b"};
   s.factors = {{.name = "x", .unit = "m", .setting = "/x", .values = {}, .low = 0.0, .high = 10.0},
                {.name = "y", .unit = "", .setting = "/y", .values = {"one", "two"}}};
@@ -151,11 +153,19 @@ TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
     s.points.push_back({.design = "space",
                         .row = s.points.size() / 4,
                         .position = position,
-                        .paired_m = {0.7 + position[0], 0.7 + position[0], 1.0, 1.0},
+                        .paired_m = {0.7 + position[0], 0.7 + position[0], 1.0, 1.0, 0.5, 0.5, 1.0, 1.0},
                         .answered = {1.0, 1.0}});
   analyse(s);
   const SensitivityClaim& claim = s.claims[0];
   EXPECT_NEAR(claim.share.value, 0.3, 0.02);
+  ASSERT_EQ(claim.side_by_side.size(), 4u);
+  EXPECT_EQ(claim.side_by_side[0].share.value, claim.share.value);
+  EXPECT_EQ(claim.side_by_side[1].alignment, "none");  // there a always has half of b's error
+  EXPECT_EQ(claim.side_by_side[1].share.value, 1.0);
+  EXPECT_NEAR(claim.side_by_side[1].difference_percent.value, -50.0, 1e-9);
+  EXPECT_EQ(claim.side_by_side[2].part, "small x");
+  EXPECT_EQ(claim.side_by_side[2].share.value, 1.0);  // 0.7 + u is below 1 for u up to 0.3
+  EXPECT_NEAR(static_cast<double>(claim.side_by_side[2].compared), 0.2 * 64 * 4, 8.0);
   EXPECT_NEAR(claim.difference_percent.value, 16.5, 1.0);    // exp of the mean of ln(0.7 + u), less 1
   EXPECT_NEAR(claim.factors[0].break_even.value, 3.0, 0.5);  // the logarithm is no line
   EXPECT_NEAR(claim.factors[0].total.value, 1.0, 0.1);       // of 64 rows
@@ -170,6 +180,7 @@ TEST(SensitivityAnalysis, PointsWithoutCommonSamplesAreCountedAndNotCompared) {
   SensitivitySummary s;
   s.study = "map";
   s.rows = 16;
+  s.alignments = {"rigid"};
   s.methods = {"a", "b", "c"};
   s.factors = {{.name = "x", .unit = "m", .setting = "/x", .values = {}, .low = 0.0, .high = 10.0},
                {.name = "y", .unit = "m", .setting = "/y", .values = {}, .low = 0.0, .high = 1.0}};
@@ -225,8 +236,8 @@ TEST(MethodPairs, AreTheDifferencesOfTheResults) {
   }
   EXPECT_EQ(compared, 2u);
   for (const SummaryCell& cell : summary.cells)
-    if (cell.group == kAverageGroup && cell.alignment == "rigid" && cell.method == "mean") {
-      EXPECT_NEAR(paired_m[0], cell.mae_m, 1e-9);
+    if (cell.group == kAverageGroup && cell.method == "mean") {
+      EXPECT_NEAR(paired_m[cell.alignment == "rigid" ? 0 : 9], cell.mae_m, 1e-9) << cell.alignment;
     }
 }
 

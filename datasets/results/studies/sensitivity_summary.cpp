@@ -55,12 +55,12 @@ std::string SensitivitySummary::text_at(std::size_t factor, double position) con
 }
 
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
-                          const SensitivityPoint& point) {
+                          const SensitivityPoint& point, std::size_t alignment) {
   const auto paired_m = [&](const std::string& method, const std::string& with) {
     const auto index = [&](const std::string& name) {
       return static_cast<std::size_t>(std::ranges::find(methods, name) - methods.begin());
     };
-    return point.paired_m[index(method) * methods.size() + index(with)];
+    return point.paired_m[(alignment * methods.size() + index(method)) * methods.size() + index(with)];
   };
   double most = kNoNumber;
   for (const std::string& name : claim.than)
@@ -69,10 +69,13 @@ double difference_percent(const SensitivityClaim& claim, const std::vector<std::
 }
 
 void SensitivitySummary::check(const JsonObject& object) const {
+  if (alignments.empty()) object.refuse("alignments", "must hold one at least");
   for (const SensitivityPoint& p : points)
     if (p.position.size() != factors.size() || p.answered.size() != methods.size() ||
-        p.paired_m.size() != methods.size() * methods.size())
-      object.refuse("points", "must have a number for each factor, method and pair of methods");
+        p.paired_m.size() != alignments.size() * methods.size() * methods.size())
+      object.refuse(
+          "points",
+          "must have a number for each factor, each method, and each alignment and pair of methods");
 }
 
 void write_sensitivity_summary(const std::filesystem::path& folder, const SensitivitySummary& summary) {

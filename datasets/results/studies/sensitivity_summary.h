@@ -37,7 +37,7 @@ struct SensitivityPoint {
   std::vector<double> position;  // by factor, 0 to 1 within its range or list; NaN: as the simulation has it
   // The mean error of each method (row) over the samples that each other one (column) answers too, both
   // aligned on these; of a method with itself over all its answers. Mean of the joint groups; NaN: no such
-  // samples.
+  // samples. One such table behind the other for each alignment.
   std::vector<double> paired_m = {};
   std::vector<double> answered = {};  // by method, share
   std::string problem = {};           // why there are no errors; empty when there are
@@ -60,6 +60,26 @@ struct ClaimByFactor {
   TRILAT_FIELDS(factor, first, total, break_even, bins)
 };
 
+// A part of the space: where one factor lies in a range of its own unit.
+struct SpacePart {
+  std::string name, factor;
+  double low = kNoNumber, high = kNoNumber;
+
+  TRILAT_FIELDS(name, factor, low, high)
+};
+
+// How a claim fares under one alignment, in one part of the space.
+struct ClaimIn {
+  std::string alignment, part;  // empty part: all of the space
+  std::uint64_t compared = 0;   // points with a sample that both methods answer
+  Estimate share = {};          // of these in which it holds
+  Estimate difference_percent = {};
+  double worst_percent = kNoNumber;
+  Estimate default_percent = {};  // of the simulation as it is
+
+  TRILAT_FIELDS(alignment, part, compared, share, difference_percent, worst_percent, default_percent)
+};
+
 // "This method errs less than all of those": the difference is its error over theirs on the samples that both
 // answer, the largest of these ratios, that less the margin, minus 1; below 0 the claim holds. Means of
 // differences are of logarithms of ratios, so that twice and half the error balance each other.
@@ -73,9 +93,10 @@ struct SensitivityClaim {
   double worst_percent = kNoNumber;  // the largest difference in the space
   Estimate default_percent = {};     // of the simulation as it is
   std::vector<ClaimByFactor> factors = {};
+  std::vector<ClaimIn> side_by_side = {};  // all alignments, all parts; what is above is of the first
 
   TRILAT_FIELDS(name, better, than, margin_percent, silent, share, difference_percent, worst_percent,
-                default_percent, factors)
+                default_percent, factors, side_by_side)
 };
 
 struct SensitivitySlice {
@@ -88,10 +109,11 @@ struct SensitivitySlice {
 
 struct SensitivitySummary {
   std::string study;
-  std::string alignment;
+  std::vector<std::string> alignments;                 // claims are of the first unless they say otherwise
   std::uint64_t seed = 0, participants = 0, rows = 0;  // of the design: rows x (factors + 2) campaigns
   std::vector<std::string> methods;
   std::vector<SensitivityFactor> factors;
+  std::vector<SpacePart> parts;
   std::vector<SensitivitySlice> slices;
   std::vector<SensitivityClaim> claims;
   std::vector<Estimate> best_share;  // by method: of the space in which it errs least
@@ -103,14 +125,15 @@ struct SensitivitySummary {
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(study)
     field("simulated", true);
-    TRILAT_EACH(alignment, seed, participants, rows, methods, factors, slices, claims, best_share, points)
+    TRILAT_EACH(alignments, seed, participants, rows, methods, factors, parts, slices, claims, best_share,
+                points)
   }
   void check(const JsonObject& object) const;
 };
 
-// Of the claim at a point; NaN when no sample is answered by both.
+// Of the claim at a point under the alignment of that number; NaN when no sample is answered by both.
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,
-                          const SensitivityPoint& point);
+                          const SensitivityPoint& point, std::size_t alignment = 0);
 
 // summary.json (results format 1, kind sensitivity), and points.csv: a row a campaign and method with every
 // factor's value.

@@ -78,33 +78,43 @@ std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
   return layout.block_instants;
 }
 
-}  // namespace
-
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
+// `each_sample` calls what it is given as visit_samples() does.
+TakeAlignments align(std::uint64_t instants, const StatisticsLayout& layout, const auto& each_sample) {
   const Axes& axes = layout.axes;
   const std::vector<AlignmentKind>& kinds = layout.alignments;
   const bool any_is_trained = std::any_of(kinds.begin(), kinds.end(), is_trained);
-  const auto instants = static_cast<double>(samples.header().takes[take].instants);
   const auto training_end =
-      any_is_trained ? static_cast<std::uint64_t>(std::llround(layout.training_share * instants)) : 0;
+      any_is_trained
+          ? static_cast<std::uint64_t>(std::llround(layout.training_share * static_cast<double>(instants)))
+          : 0;
   SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
-  stream_take(
-      samples, take, axes, SampleColumns::positions,
-      [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
-        const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
-        if (!is_usable(view.status(slot))) return;
-        own[k].add(view, i, j, slot, training_end);
-        if (!is_usable(view.status(reference_slot))) return;
-        on_both[k].add(view, i, j, slot, training_end);
-        reference_on_both[k].add(view, i, j, reference_slot, training_end);
-      },
-      [](const SampleBlock&) {});
+  each_sample([&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
+    const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
+    if (!is_usable(view.status(slot))) return;
+    own[k].add(view, i, j, slot, training_end);
+    if (!is_usable(view.status(reference_slot))) return;
+    on_both[k].add(view, i, j, slot, training_end);
+    reference_on_both[k].add(view, i, j, reference_slot, training_end);
+  });
   TakeAlignments result;
   for (AlignmentKind kind : kinds)
     result.push_back({solve_table(own, axes, kind, training_end),
                       solve_table(on_both, axes, kind, training_end),
                       solve_table(reference_on_both, axes, kind, training_end)});
   return result;
+}
+
+}  // namespace
+
+TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
+  return align(samples.header().takes[take].instants, layout, [&](const auto& visit) {
+    stream_take(samples, take, layout.axes, SampleColumns::positions, visit, [](const SampleBlock&) {});
+  });
+}
+
+TakeAlignments align_take(const SampleBlock& samples, const StatisticsLayout& layout) {
+  return align(samples.instants, layout,
+               [&](const auto& visit) { visit_samples(samples, layout.axes, visit); });
 }
 
 std::vector<std::string> groups_of(const Plan& plan) {

@@ -110,7 +110,18 @@ struct SampleView {
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
 };
 
-// Calls visit(i, j, m, slot, view) for every sample that has a truth, and end_block(block) behind each block.
+// Calls visit(i, j, m, slot, view) for every sample that has a truth.
+template <class Visit>
+void visit_samples(const SampleBlock& block, const Axes& axes, const Visit& visit) {
+  const SampleView view{block, axes};
+  for (std::uint64_t i = 0; i < block.instants; ++i)
+    for (std::size_t j = 0; j < axes.joints; ++j) {
+      if (!view.truth(i, j).allFinite()) continue;
+      for (std::size_t m = 0; m < axes.methods; ++m) visit(i, j, m, view.slot(i, j, m), view);
+    }
+}
+
+// The same block by block, and calls end_block(block) behind each.
 template <class Visit, class EndBlock>
 void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes, SampleColumns columns,
                  const Visit& visit, const EndBlock& end_block) {
@@ -119,17 +130,14 @@ void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes,
   SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
     samples.read(take, first, std::min(kBlock, instants - first), columns, block);
-    const SampleView view{block, axes};
-    for (std::uint64_t i = 0; i < block.instants; ++i)
-      for (std::size_t j = 0; j < axes.joints; ++j) {
-        if (!view.truth(i, j).allFinite()) continue;
-        for (std::size_t m = 0; m < axes.methods; ++m) visit(i, j, m, view.slot(i, j, m), view);
-      }
+    visit_samples(block, axes, visit);
     end_block(block);
   }
 }
 
 TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout);
+// Of a whole take in memory.
+TakeAlignments align_take(const SampleBlock& samples, const StatisticsLayout& layout);
 
 // The error after alignment. A usable estimate whose alignment failed has no error and counts as not solved;
 // what was trained on is not asked.

@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kMostRows = 1000;          // instants of single joints that an estimate looks at
-constexpr std::size_t kCorrectionInstants = 60;  // that corrections are found from, of all joints
+constexpr std::size_t kCorrectionInstants = 30;  // that corrections are found from, of all joints
 // Corrections that a user is told: their interval lies beyond these and beyond what the calibration states.
 constexpr double kNoticedTurn_rad = 0.0175, kNoticed_m = 0.02, kStatedSigmas = 3.0;
 constexpr std::size_t kClusters = 12;  // stretches of time, of equal length
