@@ -51,6 +51,7 @@ void add_allow_outside(CLI::App& verb, OutsidePaths& outside, const std::string&
 void add_gone(CLI::App& verb, const std::string& option, const std::string& instead);
 
 void add_calibrate(CLI::App& app, int& code);
+void add_demo(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);

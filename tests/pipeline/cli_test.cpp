@@ -22,8 +22,10 @@ using testing::Not;
 using testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> kVerbs{"info",      "verify", "recover", "record",    "mocap",  "simulate",
-                                      "calibrate", "run",    "report",  "reproduce", "import", "export"};
+const std::vector<std::string> kVerbs{
+    "info",      "verify", "recover", "record",    "mocap",  "simulate",
+    "calibrate", "run",    "report",  "reproduce", "import", "export",
+    "demo",      "merge",  "gate",    "fuse",      "schema", "measure-tracker"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",
@@ -414,6 +416,21 @@ TEST(RunVerb, AReferenceThatAnswersNothingIsSaidAndNotComparedWith) {
     }
   EXPECT_THAT(with({"--shard", "1/2", "-o", folder / "parts"}).err,
               testing::Not(HasSubstr("answers nothing in any")));
+}
+
+TEST(Demo, MakesAPageOnceAndAgainAndLeavesOtherFoldersAlone) {
+  const ScratchFolder folder;
+  const std::string output = (folder / "demo").string();
+  for (int again = 0; again < 2; ++again) {
+    const Ended ended = run_trilat(folder, {"demo", "-o", output});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("Simulated data."));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "demo/report/report.html"));
+  std::filesystem::create_directories(folder / "mine");
+  write_file(folder / "mine/thesis.txt", "all of it");
+  expect_refused(run_trilat(folder, {"demo", "-o", (folder / "mine").string()}),
+                 "exists and is not an earlier");
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ std::string refusal(const Json& json) {
 
 TEST(SensitivitySpec, WrittenOutItIsReadAsTheSame) {
   const SensitivitySpec spec =
-      spec_of(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "height", "steps": 2}])"));
+      spec_of(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "height", "steps": 2}],
+          "parts": [{"factor": "ratio", "low": 0.1, "high": 1}])"));
   const Json resolved = resolved_json(spec);
   EXPECT_EQ(resolved_json(spec_of(parse_json(resolved.dump(), "map.json"))).dump(), resolved.dump());
   EXPECT_EQ(campaigns_of(spec), 4u * 4u + 8u + 4u);
@@ -76,6 +77,14 @@ TEST(SensitivitySpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
               AllOf(HasSubstr("/claims/0/better"), HasSubstr("has \"magic\", which is none of the methods")));
   EXPECT_THAT(refusal(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "ratio"}])")),
               HasSubstr("/slices/0/y: must be another factor than x"));
+  const auto part = [](const std::string& entry) {
+    return refusal(study_json(kSpace, kClaims, ", \"parts\": [" + entry + "]"));
+  };
+  EXPECT_THAT(
+      part(R"({"factor": "magic", "low": 0, "high": 1})"),
+      HasSubstr("/parts/0/factor: is \"magic\", which is none of the factors: \"ratio\", \"height\""));
+  EXPECT_THAT(part(R"({"factor": "ratio", "low": 1, "high": 1})"),
+              HasSubstr("/parts/0/high: must be greater than low"));
 }
 
 TEST(SensitivitySpec, SettingsThatContradictEachOtherAreRefusedBeforeAnythingIsSimulated) {
