@@ -60,6 +60,20 @@ RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const TakeData& 
   return estimate_ray_sigma(rows.observations, rig_of(planned, data, is_corrected), rows.cluster).sigma;
 }
 
+// What the calibration states, as root mean square over the sensors, where that is less than the usual: wide
+// priors would let the whole rig drift.
+CorrectionPriors priors_of(const std::vector<SensorPose>& poses) {
+  CorrectionPriors priors;
+  const auto set = [&](double& prior, double SensorPose::*sigma) {
+    double squares = 0.0;
+    for (const SensorPose& pose : poses) squares += pose.*sigma * pose.*sigma;
+    if (squares > 0.0) prior = std::min(prior, std::sqrt(squares / static_cast<double>(poses.size())));
+  };
+  set(priors.turn_rad, &SensorPose::rotation_sigma_rad);
+  set(priors.shift_m, &SensorPose::position_sigma_m);
+  return priors;
+}
+
 }  // namespace
 
 RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
@@ -90,7 +104,7 @@ void find_corrections(const Plan& plan, const PlannedTake& planned, TakeData& da
                     std::span(observations).last(sensors));
       joints.push_back(j);
     }
-  data.shown = self_calibrate(observations, planned.world_from_sensor, joints);
+  data.shown = self_calibrate(observations, planned.world_from_sensor, joints, priors_of(planned.poses));
   data.corrected_rig.clear();
   for (std::size_t s = 0; s < sensors; ++s)
     data.corrected_rig.push_back(corrected_pose(planned.world_from_sensor[s], data.shown.of_sensor[s]));
