@@ -18,8 +18,6 @@ namespace {
 constexpr std::size_t kFewestRayClusters = 5;
 constexpr double kUselessFactor = 100.0;  // between the ends of an interval of the ratio
 
-constexpr std::size_t kFewestInferred = 100;  // to know their own sigma from
-
 // Sums over one instant's sensors: squared residuals in sigmas, and their degrees of freedom. Of tracked
 // joints along the rays and across them, of inferred ones both together.
 enum Component { along_rays, across_rays, inferred_joints };

@@ -9,6 +9,9 @@
 
 namespace trilat {
 
+// Views of inferred joints from which their own sigma is known.
+inline constexpr std::size_t kFewestInferred = 100;
+
 struct RayInterval {
   double low = kNaN, high = kNaN;  // 95 %
 };

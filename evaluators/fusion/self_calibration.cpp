@@ -12,6 +12,7 @@
 #include <gsl/gsl_cdf.h>
 
 #include "datasets/base/error.h"
+#include "evaluators/fusion/ray_variances.h"
 #include "evaluators/metrics/student.h"
 #include "evaluators/solvers/range_equations.h"
 
@@ -20,7 +21,6 @@ namespace {
 
 constexpr int kParameters = 7;  // of a sensor
 constexpr std::size_t kFewestRows = 20;
-constexpr std::size_t kFewestInferredViews = 100;  // to know their own sigma from
 constexpr int kRounds = 8, kRobustPasses = 3;
 constexpr int kFirstOfPriors = 2;     // round from which the priors are estimated
 constexpr double kStatedCount = 8.0;  // parameters of sensors that the stated priors count as
@@ -81,7 +81,7 @@ class Calibrator {
   void read_rows(std::span<const JointObservation> observations, std::span<const std::uint32_t> joint) {
     const auto inferred = std::ranges::count_if(
         observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
-    with_inferred_ = static_cast<std::size_t>(inferred) >= kFewestInferredViews;
+    with_inferred_ = static_cast<std::size_t>(inferred) >= kFewestInferred;
     for (std::size_t i = 0; i < joint.size(); ++i) {
       Row row{.joint = joint[i], .views = {}};
       for (std::size_t s = 0; s < rig_.size(); ++s) {
@@ -321,13 +321,21 @@ class Calibrator {
   }
 
   SelfCalibration result() const {
-    SelfCalibration result{
-        .of_sensor = {}, .priors = priors_, .sigma = sigma_, .design_effect = design_effect_, .problem = {}};
+    SelfCalibration result;
     for (std::size_t s = 0; s < rig_.size(); ++s) {
       const Eigen::Index at = kParameters * static_cast<Eigen::Index>(s);
       result.of_sensor.push_back(correction_of(s));
+      result.of_sensor.back().residual_rms_m = 0.0;
       result.of_sensor.back().covariance = covariance_.block<kParameters, kParameters>(at, at);
     }
+    for (const Row& row : rows_)
+      for (const View& view : row.views) {
+        SensorCorrection& of = result.of_sensor[view.sensor];
+        ++of.views;
+        of.residual_rms_m += (view.straight_m - row.position_m).squaredNorm() / 3.0;
+      }
+    for (SensorCorrection& of : result.of_sensor)
+      of.residual_rms_m = std::sqrt(of.residual_rms_m / static_cast<double>(of.views));
     return result;
   }
 
@@ -342,6 +350,18 @@ class Calibrator {
   Eigen::MatrixXd covariance_;
   double design_effect_ = 1.0;
 };
+
+// Of a normal vector: its squared length is taken as gamma distributed with the mean and variance that it
+// has; from 0 where the vector may be none.
+Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+  const double square = mean.squaredNorm() + covariance.trace();
+  const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
+  const auto quantile = [&](double p) {
+    return std::sqrt(gsl_cdf_gamma_Pinv(p, square * square / variance, variance / square));
+  };
+  const bool may_be_none = mean.dot(covariance.inverse() * mean) < gsl_cdf_chisq_Pinv(0.95, 3.0);
+  return {quantile(0.5), may_be_none ? 0.0 : quantile(0.025), quantile(0.975)};
+}
 
 }  // namespace
 
@@ -360,18 +380,6 @@ JointObservation corrected_view(const JointObservation& observation, const Rigid
   result.point_in_world_m =
       world_from_sensor.translation_m - correction.shift_m + v * (result.range_m / observation.range_m);
   return result;
-}
-
-// Of a normal vector: its squared length is taken as gamma distributed with the mean and variance that it
-// has; from 0 where the vector may be none.
-Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
-  const double square = mean.squaredNorm() + covariance.trace();
-  const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
-  const auto quantile = [&](double p) {
-    return std::sqrt(gsl_cdf_gamma_Pinv(p, square * square / variance, variance / square));
-  };
-  const bool may_be_none = mean.dot(covariance.inverse() * mean) < gsl_cdf_chisq_Pinv(0.95, 3.0);
-  return {quantile(0.5), may_be_none ? 0.0 : quantile(0.025), quantile(0.975)};
 }
 
 CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor) {
@@ -394,8 +402,8 @@ SelfCalibration self_calibrate(std::span<const JointObservation> observations,
   TRILAT_CHECK(priors.turn_rad > 0.0 && priors.shift_m > 0.0 && priors.range_m > 0.0,
                "priors are greater than 0");
   Calibrator calibrator(observations, world_from_sensor, joint, priors);
-  SelfCalibration result{
-      .of_sensor = std::vector<SensorCorrection>(world_from_sensor.size()), .priors = priors, .problem = {}};
+  SelfCalibration result;
+  result.of_sensor.resize(world_from_sensor.size());
   if (calibrator.rows() < kFewestRows)
     result.problem = "fewer than " + std::to_string(kFewestRows) + " times do two sensors see the same joint";
   else if (calibrator.joints() < 3)

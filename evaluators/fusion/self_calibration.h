@@ -18,6 +18,8 @@ struct SensorCorrection {
       Eigen::Vector3d::Zero();  // what it sees lies so far from where it is, in the world
   double range_m = 0.0;         // its ranges are so much too long
   Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
+  std::size_t views = 0;         // that it was found from
+  double residual_rms_m = kNaN;  // of these, an axis; NaN without any
 };
 
 // The pose and the view without what the correction says.
@@ -35,9 +37,6 @@ struct CorrectionPriors {
 
 struct SelfCalibration {
   std::vector<SensorCorrection> of_sensor;  // one each, zero when there is a problem
-  CorrectionPriors priors;                  // as the take shows them
-  RaySigma sigma{kNaN, kNaN};               // of all joints together, beside the corrections
-  double design_effect = 1.0;               // so many views tell what one independent view does
   std::size_t rows = 0, joints = 0;         // that were used
   std::string problem;                      // why nothing could be told; empty when something could
 };

@@ -109,6 +109,7 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
                                          const std::filesystem::path& calibration, const Watch& watch) {
   WatchedFiles files;
   files.add(session);
+  files.add(calibration);
   Json method{{"method", "range_bearing"}};
   JsonObject object(method, "range_bearing", "");
   const Plan plan = plan_of(session, calibration, read_method(object), 30.0);
@@ -126,16 +127,17 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   corrected.reduced_chi2 = 0.0;
   corrected.sources = {{session.filename().string(), hash_of_file(session, watch.stop_requested)},
                        {calibration.filename().string(), hash_of_file(calibration, watch.stop_requested)}};
-  corrected.sensors = planned.poses;
-  for (std::size_t s = 0; s < corrected.sensors.size(); ++s) {
-    SensorPose& pose = corrected.sensors[s];
+  for (std::size_t s = 0; s < plan.rig.size(); ++s) {
+    SensorPose& pose = *std::ranges::find(corrected.sensors, plan.rig[s], &SensorPose::name);
+    const SensorCorrection& shown = data.shown.of_sensor[s];
+    if (shown.views == 0) continue;  // stays as it was
     pose.world_from_sensor = data.corrected_rig[s];
-    pose.covariance = data.shown.of_sensor[s].covariance.topLeftCorner<6, 6>();
+    pose.covariance = shown.covariance.topLeftCorner<6, 6>();
     pose.rotation_sigma_rad = std::sqrt(pose.covariance->topLeftCorner<3, 3>().trace() / 3.0);
     pose.position_sigma_m = std::sqrt(pose.covariance->bottomRightCorner<3, 3>().trace() / 3.0);
-    pose.used = data.shown.rows;
+    pose.used = shown.views;
     pose.left_out = 0;
-    pose.residual_rms_m = 0.0;
+    pose.residual_rms_m = shown.residual_rms_m;
   }
   files.check();
   return result;

@@ -44,7 +44,8 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                           const MethodSpec& method, double rate_hz, const Watch& watch);
 
 // A calibration whose sensors are turned and shifted as the bodies of a session show, with the covariances
-// that they leave; and what they show. InputError when they tell nothing, and as fuse_session().
+// that they leave; and what they show. Sensors that the session does not have stay as they are. InputError
+// when they tell nothing, and as fuse_session().
 struct CorrectedCalibration {
   Calibration calibration;
   std::vector<CorrectionRow> corrections;

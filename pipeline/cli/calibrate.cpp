@@ -128,7 +128,7 @@ void print_text(const Calibration& calibration, const std::vector<SensorEvidence
   for (const std::string& doubt : doubts) fmt::print("look at: {}\n", doubt);
   if (doubts.empty() && calibration.sensors.front().covariance)
     fmt::print("{} {}; nothing looks wrong.\n", calibration.positions,
-               calibration.method == "bodies" ? "joint positions" : "wand positions");
+               calibration.method.ends_with("bodies") ? "joint positions" : "wand positions");
   fmt::print("calibration: {}\n", output.string());
 }
 

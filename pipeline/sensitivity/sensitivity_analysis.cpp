@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <Eigen/Core>
 
@@ -154,9 +155,12 @@ ClaimIn claim_in(const SensitivitySummary& s, const Space& space, const Sensitiv
                  std::size_t alignment, const SpacePart& part) {
   ClaimIn result{.alignment = s.alignments[alignment], .part = part.name};
   const std::vector<double> difference = differences_of(s, space, claim, alignment, part);
-  for (const double d : difference) {
-    result.worst_percent = std::fmax(result.worst_percent, percent_of(d));
-    result.compared += std::isnan(d) ? 0 : 1;
+  std::set<std::size_t> rows_with_any;
+  for (std::size_t k = 0; k < difference.size(); ++k) {
+    if (std::isnan(difference[k])) continue;
+    result.worst_percent = std::fmax(result.worst_percent, percent_of(difference[k]));
+    ++result.compared;
+    rows_with_any.insert(k / space.columns);
   }
   const std::vector<WithInterval> all =
       bootstrap_rows(space.rows, kResamples, s.seed, [&](std::span<const std::size_t> rows) {
@@ -166,7 +170,7 @@ ClaimIn claim_in(const SensitivitySummary& s, const Space& space, const Sensitiv
             sums.add(difference[k]);
         return std::vector<double>{sums.share(), sums.mean()};
       });
-  result.share = share_estimate(all[0], space.rows);
+  result.share = share_estimate(all[0], rows_with_any.size());
   result.difference_percent = in_percent(all[1]);
   result.default_percent = as_it_is(s, claim, alignment);
   return result;

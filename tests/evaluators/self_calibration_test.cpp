@@ -157,10 +157,11 @@ TEST(SelfCalibration, IntervalsHoldTheTruth) {
       range += holds(m.range_m, take.truth[s].range_m);
     }
   }
-  for (const double share : {turn, shift, range}) {
-    EXPECT_GT(share, 0.88);
-    EXPECT_LE(share, 1.0 + 1e-9);
-  }
+  EXPECT_GT(turn, 0.93);
+  EXPECT_LT(turn, 0.99);
+  EXPECT_GT(shift, 0.93);  // mostly from 0: it may be none
+  EXPECT_GT(range, 0.90);
+  EXPECT_LT(range, 0.97);
   RecordProperty("turn, shift, range",
                  std::to_string(turn) + " " + std::to_string(shift) + " " + std::to_string(range));
 }

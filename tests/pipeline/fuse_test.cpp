@@ -95,6 +95,9 @@ TEST(Fuse, ACalibrationIsCorrectedByTheBodies) {
   Calibration stated = truth;
   RigidTransform& pose = stated.sensors[1].world_from_sensor;
   pose.rotation = Eigen::AngleAxisd(0.07, Eigen::Vector3d::UnitY()) * pose.rotation;
+  stated.sensors.push_back(truth.sensors[0]);
+  stated.sensors.back().name = "elsewhere";
+  stated.sensors.back().world_from_sensor.translation_m.x() += 5.0;
   write_calibration(folder / "stated.json", stated);
   const Ended ended =
       run_trilat(folder, {"calibrate", take.session.string(), "--method", "bodies", "--from",
@@ -104,12 +107,20 @@ TEST(Fuse, ACalibrationIsCorrectedByTheBodies) {
   const Calibration corrected = read_calibration(folder / "new.json");
   EXPECT_EQ(corrected.method, "corrected by bodies");
   EXPECT_EQ(corrected.sources.size(), 2u);
+  ASSERT_EQ(corrected.sensors.size(), stated.sensors.size());
+  EXPECT_EQ(corrected.sensors.back().world_from_sensor.translation_m,
+            stated.sensors.back().world_from_sensor.translation_m);
+  EXPECT_FALSE(corrected.sensors.back().covariance.has_value());
   for (std::size_t s = 0; s < truth.sensors.size(); ++s) {
     const RigidTransform &is = corrected.sensors[s].world_from_sensor,
                          &was = truth.sensors[s].world_from_sensor;
     EXPECT_LT(is.rotation.angularDistance(was.rotation), 0.025) << s;
     EXPECT_LT((is.translation_m - was.translation_m).norm(), 0.03) << s;
     EXPECT_TRUE(corrected.sensors[s].covariance.has_value());
+    EXPECT_GT(corrected.sensors[s].used, 0u);
+    EXPECT_LE(corrected.sensors[s].used, corrected.positions);
+    EXPECT_GT(corrected.sensors[s].residual_rms_m, 0.005);
+    EXPECT_LT(corrected.sensors[s].residual_rms_m, 0.2);
   }
   expect_refused(run_trilat(folder, {"calibrate", take.session.string(), "--from", "x.json", "-o", "y.json"}),
                  "--from: is of no use with --method wand");

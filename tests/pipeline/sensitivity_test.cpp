@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -174,6 +175,12 @@ TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
   EXPECT_NEAR(claim.side_by_side[1].difference_percent.value, -50.0, 1e-9);
   EXPECT_EQ(claim.side_by_side[2].part, "small x");
   EXPECT_EQ(claim.side_by_side[2].share.value, 1.0);  // 0.7 + u is below 1 for u up to 0.3
+  std::set<std::uint64_t> rows;                       // with a point in the part: only these are trials
+  for (const SensitivityPoint& point : s.points)
+    if (point.position[0] <= 0.2) rows.insert(point.row);
+  EXPECT_LT(rows.size(), 40u);
+  EXPECT_NEAR(claim.side_by_side[2].share.low, std::pow(0.025, 1.0 / static_cast<double>(rows.size())),
+              1e-12);
   EXPECT_NEAR(static_cast<double>(claim.side_by_side[2].compared), 0.2 * 64 * 4, 8.0);
   EXPECT_NEAR(claim.difference_percent.value, 16.5, 1.0);    // exp of the mean of ln(0.7 + u), less 1
   EXPECT_NEAR(claim.factors[0].break_even.value, 3.0, 0.5);  // the logarithm is no line

@@ -131,20 +131,22 @@ std::vector<TakeNote> correction_notes(const PlannedTake& planned, const std::ve
   if (!rows.empty() && !rows.front().problem.empty())
     note("is taken as it is: the bodies tell nothing of it, since " + rows.front().problem);
   for (const CorrectionRow& row : rows) {
+    const auto said = [](double value, const char* unit) {
+      return value > 0.0 ? fmt::format("{:.1f} {}", value, unit) : std::string("no uncertainty");
+    };
     const auto is_beyond = [](double low, double least, double stated) {
       return low > std::max(least, kStatedSigmas * stated);
     };
     if (is_beyond(row.turned_low_rad, kNoticedTurn_rad, row.stated_turn_rad))
-      note(
-          fmt::format("{} stands turned by {:.1f} degrees ({:.1f} to {:.1f}) by the bodies; the calibration "
-                      "states {:.1f}",
-                      row.sensor, row.turned_rad / kRadPerDegree, row.turned_low_rad / kRadPerDegree,
-                      row.turned_high_rad / kRadPerDegree, row.stated_turn_rad / kRadPerDegree));
-    if (is_beyond(row.shifted_low_m, kNoticed_m, row.stated_shift_m))
       note(fmt::format(
-          "{} stands {:.1f} cm away ({:.1f} to {:.1f}) by the bodies; the calibration states {:.1f}",
-          row.sensor, 100.0 * row.shifted_m, 100.0 * row.shifted_low_m, 100.0 * row.shifted_high_m,
-          100.0 * row.stated_shift_m));
+          "{} stands turned by {:.1f} degrees ({:.1f} to {:.1f}) by the bodies; the calibration "
+          "states {}",
+          row.sensor, row.turned_rad / kRadPerDegree, row.turned_low_rad / kRadPerDegree,
+          row.turned_high_rad / kRadPerDegree, said(row.stated_turn_rad / kRadPerDegree, "degrees")));
+    if (is_beyond(row.shifted_low_m, kNoticed_m, row.stated_shift_m))
+      note(fmt::format("{} stands {:.1f} cm away ({:.1f} to {:.1f}) by the bodies; the calibration states {}",
+                       row.sensor, 100.0 * row.shifted_m, 100.0 * row.shifted_low_m,
+                       100.0 * row.shifted_high_m, said(100.0 * row.stated_shift_m, "cm")));
     const double too_long_m = row.too_long_m > 0.0 ? row.too_long_low_m : -row.too_long_high_m;
     if (is_beyond(too_long_m, kNoticed_m, 0.0))
       note(fmt::format("{} measures {:.1f} cm too {} ({:.1f} to {:.1f}) by the bodies", row.sensor,
