@@ -89,21 +89,32 @@ void add_projection(Symmetric3& matrix, double weight, const Eigen::Vector3d& di
   matrix.add_outer(-weight, direction);
 }
 
+// How far a place is off what one sensor sees.
+struct Residual {
+  Eigen::Vector3d e;  // direction from the sensor to the place
+  double along_m;
+  Eigen::Vector3d across_m;
+  double square;  // of all, in sigmas
+};
+Residual residual_at(const Rays& rays, int i, const Eigen::Vector3d& x_m) {
+  const Eigen::Vector3d v = x_m - rays.sensor_m[i];
+  const double distance_m = v.norm(), along_m = distance_m - rays.range_m[i];
+  const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
+  return {v / std::max(distance_m, kOnSensor_m), along_m, across_m,
+          rays.range_weight[i] * along_m * along_m + rays.bearing_weight[i] * across_m.squaredNorm()};
+}
+
 Equations linearise(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
   Equations result;
   Costs costs(options);
   for (int i = 0; i < rays.count; ++i) {
-    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
-    const double distance_m = v.norm();
-    const Eigen::Vector3d e = v / std::max(distance_m, kOnSensor_m);
-    const double along_m = distance_m - rays.range_m[i];
-    const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
-    const double range_weight = rays.range_weight[i], bearing_weight = rays.bearing_weight[i];
-    const double weight =
-        costs.add(range_weight * along_m * along_m + bearing_weight * across_m.squaredNorm());
-    result.normal.add_outer(weight * range_weight, e);
-    add_projection(result.normal, weight * bearing_weight, rays.direction[i]);
-    result.gradient += weight * (range_weight * along_m * e + bearing_weight * across_m);
+    const Residual r = residual_at(rays, i, x_m);
+    const double weight = costs.add(r.square);
+    const double range_weight = weight * rays.range_weight[i],
+                 bearing_weight = weight * rays.bearing_weight[i];
+    result.normal.add_outer(range_weight, r.e);
+    add_projection(result.normal, bearing_weight, rays.direction[i]);
+    result.gradient += range_weight * r.along_m * r.e + bearing_weight * r.across_m;
   }
   result.cost = costs.value();
   return result;
@@ -198,14 +209,8 @@ PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
 
 // Whether a sensor is so far off that the loss bends back: then another minimum may be lower.
 bool any_disagrees(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
-  for (int i = 0; i < rays.count; ++i) {
-    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
-    const double along_m = v.norm() - rays.range_m[i];
-    const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
-    const double square =
-        rays.range_weight[i] * along_m * along_m + rays.bearing_weight[i] * across_m.squaredNorm();
-    if (!(square <= options.loss_scale * options.loss_scale)) return true;
-  }
+  for (int i = 0; i < rays.count; ++i)
+    if (!(residual_at(rays, i, x_m).square <= options.loss_scale * options.loss_scale)) return true;
   return false;
 }
 

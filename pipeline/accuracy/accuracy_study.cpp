@@ -2,6 +2,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include <nlohmann/json.hpp>
 
@@ -239,8 +240,9 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
     if (!parameters.empty()) write_declared_parameters(folder, parameters);
   };
   study.gathers = {"samples.h5"};
-  for (std::size_t t = 0; t < run->plan.takes.size() && study.gathers.size() < 2; ++t)
-    if (is_replayed(run->plan, t)) study.gathers.emplace_back("replay.h5");
+  if (std::ranges::any_of(std::views::iota(std::size_t{0}, run->plan.takes.size()),
+                          [&](std::size_t t) { return is_replayed(run->plan, t); }))
+    study.gathers.emplace_back("replay.h5");
   study.at_once = takes_at_once(run->plan, options.memory_bytes);
   return study;
 }

@@ -76,10 +76,9 @@ std::optional<Outcome> KnownItems::find_in(const Earlier& earlier, const std::st
   if (auto whole = whole_item(earlier.folder, id, key)) return whole;
   const auto item = earlier.gathered.find(key);
   if (item == earlier.gathered.end()) return std::nullopt;
-  if (!std::ranges::all_of(study_.gathers, [&](const std::string& name) {
-        return is_whole_ && fs::exists(earlier.folder / name);
-      }))
-    return std::nullopt;
+  const bool has_files = std::ranges::all_of(
+      study_.gathers, [&](const std::string& name) { return fs::exists(earlier.folder / name); });
+  if (!has_files || !(is_whole_ || study_.gathers.empty())) return std::nullopt;
   return Outcome{key, earlier.folder, item->second};
 }
 

@@ -161,6 +161,16 @@ Table space_table(const SensitivitySummary& s) {
   return table;
 }
 
+// Under which alignment that is, and what it is under the others.
+std::string alignments_text(const SensitivityClaim& claim) {
+  std::string text;
+  for (const ClaimIn& in : claim.side_by_side)
+    if (in.part.empty())
+      text += text.empty() ? fmt::format(", aligned `{}`", in.alignment)
+                           : fmt::format("; `{}` {}", in.alignment, percent_text(in.share));
+  return text;
+}
+
 }  // namespace
 
 std::vector<Table> sensitivity_tables(const SensitivitySummary& s) {
@@ -172,8 +182,8 @@ std::vector<std::string> sensitivity_sentences(const SensitivitySummary& s) {
   for (const SensitivityClaim& claim : s.claims) {
     const bool always = claim.share.low >= kAlways, never = claim.share.high <= kNever;
     std::string text =
-        fmt::format("**{}** holds in {} of {} simulated campaigns all over the space of settings", claim.name,
-                    percent_text(claim.share), campaigns_of(s));
+        fmt::format("**{}** holds in {} of {} simulated campaigns all over the space of settings{}",
+                    claim.name, percent_text(claim.share), campaigns_of(s), alignments_text(claim));
     if (const std::string flips = flips_of(s, claim); !always && !never && !flips.empty())
       text += fmt::format("; it changes at {}", flips);
     if (claim.silent > 0)

@@ -16,6 +16,21 @@ constexpr std::uint64_t kMargin = 2;    // and on either side, for differences i
 // The squares of the truth's fourth differences, by block.
 using GroupNoise = std::vector<Mean>;
 
+// Of the right sizes, without any samples.
+TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants) {
+  const Axes& axes = layout.axes;
+  const auto rows = static_cast<Eigen::Index>(layout.blocks(instants));
+  TakeStatistics empty;
+  empty.sums.resize(axes.cells());
+  empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
+  empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
+  empty.one_frame.resize(axes.cells());
+  empty.of_joint.resize(axes.sets * axes.joints * axes.methods);
+  empty.of_method.resize(axes.methods);
+  empty.of_group.resize(axes.groups);
+  return empty;
+}
+
 class TakeGatherer {
  public:
   TakeGatherer(const StatisticsLayout& layout, const TakeAlignments& alignments, std::uint64_t instants)
@@ -262,20 +277,6 @@ void CellSums::merge(const CellSums& later) {
   square_gdop.merge(later.square_gdop);
   square_error_m2.merge(later.square_error_m2);
   with_gdop += later.with_gdop;
-}
-
-TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants) {
-  const Axes& axes = layout.axes;
-  const auto rows = static_cast<Eigen::Index>(layout.blocks(instants));
-  TakeStatistics empty;
-  empty.sums.resize(axes.cells());
-  empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
-  empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
-  empty.one_frame.resize(axes.cells());
-  empty.of_joint.resize(axes.sets * axes.joints * axes.methods);
-  empty.of_method.resize(axes.methods);
-  empty.of_group.resize(axes.groups);
-  return empty;
 }
 
 TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {

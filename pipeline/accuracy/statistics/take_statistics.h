@@ -78,9 +78,6 @@ struct TakeStatistics {
   Mean truth_jerk_m_s3;
 };
 
-// Of the right sizes, without any samples.
-TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants);
-
 // What one take adds to the summary of a study, made from its samples alone.
 struct TakeSummary {
   std::vector<AlignmentTable> alignments;  // by kind, each on all of a method's answers
