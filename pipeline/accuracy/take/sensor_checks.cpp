@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/sensor_checks.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +9,7 @@
 
 #include "evaluators/alignment/point_fit.h"
 #include "evaluators/metrics/quantiles.h"
+#include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
 namespace {

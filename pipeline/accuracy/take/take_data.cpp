@@ -12,9 +12,7 @@
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/depth_occlusion.h"
 #include "pipeline/accuracy/take/person_choice.h"
-#include "pipeline/accuracy/take/sensor_checks.h"
 #include "pipeline/accuracy/take/sensor_track.h"
-#include "pipeline/accuracy/take/truth_checks.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
 

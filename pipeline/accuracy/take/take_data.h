@@ -79,4 +79,15 @@ RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, 
 // How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);
 
+// What the sensors of a take say against each other: the same stream twice, a mirrored one, poses that were
+// exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
+// scale. Each note has its size and the remedy; a sound take has none. `bodies`: as they were read, before
+// anything is repaired.
+std::vector<TakeNote> check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
+
+// What the sensors of a take say against its ground truth, however the two worlds lie: another unit, of all
+// or of one joint; joints that are exchanged in the mapping, or far from where they should be. Each note has
+// its size and the remedy; a sound take has none.
+std::vector<TakeNote> check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
 }  // namespace trilat

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/truth_checks.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "evaluators/alignment/point_fit.h"
 #include "evaluators/metrics/quantiles.h"
 #include "evaluators/metrics/student.h"
+#include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
 namespace {
