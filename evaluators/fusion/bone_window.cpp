@@ -2,7 +2,9 @@
 #include "evaluators/fusion/bone_window.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -93,8 +95,7 @@ std::vector<TimeWindow> windows_of(std::span<const std::int64_t> time_ns, double
   return windows;
 }
 
-constexpr Eigen::Index kUnknowns = 6;  // of a joint at an instant: position, velocity
-constexpr double kFirstRadius = 1e8;   // the start is good: nearly Gauss-Newton
+constexpr double kFirstRadius = 1e8;  // the start is good: nearly Gauss-Newton
 
 // Per axis, of a step driven by white acceleration of spectral density q, whose covariance is
 // Q = q [dt^3/3 dt^2/2; dt^2/2 dt]: the error (later - F before), F = [1 dt; 0 1], weighs by Q^-1.
@@ -110,120 +111,8 @@ struct Step {
   }
 };
 
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define TRILAT_WIDEST_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define TRILAT_WIDEST_VECTORS  // sanitizers are not ready yet when the width is chosen
-#endif
-
-// Y -= X C^T: rows x 6 of Y, rows x columns of X, 6 x columns of C, each column `stride` behind the one
-// before. Every number is summed in one order, so that all vector widths give the same bits.
-TRILAT_WIDEST_VECTORS void subtract_products(double* y, const double* x, const double* c, std::ptrdiff_t rows,
-                                             std::ptrdiff_t columns, std::ptrdiff_t stride) {
-  using Lanes __attribute__((vector_size(64), aligned(8), may_alias)) = double;
-  constexpr std::ptrdiff_t kLanes = 8;
-  std::ptrdiff_t r = 0;
-  for (; r + kLanes <= rows; r += kLanes) {
-    Lanes sum[kUnknowns];
-#pragma GCC unroll 6
-    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q)
-      sum[q] = *reinterpret_cast<const Lanes*>(y + q * stride + r);
-    for (std::ptrdiff_t k = 0; k < columns; ++k) {
-      const Lanes xk = *reinterpret_cast<const Lanes*>(x + k * stride + r);
-#pragma GCC unroll 6
-      for (std::ptrdiff_t q = 0; q < kUnknowns; ++q) sum[q] -= xk * c[k * stride + q];
-    }
-#pragma GCC unroll 6
-    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q) *reinterpret_cast<Lanes*>(y + q * stride + r) = sum[q];
-  }
-  for (; r < rows; ++r)
-    for (std::ptrdiff_t q = 0; q < kUnknowns; ++q)
-      for (std::ptrdiff_t k = 0; k < columns; ++k) y[q * stride + r] -= x[k * stride + r] * c[k * stride + q];
-}
-
-// The normal equations of a window, H x = b: a dense block an instant, and one that ties it to the instant
-// before, each joint to itself. A block Cholesky factorisation costs as many block products as there are
-// instants.
-class BandedSystem {
-  auto part(auto& vector, std::size_t i) const {  // that of an instant
-    const Eigen::Index size = diagonal_.front().rows();
-    return vector.segment(static_cast<Eigen::Index>(i) * size, size);
-  }
-
- public:
-  BandedSystem(std::size_t instants, Eigen::Index size)
-      : diagonal_(instants, Eigen::MatrixXd(size, size)),
-        before_(diagonal_),
-        factor_(diagonal_),
-        tie_(diagonal_) {}
-
-  void set_zero() {
-    for (Eigen::MatrixXd& block : diagonal_) block.setZero();
-    for (Eigen::MatrixXd& block : before_) block.setZero();
-  }
-  Eigen::MatrixXd& diagonal(std::size_t i) { return diagonal_[i]; }
-  Eigen::MatrixXd& before(std::size_t i) { return before_[i]; }  // rows of i, columns of i - 1
-
-  // Of H + diag(damping); false where that is not positive definite.
-  bool factorise(const Eigen::VectorXd& damping) {
-    for (std::size_t i = 0; i < diagonal_.size(); ++i) {
-      factor_[i] = diagonal_[i];
-      factor_[i].diagonal() += part(damping, i);
-      if (i > 0) take_off(before_[i], factor_[i - 1], tie_[i], factor_[i]);
-      if (!factorise(factor_[i])) return false;
-    }
-    return true;
-  }
-
-  // H x = b in place, by the last factorisation.
-  void solve(Eigen::VectorXd& b) const {
-    for (std::size_t i = 0; i < factor_.size(); ++i) {
-      if (i > 0) part(b, i).noalias() -= tie_[i] * part(b, i - 1);
-      factor_[i].triangularView<Eigen::Lower>().solveInPlace(part(b, i));
-    }
-    for (std::size_t i = factor_.size(); i-- > 0;) {
-      if (i + 1 < factor_.size()) part(b, i).noalias() -= tie_[i + 1].transpose() * part(b, i + 1);
-      factor_[i].triangularView<Eigen::Lower>().transpose().solveInPlace(part(b, i));
-    }
-  }
-
- private:
-  // V = B L^-T for the L of the instant before, and V V^T off S, the lower triangle alone. B ties each joint
-  // to itself: column k of V ends with k's joint.
-  static void take_off(const Eigen::MatrixXd& b, const Eigen::MatrixXd& l, Eigen::MatrixXd& v,
-                       Eigen::MatrixXd& s) {
-    const Eigen::Index size = b.rows();
-    v.setZero();
-    for (Eigen::Index own = 0; own < size; own += kUnknowns) {
-      v.block<kUnknowns, kUnknowns>(own, own) = b.block<kUnknowns, kUnknowns>(own, own);
-      if (own > 0) subtract_products(&v(0, own), &v(0, 0), &l(own, 0), own, own, size);
-      for (Eigen::Index k = own; k < own + kUnknowns; ++k) {
-        auto column = v.col(k).head(own + kUnknowns);
-        for (Eigen::Index j = own; j < k; ++j) column -= l(k, j) * v.col(j).head(own + kUnknowns);
-        column /= l(k, k);
-      }
-    }
-    for (Eigen::Index own = 0; own < size; own += kUnknowns)
-      subtract_products(&s(own, own), &v(own, own), &v(own, own), size - own, size - own, size);
-  }
-
-  // Cholesky's L in the place of S's lower triangle.
-  static bool factorise(Eigen::MatrixXd& s) {
-    const Eigen::Index size = s.rows();
-    for (Eigen::Index own = 0; own < size; own += kUnknowns) {
-      if (own > 0) subtract_products(&s(own, own), &s(own, 0), &s(own, 0), size - own, own, size);
-      for (Eigen::Index j = own; j < own + kUnknowns; ++j) {
-        auto column = s.col(j).tail(size - j);
-        for (Eigen::Index k = own; k < j; ++k) column -= s(j, k) * s.col(k).tail(size - j);
-        if (!(s(j, j) > 0.0)) return false;
-        column /= std::sqrt(s(j, j));
-      }
-    }
-    return true;
-  }
-
-  std::vector<Eigen::MatrixXd> diagonal_, before_, factor_, tie_;
-};
+// A column an instant: of every joint three positions, then of every joint three velocities.
+using Course = Eigen::ArrayXXd;
 
 class Window {
  public:
@@ -233,209 +122,302 @@ class Window {
         windows_(windows),
         window_(window),
         options_(options),
-        size_(kUnknowns * static_cast<Eigen::Index>(path.joints.size())),
-        system_(window.last - window.first, size_) {
-    for (std::size_t i = window.first + 1; i < window.last; ++i)
+        instants_(static_cast<Eigen::Index>(window.last - window.first)),
+        lanes_(3 * static_cast<Eigen::Index>(path.joints.size())),
+        moves_(Course::Zero(lanes_, instants_)) {
+    for (Eigen::Index i = 1; i < instants_; ++i) {
       steps_.emplace_back(step_s(i), options.acceleration_density_m2_s3);
+      for (Eigen::Index j = 0; j < lanes_ / 3; ++j)
+        if (has(i, j) && has(i - 1, j)) moves_.col(i).segment<3>(3 * j) = 1.0;
+    }
   }
 
   void solve(std::span<PointEstimate> estimates) {
-    Eigen::VectorXd x = start();
+    Course x = start();
     const SolveStatus status = minimise(x);
     for (std::size_t i = window_.answer_first; i < window_.answer_last; ++i)
       for (std::size_t j = 0; j < path_.joints.size(); ++j) {
+        const auto instant = static_cast<Eigen::Index>(i - window_.first),
+                   joint = static_cast<Eigen::Index>(j);
         PointEstimate& estimate = estimates[i * path_.joints.size() + j];
-        estimate = failed_estimate(has(i, j) ? status : SolveStatus::no_observation);
-        if (!has(i, j)) continue;
-        estimate.position_m = x.segment<3>(place(i, j));
+        estimate = failed_estimate(has(instant, joint) ? status : SolveStatus::no_observation);
+        if (!has(instant, joint)) continue;
+        estimate.position_m = position(x, instant, joint);
         estimate.iterations = iterations_;
       }
   }
 
  private:
-  const Eigen::Vector3d& start_m(std::size_t i, std::size_t j) const {
-    return windows_.start_m[i * path_.joints.size() + j];
+  // Instants count from the window's first.
+  std::size_t of_take(Eigen::Index i) const { return window_.first + static_cast<std::size_t>(i); }
+  const Eigen::Vector3d& start_m(Eigen::Index i, Eigen::Index j) const {
+    return windows_.start_m[of_take(i) * path_.joints.size() + static_cast<std::size_t>(j)];
   }
-  bool has(std::size_t i, std::size_t j) const { return start_m(i, j).allFinite(); }
-  bool moves_on(std::size_t i, std::size_t j) const {
-    return i > window_.first && has(i, j) && has(i - 1, j);
+  bool has(Eigen::Index i, Eigen::Index j) const { return start_m(i, j).allFinite(); }
+  bool moves_on(Eigen::Index i, Eigen::Index j) const { return moves_(3 * j, i) > 0.0; }
+  std::span<const JointObservation> seen(Eigen::Index i, Eigen::Index j) const {
+    return path_.of(of_take(i), static_cast<std::size_t>(j));
   }
-  Eigen::Index in_block(std::size_t j) const { return kUnknowns * static_cast<Eigen::Index>(j); }
-  Eigen::Index place(std::size_t i, std::size_t j) const {
-    return static_cast<Eigen::Index>(i - window_.first) * size_ + in_block(j);
+  double step_s(Eigen::Index i) const {
+    return static_cast<double>(path_.time_ns[of_take(i)] - path_.time_ns[of_take(i) - 1]) * 1e-9;
   }
-  double step_s(std::size_t i) const {
-    return static_cast<double>(path_.time_ns[i] - path_.time_ns[i - 1]) * 1e-9;
+  Eigen::Vector3d position(const Course& x, Eigen::Index i, Eigen::Index j) const {
+    return x.col(i).segment<3>(3 * j).matrix();
   }
+  auto positions(auto& path, Eigen::Index i) const { return path.col(i).head(lanes_); }
+  auto velocities(auto& path, Eigen::Index i) const { return path.col(i).tail(lanes_); }
+  Course zero_course() const { return Course::Zero(2 * lanes_, instants_); }
 
   // The smoother's positions and, as velocities, their differences.
-  Eigen::VectorXd start() const {
-    Eigen::VectorXd x =
-        Eigen::VectorXd::Zero(size_ * static_cast<Eigen::Index>(window_.last - window_.first));
-    for (std::size_t i = window_.first; i < window_.last; ++i)
-      for (std::size_t j = 0; j < path_.joints.size(); ++j) {
+  Course start() const {
+    Course x = zero_course();
+    for (Eigen::Index i = 0; i < instants_; ++i)
+      for (Eigen::Index j = 0; j < lanes_ / 3; ++j) {
         if (!has(i, j)) continue;
-        x.segment<3>(place(i, j)) = start_m(i, j);
-        if (i + 1 < window_.last && has(i + 1, j))
-          x.segment<3>(place(i, j) + 3) = (start_m(i + 1, j) - start_m(i, j)) / step_s(i + 1);
+        x.col(i).segment<3>(3 * j) = start_m(i, j);
+        auto velocity = x.col(i).segment<3>(lanes_ + 3 * j);
+        if (i + 1 < instants_ && has(i + 1, j))
+          velocity = (start_m(i + 1, j) - start_m(i, j)) / step_s(i + 1);
         else if (moves_on(i, j))
-          x.segment<3>(place(i, j) + 3) = x.segment<3>(place(i - 1, j) + 3);
+          velocity = x.col(i - 1).segment<3>(lanes_ + 3 * j);
       }
     return x;
   }
 
-  // Half of the sum of the losses, and its gradient and the normal equations as far as they are wanted.
-  enum class Wanted { value, gradient, equations };
-  double cost(const Eigen::VectorXd& x, Wanted wanted) {
-    if (wanted != Wanted::value) gradient_.setZero(x.size());
-    if (wanted == Wanted::equations) system_.set_zero();
+  // Half of the sum of the losses; with its gradient and the normal equations if they are wanted.
+  double cost(const Course& x, bool equations) {
+    if (equations) {
+      gradient_ = zero_course();
+      curvature_ = zero_course();
+      position_velocity_ = across_ = Course::Zero(lanes_, instants_);
+      bone_rows_ = Course::Zero(3 * static_cast<Eigen::Index>(windows_.bones.size()), instants_);
+    }
     double sum = 0.0;
-    for (std::size_t i = window_.first; i < window_.last; ++i)
-      for (std::size_t j = 0; j < path_.joints.size(); ++j) {
+    for (Eigen::Index i = 0; i < instants_; ++i) {
+      if (i > 0) sum += add_motion(x, i, equations);
+      for (Eigen::Index j = 0; j < lanes_ / 3; ++j) {
         if (!has(i, j)) {
-          if (wanted == Wanted::equations)
-            system_.diagonal(i - window_.first).diagonal().segment(in_block(j), kUnknowns).setOnes();
+          if (equations)
+            curvature_.col(i).segment<3>(3 * j) = curvature_.col(i).segment<3>(lanes_ + 3 * j) = 1.0;
           continue;
         }
-        if (moves_on(i, j))
-          sum += add_motion(x, i, j, wanted);
-        else
-          sum += add_beginning(x, i, j, wanted);
-        for (const JointObservation& o : path_.of(i, j))
+        if (!moves_on(i, j)) sum += add_beginning(x, i, j, equations);
+        for (const JointObservation& o : seen(i, j))
           if (is_seen(o)) {
             const double factor = o.state == TrackingState::tracked ? 1.0 : options_.inferred_factor;
-            sum += add_value(x, i, j, 0, o.point_in_world_m, options_.sigma_m * factor, true, wanted);
+            sum += add_value(x, i, 3 * j, o.point_in_world_m, options_.sigma_m * factor, true, equations);
           }
       }
-    for (const MedianBone& bone : windows_.bones)
-      for (std::size_t i = window_.first; i < window_.last; ++i)
-        if (has(i, bone.parent) && has(i, bone.child)) sum += add_bone(x, i, bone, wanted);
+      for (std::size_t bone = 0; bone < windows_.bones.size(); ++bone) sum += add_bone(x, i, bone, equations);
+    }
     return 0.5 * sum;
   }
 
-  double add_motion(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Wanted wanted) {
-    const Step& step = steps_[i - window_.first - 1];
-    const double dt_s = step_s(i);
-    const Eigen::Index here = place(i, j), before = place(i - 1, j), block = in_block(j);
-    double sum = 0.0;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const Eigen::Vector2d error(x[here + axis] - x[before + axis] - dt_s * x[before + axis + 3],
-                                  x[here + axis + 3] - x[before + axis + 3]);
-      const Eigen::Vector2d pull = step.information * error,
-                            pull_before = step.later_before.transpose() * error;
-      sum += error.dot(pull);
-      if (wanted == Wanted::value) continue;
-      for (Eigen::Index a = 0; a < 2; ++a) {
-        gradient_[here + axis + 3 * a] += pull[a];
-        gradient_[before + axis + 3 * a] += pull_before[a];
-        if (wanted != Wanted::equations) continue;
-        for (Eigen::Index b = 0; b < 2; ++b) {
-          const Eigen::Index row = block + axis + 3 * a, column = block + axis + 3 * b;
-          system_.diagonal(i - window_.first)(row, column) += step.information(a, b);
-          system_.diagonal(i - window_.first - 1)(row, column) += step.before(a, b);
-          system_.before(i - window_.first)(row, column) += step.later_before(a, b);
-        }
-      }
+  double add_motion(const Course& x, Eigen::Index i, bool equations) {
+    const Step& step = steps_[static_cast<std::size_t>(i - 1)];
+    const auto moves = moves_.col(i);
+    const Eigen::ArrayXd off =
+        moves * (positions(x, i) - positions(x, i - 1) - step_s(i) * velocities(x, i - 1));
+    const Eigen::ArrayXd turn = moves * (velocities(x, i) - velocities(x, i - 1));
+    const Eigen::Matrix2d &q = step.information, &t = step.later_before, &b = step.before;
+    const Eigen::ArrayXd pull = q(0, 0) * off + q(0, 1) * turn, pull_speed = q(1, 0) * off + q(1, 1) * turn;
+    if (equations) {
+      positions(gradient_, i) += pull;
+      velocities(gradient_, i) += pull_speed;
+      positions(gradient_, i - 1) += t(0, 0) * off + t(1, 0) * turn;
+      velocities(gradient_, i - 1) += t(0, 1) * off + t(1, 1) * turn;
+      positions(curvature_, i) += q(0, 0) * moves;
+      velocities(curvature_, i) += q(1, 1) * moves;
+      position_velocity_.col(i) += q(0, 1) * moves;
+      positions(curvature_, i - 1) += b(0, 0) * moves;
+      velocities(curvature_, i - 1) += b(1, 1) * moves;
+      position_velocity_.col(i - 1) += b(0, 1) * moves;
     }
-    return sum;
+    return (off * pull + turn * pull_speed).sum();
   }
 
   // Of a joint's stretch in the window: how fast it may start and, if no sensor sees it in all of the
   // stretch, where: what the smoother knows from before and after holds it.
-  double add_beginning(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Wanted wanted) {
+  double add_beginning(const Course& x, Eigen::Index i, Eigen::Index j, bool equations) {
     bool observed = false;
-    for (std::size_t k = i; k < window_.last && has(k, j) && !observed; ++k)
-      observed = std::ranges::any_of(path_.of(k, j), is_seen);
+    for (Eigen::Index k = i; k < instants_ && has(k, j) && !observed; ++k)
+      observed = std::ranges::any_of(seen(k, j), is_seen);
     const double held = observed ? 0.0
-                                 : add_value(x, i, j, 0, start_m(i, j),
-                                             options_.sigma_m * options_.inferred_factor, false, wanted);
-    return held + add_value(x, i, j, 3, Eigen::Vector3d::Zero(), options_.speed_sigma_m_s, false, wanted);
+                                 : add_value(x, i, 3 * j, start_m(i, j),
+                                             options_.sigma_m * options_.inferred_factor, false, equations);
+    return held + add_value(x, i, lanes_ + 3 * j, Eigen::Vector3d::Zero(), options_.speed_sigma_m_s, false,
+                            equations);
   }
 
-  // (part of the unknown - value) / sigma, with Cauchy's loss where that is asked for.
-  double add_value(const Eigen::VectorXd& x, std::size_t i, std::size_t j, Eigen::Index part,
-                   const Eigen::Vector3d& value, double sigma, bool robust, Wanted wanted) {
-    const Eigen::Index at = place(i, j) + part;
-    const Eigen::Vector3d off = (x.segment<3>(at) - value) / sigma;
+  // (three numbers of x - value) / sigma, with Cauchy's loss where that is asked for.
+  double add_value(const Course& x, Eigen::Index i, Eigen::Index at, const Eigen::Vector3d& value,
+                   double sigma, bool robust, bool equations) {
+    const Eigen::Vector3d off = (x.col(i).segment<3>(at).matrix() - value) / sigma;
     const double squared = off.squaredNorm(), scale = options_.loss_scale_m / options_.sigma_m;
     const bool bends = robust && std::isfinite(scale);
     const double weight = bends ? 1.0 / (1.0 + squared / (scale * scale)) : 1.0;
-    if (wanted != Wanted::value) gradient_.segment<3>(at) += weight / sigma * off;
-    if (wanted == Wanted::equations) {
-      auto block = system_.diagonal(i - window_.first).block<3, 3>(in_block(j) + part, in_block(j) + part);
-      block.diagonal().array() += weight / (sigma * sigma);
+    if (equations) {
+      gradient_.col(i).segment<3>(at) += weight / sigma * off.array();
+      curvature_.col(i).segment<3>(at) += weight / (sigma * sigma);
       // the loss bends, so along the error the curvature is less; where it is negative, it counts as none
       if (bends && squared > 0.0)
-        block -= std::min(weight / squared, 2.0 * weight * weight / (scale * scale)) / (sigma * sigma) * off *
-                 off.transpose();
+        add_square(i, at, off,
+                   -std::min(weight / squared, 2.0 * weight * weight / (scale * scale)) / (sigma * sigma));
     }
     return bends ? scale * scale * std::log1p(squared / (scale * scale)) : squared;
   }
 
   // (|child - parent| - length) / sigma.
-  double add_bone(const Eigen::VectorXd& x, std::size_t i, const MedianBone& bone, Wanted wanted) {
-    const Eigen::Index parent = in_block(bone.parent), child = in_block(bone.child);
-    const Eigen::Vector3d along_m = x.segment<3>(place(i, bone.child)) - x.segment<3>(place(i, bone.parent));
+  double add_bone(const Course& x, Eigen::Index i, std::size_t number, bool equations) {
+    const MedianBone& bone = windows_.bones[number];
+    const auto parent = static_cast<Eigen::Index>(bone.parent), child = static_cast<Eigen::Index>(bone.child);
+    if (!has(i, parent) || !has(i, child)) return 0.0;
+    const Eigen::Vector3d along_m = position(x, i, child) - position(x, i, parent);
     const double distance_m = along_m.norm();
     const double off = (distance_m - bone.length_m) / options_.bone_sigma_m;
     // Joints in one place have no direction.
-    if (wanted != Wanted::value && distance_m > 1e-12) {
+    if (equations && distance_m > 1e-12) {
       const Eigen::Vector3d row = along_m / (distance_m * options_.bone_sigma_m);
-      gradient_.segment<3>(place(i, bone.parent)) -= off * row;
-      gradient_.segment<3>(place(i, bone.child)) += off * row;
-      if (wanted != Wanted::equations) return off * off;
-      const Eigen::Matrix3d square = row * row.transpose();
-      Eigen::MatrixXd& block = system_.diagonal(i - window_.first);
-      block.block<3, 3>(parent, parent) += square;
-      block.block<3, 3>(child, child) += square;
-      block.block<3, 3>(parent, child) -= square;
-      block.block<3, 3>(child, parent) -= square;
+      gradient_.col(i).segment<3>(3 * parent) -= off * row.array();
+      gradient_.col(i).segment<3>(3 * child) += off * row.array();
+      add_square(i, 3 * parent, row, 1.0);
+      add_square(i, 3 * child, row, 1.0);
+      bone_rows_.col(i).segment<3>(3 * static_cast<Eigen::Index>(number)) = row;
     }
     return off * off;
   }
 
-  bool factorise(double radius) {
-    Eigen::VectorXd damping(gradient_.size());
-    for (std::size_t i = 0; i < window_.last - window_.first; ++i)
-      damping.segment(static_cast<Eigen::Index>(i) * size_, size_) =
-          system_.diagonal(i).diagonal().cwiseMax(1e-6) / radius;
-    return system_.factorise(damping);
+  // factor * v v^T on a joint's position.
+  void add_square(Eigen::Index i, Eigen::Index at, const Eigen::Vector3d& v, double factor) {
+    curvature_.col(i).segment<3>(at) += factor * v.array().square();
+    across_.col(i).segment<3>(at) += factor * Eigen::Array3d(v.y() * v.z(), v.x() * v.z(), v.x() * v.y());
   }
 
-  // Levenberg and Marquardt, the trust region's radius after Nielsen (1999). A factorisation serves as long
-  // as its steps gain most of what they promise; only a fresh one may say that the end is reached.
-  SolveStatus minimise(Eigen::VectorXd& x) {
-    constexpr double kLeastGradient = 1e-12, kLeastStep = 1e-12, kLeastRadius = 1e-32, kLeastGain = 1e-3,
-                     kGoodGain = 0.7;
-    double radius = kFirstRadius, shrink = 2.0, now = cost(x, Wanted::equations);
-    bool fresh = true;
+  // What the equations say without bones and across the axes: every coordinate a chain in time of its own,
+  // a tridiagonal system of 2 x 2 blocks. Its inverse is the preconditioner.
+  void factorise(double radius) {
+    damped_ = curvature_ + curvature_.max(1e-6) / radius;
+    inverse_ = zero_course();
+    inverse_across_ = Course::Zero(lanes_, instants_);
+    for (auto& row : carry_)
+      for (Course& c : row) c = Course::Zero(lanes_, instants_);
+    for (Eigen::Index i = 0; i < instants_; ++i) {
+      Eigen::ArrayXd p = positions(damped_, i), v = velocities(damped_, i), pv = position_velocity_.col(i);
+      if (i > 0) {
+        const Eigen::Matrix2d& t = steps_[static_cast<std::size_t>(i - 1)].later_before;
+        const auto moves = moves_.col(i);
+        for (Eigen::Index a = 0; a < 2; ++a) {
+          carry_[a][0].col(i) =
+              moves * (t(a, 0) * positions(inverse_, i - 1) + t(a, 1) * inverse_across_.col(i - 1));
+          carry_[a][1].col(i) =
+              moves * (t(a, 0) * inverse_across_.col(i - 1) + t(a, 1) * velocities(inverse_, i - 1));
+        }
+        p -= carry_[0][0].col(i) * t(0, 0) + carry_[0][1].col(i) * t(0, 1);
+        v -= carry_[1][0].col(i) * t(1, 0) + carry_[1][1].col(i) * t(1, 1);
+        pv -= carry_[0][0].col(i) * t(1, 0) + carry_[0][1].col(i) * t(1, 1);
+      }
+      const Eigen::ArrayXd determinant = p * v - pv.square();
+      positions(inverse_, i) = v / determinant;
+      velocities(inverse_, i) = p / determinant;
+      inverse_across_.col(i) = -pv / determinant;
+    }
+  }
+  Course precondition(Course r) const {
+    for (Eigen::Index i = 1; i < instants_; ++i) {
+      positions(r, i) -=
+          carry_[0][0].col(i) * positions(r, i - 1) + carry_[0][1].col(i) * velocities(r, i - 1);
+      velocities(r, i) -=
+          carry_[1][0].col(i) * positions(r, i - 1) + carry_[1][1].col(i) * velocities(r, i - 1);
+    }
+    for (Eigen::Index i = instants_; i-- > 0;) {
+      const Eigen::ArrayXd p = positions(r, i);
+      positions(r, i) = positions(inverse_, i) * p + inverse_across_.col(i) * velocities(r, i);
+      velocities(r, i) = inverse_across_.col(i) * p + velocities(inverse_, i) * velocities(r, i);
+      if (i + 1 == instants_) continue;
+      positions(r, i) -=
+          carry_[0][0].col(i + 1) * positions(r, i + 1) + carry_[1][0].col(i + 1) * velocities(r, i + 1);
+      velocities(r, i) -=
+          carry_[0][1].col(i + 1) * positions(r, i + 1) + carry_[1][1].col(i + 1) * velocities(r, i + 1);
+    }
+    return r;
+  }
+
+  // The normal equations, damped, times a path.
+  Course product(const Course& x) const {
+    Course result = damped_ * x;
+    for (Eigen::Index i = 0; i < instants_; ++i) {
+      positions(result, i) += position_velocity_.col(i) * velocities(x, i);
+      velocities(result, i) += position_velocity_.col(i) * positions(x, i);
+      for (Eigen::Index at = 0; at < lanes_; at += 3) {
+        const Eigen::Array3d p = x.col(i).segment<3>(at), c = across_.col(i).segment<3>(at);
+        result.col(i).segment<3>(at) +=
+            Eigen::Array3d(c[2] * p[1] + c[1] * p[2], c[2] * p[0] + c[0] * p[2], c[1] * p[0] + c[0] * p[1]);
+      }
+      for (std::size_t k = 0; k < windows_.bones.size(); ++k) {
+        const auto row = bone_rows_.col(i).segment<3>(3 * static_cast<Eigen::Index>(k));
+        const auto parent = 3 * static_cast<Eigen::Index>(windows_.bones[k].parent),
+                   child = 3 * static_cast<Eigen::Index>(windows_.bones[k].child);
+        result.col(i).segment<3>(parent) -= (row * x.col(i).segment<3>(child)).sum() * row;
+        result.col(i).segment<3>(child) -= (row * x.col(i).segment<3>(parent)).sum() * row;
+      }
+      if (i == 0) continue;
+      const Eigen::Matrix2d& t = steps_[static_cast<std::size_t>(i - 1)].later_before;
+      const auto moves = moves_.col(i);
+      positions(result, i) += moves * (t(0, 0) * positions(x, i - 1) + t(0, 1) * velocities(x, i - 1));
+      velocities(result, i) += moves * (t(1, 0) * positions(x, i - 1) + t(1, 1) * velocities(x, i - 1));
+      positions(result, i - 1) += moves * (t(0, 0) * positions(x, i) + t(1, 0) * velocities(x, i));
+      velocities(result, i - 1) += moves * (t(0, 1) * positions(x, i) + t(1, 1) * velocities(x, i));
+    }
+    return result;
+  }
+
+  // By conjugate gradients. Coarser steps are quicker where joints are seen, and lose their way where a joint
+  // hidden for a whole window turns about its parent.
+  Course step() const {
+    constexpr double kResidual = 1e-3;
+    constexpr int kMostProducts = 1000;
+    Course x = zero_course(), residual = -gradient_, z = precondition(residual), direction = z;
+    double size = (residual * z).sum();
+    const double enough = kResidual * kResidual * size;
+    for (int k = 0; k < kMostProducts && size > enough; ++k) {
+      const Course image = product(direction);
+      const double along = size / (direction * image).sum();
+      if (!(along > 0.0)) break;
+      x += along * direction;
+      residual -= along * image;
+      z = precondition(residual);
+      const double before = std::exchange(size, (residual * z).sum());
+      direction = z + size / before * direction;
+    }
+    return x;
+  }
+
+  // Levenberg and Marquardt with inexact steps; the trust region's radius after Nielsen (1999).
+  SolveStatus minimise(Course& x) {
+    constexpr double kLeastGradient = 1e-12, kLeastStep = 1e-12, kLeastRadius = 1e-32, kLeastGain = 1e-3;
+    double radius = kFirstRadius, shrink = 2.0, now = cost(x, true);
     for (iterations_ = 0; iterations_ < options_.max_iterations;) {
       if (!std::isfinite(now)) return SolveStatus::diverged;
-      if (gradient_.lpNorm<Eigen::Infinity>() <= kLeastGradient) return SolveStatus::converged;
+      if (gradient_.abs().maxCoeff() <= kLeastGradient) return SolveStatus::converged;
       ++iterations_;
-      Eigen::VectorXd step = -gradient_;
-      const bool solved = !fresh || factorise(radius);
-      if (solved) system_.solve(step);
-      const Eigen::VectorXd next = x + step;
-      const double then = solved ? cost(next, Wanted::value) : now, promised = -0.5 * step.dot(gradient_);
-      const double gain = (now - then) / promised;
-      const bool ends = solved && (step.norm() <= kLeastStep * (x.norm() + kLeastStep) ||
-                                   std::abs(now - then) <= options_.function_tolerance * now);
+      factorise(radius);
+      const Course off = step();
+      const Course next = x + off;
+      const double then = cost(next, false), gain = (now - then) / (-0.5 * (off * gradient_).sum());
+      const bool ends = off.matrix().norm() <= kLeastStep * (x.matrix().norm() + kLeastStep) ||
+                        std::abs(now - then) <= options_.function_tolerance * now;
       const bool is_better = then < now && gain > kLeastGain;
       if (is_better) x = next;
-      if (ends && fresh) return SolveStatus::converged;
-      if (!is_better && fresh) {
+      if (ends) return SolveStatus::converged;
+      if (is_better) {
+        radius = std::min(radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), 1e16);
+        shrink = 2.0;
+        now = cost(x, true);
+      } else {
         radius /= shrink;
         shrink *= 2.0;
         if (radius < kLeastRadius) return SolveStatus::diverged;
-        continue;
       }
-      if (fresh) {
-        radius = std::min(radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), 1e16);
-        shrink = 2.0;
-      }
-      fresh = ends || gain < kGoodGain || radius < kFirstRadius;
-      now = cost(x, fresh ? Wanted::equations : Wanted::gradient);
     }
     return SolveStatus::iteration_limit;
   }
@@ -444,10 +426,14 @@ class Window {
   const BoneWindows& windows_;
   const TimeWindow& window_;
   const BoneWindowOptions& options_;
-  Eigen::Index size_;  // of an instant's unknowns
-  BandedSystem system_;
-  std::vector<Step> steps_;  // to each instant but the first
-  Eigen::VectorXd gradient_;
+  Eigen::Index instants_, lanes_;  // lanes: the coordinates of all joints
+  Course moves_;                   // 1 where a coordinate goes on from the instant before
+  std::vector<Step> steps_;        // to each instant but the first
+  // The normal equations: diagonal; position with velocity; yz, xz, xy of each position; bones.
+  Course gradient_, curvature_, position_velocity_, across_, bone_rows_;
+  // The chains' factorisation: D_i^-1, and what comes over from the instant before, T_i D_{i-1}^-1.
+  Course damped_, inverse_, inverse_across_;
+  std::array<std::array<Course, 2>, 2> carry_;
   int iterations_ = 0;
 };
 
