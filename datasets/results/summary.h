@@ -16,6 +16,13 @@ namespace trilat {
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
+struct Estimate {  // with its 95 % interval; NaN where there is none
+  double value = kNoNumber, low = kNoNumber, high = kNoNumber;
+
+  static constexpr bool as_list = true;
+  TRILAT_FIELDS(value, low, high)
+};
+
 // The plain mean of the groups of a condition, as the paper's last row: mae_m and its interval; counts are
 // sums, all other numbers NaN.
 inline constexpr const char* kAverageGroup = "average";

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kBlock = 256;  // instants gathered before they are solved together
 // What an instant of a windowed method counts in the progress, where one of all others together counts 1.
-constexpr std::uint64_t kWindowedWork = 30;
+constexpr std::uint64_t kWindowedWork = 5;
 
 class TakeProgress {
  public:
@@ -45,6 +45,7 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
                 const std::vector<MethodPaths>& paths, bool cross_check, SamplesFile& samples,
                 StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result) {
   SampleBlock block;
+  Predictions predictions(plan, planned);
   for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
     watch.check();
     const std::uint64_t count = std::min(kBlock, planned.instants - first);
@@ -52,7 +53,7 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
     {
       const Stopwatch time(clocks.solve_ns);
       result.check.merge(solve_block(plan, planned, data, paths, cross_check, block));
-      add_predictions(plan, planned, block, result.tracking.predictions);
+      predictions.add(block);
     }
     {
       const Stopwatch time(clocks.write_ns);
@@ -60,6 +61,7 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
     }
     progress.advance(count);
   }
+  result.tracking.predictions = predictions.sums();
 }
 
 // What the sensors say with none left out; of takes that differ in that alone the first says it for all.

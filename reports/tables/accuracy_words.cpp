@@ -71,8 +71,10 @@ void add_coverage_note(const ResultsSummary& s, const std::string& condition, co
 
 void add_take_notes(const ResultsSummary& summary, Table& table) {
   for (const TakeNote& note : summary.notes)
-    table.notes.push_back(
-        fmt::format("Take {}{}: {}: {}.", note.take, note.failed ? " failed" : "", note.place, note.text));
+    table.notes.push_back(fmt::format(
+        "{}{}: {}.",
+        note.take.empty() ? "" : fmt::format("Take {}{}: ", note.take, note.failed ? " failed" : ""),
+        note.place, note.text));
 }
 
 std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {

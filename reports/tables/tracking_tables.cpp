@@ -162,13 +162,16 @@ Table predictions_table(const TrackingSummary& s) {
                    {"method", "method", true},
                    interval_column("along its ray (cm)", "range_cm"),
                    interval_column("across (cm)", "bearing_cm"),
-                   {"too far by (cm)", "mean_range_cm"},
+                   interval_column("too far by (cm)", "mean_range_cm"),
+                   interval_column("bones vary by (cm)", "bone_cm"),
+                   interval_column("jerk (m/s³)", "jerk_m_s3"),
                    {"n", "n"}};
+  const auto centimetres = [](const Estimate& e) { return cm_cell(e.value, e.low, e.high); };
   for (const PredictionRow& row : s.predictions)
-    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method),
-                          cm_cell(row.range_m, row.range_low_m, row.range_high_m),
-                          cm_cell(row.bearing_m, row.bearing_low_m, row.bearing_high_m),
-                          cm_cell(row.mean_range_m), count_cell(row.n)});
+    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method), centimetres(row.range_m),
+                          centimetres(row.bearing_m), centimetres(row.mean_range_m), centimetres(row.bone_m),
+                          number_cell(0, row.jerk_m_s3.value, row.jerk_m_s3.low, row.jerk_m_s3.high),
+                          count_cell(row.n)});
   table.notes = notes("predictions");
   return table;
 }

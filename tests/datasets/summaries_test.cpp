@@ -223,7 +223,7 @@ TEST(TrackingSummary, IsReadAsItWasWritten) {
   summary.clocks = {{"t", "found", 0.1, 0.05, 0.15, 1.0, kNoNumber, 0.9, 0.5, true}};
   summary.ranges = {{"walking", "wrist", 3, 0.01, 0.02}};
   summary.rays = {{"t", 7, "", 0.01, 0.02, 0.5, 0.4, 0.6}};
-  summary.predictions = {{"walking", "mean", 4, 0.01}};
+  summary.predictions = {{"walking", "mean", 4, {0.01}}};
   write_tracking_summary(folder.path(), summary);
   const std::string text = read_file(folder / "tracking.json");
   const auto read = read_tracking_summary(folder.path());

@@ -2,6 +2,8 @@
 // Studies without mocap: one sensor after the other is left out, and predicted from the rest.
 #include "pipeline/accuracy/take/left_out.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -95,8 +97,9 @@ TEST(LeftOut, PredictionsAreSplitAlongTheRayAndAcross) {
   block.estimate_m = {1.0, 0.0, 3.5, 1.9, 0.0, 1.2};  // behind it; and 1.5 m away, 0.9 m beside the ray
   block.status = {static_cast<std::uint8_t>(SolveStatus::converged),
                   static_cast<std::uint8_t>(SolveStatus::closed_form)};
-  std::vector<PredictionSums> sums;
-  add_predictions(plan, planned, block, sums);
+  Predictions predictions(plan, planned);
+  predictions.add(block);
+  const std::vector<PredictionSums> sums = predictions.sums();
   ASSERT_EQ(sums.size(), 2u);
   EXPECT_EQ(sums[0].n, 1u);
   EXPECT_NEAR(sums[0].range_m, 0.5, 1e-12);
@@ -106,19 +109,56 @@ TEST(LeftOut, PredictionsAreSplitAlongTheRayAndAcross) {
   EXPECT_NEAR(sums[1].bearing_m, 0.9, 1e-12);
 }
 
+// A forearm of 30 cm that is 2 cm longer in every second instant; the elbow's third differences are zero.
+TEST(LeftOut, BonesThatChangeAndJointsThatJerkAreSeenWithoutTruth) {
+  Plan plan;
+  plan.rig = {"k1"};
+  plan.methods.resize(1);
+  plan.joints = {Joint::elbow_left, Joint::wrist_left};
+  plan.study.rate_hz = 10.0;
+  PlannedTake planned;
+  planned.take.left_out = "k1";
+  planned.world_from_sensor.resize(1);
+  Predictions predictions(plan, planned);
+  for (std::uint64_t first : {0, 3}) {  // blocks go on where the one before ended
+    SampleBlock block;
+    block.reset(first, 3, 2, 1);
+    block.status.assign(6, static_cast<std::uint8_t>(SolveStatus::closed_form));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x_m = 0.01 * static_cast<double>(first + i), longer_m = (first + i) % 2 ? 0.02 : 0.0;
+      std::ranges::copy(std::array{x_m, 0.0, 2.0, x_m, 0.3 + longer_m, 2.0},
+                        block.estimate_m.begin() + static_cast<std::ptrdiff_t>(6 * i));
+    }
+    predictions.add(block);
+  }
+  const PredictionSums sums = predictions.sums().at(0);
+  EXPECT_EQ(sums.n, 0u);
+  EXPECT_EQ(sums.bone_n, 6u);
+  EXPECT_NEAR(sums.bone_m / 6.0, 0.01 * std::sqrt(6.0 / 5.0), 1e-12);
+  EXPECT_EQ(sums.jerk_n, 6u);  // three of each joint
+  EXPECT_NEAR(sums.jerk_m_s3, 3 * 0.08 * 1000.0, 1e-9);
+}
+
 TEST(LeftOut, RowsAreOfParticipants) {
   const auto entry = [](const char* participant, std::uint64_t n, double error_m) {
     const double sum_m = static_cast<double>(n) * error_m;
-    return PredictionSums{participant, "walk", "mean", n, -sum_m, sum_m, 2.0 * sum_m};
+    return PredictionSums{.participant = participant,
+                          .condition = "walk",
+                          .method = "mean",
+                          .n = n,
+                          .range_m = -sum_m,
+                          .abs_range_m = sum_m,
+                          .bearing_m = 2.0 * sum_m};
   };
   const std::vector<PredictionRow> rows =
       prediction_rows({entry("a", 10, 0.04), entry("a", 10, 0.04), entry("b", 20, 0.02)});
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].n, 40u);
-  EXPECT_NEAR(rows[0].range_m, 0.03, 1e-12);
-  EXPECT_NEAR(rows[0].bearing_m, 0.06, 1e-12);
-  EXPECT_NEAR(rows[0].mean_range_m, -0.03, 1e-12);
-  EXPECT_NEAR(rows[0].range_high_m - 0.03, 12.706 * 0.01, 1e-3);  // Student's t of one degree
+  EXPECT_NEAR(rows[0].range_m.value, 0.03, 1e-12);
+  EXPECT_NEAR(rows[0].bearing_m.value, 0.06, 1e-12);
+  EXPECT_NEAR(rows[0].mean_range_m.value, -0.03, 1e-12);
+  EXPECT_TRUE(std::isnan(rows[0].bone_m.value));
+  EXPECT_NEAR(rows[0].range_m.high - 0.03, 12.706 * 0.01, 1e-3);  // Student's t of one degree
 }
 
 TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
@@ -141,9 +181,10 @@ TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
   EXPECT_TRUE(tracking->ranges.empty());
   ASSERT_EQ(tracking->predictions.size(), 3u);
   for (const PredictionRow& row : tracking->predictions) {
-    EXPECT_GT(row.range_m, 0.0);
-    EXPECT_GT(row.bearing_m, 0.0);
-    EXPECT_LT(row.range_low_m, row.range_m);
+    EXPECT_GT(row.range_m.value, 0.0);
+    EXPECT_GT(row.bearing_m.value, 0.0);
+    EXPECT_LT(row.range_m.low, row.range_m.value);
+    EXPECT_GT(row.jerk_m_s3.value, 0.0);
   }
 }
 

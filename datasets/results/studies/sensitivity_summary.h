@@ -12,13 +12,6 @@
 
 namespace trilat {
 
-struct Estimate {  // with its 95 % interval; NaN where there is none
-  double value = kNoNumber, low = kNoNumber, high = kNoNumber;
-
-  static constexpr bool as_list = true;
-  TRILAT_FIELDS(value, low, high)
-};
-
 // What a sensitivity study varies: a setting of its simulation, in a range or a list.
 struct SensitivityFactor {
   std::string name, unit;

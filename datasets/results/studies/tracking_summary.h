@@ -105,17 +105,17 @@ struct CorrectionRow {
 };
 
 // How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
-// turn: mean distances along its ray and across, 95 % intervals with participants as clusters, and the mean
-// with its sign along the ray. What all sensors have in common is in none of these numbers.
+// turn: mean distances along its ray and across, and the mean with its sign along the ray; how much its bones
+// change their lengths in a take (standard deviation), and the mean jerk of its joints. 95 % intervals with
+// participants as clusters. What all sensors have in common is in none of these numbers.
 struct PredictionRow {
   std::string condition, method;
   std::uint64_t n = 0;
-  double range_m = kNoNumber, range_low_m = kNoNumber, range_high_m = kNoNumber;
-  double bearing_m = kNoNumber, bearing_low_m = kNoNumber, bearing_high_m = kNoNumber;
-  double mean_range_m = kNoNumber;  // above 0: farther than seen
+  Estimate range_m = {}, bearing_m = {};
+  Estimate mean_range_m = {};  // above 0: farther than seen
+  Estimate bone_m = {}, jerk_m_s3 = {};
 
-  TRILAT_FIELDS(condition, method, n, range_m, range_low_m, range_high_m, bearing_m, bearing_low_m,
-                bearing_high_m, mean_range_m)
+  TRILAT_FIELDS(condition, method, n, range_m, bearing_m, mean_range_m, bone_m, jerk_m_s3)
 };
 
 struct TrackingSummary {

@@ -30,7 +30,8 @@ void add(PredictionSums& sums, const Eigen::Vector3d& predicted_in_sensor_m,
 }
 
 // The mean of what `sum` adds up in these entries, participants as clusters.
-ContrastEstimate mean_of(const std::vector<const PredictionSums*>& entries, double PredictionSums::*sum) {
+Estimate mean_of(const std::vector<const PredictionSums*>& entries, double PredictionSums::*sum,
+                 std::uint64_t PredictionSums::*n) {
   WeightedRatio mean;
   std::vector<std::string> participants;
   for (const PredictionSums* entry : entries) {
@@ -42,9 +43,10 @@ ContrastEstimate mean_of(const std::vector<const PredictionSums*>& entries, doub
       mean.denominator.push_back(0.0);
     }
     mean.numerator[k] += entry->*sum;
-    mean.denominator[k] += static_cast<double>(entry->n);
+    mean.denominator[k] += static_cast<double>(entry->*n);
   }
-  return solve_contrast({{mean}, {}});
+  const ContrastEstimate estimate = solve_contrast({{mean}, {}});
+  return {estimate.value, estimate.low(), estimate.high()};
 }
 
 }  // namespace
@@ -70,23 +72,68 @@ void leave_out(const Plan& plan, const PlannedTake& planned, TakeData& data) {
                                                         "there is nothing to predict");
 }
 
-void add_predictions(const Plan& plan, const PlannedTake& planned, const SampleBlock& block,
-                     std::vector<PredictionSums>& sums) {
+Predictions::Predictions(const Plan& plan, const PlannedTake& planned) : plan_(plan) {
   if (planned.take.left_out.empty()) return;
-  if (sums.empty())
-    for (const Method& method : plan.methods)
-      sums.push_back({planned.take.participant, planned.take.activity, method.spec.name});
-  const RigidTransform sensor_from_world =
-      planned.world_from_sensor[left_out_sensor(plan, planned)].inverse();
-  for (std::size_t row = 0; row < block.instants * plan.joints.size(); ++row) {
-    const Eigen::Vector3d seen_m = point_at(block.truth_m, row);
-    if (!seen_m.allFinite()) continue;
-    for (std::size_t m = 0; m < sums.size(); ++m) {
-      const std::size_t slot = row * sums.size() + m;
-      if (is_usable(static_cast<SolveStatus>(block.status[slot])))
-        add(sums[m], sensor_from_world * point_at(block.estimate_m, slot), sensor_from_world * seen_m);
+  sensor_from_world_ = planned.world_from_sensor[left_out_sensor(plan, planned)].inverse();
+  Track track;
+  track.last_m.resize(plan.joints.size());
+  for (auto& last_m : track.last_m) last_m.fill(Eigen::Vector3d::Constant(kNaN));
+  for (std::size_t child = 0; child < plan.joints.size(); ++child)
+    if (const auto parent = parent_of(plan.joints[child])) {
+      const auto found = std::ranges::find(plan.joints, *parent);
+      if (found != plan.joints.end())
+        track.bones.push_back({static_cast<std::size_t>(found - plan.joints.begin()), child});
     }
+  for (const Method& method : plan.methods) {
+    sums_.push_back({planned.take.participant, planned.take.activity, method.spec.name});
+    tracks_.push_back(track);
   }
+}
+
+void Predictions::add(const SampleBlock& block) {
+  std::vector<Eigen::Vector3d> joints_m(plan_.joints.size());
+  for (std::size_t i = 0; i < block.instants; ++i)
+    for (std::size_t m = 0; m < sums_.size(); ++m) {
+      for (std::size_t j = 0; j < joints_m.size(); ++j) {
+        const std::size_t row = i * joints_m.size() + j, slot = row * sums_.size() + m;
+        const bool usable = is_usable(static_cast<SolveStatus>(block.status[slot]));
+        joints_m[j] = usable ? point_at(block.estimate_m, slot) : Eigen::Vector3d::Constant(kNaN);
+        const Eigen::Vector3d seen_m = point_at(block.truth_m, row);
+        if (usable && seen_m.allFinite())
+          trilat::add(sums_[m], sensor_from_world_ * joints_m[j], sensor_from_world_ * seen_m);
+      }
+      add(m, joints_m);
+    }
+}
+
+void Predictions::add(std::size_t method, std::span<const Eigen::Vector3d> joints_m) {
+  for (Bone& bone : tracks_[method].bones) {
+    const double length_m = (joints_m[bone.child] - joints_m[bone.parent]).norm();
+    if (!std::isfinite(length_m)) continue;
+    const double off_m = length_m - bone.mean_m;
+    bone.mean_m += off_m / ++bone.n;
+    bone.squares_m2 += off_m * (length_m - bone.mean_m);
+  }
+  for (std::size_t j = 0; j < joints_m.size(); ++j) {
+    auto& last_m = tracks_[method].last_m[j];
+    std::shift_right(last_m.begin(), last_m.end(), 1);
+    last_m[0] = joints_m[j];
+    const double third_m = (last_m[0] - 3.0 * last_m[1] + 3.0 * last_m[2] - last_m[3]).norm();
+    if (!std::isfinite(third_m)) continue;
+    ++sums_[method].jerk_n;
+    sums_[method].jerk_m_s3 += third_m * std::pow(plan_.study.rate_hz, 3);
+  }
+}
+
+std::vector<PredictionSums> Predictions::sums() const {
+  std::vector<PredictionSums> sums = sums_;
+  for (std::size_t m = 0; m < sums.size(); ++m)
+    for (const Bone& bone : tracks_[m].bones) {
+      if (bone.n < 2.0) continue;
+      sums[m].bone_n += static_cast<std::uint64_t>(bone.n);
+      sums[m].bone_m += bone.n * std::sqrt(bone.squares_m2 / (bone.n - 1.0));
+    }
+  return sums;
 }
 
 std::vector<PredictionRow> prediction_rows(const std::vector<PredictionSums>& sums) {
@@ -105,15 +152,15 @@ std::vector<PredictionRow> prediction_rows(const std::vector<PredictionSums>& su
     entries[k].push_back(&one);
   }
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const ContrastEstimate range = mean_of(entries[k], &PredictionSums::abs_range_m);
-    const ContrastEstimate bearing = mean_of(entries[k], &PredictionSums::bearing_m);
-    rows[k].range_m = range.value;
-    rows[k].range_low_m = range.low();
-    rows[k].range_high_m = range.high();
-    rows[k].bearing_m = bearing.value;
-    rows[k].bearing_low_m = bearing.low();
-    rows[k].bearing_high_m = bearing.high();
-    rows[k].mean_range_m = mean_of(entries[k], &PredictionSums::range_m).value;
+    const auto mean = [&](double PredictionSums::*sum,
+                          std::uint64_t PredictionSums::*n = &PredictionSums::n) {
+      return mean_of(entries[k], sum, n);
+    };
+    rows[k].range_m = mean(&PredictionSums::abs_range_m);
+    rows[k].bearing_m = mean(&PredictionSums::bearing_m);
+    rows[k].mean_range_m = mean(&PredictionSums::range_m);
+    rows[k].bone_m = mean(&PredictionSums::bone_m, &PredictionSums::bone_n);
+    rows[k].jerk_m_s3 = mean(&PredictionSums::jerk_m_s3, &PredictionSums::jerk_n);
   }
   return rows;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "datasets/base/described.h"
@@ -12,13 +14,16 @@ namespace trilat {
 
 // How far predictions by one method are from what the sensor sees that is left out, summed over instants and
 // joints: along its ray (length of the prediction's vector - length of what is seen) and across (distance of
-// the prediction from the line of sight). Metres, before any alignment.
+// the prediction from the line of sight). Metres, before any alignment. Beside it what needs no second look:
+// how much bones change their lengths (standard deviation in the take, by bone and instant), and the jerk of
+// the joints, of four instants in a row.
 struct PredictionSums {
   std::string participant, condition, method;
-  std::uint64_t n = 0;
-  double range_m = 0.0, abs_range_m = 0.0, bearing_m = 0.0;
+  std::uint64_t n = 0, bone_n = 0, jerk_n = 0;
+  double range_m = 0.0, abs_range_m = 0.0, bearing_m = 0.0, bone_m = 0.0, jerk_m_s3 = 0.0;
 
-  TRILAT_FIELDS(participant, condition, method, n, range_m, abs_range_m, bearing_m)
+  TRILAT_FIELDS(participant, condition, method, n, bone_n, jerk_n, range_m, abs_range_m, bearing_m, bone_m,
+                jerk_m_s3)
 };
 
 // Of a take whose sensor is left out, after which no method sees that sensor: its tracked joints become the
@@ -26,9 +31,30 @@ struct PredictionSums {
 // sensor never tracks a joint that is asked for.
 void leave_out(const Plan& plan, const PlannedTake& planned, TakeData& data);
 
-// Adds what a block says; `sums` gets an entry for every method of the plan, none for takes with mocap.
-void add_predictions(const Plan& plan, const PlannedTake& planned, const SampleBlock& block,
-                     std::vector<PredictionSums>& sums);
+// Adds up a take's blocks, which come in the order of time.
+class Predictions {
+ public:
+  Predictions(const Plan& plan, const PlannedTake& planned);
+  void add(const SampleBlock& block);
+  // An entry for every method of the plan; none for takes with mocap.
+  std::vector<PredictionSums> sums() const;
+
+ private:
+  struct Bone {
+    std::size_t parent = 0, child = 0;  // joints of the plan
+    double n = 0.0, mean_m = 0.0, squares_m2 = 0.0;
+  };
+  struct Track {
+    std::vector<Bone> bones;
+    std::vector<std::array<Eigen::Vector3d, 4>> last_m;  // by joint, the newest first; NaN where silent
+  };
+  void add(std::size_t method, std::span<const Eigen::Vector3d> joints_m);
+
+  const Plan& plan_;
+  RigidTransform sensor_from_world_;
+  std::vector<PredictionSums> sums_;
+  std::vector<Track> tracks_;  // by method
+};
 
 // By condition and method, in the order of their first take; intervals between participants.
 std::vector<PredictionRow> prediction_rows(const std::vector<PredictionSums>& sums);
