@@ -12,6 +12,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/json_schema.h"
+#include "datasets/base/known_names.h"
 
 namespace trilat {
 namespace {
@@ -22,16 +23,11 @@ constexpr int kMaxDepth = 64;
 thread_local const Json* noted_document = nullptr;
 thread_local std::shared_ptr<JsonFields> noted_fields;
 
-std::string join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-std::size_t line_at(std::string_view text, std::size_t byte) {
-  return 1 +
-         static_cast<std::size_t>(std::count(
-             text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size())), '\n'));
+// "LINE:COLUMN", both from 1.
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, byte);
+  return fmt::format("{}:{}", 1 + std::ranges::count(before, '\n'),
+                     before.size() - (before.rfind('\n') + 1) + 1);
 }
 
 // Escapes a key for a JSON pointer (RFC 6901).
@@ -76,7 +72,7 @@ Json parse_json(std::string_view text, const std::string& place) {
     std::string what = error.what();
     const auto colon = what.find("column");
     what = colon == std::string::npos ? what : what.substr(what.find(": ", colon) + 2);
-    throw InputError(place + ":" + std::to_string(line_at(text, error.byte == 0 ? 0 : error.byte - 1)),
+    throw InputError(place + ":" + line_and_column(text, error.byte == 0 ? 0 : error.byte - 1),
                      "is not valid JSON: " + what);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(place, std::string("is not valid JSON: ") + error.what());
@@ -326,7 +322,7 @@ std::size_t JsonObject::choice(const std::string& key, const std::vector<std::st
   const std::string word = text(key);
   words(key, known);
   const auto found = std::find(known.begin(), known.end(), word);
-  if (found == known.end()) refuse(key, "is \"" + word + "\", which is unknown; known are: " + join(known));
+  if (found == known.end()) refuse(key, "is \"" + word + "\", which is unknown; " + known_names(word, known));
   return static_cast<std::size_t>(found - known.begin());
 }
 
@@ -432,8 +428,7 @@ std::vector<std::string> JsonObject::keys() const {
 void JsonObject::finish() {
   for (const auto& item : value_->items())
     if (!known_.contains(item.key()) && !(pointer_.empty() && item.key() == "$schema"))
-      refuse(item.key(),
-             "is an unknown key; known are: " + join(std::vector<std::string>(known_.begin(), known_.end())));
+      refuse(item.key(), "is an unknown key; " + known_names(item.key(), {known_.begin(), known_.end()}));
 }
 
 }  // namespace trilat

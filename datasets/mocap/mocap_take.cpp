@@ -5,6 +5,7 @@
 #include <array>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 
 namespace trilat {
 namespace {
@@ -78,8 +79,13 @@ std::size_t find_asset(const MocapHeader& header, std::string_view key, const st
   }
   const std::string asked = "the asset \"" + std::string(key) + "\"";
   if (all.empty()) throw InputError(place, asked + " is not there; the export holds no assets");
-  if (found.empty())
-    throw InputError(place, asked + " is not in the export; there are: " + list_of(header, all));
+  if (found.empty()) {
+    std::vector<std::string> names;
+    for (const MocapAsset& asset : header.assets) names.push_back(asset.name);
+    const std::string nearest = nearest_name(key, names);
+    throw InputError(place, asked + " is not in the export; there are: " + list_of(header, all) +
+                                (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+  }
   if (found.size() > 1) throw InputError(place, asked + " can mean several: " + list_of(header, found));
   return found.front();
 }

@@ -84,10 +84,9 @@ std::optional<Joint> joint_from_name(std::string_view name) {
   return std::nullopt;
 }
 
-std::string joint_names() {
-  std::string names;
-  for (int j = 0; j < kJointCount; ++j)
-    names += (j ? ", " : "") + std::string(name_of(static_cast<Joint>(j)));
+std::vector<std::string> joint_names() {
+  std::vector<std::string> names;
+  for (int j = 0; j < kJointCount; ++j) names.emplace_back(name_of(static_cast<Joint>(j)));
   return names;
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
@@ -224,7 +225,7 @@ ActivitySpec read_activity(JsonObject& object) {
       const auto joint = joint_from_name(name);
       if (!joint)
         object.refuse("marker_joints",
-                      "names \"" + name + "\", which is no joint; known are: " + joint_names());
+                      "names \"" + name + "\", which is no joint; " + known_names(name, joint_names()));
       activity.marker_joints.push_back(*joint);
     }
     if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");

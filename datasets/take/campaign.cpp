@@ -11,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
@@ -106,7 +107,7 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   JsonObject joints = object.object("joints");
   for (const std::string& key : joints.keys()) {
     const auto joint = joint_from_name(key);
-    if (!joint) joints.refuse(key, "is no joint; known are: " + joint_names());
+    if (!joint) joints.refuse(key, "is no joint; " + known_names(key, joint_names()));
     auto assets = joints.texts(key);
     if (assets.empty()) joints.refuse(key, "must name at least one asset");
     if (const std::string twice = first_repeated(assets); !twice.empty())
@@ -119,10 +120,14 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   return mapping;
 }
 
-void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
+std::string mapping_text(const JointMapping& mapping) {
   Json joints = Json::object();
   for (const auto& entry : mapping.joints) joints[std::string(name_of(entry.joint))] = entry.assets;
-  write_file(path, Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}.dump(2) + "\n");
+  return Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}.dump(2);
+}
+
+void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
+  write_file(path, mapping_text(mapping) + "\n");
 }
 
 Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside) {

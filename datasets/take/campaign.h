@@ -57,6 +57,7 @@ struct JointMapping {
 // those known.
 JointMapping read_mapping(const std::filesystem::path& path);
 JointMapping parse_mapping(const Json& json, const std::string& place);
+std::string mapping_text(const JointMapping& mapping);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
 // One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is

@@ -6,7 +6,7 @@
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/embedded_studies.h"
+#include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"

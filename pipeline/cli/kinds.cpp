@@ -11,7 +11,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
-#include "pipeline/cli/embedded_studies.h"
+#include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"

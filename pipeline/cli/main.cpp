@@ -7,6 +7,7 @@
 #include <typeinfo>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/version.h"
 #include "pipeline/cli/verbs.h"
 
@@ -16,14 +17,15 @@ namespace {
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
 constexpr AddVerb kVerbs[] = {
-    add_demo,      add_simulate,        add_run,  add_merge,  add_report, add_reproduce,
-    add_calibrate, add_measure_tracker, add_gate, add_record, add_info,   add_verify,
-    add_recover,   add_export,          add_fuse, add_mocap,  add_schema};
+    add_demo,      add_init,      add_simulate,        add_run,  add_merge,  add_report,
+    add_reproduce, add_calibrate, add_measure_tracker, add_gate, add_record, add_info,
+    add_verify,    add_recover,   add_export,          add_fuse, add_mocap,  add_schema};
 
 // Its readers are Python now: a format is thirty lines there.
 void add_import(CLI::App& app) {
   auto* verb = app.add_subcommand("import", "is not there any more; python3 -m trilat.convert does it");
   verb->allow_extras();
+  verb->group("");  // in no help
   verb->callback([] {
     throw InputError("import",
                      "is not there any more; PYTHONPATH=python python3 -m trilat.convert FORMAT FILE... -o "
@@ -36,7 +38,7 @@ int guarded_main(int argc, char** argv) {
       "Offline evaluation of trilateration with several Kinect v2 sensors against OptiTrack.\n"
       "Exit codes: 0 done; 1 done, but items failed; 2 bad input or usage; 70 a bug of this program.",
       "trilat");
-  app.set_version_flag("--version", kProgramVersion);
+  app.set_version_flag("--version", std::string(kProgramVersion) + "\n" + TRILAT_BUILD);
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
   int code = kDone;
@@ -52,10 +54,12 @@ int guarded_main(int argc, char** argv) {
     return app.exit(version);
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') {
-      std::string verbs;
-      for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-        verbs += (verbs.empty() ? "" : ", ") + verb->get_name();
-      std::fprintf(stderr, "trilat: there is no verb \"%s\"; there are %s\n", argv[1], verbs.c_str());
+      std::vector<std::string> verbs;
+      for (const CLI::App* verb :
+           app.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); }))
+        verbs.push_back(verb->get_name());
+      std::fprintf(stderr, "trilat: there is no verb \"%s\"; %s\n", argv[1],
+                   known_names(argv[1], verbs).c_str());
       return kBadInput;
     }
     const auto given = app.get_subcommands();

@@ -16,6 +16,7 @@
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"

@@ -5,8 +5,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/version.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -75,8 +77,22 @@ void put_together(const Study& study, const MergeArguments& arguments, const std
                .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
 }
 
+// A file, or the name of a study that is built in.
+Json read_study(const std::filesystem::path& study) {
+  std::vector<std::string> names;
+  for (const auto& built_in : embedded::studies) names.emplace_back(built_in.name);
+  const auto found = std::ranges::find(names, study.string());
+  if (found != names.end() && !std::filesystem::exists(study))
+    return parse_json(embedded::studies[static_cast<std::size_t>(found - names.begin())].text,
+                      study.string());
+  if (!study.has_extension() && !study.has_parent_path() && !std::filesystem::exists(study))
+    throw InputError(study.string(),
+                     "is no file and no study that is built in; " + known_names(study.string(), names));
+  return read_json(study);
+}
+
 int run(const RunArguments& arguments) {
-  const Json json = read_json(arguments.study);
+  const Json json = read_study(arguments.study);
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   const Kind& kind = *find_kind(name_of(study_kind(json, arguments.study.string())));
   refuse_what_is_of_no_use(kind, arguments);
@@ -130,7 +146,7 @@ void add_run(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<RunArguments>(
       app, code, "run",
       "a study: takes x methods, a threshold sweep, calibration, clocks or an error budget -> results", run);
-  verb.add_option("study", a.study, "study.json")->required();
+  verb.add_option("study", a.study, "study.json, or the name of one that is built in: table3")->required();
   verb.add_option("--campaign", a.campaign, "folder of takes, instead of the study's own");
   verb.add_option("--calibration", a.calibration, "calibration.json, instead of the takes' own");
   verb.add_option("-o,--output", a.output, "results folder; not needed with --dry-run");

@@ -56,6 +56,7 @@ void add_export(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
+void add_init(CLI::App& app, int& code);
 void add_measure_tracker(CLI::App& app, int& code);
 void add_merge(CLI::App& app, int& code);
 void add_mocap(CLI::App& app, int& code);

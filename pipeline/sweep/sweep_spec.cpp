@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
@@ -174,7 +175,7 @@ void read_choices(JsonObject& object, const std::string& key, const Words& known
   for (const std::string& word : words) {
     const auto found = std::find(known.begin(), known.end(), word);
     if (found == known.end())
-      object.refuse(key, fmt::format("has \"{}\"; known are: {}", word, fmt::join(known, ", ")));
+      object.refuse(key, fmt::format("has \"{}\"; {}", word, known_names(word, known)));
     choices.push_back(static_cast<Enum>(found - known.begin()));
   }
 }

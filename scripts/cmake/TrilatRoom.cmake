@@ -113,18 +113,24 @@ function(trilat_test name)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${patterns}" PROPERTIES LABELS "${TEST_LABELS}")
 endfunction()
 
-# trilat_embed(target HEADER path FILES a.json …): makes a header with one constant a file (a.json -> embedded::a_json),
+# trilat_embed(target HEADER path [LIST name] FILES a.json …): makes a header with one constant a file (a.json ->
+# embedded::a_json), and if asked a list of all of them, each {"a", a_json},
 # so that the program needs no data files beside it.
 function(trilat_embed target)
-  cmake_parse_arguments(EMBED "" "HEADER" "FILES" ${ARGN})
+  cmake_parse_arguments(EMBED "" "HEADER;LIST" "FILES" ${ARGN})
   set(text "// Made by CMake from the files named below.\n#pragma once\n\nnamespace trilat::embedded {\n")
   foreach(file IN LISTS EMBED_FILES)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     file(READ ${file} content)
     get_filename_component(name ${file} NAME)
+    get_filename_component(stem ${file} NAME_WE)
     string(MAKE_C_IDENTIFIER ${name} name)
+    string(APPEND list "{\"${stem}\", ${name}}, ")
     string(APPEND text "\ninline constexpr const char* ${name} = R\"json(${content})json\";\n")
   endforeach()
+  if(EMBED_LIST)
+    string(APPEND text "\ninline constexpr struct { const char *name, *text; } ${EMBED_LIST}[] = {${list}};\n")
+  endif()
   string(APPEND text "\n}  // namespace trilat::embedded\n")
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/embedded/${EMBED_HEADER} CONTENT "${text}" @ONLY)
   target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/embedded)

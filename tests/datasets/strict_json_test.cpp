@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json_schema.h"
+#include "datasets/base/known_names.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -41,7 +42,26 @@ TEST(StrictJson, UnknownKeysAreNamedWithTheKnownOnes) {
   object.text("name");
   object.count("reference", 0);
   EXPECT_THAT(message_of([&] { object.finish(); }),
-              AllOf(HasSubstr("a.json /methods/0/refrence"), HasSubstr("known are: name, reference")));
+              AllOf(HasSubstr("a.json /methods/0/refrence"),
+                    HasSubstr("known are: name, reference; did you mean \"reference\"?")));
+}
+
+TEST(StrictJson, ASyntaxErrorNamesLineAndColumn) {
+  EXPECT_THAT(message_of([] { parse_json("{\"a\": 1,\n \"b\": 2 \"c\": 3}", "a.json"); }),
+              HasSubstr("a.json:2:11: is not valid JSON"));
+  EXPECT_THAT(message_of([] { parse_json("", "a.json"); }), HasSubstr("a.json:1:1: "));
+}
+
+TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {
+  const std::vector<std::string> verbs{"run", "merge", "report", "record"};
+  EXPECT_EQ(nearest_name("rn", verbs), "run");
+  EXPECT_EQ(nearest_name("rnu", verbs), "run");  // exchanged letters count once
+  EXPECT_EQ(nearest_name("Merge", verbs), "merge");
+  EXPECT_EQ(nearest_name("reocrd", verbs), "record");
+  EXPECT_EQ(nearest_name("levitate", verbs), "");
+  EXPECT_EQ(nearest_name("", verbs), "");
+  EXPECT_EQ(nearest_name(std::string(100'000, 'r'), verbs), "");
+  EXPECT_EQ(known_names("x", verbs), "known are: run, merge, report, record");
 }
 
 TEST(StrictJson, TypesAreNotConverted) {

@@ -9,6 +9,7 @@
 #include "datasets/synthetic/tracker/tracker_truth.h"
 #include "pipeline/budget/budget_spec.h"
 #include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "recorders/network/link/tls_keys.h"
 #include "tests/fuzz/fuzz_folder.h"

@@ -24,8 +24,8 @@ using Clock = std::chrono::steady_clock;
 
 const std::vector<std::string> kVerbs{
     "info",      "verify", "recover", "record",    "mocap",  "simulate",
-    "calibrate", "run",    "report",  "reproduce", "import", "export",
-    "demo",      "merge",  "gate",    "fuse",      "schema", "measure-tracker"};
+    "calibrate", "run",    "report",  "reproduce", "export", "demo",
+    "init",      "merge",  "gate",    "fuse",      "schema", "measure-tracker"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",
@@ -51,13 +51,19 @@ TEST(Door, EveryVerbHasHelp) {
   const Ended ended = run_trilat(folder, {"--help"});
   EXPECT_EQ(ended.code, 0);
   for (const std::string& verb : kVerbs) EXPECT_THAT(ended.out, HasSubstr("\n  " + verb));
-  EXPECT_THAT(run_trilat(folder, {"--version"}).out, StartsWith("trilat "));
+  const Ended version = run_trilat(folder, {"--version"});
+  EXPECT_THAT(version.out, StartsWith("trilat "));
+  EXPECT_THAT(version.out,
+              ::testing::ContainsRegex(
+                  "\ncommit [^,]+, .*\nEigen [0-9.]+, Ceres [0-9.]+, OpenCV [0-9.]+, HDF5 [0-9.]+"));
 }
 
 TEST(Door, WrongUsageIsOneLineAndExitCodeTwo) {
   const ScratchFolder folder;
   expect_refused(run_trilat(folder, {}), "subcommand is required");
   expect_refused(run_trilat(folder, {"levitate"}), "levitate");
+  expect_refused(run_trilat(folder, {"simualte"}), "did you mean \"simulate\"?");
+  expect_refused(run_trilat(folder, {"run", "tabel3", "-o", "x"}), "did you mean \"table3\"?");
   expect_refused(run_trilat(folder, {"--levitate"}), "subcommand is required");
   expect_refused(run_trilat(folder, {"simulate"}), "required");
   expect_refused(run_trilat(folder, {"run", "a.json", "--threads", "many"}), "--threads");

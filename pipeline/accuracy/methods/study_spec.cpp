@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
@@ -15,6 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.study";
+const std::vector<std::string> kAlignments{"none", "first", "mean", "rigid", "held_out", "joint_offset"};
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
 const std::vector<std::string> kTruths{"auto", "mocap", "left_out_sensor"};
 constexpr std::uint64_t kFewestResamples = 200;  // 2.5 % of fewer are not told from the ends
@@ -23,20 +25,12 @@ std::vector<AlignmentKind> read_alignments(JsonObject& object) {
   std::vector<AlignmentKind> result;
   for (const std::string& word : different_texts(object, "alignments")) {
     const auto kind = alignment_from_name(word);
-    if (!kind)
-      object.refuse("alignments",
-                    "has \"" + word + "\"; known are: none, first, mean, rigid, held_out, joint_offset");
+    if (!kind) object.refuse("alignments", "has \"" + word + "\"; " + known_names(word, kAlignments));
     result.push_back(*kind);
   }
-  object.words("alignments", {"none", "first", "mean", "rigid", "held_out", "joint_offset"});
+  object.words("alignments", kAlignments);
   if (result.empty()) object.refuse("alignments", "must name at least one alignment");
   return result;
-}
-
-std::vector<std::string> joint_words() {
-  std::vector<std::string> words;
-  for (int j = 0; j < kJointCount; ++j) words.emplace_back(name_of(static_cast<Joint>(j)));
-  return words;
 }
 
 void check_names(JsonObject& object, const StudySpec& spec) {
@@ -47,7 +41,8 @@ void check_names(JsonObject& object, const StudySpec& spec) {
           "name", "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
   for (const std::string& joint : spec.joints)
     if (!joint_from_name(joint))
-      object.refuse("joints", "has \"" + joint + "\", which is no joint; known are: " + joint_names());
+      object.refuse("joints",
+                    "has \"" + joint + "\", which is no joint; " + known_names(joint, joint_names()));
 }
 
 }  // namespace
@@ -91,7 +86,7 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
           "between truth and sensors, one standard deviation");
   for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
   if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
-  object.words("joints", joint_words());
+  object.words("joints", joint_names());
   object.about(
       {{"name", "of the study; stands in its tables"},
        {"campaign", "folder of takes, relative to this file; `--campaign` goes first"},

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/base/known_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace trilat {
+namespace {
+
+// Letters of either case are the same.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  const auto same = [](char x, char y) {
+    return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+  };
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + !same(a[i - 1], b[j - 1])});
+      if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string listed(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string nearest_name(std::string_view word, const std::vector<std::string>& known) {
+  constexpr std::size_t kLongestWord = 100;
+  if (word.size() > kLongestWord) return {};
+  std::string nearest;
+  std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
+  for (const std::string& name : known)
+    if (const std::size_t off = distance(word, name); off < least) {
+      least = off;
+      nearest = name;
+    }
+  return nearest;
+}
+
+std::string known_names(std::string_view word, const std::vector<std::string>& known) {
+  const std::string nearest = nearest_name(word, known);
+  return "known are: " + listed(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+}
+
+}  // namespace trilat

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trilat {
+
+// "a, b, c".
+std::string listed(const std::vector<std::string>& names);
+
+// The known name that is nearest to a word that was mistyped, by letters put in, left out, changed or
+// exchanged (Damerau 1964); empty when none is near.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& known);
+
+// For the end of a refusal: "known are: head, neck; did you mean \"neck\"?".
+std::string known_names(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace trilat

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "datasets/take/campaign.h"
+#include "pipeline/study/watch.h"
+
+namespace trilat {
+
+// What the recording's host clock showed at the first frame of a take's mocap, as the motion tells.
+struct MocapStart {
+  std::string status;  // name_of(ClockOffsetStatus); the rest counts when it is "found"
+  std::int64_t host_ns = 0;
+  double after_recording_s = 0.0;    // since the recording's first frame
+  double low_s = 0.0, high_s = 0.0;  // of that, 95 %
+};
+
+// Lays the joints' speeds in the take's bodies and in its mocap over each other, at every start up to
+// kStartSearch_s before and after the recording's: no start needs to be known. Needs calibration and mapping.
+// The tracker's lag, 0.05 s or so, is in what is found. InputError for what cannot be read.
+inline constexpr double kStartSearch_s = 150.0;
+MocapStart find_mocap_start(const Take& take, const Watch& watch);
+
+}  // namespace trilat

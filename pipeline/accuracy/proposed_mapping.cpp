@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/proposed_mapping.h"
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace trilat {
+namespace {
+
+// One way to tell where a joint is: all of these names, lower case and without signs; `@` is l or r. The
+// names of bones and markers are told apart by the type of the asset.
+struct Way {
+  Joint joint;  // the left one of two
+  bool bone;
+  std::vector<std::string> names;
+};
+
+// In the order in which they are tried.
+const std::vector<Way>& ways() {
+  constexpr bool kBone = true, kMarker = false;
+  static const std::vector<Way> all{
+      // Motive's skeleton, and its names for FBX
+      {Joint::spine_base, kBone, {"hip"}},
+      {Joint::spine_base, kBone, {"hips"}},
+      {Joint::spine_mid, kBone, {"chest"}},
+      {Joint::spine_mid, kBone, {"spine1"}},
+      {Joint::spine_shoulder, kBone, {"neck"}},
+      {Joint::neck, kBone, {"head"}},
+      {Joint::shoulder_left, kBone, {"@uarm"}},
+      {Joint::shoulder_left, kBone, {"@@arm"}},
+      {Joint::elbow_left, kBone, {"@farm"}},
+      {Joint::elbow_left, kBone, {"@@forearm"}},
+      {Joint::wrist_left, kBone, {"@hand"}},
+      {Joint::wrist_left, kBone, {"@@hand"}},
+      {Joint::hip_left, kBone, {"@thigh"}},
+      {Joint::hip_left, kBone, {"@@upleg"}},
+      {Joint::knee_left, kBone, {"@shin"}},
+      {Joint::knee_left, kBone, {"@@leg"}},
+      {Joint::ankle_left, kBone, {"@foot"}},
+      {Joint::ankle_left, kBone, {"@@foot"}},
+      {Joint::foot_left, kBone, {"@toe"}},
+      {Joint::foot_left, kBone, {"@@toebase"}},
+      // joint centres
+      {Joint::shoulder_left, kMarker, {"@sjc"}},
+      {Joint::elbow_left, kMarker, {"@ejc"}},
+      {Joint::wrist_left, kMarker, {"@wjc"}},
+      {Joint::hip_left, kMarker, {"@hjc"}},
+      {Joint::knee_left, kMarker, {"@kjc"}},
+      {Joint::ankle_left, kMarker, {"@ajc"}},
+      // Plug-in Gait and Conventional, with inner markers where there are any
+      {Joint::head, kMarker, {"lfhd", "rfhd", "lbhd", "rbhd"}},
+      {Joint::spine_shoulder, kMarker, {"c7", "clav"}},
+      {Joint::spine_mid, kMarker, {"strn", "t10"}},
+      {Joint::spine_base, kMarker, {"lasi", "rasi", "lpsi", "rpsi"}},
+      {Joint::spine_base, kMarker, {"lasi", "rasi", "sacr"}},
+      {Joint::shoulder_left, kMarker, {"@sho"}},
+      {Joint::elbow_left, kMarker, {"@elb", "@elm"}},
+      {Joint::elbow_left, kMarker, {"@elb"}},
+      {Joint::wrist_left, kMarker, {"@wra", "@wrb"}},
+      {Joint::knee_left, kMarker, {"@kne", "@knm"}},
+      {Joint::knee_left, kMarker, {"@lfc", "@mfc"}},
+      {Joint::knee_left, kMarker, {"@kne"}},
+      {Joint::ankle_left, kMarker, {"@ank", "@med"}},
+      {Joint::ankle_left, kMarker, {"@lmal", "@mmal"}},
+      {Joint::ankle_left, kMarker, {"@ank"}},
+      {Joint::foot_left, kMarker, {"@toe"}},
+      // Baseline
+      {Joint::spine_base, kMarker, {"waistlfront", "waistrfront", "waistlback", "waistrback"}},
+      {Joint::shoulder_left, kMarker, {"@shouldertop"}},
+      {Joint::elbow_left, kMarker, {"@elbowin", "@elbowout"}},
+      {Joint::elbow_left, kMarker, {"@elbowout"}},
+      {Joint::wrist_left, kMarker, {"@wristin", "@wristout"}},
+      {Joint::knee_left, kMarker, {"@kneein", "@kneeout"}},
+      {Joint::knee_left, kMarker, {"@kneeout"}},
+      {Joint::ankle_left, kMarker, {"@anklein", "@ankleout"}},
+      {Joint::ankle_left, kMarker, {"@ankleout"}}};
+  return all;
+}
+
+std::string plain(std::string_view text) {
+  std::string result;
+  for (const char c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+// "@farm" -> "rfarm", "@@arm" -> "rightarm".
+std::string of_side(std::string name, bool right) {
+  if (name.starts_with("@@")) return (right ? "right" : "left") + name.substr(2);
+  std::ranges::replace(name, '@', right ? 'r' : 'l');
+  return name;
+}
+
+// The asset that is called so; several, of two persons, are none.
+std::optional<std::size_t> asset_called(const MocapHeader& header, const std::string& name,
+                                        const std::function<bool(AssetType)>& is_type) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < header.assets.size(); ++i) {
+    const MocapAsset& asset = header.assets[i];
+    if (!asset.has_position || !is_type(asset.type)) continue;
+    const std::string last = asset.name.substr(asset.name.find_last_of(":_. ") + 1);
+    if (plain(asset.name) != name && plain(last) != name) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  return found;
+}
+
+bool is_bone(AssetType type) { return type == AssetType::bone; }
+bool is_marker(AssetType type) {
+  return type == AssetType::marker || type == AssetType::bone_marker || type == AssetType::rigid_body_marker;
+}
+
+// Labelled markers may stand in an export twice, measured and solved: the measured one.
+std::optional<std::string> key_called(const MocapHeader& header, const std::string& name, bool bone) {
+  std::optional<std::size_t> found;
+  if (bone)
+    found = asset_called(header, name, is_bone);
+  else if (found = asset_called(header, name, [](AssetType t) { return t == AssetType::marker; }); !found)
+    found = asset_called(header, name, is_marker);
+  return found ? std::optional(key_of(header, *found)) : std::nullopt;
+}
+
+// "head_1", "head_2" and so on, about a joint.
+std::vector<std::string> markers_numbered(const MocapHeader& header, const std::string& name) {
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < header.assets.size(); ++i) {
+    const MocapAsset& asset = header.assets[i];
+    const std::string text = plain(asset.name);
+    const std::size_t end = text.find_last_not_of("0123456789") + 1;
+    if (asset.type == AssetType::marker && asset.has_position && end < text.size() &&
+        text.substr(0, end) == name)
+      keys.push_back(key_of(header, i));
+  }
+  return keys;
+}
+
+std::vector<std::string> assets_of(const MocapHeader& header, Joint joint) {
+  // rigid bodies that are called as a joint is, and whatever else
+  if (const auto own = asset_called(header, plain(name_of(joint)), [](AssetType t) { return !is_bone(t); }))
+    return {key_of(header, *own)};
+  if (auto numbered = markers_numbered(header, plain(name_of(joint))); !numbered.empty()) return numbered;
+  const bool right = name_of(joint).ends_with("_right");
+  for (const Way& way : ways()) {
+    if (way.joint != (right ? mirror_of(joint) : joint)) continue;
+    std::vector<std::string> assets;
+    for (const std::string& name : way.names)
+      if (const auto key = key_called(header, of_side(name, right), way.bone)) assets.push_back(*key);
+    if (assets.size() == way.names.size()) return assets;
+  }
+  return {};
+}
+
+}  // namespace
+
+JointMapping propose_mapping(const MocapHeader& header) {
+  JointMapping mapping;
+  for (int j = 0; j < kJointCount; ++j) {
+    const auto joint = static_cast<Joint>(j);
+    if (auto assets = assets_of(header, joint); !assets.empty())
+      mapping.joints.push_back({joint, std::move(assets)});
+  }
+  return mapping;
+}
+
+}  // namespace trilat

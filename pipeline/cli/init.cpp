@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// `trilat init`.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/mocap_reader.h"
+#include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/mocap_start.h"
+#include "pipeline/accuracy/proposed_mapping.h"
+#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/verbs.h"
+
+namespace trilat {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InitArguments {
+  fs::path folder = ".";
+  std::string name, activity = "recorded";
+  bool force = false;
+  bool json = false;
+};
+
+// A take, and what is to be said of it.
+struct FoundTake {
+  Take take;
+  std::size_t sensors = 0;
+  bool simulated = false;
+  std::string start = {};  // how its mocap's start was found
+};
+
+struct Found {
+  std::vector<FoundTake> takes;
+  std::vector<std::string> notes;
+  JointMapping mapping;  // empty where one is there already, or no take has mocap
+};
+
+// All that end so, below a folder, in order; not in folders of results.
+std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::string>& extensions) {
+  std::vector<fs::path> files;
+  auto entry = fs::recursive_directory_iterator(folder);
+  for (; entry != fs::recursive_directory_iterator(); ++entry) {
+    if (entry->is_directory() && fs::exists(entry->path() / "items.json")) entry.disable_recursion_pending();
+    if (entry->is_regular_file() && extensions.contains(entry->path().extension().string()))
+      files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+// The nearest one, from the recording's folder up to the campaign's.
+fs::path nearest_file(const std::string& name, fs::path from, const fs::path& top) {
+  for (;; from = from.parent_path()) {
+    if (fs::exists(from / name)) return from / name;
+    if (from == top || from.empty() || from == from.parent_path()) return {};
+  }
+}
+
+bool is_mocap(const fs::path& file) {
+  if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(file.extension().string())) return false;
+  try {
+    return !MocapReader(file).header().assets.empty();
+  } catch (const InputError&) {
+    return false;  // a table of something else
+  }
+}
+
+// The motion capture beside a recording: of the same name, else the one called mocap, else the only one
+// beside the only recording.
+fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sessions, Found& found) {
+  std::vector<fs::path> all;
+  for (const auto& file : fs::directory_iterator(session.parent_path()))
+    if (is_mocap(file.path())) all.push_back(file.path());
+  std::ranges::sort(all);
+  for (const fs::path& stem : {session.stem(), fs::path("mocap")})
+    if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
+  if (all.empty()) return {};
+  if (all.size() == 1 && std::ranges::count(sessions, session.parent_path(), &fs::path::parent_path) == 1)
+    return all.front();
+  found.notes.push_back(fmt::format("{}: which motion capture is its own cannot be told; call it {}{}",
+                                    session.string(), session.stem().string(),
+                                    all.front().extension().string()));
+  return {};
+}
+
+// "p01/walk.h5" is p01's walk; "p01/session.h5", of a participant who has one, has no name of its own.
+FoundTake take_of(const SessionReader& reader, const fs::path& session, const InitArguments& arguments) {
+  const fs::path inside = fs::relative(session, arguments.folder);
+  const std::string stem = session.stem().string();
+  const bool has_folder = inside.has_parent_path(), has_name = stem != "session";
+  FoundTake found;
+  found.take.participant = has_folder ? inside.begin()->string() : stem;
+  found.take.activity = has_folder && has_name ? stem : arguments.activity;
+  fs::path id = has_name ? fs::path(inside).replace_extension() : inside.parent_path();
+  found.take.id = fmt::format("{}", fmt::join(std::vector<std::string>(id.begin(), id.end()), "-"));
+  if (found.take.id.empty()) found.take.id = stem;
+  found.take.session = session;
+  found.sensors = reader.header().sensors.size();
+  found.simulated = reader.header().simulated;
+  return found;
+}
+
+Found look_around(const InitArguments& arguments) {
+  Found found;
+  std::vector<fs::path> sessions;
+  std::map<fs::path, FoundTake> takes;
+  for (const fs::path& file : files_below(arguments.folder, {".h5"})) try {
+      const SessionReader reader(file);
+      takes.emplace(file, take_of(reader, file, arguments));
+      sessions.push_back(file);
+    } catch (const InputError& error) {
+      found.notes.push_back(fmt::format("left out, no recording: {}", error.what()));
+    }
+  if (sessions.empty())
+    throw InputError(
+        arguments.folder.string(),
+        "holds no recording (session.h5); `trilat record` makes one, and python3 -m trilat.convert "
+        "one of somebody else's");
+  for (const fs::path& session : sessions) {
+    Take& take = takes.at(session).take;
+    take.calibration = nearest_file("calibration.json", session.parent_path(), arguments.folder);
+    if (take.calibration.empty())
+      throw InputError(
+          session.string(),
+          fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method "
+                      "bodies -o {}` makes one from a walk, docs/calibrate.md has better ones",
+                      session.string(), (session.parent_path() / "calibration.json").string()));
+    take.mocap = mocap_beside(session, sessions, found);
+    if (!take.mocap.empty()) take.mapping = arguments.folder / "mapping.json";
+    found.takes.push_back(takes.at(session));
+  }
+  return found;
+}
+
+// Proposes one where there is none. Takes whose joints cannot be told go on without their mocap.
+void add_mapping(const InitArguments& arguments, Found& found) {
+  const fs::path file = arguments.folder / "mapping.json";
+  const auto with_mocap =
+      std::ranges::find_if(found.takes, [](const FoundTake& f) { return !f.take.mocap.empty(); });
+  if (fs::exists(file) || with_mocap == found.takes.end()) return;
+  const fs::path mocap = with_mocap->take.mocap;
+  found.mapping = propose_mapping(MocapReader(mocap).header());
+  if (!found.mapping.joints.empty()) return;
+  throw InputError(mocap.string(),
+                   "has no names that tell which joint is which; write " + file.string() +
+                       " (docs/own_recordings.md; `trilat mocap` lists the names) and ask again");
+}
+
+void find_starts(Found& found) {
+  Progress progress("finding when the motion capture starts");
+  for (std::size_t k = 0; k < found.takes.size(); ++k) {
+    progress.set(static_cast<double>(k) / static_cast<double>(found.takes.size()));
+    Take& take = found.takes[k].take;
+    if (take.mocap.empty()) continue;
+    const MocapStart start = find_mocap_start(take, {stop_requested, {}});
+    if (start.status == "found") {
+      take.mocap_start_host_ns = start.host_ns;
+      found.takes[k].start =
+          fmt::format("starts {:.3f} s after the recording ({:.3f} to {:.3f}), by the motion",
+                      start.after_recording_s, start.low_s, start.high_s);
+    } else {
+      take.mocap.clear();
+      take.mapping.clear();
+      found.notes.push_back(fmt::format(
+          "{}: its motion capture is left out, since the motion does not tell when it starts ({}); "
+          "give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand",
+          take.id, start.status));
+    }
+  }
+}
+
+Json study_of(const InitArguments& arguments, const Found& found) {
+  const auto with_mocap = [](const FoundTake& f) { return !f.take.mocap.empty(); };
+  const bool all_three = std::ranges::all_of(found.takes, [](const FoundTake& f) { return f.sensors >= 3; });
+  Json methods = Json::array();
+  if (all_three)
+    for (const char* method : {"linear", "geometric", "nonlinear"}) methods.push_back({{"method", method}});
+  for (const char* method : {"single", "mean", "robust_mean", "range_bearing", "rts", "window"})
+    methods.push_back({{"method", method}});
+  Json study{{"format", "trilat.study"}, {"version", 1}, {"kind", "accuracy"}, {"name", arguments.name}};
+  study["alignments"] =
+      std::ranges::any_of(found.takes, with_mocap) ? Json{"rigid", "joint_offset", "none"} : Json{"none"};
+  study["reference"] = all_three ? "nonlinear" : "mean";
+  study["methods"] = methods;
+  return study;
+}
+
+int init(const InitArguments& given) {
+  InitArguments arguments = given;
+  if (!fs::is_directory(arguments.folder))
+    throw InputError(arguments.folder.string(), "must be the folder that holds the recordings");
+  if (arguments.name.empty()) arguments.name = fs::canonical(arguments.folder).filename().string();
+  for (const char* name : {"campaign.json", "study.json"})
+    if (fs::exists(arguments.folder / name) && !arguments.force)
+      throw InputError((arguments.folder / name).string(), "is there already; --force replaces it");
+  Found found = look_around(arguments);
+  add_mapping(arguments, found);
+  if (!found.mapping.joints.empty()) write_mapping(arguments.folder / "mapping.json", found.mapping);
+  find_starts(found);
+  Campaign campaign;
+  campaign.name = arguments.name;
+  campaign.simulated = std::ranges::all_of(found.takes, &FoundTake::simulated);
+  for (const FoundTake& f : found.takes) campaign.takes.push_back(f.take);
+  write_campaign(arguments.folder, campaign);
+  write_file(arguments.folder / "study.json", json_text(study_of(arguments, found), 2) + "\n");
+  Json takes = Json::array();
+  for (const auto& [take, sensors, simulated, start] : found.takes)
+    takes.push_back(
+        {{"id", take.id}, {"sensors", sensors}, {"mocap", take.mocap.string()}, {"start", start}});
+  if (arguments.json) {
+    fmt::print("{}\n", json_text(Json{{"takes", takes}, {"notes", found.notes}}, 2));
+    return kDone;
+  }
+  for (const auto& [take, sensors, simulated, start] : found.takes)
+    fmt::print("{}: {} of {}, {} sensors{}\n", take.id, take.activity, take.participant, sensors,
+               take.mocap.empty() ? ", no motion capture: each sensor is predicted from the others"
+                                  : fmt::format("; {} {}", take.mocap.filename().string(), start));
+  if (!found.mapping.joints.empty())
+    fmt::print(
+        "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its "
+        "upper joint, a marker lies on the skin\n",
+        found.mapping.joints.size());
+  if (std::ranges::any_of(found.takes, [](const FoundTake& f) { return !f.start.empty(); }))
+    fmt::print(
+        "A start by the motion contains the trackers' lag, some 0.05 s: errors by that lag are not seen.\n");
+  for (const std::string& note : found.notes) fmt::print(stderr, "note: {}\n", note);
+  const std::string folder = given.folder.string();
+  fmt::print("next: trilat run {}/study.json --campaign {} -o {}-results\n", folder, folder,
+             given.folder == "." ? arguments.name : folder);
+  return kDone;
+}
+
+}  // namespace
+
+void add_init(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<InitArguments>(
+      app, code, "init",
+      "a folder of own recordings -> campaign.json, mapping.json and study.json, with what the motion tells",
+      init);
+  verb.add_option("folder", a.folder, "with recordings, calibration.json and motion capture beside them")
+      ->capture_default_str();
+  verb.add_option("--name", a.name, "of the campaign; else the folder's");
+  verb.add_option("--activity", a.activity, "what is done in recordings that are called session.h5")
+      ->capture_default_str();
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+}
+
+}  // namespace trilat

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// `trilat init`, and what it finds by names and by motion.
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "datasets/mocap/mocap_take.h"
+#include "pipeline/accuracy/mocap_start.h"
+#include "pipeline/accuracy/proposed_mapping.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+MocapHeader export_of(AssetType type, const std::vector<std::string>& names) {
+  MocapHeader header;
+  for (const std::string& name : names) header.assets.push_back({type, name, name, "", false, true});
+  return header;
+}
+
+std::vector<std::string> assets_for(const MocapHeader& header, Joint joint) {
+  for (const auto& entry : propose_mapping(header).joints)
+    if (entry.joint == joint) return entry.assets;
+  return {};
+}
+
+TEST(ProposedMapping, AMotiveBoneStandsAtItsUpperJoint) {
+  const MocapHeader header =
+      export_of(AssetType::bone, {"Ann:Hip", "Ann:Neck", "Ann:Head", "Ann:LUArm", "Ann:LFArm", "Ann:RHand",
+                                  "Ann:RShin", "Ann:LFoot", "Ann:LToe", "Ann:RIndex1"});
+  EXPECT_THAT(assets_for(header, Joint::shoulder_left), ElementsAre("bone:Ann:LUArm"));
+  EXPECT_THAT(assets_for(header, Joint::elbow_left), ElementsAre("bone:Ann:LFArm"));
+  EXPECT_THAT(assets_for(header, Joint::wrist_right), ElementsAre("bone:Ann:RHand"));
+  EXPECT_THAT(assets_for(header, Joint::knee_right), ElementsAre("bone:Ann:RShin"));
+  EXPECT_THAT(assets_for(header, Joint::neck), ElementsAre("bone:Ann:Head"));
+  EXPECT_THAT(assets_for(header, Joint::head), ElementsAre());
+  EXPECT_EQ(propose_mapping(header).joints.size(), 9u);
+}
+
+TEST(ProposedMapping, MarkersOnBothSidesOfAJointAreItsMiddle) {
+  const MocapHeader plug_in =
+      export_of(AssetType::marker, {"LFHD", "RFHD", "LBHD", "RBHD", "LELB", "LWRA", "LWRB", "RKNE", "LTHI"});
+  EXPECT_EQ(assets_for(plug_in, Joint::head).size(), 4u);
+  EXPECT_THAT(assets_for(plug_in, Joint::elbow_left), ElementsAre("marker:LELB"));
+  EXPECT_THAT(assets_for(plug_in, Joint::wrist_left), ElementsAre("marker:LWRA", "marker:LWRB"));
+  EXPECT_THAT(assets_for(plug_in, Joint::knee_right), ElementsAre("marker:RKNE"));
+  const MocapHeader baseline = export_of(AssetType::marker, {"A:LElbowOut", "A:LElbowIn", "A:RShoulderTop"});
+  EXPECT_THAT(assets_for(baseline, Joint::elbow_left),
+              ElementsAre("marker:A:LElbowIn", "marker:A:LElbowOut"));
+  const MocapHeader own = export_of(AssetType::marker, {"wrist_left_1", "wrist_left_2", "head", "spine1"});
+  EXPECT_THAT(assets_for(own, Joint::wrist_left), ElementsAre("marker:wrist_left_1", "marker:wrist_left_2"));
+  EXPECT_THAT(assets_for(own, Joint::head), ElementsAre("marker:head"));
+}
+
+TEST(ProposedMapping, TwoPersonsAndNamesThatSayNothingGiveNone) {
+  EXPECT_TRUE(propose_mapping(export_of(AssetType::bone, {"Ann:LFArm", "Bob:LFArm"})).joints.empty());
+  EXPECT_TRUE(
+      propose_mapping(export_of(AssetType::marker, {"Unlabeled 1036", "Rigid Body 1"})).joints.empty());
+}
+
+// A folder as somebody has it who recorded: recordings, exports, a calibration.
+std::filesystem::path own_folder(const ScratchFolder& folder) {
+  const auto campaign = folder / "campaign", own = folder / "own";
+  simulate_into(campaign, walking_spec(2, 12.0));
+  for (const Take& take : read_campaign(campaign).takes) {
+    std::filesystem::create_directories(own / take.participant);
+    std::filesystem::copy(take.session, own / take.participant / "walking.h5");
+    std::filesystem::copy(take.mocap, own / take.participant / "walking.csv");
+    std::filesystem::copy_file(take.calibration, own / "calibration.json",
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  return own;
+}
+
+// Leaves out the first rows of an export, whose times then begin later.
+void cut_rows(const std::filesystem::path& file, int rows) {
+  std::ifstream in(file);
+  std::string text, line;
+  for (bool is_data = false; std::getline(in, line);) {
+    if (is_data && rows-- > 0) continue;
+    is_data = is_data || line.starts_with("Frame,");
+    text += line + "\n";
+  }
+  in.close();
+  write_file(file, text);
+}
+
+TEST(Init, AFolderOfRecordingsRunsWithoutAnythingWrittenByHand) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  const std::int64_t truly_ns = read_campaign(folder / "campaign").takes[0].mocap_start_host_ns;
+  cut_rows(own / "p01/walking.csv", 300);
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("p01-walking: walking of p01, 4 sensors; walking.csv starts 2.99"),
+                               HasSubstr(" s before the recording ("), HasSubstr("next: trilat run ")));
+  const Campaign campaign = read_campaign(own);
+  ASSERT_EQ(campaign.takes.size(), 2u);
+  EXPECT_TRUE(campaign.simulated);
+  const double off_s = 1e-9 * static_cast<double>(campaign.takes[0].mocap_start_host_ns - truly_ns);
+  EXPECT_NEAR(off_s, 3.0, 0.01);  // what was cut; this tracker has no lag
+  const Ended run = run_trilat(folder, {"run", (own / "study.json").string(), "--campaign", own.string(),
+                                        "-o", (folder / "results").string()});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 of 2 takes"));
+}
+
+TEST(Init, SaysWhatIsMissingAndReplacesNothing) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  std::filesystem::remove(own / "p01/walking.csv");  // without mocap it goes on
+  std::filesystem::rename(own / "calibration.json", own / "kept");
+  expect_refused(run_trilat(folder, {"init", own.string()}),
+                 "has no calibration.json in its folder or above");
+  std::filesystem::rename(own / "kept", own / "calibration.json");
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, HasSubstr("no motion capture: each sensor is predicted from the others"));
+  expect_refused(run_trilat(folder, {"init", own.string()}), "campaign.json: is there already");
+  EXPECT_EQ(run_trilat(folder, {"init", own.string(), "--force"}).code, 0);
+  expect_refused(run_trilat(folder, {"init", (folder / "absent").string()}), "must be the folder");
+  std::filesystem::create_directories(folder / "empty");
+  expect_refused(run_trilat(folder, {"init", (folder / "empty").string()}), "holds no recording");
+}
+
+}  // namespace
+}  // namespace trilat
