@@ -162,9 +162,12 @@ void find_starts(Found& found) {
     const MocapStart start = find_mocap_start(take, {stop_requested, {}});
     if (start.status == "found") {
       take.mocap_start_host_ns = start.host_ns;
-      found.takes[k].start =
-          fmt::format("starts {:.3f} s after the recording ({:.3f} to {:.3f}), by the motion",
-                      start.after_recording_s, start.low_s, start.high_s);
+      const bool before = start.after_recording_s < 0.0;
+      const double after = before ? -1.0 : 1.0;
+      found.takes[k].start = fmt::format("starts {:.3f} s {} the recording ({:.3f} to {:.3f}), by the motion",
+                                         after * start.after_recording_s, before ? "before" : "after",
+                                         after * (before ? start.high_s : start.low_s),
+                                         after * (before ? start.low_s : start.high_s));
     } else {
       take.mocap.clear();
       take.mapping.clear();
