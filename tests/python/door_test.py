@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Sessions, results and the program from Python, held to the program's own CSV, `verify` and `info`."""
+import contextlib
 import csv
 import importlib.util
+import io
 import json
 import os
 import re
@@ -15,7 +17,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+import made_up_files as made
 import trilat
+from trilat.convert.__main__ import main as convert
 from trilat.program import call, program_path
 
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "door", "alignments": ["none", "mean"],
@@ -63,6 +67,35 @@ class DoorTest(unittest.TestCase):
                     cell, value = row[f"{kind}_{axis}_m"], columns[f"{kind}_{axis}_m"][i]
                     self.assertTrue(np.isnan(value) if cell == "" else abs(float(cell) - value) < 1e-6, (cell, value))
         self.assertGreater(compared, 800)
+
+    def test_three_cameras_of_ntu_go_from_their_files_to_a_table(self):
+        """Simulated bodies, written as NTU RGB+D writes them: no truth, so each camera is predicted from the others."""
+        (self.folder / "three.json").write_text(json.dumps(SIMULATION | {
+            "participants": 1, "activities": [{"name": "arm_swing", "duration_s": 8}],
+            "rig": {"radius_m": 2.5, "heights_m": [1.2, 1.2, 1.2], "arc_deg": 90}}))
+        call("simulate", self.folder / "three.json", "-o", self.folder / "three")
+        own = self.folder / "ntu/p1"
+        own.mkdir(parents=True)
+        with trilat.session(self.folder / "three/p01-arm_swing/session.h5") as session:
+            for number, name in enumerate(("k1", "k2", "k3"), 1):
+                bodies, frames = session[name].bodies(), []
+                number_of = np.round(30 * bodies.time_s)
+                for frame in range(int(number_of[-1]) + 1):
+                    shown = np.flatnonzero(number_of == frame)[:1]
+                    frames.append(made.ntu_frame(*(made.ntu_body(frame, joints_m=bodies.position_m[k], states=bodies.tracking_state[k])
+                                                   for k in shown)))
+                (own / f"S001C00{number}P001R001A001.skeleton").write_text(f"{len(frames)}\n" + "".join(frames))
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            self.assertEqual(convert(["ntu", *map(str, sorted(own.glob("*.skeleton"))), "-o", str(own / "swing.h5")]), 0)
+        call("calibrate", own / "swing.h5", "--method", "bodies", "-o", own / "calibration.json")
+        call("init", own.parent)
+        results = trilat.run(own.parent / "study.json", campaign=own.parent, output=self.folder / "ntu_results")
+        self.assertEqual(results.summary["truth"], "left_out_sensor")
+        rows = json.loads((self.folder / "ntu_results/tracking.json").read_text())["predictions"]
+        mean = next(row for row in rows if row["method"] == "mean")
+        self.assertEqual(mean["condition"], "swing")
+        self.assertTrue(0.01 < mean["bearing_m"][0] < 0.15 and mean["n"] > 1000, mean)
+        self.assertTrue(0.0 < mean["bone_m"][0] < 0.1 < mean["jerk_m_s3"][0], mean)
 
     def test_mean_error_of_the_columns_is_the_tables(self):
         columns = self.results.columns()

@@ -42,11 +42,12 @@ def kimore_files(folder, frames, turns=True):
     return folder
 
 
-def ntu_body(frame, body_id=ID, state="2"):
+def ntu_body(frame, body_id=ID, state="2", joints_m=None, states=None):
     lines = [f"{body_id} 0 1 3 0 2 0 0.25 -0.125 2", str(JOINTS)]
     for j in range(JOINTS):
         u, v = pixel(frame, j)
-        lines.append(" ".join(map(str, [*joint_m(frame, j), u, v, 900, 500, 0.9, 0.1, 0.2, 0.3, state])))
+        place_m = joint_m(frame, j) if joints_m is None else joints_m[j]
+        lines.append(" ".join(map(str, [*place_m, u, v, 900, 500, 0.9, 0.1, 0.2, 0.3, state if states is None else states[j]])))
     return "\n".join(lines) + "\n"
 
 

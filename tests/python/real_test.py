@@ -182,6 +182,16 @@ class RealTest(unittest.TestCase):
         sensors = json.loads((self.folder / "p2/calibration.json").read_text())["sensors"]
         dot = abs(np.dot(sensors[0]["rotation_xyzw"], sensors[1]["rotation_xyzw"]))
         self.assertAlmostEqual(np.degrees(2 * np.arccos(dot)), 90.0, delta=5.0)  # as its authors placed them
+        call("init", self.folder)
+        campaign = json.loads((self.folder / "campaign.json").read_text())
+        self.assertEqual([(take["id"], take["participant"], take["activity"]) for take in campaign["takes"]],
+                         [(f"p2-{name}", "p2", name) for name in ("standing", "steps", "walking")])
+        results = trilat.run(self.folder / "study.json", campaign=self.folder, output=self.folder / "results")
+        self.assertEqual(results.summary["truth"], "left_out_sensor")
+        rows = json.loads((self.folder / "results/tracking.json").read_text())["predictions"]
+        by_method = {row["method"]: row for row in rows if row["condition"] == "walking"}
+        self.assertLess(by_method["mean"]["bearing_m"][0], 0.15)
+        self.assertLess(by_method["window"]["bone_m"][0], 0.3 * by_method["mean"]["bone_m"][0])
         cut = self.folder / "cut.csv"
         cut.write_text("\n".join(file.read_text().split("\n")[:400]) + "\n2, 2, 1, 635")
         self.assertIn("1 rows are torn and left out; first: " + str(cut), self.converted("kinectmultitrack", cut, "-o", self.folder / "cut", code=1))
