@@ -19,7 +19,8 @@ using AddVerb = void (*)(CLI::App& app, int& code);
 constexpr AddVerb kVerbs[] = {
     add_demo,      add_init,      add_simulate,        add_run,  add_merge,  add_report,
     add_reproduce, add_calibrate, add_measure_tracker, add_gate, add_record, add_info,
-    add_verify,    add_recover,   add_export,          add_fuse, add_mocap,  add_schema};
+    add_verify,    add_recover,   add_export,          add_fuse, add_mocap,  add_schema,
+    add_doctor,    add_manual};
 
 // Its readers are Python now: a format is thirty lines there.
 void add_import(CLI::App& app) {

@@ -52,11 +52,13 @@ void add_gone(CLI::App& verb, const std::string& option, const std::string& inst
 
 void add_calibrate(CLI::App& app, int& code);
 void add_demo(CLI::App& app, int& code);
+void add_doctor(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_init(CLI::App& app, int& code);
+void add_manual(CLI::App& app, int& code);
 void add_measure_tracker(CLI::App& app, int& code);
 void add_merge(CLI::App& app, int& code);
 void add_mocap(CLI::App& app, int& code);

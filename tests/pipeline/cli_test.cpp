@@ -22,10 +22,10 @@ using testing::Not;
 using testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> kVerbs{
-    "info",      "verify", "recover", "record",    "mocap",  "simulate",
-    "calibrate", "run",    "report",  "reproduce", "export", "demo",
-    "init",      "merge",  "gate",    "fuse",      "schema", "measure-tracker"};
+const std::vector<std::string> kVerbs{"info",     "verify",    "recover", "record", "mocap",
+                                      "simulate", "calibrate", "run",     "report", "reproduce",
+                                      "export",   "demo",      "doctor",  "manual", "init",
+                                      "merge",    "gate",      "fuse",    "schema", "measure-tracker"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: MIT
+# `cmake --install` and `cpack`: the programs, the man page and completions that the program makes itself, studies,
+# documents and the Python module.
+include(GNUInstallDirs)
+set(made ${PROJECT_BINARY_DIR}/made)
+set(outputs)
+foreach(what IN ITEMS man:trilat.1 bash:trilat zsh:_trilat fish:trilat.fish)
+  string(REPLACE ":" ";" parts ${what})
+  list(GET parts 0 kind)
+  list(GET parts 1 name)
+  add_custom_command(OUTPUT ${made}/${kind}/${name} COMMAND ${CMAKE_COMMAND} -E make_directory ${made}/${kind}
+    COMMAND trilat manual ${kind} > ${made}/${kind}/${name} DEPENDS trilat VERBATIM)
+  list(APPEND outputs ${made}/${kind}/${name})
+endforeach()
+add_custom_target(trilat_manuals ALL DEPENDS ${outputs})
+
+install(TARGETS trilat trilat-agent RUNTIME)
+install(FILES ${made}/man/trilat.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${made}/bash/trilat DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${made}/zsh/_trilat DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+install(FILES ${made}/fish/trilat.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(DIRECTORY pipeline/studies DESTINATION ${CMAKE_INSTALL_DATADIR}/trilat)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(DIRECTORY python/trilat DESTINATION lib/python3/dist-packages PATTERN __pycache__ EXCLUDE)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "the trilat authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "trilateration with several Kinect v2 against OptiTrack")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gnuplot-nox, libjs-three, python3-h5py, python3-numpy")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-hdf5plugin, python3-pandas, python3-matplotlib")
+include(CPack)
