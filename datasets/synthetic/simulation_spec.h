@@ -21,8 +21,8 @@
 namespace trilat {
 
 // Where the virtual sensors stand: on a circle about `centre_m` (its y is the height they look at), at one
-// height each. Different heights make the vertical observable from ranges; see docs/methods.md on rigs of one
-// height.
+// height each. Different heights make the vertical observable from ranges; see docs/reference/methods.md on
+// rigs of one height.
 struct RigSpec {
   double radius_m = 2.0;
   std::vector<double> heights_m{0.6, 2.2, 0.9, 1.9};
@@ -34,8 +34,8 @@ struct RigSpec {
   std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
 };
 
-// The virtual sensor. Every value is a declared assumption; sources in docs/simulator.md. Nothing is tuned to
-// the paper's tables.
+// The virtual sensor. Every value is a declared assumption; sources in docs/explanation/simulator.md. Nothing
+// is tuned to the paper's tables.
 struct SensorSpec {
   double rate_hz = 30.0;
   double nearest_m = 0.5;

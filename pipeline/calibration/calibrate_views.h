@@ -29,9 +29,9 @@ struct WandCalibration {
   std::vector<Eigen::Vector3d> position_in_world_m;  // NaN when nothing of it was used
 };
 
-// Sensor poses from what a wand showed that was held still at many places (see docs/calibrate.md). The first
-// three places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says where the
-// wand was. InputError at `place` says which sensor cannot be placed and why.
+// Sensor poses from what a wand showed that was held still at many places (see docs/how-to/calibrate.md). The
+// first three places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says
+// where the wand was. InputError at `place` says which sensor cannot be placed and why.
 WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options);
 

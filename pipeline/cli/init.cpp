@@ -130,7 +130,7 @@ Found look_around(const InitArguments& arguments) {
       throw InputError(
           session.string(),
           fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method "
-                      "bodies -o {}` makes one from a walk, docs/calibrate.md has better ones",
+                      "bodies -o {}` makes one from a walk, docs/how-to/calibrate.md has better ones",
                       session.string(), (session.parent_path() / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
     if (!take.mocap.empty()) take.mapping = arguments.folder / "mapping.json";
@@ -150,7 +150,7 @@ void add_mapping(const InitArguments& arguments, Found& found) {
   if (!found.mapping.joints.empty()) return;
   throw InputError(mocap.string(),
                    "has no names that tell which joint is which; write " + file.string() +
-                       " (docs/own_recordings.md; `trilat mocap` lists the names) and ask again");
+                       " (docs/how-to/own_recordings.md; `trilat mocap` lists the names) and ask again");
 }
 
 void find_starts(Found& found) {

@@ -122,7 +122,7 @@ int print_mapping(const MocapHeader& header, const std::string& file) {
   if (mapping.joints.empty())
     throw InputError(file,
                      "has no names that tell which joint is which; write mapping.json by hand "
-                     "(docs/own_recordings.md)");
+                     "(docs/how-to/own_recordings.md)");
   fmt::print("{}\n", mapping_text(mapping));
   std::vector<std::string> left = joint_names();
   for (const auto& entry : mapping.joints) std::erase(left, name_of(entry.joint));

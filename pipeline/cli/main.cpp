@@ -30,7 +30,7 @@ void add_import(CLI::App& app) {
   verb->callback([] {
     throw InputError("import",
                      "is not there any more; PYTHONPATH=python python3 -m trilat.convert FORMAT FILE... -o "
-                     "session.h5 does it (docs/other_formats.md)");
+                     "session.h5 does it (docs/how-to/other_formats.md)");
   });
 }
 

@@ -7,12 +7,13 @@ import re
 import shutil
 import subprocess
 import tempfile
+import textwrap
 import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["TRILAT"]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Blocks that run as they stand in a folder with `my-study`, by a command in them.
 RUNNABLE = ("trilat init my-study", "trilat init my-recordings")
 
@@ -20,8 +21,8 @@ RUNNABLE = ("trilat init my-study", "trilat init my-recordings")
 def blocks():
     """Page and text of every block of shell commands, lines that go on joined."""
     for page in PAGES:
-        for block in re.findall(r"^```sh\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE):
-            yield page.name, re.sub(r"\\\n\s*", " ", block)
+        for block in re.findall(r"^ *```sh\n(.*?)^ *```", page.read_text(), re.DOTALL | re.MULTILINE):
+            yield page.name, re.sub(r"\\\n\s*", " ", textwrap.dedent(block))
 
 
 def commands():
@@ -57,6 +58,18 @@ class CommandsTest(unittest.TestCase):
             for path in re.findall(r"(?<![\w/.])(?:scripts|pipeline|python|tests)/[\w./-]*\w", block):
                 self.assertTrue((ROOT / path).exists(), f"{page}: {path}")
 
+    def run_block(self, folder, page, block):
+        environment = os.environ | {"PATH": f"{Path(PROGRAM).parent}:{os.environ['PATH']}"}
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, f"{page}:\n{block}\n{done.stderr}")
+
+    def test_the_first_tutorial_runs(self):
+        with tempfile.TemporaryDirectory() as name:
+            for page, block in blocks():
+                if page == "first_table.md":
+                    self.run_block(name, page, block)
+            self.assertGreater((Path(name) / "report/report.html").stat().st_size, 10_000)
+
     def test_blocks_about_own_recordings_run(self):
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
@@ -78,9 +91,7 @@ class CommandsTest(unittest.TestCase):
                                                       for file in ("campaign.json", "study.json", "mapping.json"))):
                     target = folder / output
                     shutil.rmtree(target) if target.is_dir() else target.unlink(missing_ok=True)
-                environment = os.environ | {"PATH": f"{Path(PROGRAM).parent}:{os.environ['PATH']}"}
-                done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, env=environment, capture_output=True, text=True)
-                self.assertEqual(done.returncode, 0, f"{page}:\n{block}\n{done.stderr}")
+                self.run_block(folder, page, block)
                 self.assertTrue((folder / "report/report.html").stat().st_size > 10_000, page)
                 ran += 1
             self.assertEqual(ran, 3)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// docs/paper.md says where each element of the paper is: nothing it names may be missing, nothing that is
-// judged left out.
+// docs/explanation/paper.md says where each element of the paper is: nothing it names may be missing, nothing
+// that is judged left out.
 #include <filesystem>
 #include <set>
 #include <string>
@@ -15,7 +15,7 @@
 namespace trilat {
 namespace {
 
-std::string map_text() { return read_file(std::filesystem::path(kSourceDir) / "docs/paper.md"); }
+std::string map_text() { return read_file(std::filesystem::path(kSourceDir) / "docs/explanation/paper.md"); }
 
 // What stands between backticks.
 std::set<std::string> named(const std::string& text) {

@@ -174,7 +174,7 @@ TEST(Door, WrongSettingsAreNamedByTheirPointer) {
                  "study.json /campaign: is missing");
 }
 
-// simulate, info, verify, mocap, run and report, one after the other, as in docs/own_recordings.md.
+// simulate, info, verify, mocap, run and report, one after the other, as in docs/how-to/own_recordings.md.
 TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
   const ScratchFolder folder;
   const std::string campaign = folder / "campaign", take = campaign + "/p01-walking";

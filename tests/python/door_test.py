@@ -134,7 +134,7 @@ class DoorTest(unittest.TestCase):
 
     @unittest.skipIf(missing("pandas", "matplotlib"), "pandas or matplotlib is not installed")
     def test_the_documents_example_runs(self):
-        page = (Path(__file__).resolve().parents[2] / "docs/python.md").read_text(encoding="utf-8")
+        page = (Path(__file__).resolve().parents[2] / "docs/how-to/python.md").read_text(encoding="utf-8")
         blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
         self.assertEqual(len(blocks), 4)
         shutil.copytree(self.folder, self.folder.with_suffix(".page"), ignore=shutil.ignore_patterns("own.h5"))

@@ -13,7 +13,8 @@
 
 namespace trilat {
 
-// How a Kinect v2's depth differs from geometry. Declared assumptions; sources in docs/simulator.md.
+// How a Kinect v2's depth differs from geometry. Declared assumptions; sources in
+// docs/explanation/simulator.md.
 struct DepthNoiseSpec {
   AxialNoise axial;
   double lateral_sigma_m = 0.0016;  // sideways jitter of the ray at the surface

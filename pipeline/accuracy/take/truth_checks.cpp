@@ -23,7 +23,7 @@ constexpr double kScale = 0.075, kScaleAlpha = 0.01;
 constexpr double kExchanged_m = 0.1, kExchangedShare = 0.6;
 constexpr double kFar_m = 0.25, kFarTimes = 3.0;
 constexpr double kMovesTimes = 1.4;
-// One Kinect v2 beside Vicon: up to 1.11 in 14 of 89 sound takes (docs/real_recordings.md).
+// One Kinect v2 beside Vicon: up to 1.11 in 14 of 89 sound takes (docs/explanation/real_recordings.md).
 constexpr double kMarkersOff = 0.15;
 
 using Points = std::vector<Eigen::Vector3d>;
