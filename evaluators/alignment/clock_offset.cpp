@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
+#include "evaluators/alignment/alignment.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
@@ -215,13 +216,33 @@ struct Evidence {
 };
 using Blocks = std::map<std::int64_t, Evidence>;
 
-// The median distance between the joints at one offset.
-double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s) {
+using MotionOf = Vector3d QuickMotion::*;
+using TruthAt = Vector3d (TruthGrid::*)(double) const;
+
+// The estimate onto the truth, as both are at an offset.
+RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s, MotionOf estimate_m,
+                       TruthAt truth_at) {
+  AlignmentSums sums;
+  for (const ComparedJoint& joint : joints)
+    for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
+      const Vector3d from_m = joint.estimate[i].*estimate_m,
+                     to_m = (joint.truth.*truth_at)(joint.time_s[i] + offset_s);
+      if (from_m.allFinite() && to_m.allFinite()) sums.add(from_m, to_m);
+    }
+  return solve_alignment(sums, AlignmentKind::rigid).truth_from_estimate;
+}
+
+// The median distance between the joints at one offset, after turning the estimate if frames are turned.
+double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s, StreamFrames frames) {
+  const RigidTransform turn =
+      frames == StreamFrames::turned
+          ? turn_at(joints, offset_s, &QuickMotion::position_m, &TruthGrid::position_at)
+          : RigidTransform{};
   std::vector<double> sizes_m;
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const double size_m =
-          (joint.estimate[i].position_m - joint.truth.position_at(joint.time_s[i] + offset_s)).norm();
+          (turn * joint.estimate[i].position_m - joint.truth.position_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
   return sizes_m.empty() ? kNaN : upper_median(sizes_m);
@@ -293,14 +314,14 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
   chosen = peaks.front();
   if (!(chosen.value >= options.least_peak)) return ClockOffsetStatus::no_agreement;
   std::erase_if(peaks, [&](const Peak& p) { return p.value < options.largest_second * chosen.value; });
-  if (!options.one_frame) {
+  if (options.frames == StreamFrames::shifted) {
     if (chosen.at_end) return ClockOffsetStatus::at_limit;
     return peaks.size() > 1 ? ClockOffsetStatus::ambiguous : ClockOffsetStatus::found;
   }
   double next_m = std::numeric_limits<double>::infinity();
   least_m = next_m;
   for (const Peak& peak : peaks) {
-    const double apart_m = misfit_m(joints, peak.step / options.grid_hz);
+    const double apart_m = misfit_m(joints, peak.step / options.grid_hz, options.frames);
     next_m = std::min(next_m, std::max(apart_m, least_m));
     if (!(apart_m < least_m)) continue;
     least_m = apart_m;
@@ -387,6 +408,11 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
     if (peak.step != chosen.step) result.second = std::max(result.second, peak.value / chosen.value);
   if (status != ClockOffsetStatus::found) return end_with(status);
   const double start_s = chosen.step / options.grid_hz;
+  if (options.frames == StreamFrames::turned) {
+    const RigidTransform turn = turn_at(joints, start_s, &QuickMotion::quick_m, &TruthGrid::quick_at);
+    for (ComparedJoint& joint : joints)
+      for (QuickMotion& motion : joint.estimate) motion.quick_m = turn.rotation * motion.quick_m;
+  }
   const Refined refined = refine(joints, start_s, options);
   result.sigma_s = refined.sigma_s;
   if (!(refined.sigma_s <= options.largest_sigma_s) || std::abs(refined.offset_s - start_s) > 0.1)

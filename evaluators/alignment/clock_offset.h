@@ -24,11 +24,18 @@ enum class ClockOffsetStatus : std::uint8_t {
 };
 std::string_view name_of(ClockOffsetStatus status);
 
+// How the frames of two streams lie to each other. Unless they are shifted, one offset is chosen of those
+// that fit the speeds alike, such as those a gait cycle apart: the one that lays the joints over each other,
+// when it does so clearly better.
+enum class StreamFrames : std::uint8_t {
+  same,
+  shifted,  // the axes agree
+  turned,   // anyhow: the estimate is turned onto the truth, which costs some accuracy
+};
+
 struct ClockOffsetOptions {
   double search_s = 0.3;  // to both sides
-  // Whether both streams are in one frame. Then, of offsets that fit the speeds alike, such as those a gait
-  // cycle apart, the one that lays the joints over each other is found, when it does so clearly better.
-  bool one_frame = false;
+  StreamFrames frames = StreamFrames::shifted;
   double smooth_s = 0.06;  // sigma of the window of speeds and positions, the same for both streams
   double slow_s = 0.5;     // what is slower than this is not compared: offsets and wander of trackers
   double grid_hz = 240.0;  // of the truth, between whose points is interpolated
@@ -53,13 +60,13 @@ struct ClockOffset {
   double peak = kNaN;       // correlation of the speeds at the best offset, mean over joints
   double second = kNaN;     // the largest other peak over it; 0 when there is none
   double speed_m_s = kNaN;  // mean of the truth's joints
-  double misfit_m = kNaN;   // median distance between the joints at the best offset, of streams in one frame
+  double misfit_m = kNaN;   // median distance between the joints at the best offset, unless they are shifted
 };
 
 // Finds by motion how two recordings of the same joints are shifted in time. First the speeds are correlated,
 // which needs no common frame, over the whole search, and of peaks that are alike the positions choose; then
 // the positions, less what is slow, are laid over each other in least squares with Cauchy's loss, which finds
-// the offset to a small part of a frame; for that the two must be in one frame, up to a translation.
+// the offset to a small part of a frame. Streams whose axes differ are first turned onto each other.
 // `estimate` and `truth` hold the same joints in the same order. InternalError otherwise.
 [[nodiscard]] ClockOffset find_clock_offset(std::span<const PointPath> estimate,
                                             std::span<const PointPath> truth,

@@ -4,11 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
 
-MocapStart find_mocap_start(const Take& take, const Watch& watch) {
+bool is_in_mocap_world(const Take& take) { return read_calibration(take.calibration).world == "optitrack"; }
+
+MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watch) {
   Json joints = Json::array();
   for (const JointMapping::Entry& entry : read_mapping(take.mapping).joints)
     joints.push_back(std::string(name_of(entry.joint)));
@@ -17,10 +20,11 @@ MocapStart find_mocap_start(const Take& take, const Watch& watch) {
                                  {"kind", "accuracy"},
                                  {"name", "start"},
                                  {"joints", joints},
+                                 {"alignments", {is_in_mocap_world(take) ? "none" : "rigid"}},
                                  {"clock", "motion"},
                                  {"methods", {{{"method", "mean"}}}}},
                                 "start", {});
-  study.clock_search_s = kStartSearch_s;
+  study.clock_search_s = search_s;
   const Plan plan = make_plan(study, {.name = "start", .takes = {take}}, watch);
   PlannedTake planned = plan.takes.front();
   if (!planned.ok) throw InputError(planned.place, planned.problem);

@@ -9,6 +9,9 @@
 
 namespace trilat {
 
+// Whether a take's sensors are placed in the world of its mocap; else only a rigid alignment compares them.
+bool is_in_mocap_world(const Take& take);
+
 // What the recording's host clock showed at the first frame of a take's mocap, as the motion tells.
 struct MocapStart {
   std::string status;  // name_of(ClockOffsetStatus); the rest counts when it is "found"
@@ -18,9 +21,8 @@ struct MocapStart {
 };
 
 // Lays the joints' speeds in the take's bodies and in its mocap over each other, at every start up to
-// kStartSearch_s before and after the recording's: no start needs to be known. Needs calibration and mapping.
-// The tracker's lag, 0.05 s or so, is in what is found. InputError for what cannot be read.
-inline constexpr double kStartSearch_s = 150.0;
-MocapStart find_mocap_start(const Take& take, const Watch& watch);
+// `search_s` before and after the recording's. Needs calibration and mapping. The tracker's lag, 0.05 s or
+// so, is in what is found. InputError for what cannot be read.
+MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watch);
 
 }  // namespace trilat

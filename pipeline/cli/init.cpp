@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct InitArguments {
   fs::path folder = ".";
   std::string name, activity = "recorded";
+  double start_within_s = 150.0;
   bool force = false;
   bool json = false;
 };
@@ -153,13 +154,13 @@ void add_mapping(const InitArguments& arguments, Found& found) {
                        " (docs/how-to/own_recordings.md; `trilat mocap` lists the names) and ask again");
 }
 
-void find_starts(Found& found) {
+void find_starts(const InitArguments& arguments, Found& found) {
   Progress progress("finding when the motion capture starts");
   for (std::size_t k = 0; k < found.takes.size(); ++k) {
     progress.set(static_cast<double>(k) / static_cast<double>(found.takes.size()));
     Take& take = found.takes[k].take;
     if (take.mocap.empty()) continue;
-    const MocapStart start = find_mocap_start(take, {stop_requested, {}});
+    const MocapStart start = find_mocap_start(take, arguments.start_within_s, {stop_requested, {}});
     if (start.status == "found") {
       take.mocap_start_host_ns = start.host_ns;
       const bool before = start.after_recording_s < 0.0;
@@ -171,10 +172,15 @@ void find_starts(Found& found) {
     } else {
       take.mocap.clear();
       take.mapping.clear();
+      const std::string advice =
+          start.status == "ambiguous"
+              ? "several starts fit, as when somebody walks in a circle; say with --start-within-s how far "
+                "apart both began "
+                "at most"
+              : "give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand";
       found.notes.push_back(fmt::format(
-          "{}: its motion capture is left out, since the motion does not tell when it starts ({}); "
-          "give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand",
-          take.id, start.status));
+          "{}: its motion capture is left out, since the motion does not tell when it starts ({}); {}",
+          take.id, start.status, advice));
     }
   }
 }
@@ -188,8 +194,14 @@ Json study_of(const InitArguments& arguments, const Found& found) {
   for (const char* method : {"single", "mean", "robust_mean", "range_bearing", "rts", "window"})
     methods.push_back({{"method", method}});
   Json study{{"format", "trilat.study"}, {"version", 1}, {"kind", "accuracy"}, {"name", arguments.name}};
-  study["alignments"] =
-      std::ranges::any_of(found.takes, with_mocap) ? Json{"rigid", "joint_offset", "none"} : Json{"none"};
+  const bool all_placed = std::ranges::all_of(
+      found.takes, [&](const FoundTake& f) { return !with_mocap(f) || is_in_mocap_world(f.take); });
+  if (std::ranges::none_of(found.takes, with_mocap))
+    study["alignments"] = {"none"};
+  else if (all_placed)
+    study["alignments"] = {"none", "joint_offset", "rigid"};
+  else
+    study["alignments"] = {"rigid"};
   study["reference"] = all_three ? "nonlinear" : "mean";
   study["methods"] = methods;
   return study;
@@ -206,7 +218,7 @@ int init(const InitArguments& given) {
   Found found = look_around(arguments);
   add_mapping(arguments, found);
   if (!found.mapping.joints.empty()) write_mapping(arguments.folder / "mapping.json", found.mapping);
-  find_starts(found);
+  find_starts(arguments, found);
   Campaign campaign;
   campaign.name = arguments.name;
   campaign.simulated = std::ranges::all_of(found.takes, &FoundTake::simulated);
@@ -251,6 +263,10 @@ void add_init(CLI::App& app, int& code) {
       ->capture_default_str();
   verb.add_option("--name", a.name, "of the campaign; else the folder's");
   verb.add_option("--activity", a.activity, "what is done in recordings that are called session.h5")
+      ->capture_default_str();
+  verb.add_option("--start-within-s", a.start_within_s,
+                  "how far apart a recording and its motion capture began at most")
+      ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   add_force(verb, a.force);
   add_json(verb, a.json);

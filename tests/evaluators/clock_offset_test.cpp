@@ -90,6 +90,16 @@ TEST(ClockOffset, WithoutNoiseIsExactToASmallPartOfAFrame) {
   EXPECT_GT(found.peak, 0.999);
 }
 
+TEST(ClockOffset, IsFoundBetweenFramesThatAreTurned) {
+  Recording recording = record(walker(2), 0.0456, 2);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.0, Vector3d(1.0, 2.0, 3.0).normalized()));
+  for (PointPath& path : recording.estimate)
+    for (Vector3d& position_m : path.position_m) position_m = turn * position_m + Vector3d(1.0, 2.0, 3.0);
+  const ClockOffset found = find(recording, {.frames = StreamFrames::turned});
+  ASSERT_EQ(found.status, ClockOffsetStatus::found) << name_of(found.status);
+  EXPECT_NEAR(found.offset_s, 0.0456, 1.5e-3);
+}
+
 TEST(ClockOffset, IsRefusedOnStandingStill) {
   const Motion still = generated_motion(draw_person(3, 0, 1.7, 0.17), Activity::standing);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

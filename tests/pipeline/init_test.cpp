@@ -17,6 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 MocapHeader export_of(AssetType type, const std::vector<std::string>& names) {
   MocapHeader header;
@@ -109,6 +110,24 @@ TEST(Init, AFolderOfRecordingsRunsWithoutAnythingWrittenByHand) {
                                         "-o", (folder / "results").string()});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("2 of 2 takes"));
+}
+
+// Sensors in a world of their own: a step later on a circle is a turn of that world.
+TEST(Init, AWalkInACircleNeedsToKnowHowFarApartBothBegan) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  std::string text = read_file(own / "calibration.json");
+  const std::size_t at = text.find("\"optitrack\"");
+  ASSERT_NE(at, std::string::npos);
+  write_file(own / "calibration.json", text.replace(at, 11, "\"sensor k1\""));
+  EXPECT_THAT(run_trilat(folder, {"init", own.string()}).err,
+              HasSubstr("(ambiguous); several starts fit, as when somebody walks in a circle"));
+  const Ended ended = run_trilat(folder, {"init", own.string(), "--force", "--start-within-s", "0.5"});
+  EXPECT_THAT(ended.out, HasSubstr("by the motion")) << ended.err;
+  EXPECT_THAT(read_file(own / "study.json"), Not(HasSubstr("joint_offset")));
+  EXPECT_NEAR(1e-9 * static_cast<double>(read_campaign(own).takes[0].mocap_start_host_ns -
+                                         read_campaign(folder / "campaign").takes[0].mocap_start_host_ns),
+              0.0, 0.01);
 }
 
 TEST(Init, SaysWhatIsMissingAndReplacesNothing) {

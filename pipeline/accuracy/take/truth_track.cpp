@@ -217,7 +217,9 @@ MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const 
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
-  options.one_frame = planned.in_mocap_world && judges_places(plan.study);
+  options.frames = !planned.in_mocap_world     ? StreamFrames::turned
+                   : judges_places(plan.study) ? StreamFrames::same
+                                               : StreamFrames::shifted;
   const ClockOffset found = find_clock_offset(
       estimated_paths(plan, planned, data),
       true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);
