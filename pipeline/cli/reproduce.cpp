@@ -41,7 +41,7 @@ struct ReproduceArguments {
 
 // How much of each study is run; a study that asks for less stays as it is.
 struct Scale {
-  std::string name;
+  std::string name, takes;                                 // how long, on two processors
   std::uint64_t participants;                              // of Tables II and III
   std::uint64_t sensor_participants, budget_participants;  // of the other campaigns
   std::uint64_t search_trials;                             // a cell
@@ -52,10 +52,11 @@ struct Scale {
   std::uint64_t twins;  // participants
 };
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
-const std::vector<Scale> kScales{{"quick", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3, 2},
-                                 {"paper", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 6, 1, 4, 5},
-                                 {"full", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
-                                  kAll, kAll, kAll, kAll, kAll, kAll}};
+const std::vector<Scale> kScales{
+    {"quick", "a minute", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3, 2},
+    {"paper", "two minutes", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 6, 1, 4, 5},
+    {"full", "half an hour", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
+     kAll, kAll, kAll, kAll}};
 
 // Every results folder, in the order of the report.
 constexpr std::array kResults{"table3",
@@ -166,6 +167,8 @@ class Reproduction {
     report_ = write_report(results(), folder_ / "report",
                            {.paper = judge_paper(results()), .progress = [&](double s) { progress.set(s); }});
   }
+
+  const std::string& takes() const { return scale_.takes; }
 
   bool passed() const { return takes_failed_ == 0 && table3_.cross_check && table3_.cross_check->passed(); }
 
@@ -285,8 +288,8 @@ std::vector<std::string> reproduction_scales() {
 int reproduce(const ReproduceArguments& arguments) {
   Reproduction reproduction(arguments);
   reproduction.check_outputs();
-  fmt::print(stderr, "reproducing the paper into {} ({} scale, seed {})\n", arguments.output.string(),
-             arguments.scale, arguments.seed);
+  fmt::print(stderr, "reproducing the paper into {} ({} scale, seed {}): {} on two processors\n",
+             arguments.output.string(), arguments.scale, arguments.seed, reproduction.takes());
   for (std::size_t k = 0; k < std::size(kStages); ++k) {
     const auto start = std::chrono::steady_clock::now();
     (reproduction.*kStages[k].second)();

@@ -57,6 +57,14 @@ class StageProgress {
   double all_, sum_ = 0.0;
 };
 
+// A step that visits all of n items, far apart one after the other: what is done early is like what comes,
+// and so is the time it takes.
+std::size_t step_through(std::size_t n) {
+  auto step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) + 1;
+  while (std::gcd(step, n) != 1) ++step;
+  return step;
+}
+
 // The items of this run, found or computed.
 class Run {
  public:
@@ -101,11 +109,13 @@ class Run {
     for (const std::size_t i : items) costs.push_back(study_.items[i].cost);
     StageProgress progress(std::move(costs), watch);
     std::atomic<std::size_t> next{0};
+    const std::size_t step = step_through(items.size());
     // threads that may not begin another item help with those that are being computed
     const std::size_t at_once = study_.at_once > 0 ? std::min(study_.at_once, items.size()) : items.size();
     parallel_for_index(at_once, 1, [&](std::size_t) {
       try {
-        for (std::size_t k; (k = next++) < items.size();) {
+        for (std::size_t n; (n = next++) < items.size();) {
+          const std::size_t k = n * step % items.size();
           const Watch of_item = progress.item(k);
           of_item.check();
           take(study_.items[items[k]], of_item);
