@@ -14,6 +14,7 @@
 #include "pipeline/accuracy/mocap_start.h"
 #include "pipeline/accuracy/proposed_mapping.h"
 #include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/terminal/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
@@ -41,6 +42,7 @@ struct Found {
   std::vector<FoundTake> takes;
   std::vector<std::string> notes;
   JointMapping mapping;  // empty where one is there already, or no take has mocap
+  fs::path mapped;       // the export that it was made from
 };
 
 // All that end so, below a folder, in order; not in folders of results.
@@ -148,6 +150,7 @@ void add_mapping(const InitArguments& arguments, Found& found) {
   if (fs::exists(file) || with_mocap == found.takes.end()) return;
   const fs::path mocap = with_mocap->take.mocap;
   found.mapping = propose_mapping(MocapReader(mocap).header());
+  found.mapped = mocap;
   if (!found.mapping.joints.empty()) return;
   throw InputError(mocap.string(),
                    "has no names that tell which joint is which; write " + file.string() +
@@ -183,6 +186,70 @@ void find_starts(const InitArguments& arguments, Found& found) {
           take.id, start.status, advice));
     }
   }
+}
+
+// Joints of the trunk that no asset gives stand between those that are there, so that limbs hang together.
+void fill_trunk(Body& body) {
+  const auto fill = [&](Joint joint, Joint one, Joint other) {
+    const auto j = static_cast<std::size_t>(joint), a = static_cast<std::size_t>(one),
+               b = static_cast<std::size_t>(other);
+    if (body.tracking_state[j] > 0 || body.tracking_state[a] == 0 || body.tracking_state[b] == 0) return;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      body.position_m[j][axis] = 0.5F * (body.position_m[a][axis] + body.position_m[b][axis]);
+    body.tracking_state[j] = 1;
+  };
+  fill(Joint::spine_shoulder, Joint::shoulder_left, Joint::shoulder_right);
+  fill(Joint::neck, Joint::spine_shoulder, Joint::spine_shoulder);
+  fill(Joint::spine_base, Joint::hip_left, Joint::hip_right);
+  fill(Joint::spine_mid, Joint::spine_shoulder, Joint::spine_base);
+}
+
+// The mapped joints at the first moment when most of them are seen, as somebody before them would see them:
+// what is exchanged or missing shows. Upright is where they spread most.
+std::vector<std::string> drawn_joints(const fs::path& mocap, const JointMapping& mapping) {
+  constexpr float kAway_m = 2.2F;
+  MocapReader reader(mocap);
+  Body fullest;
+  std::size_t most = 0;
+  for (MocapFrame frame; most < mapping.joints.size() && reader.next(frame);) {
+    Eigen::Matrix3Xd seen_m(3, 0);
+    std::vector<Joint> joints;
+    for (const JointMapping::Entry& entry : mapping.joints) {
+      Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+      for (const std::string& asset : entry.assets)
+        sum_m += frame.poses[find_asset(reader.header(), asset, mocap.string())].position_m;
+      if (!sum_m.allFinite()) continue;
+      joints.push_back(entry.joint);
+      seen_m.conservativeResize(3, seen_m.cols() + 1);
+      seen_m.rightCols<1>() = sum_m / static_cast<double>(entry.assets.size());
+    }
+    if (joints.size() <= most) continue;
+    most = joints.size();
+    const Eigen::Vector3d spread_m = seen_m.rowwise().maxCoeff() - seen_m.rowwise().minCoeff();
+    Eigen::Index up = 0;
+    spread_m.maxCoeff(&up);
+    const Eigen::Index one = (up + 1) % 3, other = (up + 2) % 3,
+                       across = spread_m[one] > spread_m[other] ? one : other;
+    const Eigen::Vector3d middle_m = 0.5 * (seen_m.rowwise().maxCoeff() + seen_m.rowwise().minCoeff());
+    Body body;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      const auto joint = static_cast<std::size_t>(joints[k]);
+      const Eigen::Vector3d off_m = seen_m.col(static_cast<Eigen::Index>(k)) - middle_m;
+      body.position_m[joint] = {static_cast<float>(off_m[across]), static_cast<float>(off_m[up]), kAway_m};
+      body.tracking_state[joint] = 2;
+    }
+    fullest = body;
+  }
+  fill_trunk(fullest);
+  BodyFrame seen;
+  seen.bodies.push_back(fullest);
+  std::vector<std::string> rows = skeleton_text(seen, DepthIntrinsics{}, 50);
+  std::erase_if(rows, [](const std::string& row) {
+    for (std::size_t at = 0; at < row.size(); at += 3)
+      if (row.substr(at, 3) != "\u2800") return false;
+    return true;
+  });
+  return rows;
 }
 
 Json study_of(const InitArguments& arguments, const Found& found) {
@@ -237,11 +304,13 @@ int init(const InitArguments& given) {
     fmt::print("{}: {} of {}, {} sensors{}\n", take.id, take.activity, take.participant, sensors,
                take.mocap.empty() ? ", no motion capture: each sensor is predicted from the others"
                                   : fmt::format("; {} {}", take.mocap.filename().string(), start));
-  if (!found.mapping.joints.empty())
+  if (!found.mapping.joints.empty()) {
+    for (const std::string& row : drawn_joints(found.mapped, found.mapping)) fmt::print("{}\n", row);
     fmt::print(
         "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its "
         "upper joint, a marker lies on the skin\n",
         found.mapping.joints.size());
+  }
   if (std::ranges::any_of(found.takes, [](const FoundTake& f) { return !f.start.empty(); }))
     fmt::print(
         "A start by the motion contains the trackers' lag, some 0.05 s: errors by that lag are not seen.\n");

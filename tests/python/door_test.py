@@ -145,6 +145,17 @@ class DoorTest(unittest.TestCase):
         self.assertTrue((self.folder.with_suffix(".page") / "wrist.png").exists())
         call("verify", self.folder.with_suffix(".page") / "own.h5")
 
+    @unittest.skipIf(missing("pandas", "matplotlib"), "pandas or matplotlib is not installed")
+    def test_the_notebook_runs(self):
+        notebook = Path(__file__).resolve().parents[2] / "docs/tutorials/notebook.ipynb"
+        cells = ["".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"] if cell["cell_type"] == "code"]
+        folder = self.folder / "jupyter"
+        folder.mkdir()
+        subprocess.run([sys.executable, "-c", "import matplotlib; matplotlib.use('Agg')\n" + "\n".join(cells)],
+                       cwd=folder, check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "PYTHONPATH": str(Path(trilat.__file__).resolve().parents[1])})
+        self.assertTrue((folder / "notebook/wrist.png").exists())
+
     def test_a_session_is_what_info_says(self):
         path = self.folder / "camp/p01-walking/session.h5"
         told = json.loads(call("info", "--json", path))["sensors"]
