@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration_study/simulated_run.h"
 
+#include <map>
+
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
@@ -11,6 +13,7 @@
 #include "datasets/synthetic/tracker/body_tracker.h"
 #include "datasets/synthetic/wand_motion.h"
 #include "evaluators/calibration/wand_positions.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 
@@ -60,6 +63,40 @@ void add_samples(std::uint64_t run_seed, const WandPosition& position, const Eig
   }
 }
 
+// A place of the wand as all sensors see it.
+struct SeenPlace {
+  WandPosition position;
+  std::vector<std::map<std::string, std::uint64_t>>
+      statuses;  // by sensor: how the search of each frame ended
+};
+
+SeenPlace see_place(const CalibrationSpec& spec, const std::vector<StudyUnit>& units,
+                    const std::vector<RigidTransform>& world_from_sensor, std::uint64_t run_seed,
+                    std::size_t place, const WandMotion& motion) {
+  const WandHold& hold = motion.holds()[place];
+  const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), place, spec.ball_radius_m);
+  FindWandOptions find;
+  find.ball_radius_m = spec.ball_radius_m;
+  SeenPlace seen{{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}}, {}};
+  seen.statuses.resize(units.size());
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  for (std::size_t s = 0; s < units.size(); ++s) {
+    std::vector<TimedSighting> found;
+    for (std::uint64_t frame = 0; frame < spec.position_frames; ++frame) {
+      const RandomStream key{run_seed, Purpose::depth_pixel,
+                             random_item(3, s, 0, place * spec.position_frames + frame)};
+      units[s].renderer.render(scene, world_from_sensor[s], key, depth_mm);
+      const WandSighting sighting = find_wand({kDepthWidth, kDepthHeight, depth_mm}, units[s].rays, find);
+      ++seen.statuses[s][name_of(sighting.status)];
+      if (sighting.status == WandStatus::found)
+        found.push_back({HostTime{static_cast<std::int64_t>(frame)}, sighting});
+    }
+    if (2 * found.size() >= spec.position_frames)
+      seen.position.seen.push_back(mean_of_rest(found, s, WandPositionOptions{}.deviation));
+  }
+  return seen;
+}
+
 }  // namespace
 
 SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
@@ -72,33 +109,22 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
     units.push_back(draw_study_unit(run_seed, kUnitsOfSamples + s));
     result.views.evidence.push_back({.name = fmt::format("k{}", s + 1), .statuses = {}});
   }
-  FindWandOptions find;
-  find.ball_radius_m = spec.ball_radius_m;
-  std::vector<std::uint16_t> depth_mm(kDepthPixels);
-  for (std::size_t p = 0; p < motion.holds().size(); ++p) {
-    const WandHold& hold = motion.holds()[p];
-    const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), p, spec.ball_radius_m);
-    WandPosition position{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}};
+  std::vector<SeenPlace> places(motion.holds().size());
+  parallel_for_index(places.size(), 1, [&](std::size_t p) {
+    watch.check();
+    places[p] = see_place(spec, units, world_from_sensor, run_seed, p, motion);
+  });
+  for (std::size_t p = 0; p < places.size(); ++p) {
     for (std::size_t s = 0; s < units.size(); ++s) {
-      watch.check();
-      std::vector<TimedSighting> found;
-      for (std::uint64_t frame = 0; frame < spec.position_frames; ++frame) {
-        const RandomStream key{run_seed, Purpose::depth_pixel,
-                               random_item(3, s, 0, p * spec.position_frames + frame)};
-        units[s].renderer.render(scene, world_from_sensor[s], key, depth_mm);
-        const WandSighting sighting = find_wand({kDepthWidth, kDepthHeight, depth_mm}, units[s].rays, find);
-        ++result.views.evidence[s].statuses[name_of(sighting.status)];
-        ++result.views.evidence[s].frames;
-        if (sighting.status == WandStatus::found)
-          found.push_back({HostTime{static_cast<std::int64_t>(frame)}, sighting});
-      }
-      if (2 * found.size() < spec.position_frames) continue;
-      position.seen.push_back(mean_of_rest(found, s, WandPositionOptions{}.deviation));
+      SensorEvidence& evidence = result.views.evidence[s];
+      evidence.frames += spec.position_frames;
+      for (const auto& [status, count] : places[p].statuses[s]) evidence.statuses[status] += count;
     }
-    if (position.seen.empty()) continue;
-    add_samples(run_seed, position, hold.ball_in_world_m, result.track);
-    result.views.positions.push_back(std::move(position));
-    result.position_in_world_m.push_back(hold.ball_in_world_m);
+    if (places[p].position.seen.empty()) continue;
+    const Eigen::Vector3d& ball_in_world_m = motion.holds()[p].ball_in_world_m;
+    add_samples(run_seed, places[p].position, ball_in_world_m, result.track);
+    result.views.positions.push_back(std::move(places[p].position));
+    result.position_in_world_m.push_back(ball_in_world_m);
   }
   result.views.positions_of_first = result.views.positions.size();
   if (result.position_in_world_m.size() < 3) return result;
