@@ -142,7 +142,7 @@ Found look_around(const InitArguments& arguments) {
   return found;
 }
 
-// Proposes one where there is none. Takes whose joints cannot be told go on without their mocap.
+// Proposes one where there is none. InputError when the export's names do not tell the joints.
 void add_mapping(const InitArguments& arguments, Found& found) {
   const fs::path file = arguments.folder / "mapping.json";
   const auto with_mocap =
@@ -178,8 +178,7 @@ void find_starts(const InitArguments& arguments, Found& found) {
       const std::string advice =
           start.status == "ambiguous"
               ? "several starts fit, as when somebody walks in a circle; say with --start-within-s how far "
-                "apart both began "
-                "at most"
+                "apart both began at most"
               : "give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand";
       found.notes.push_back(fmt::format(
           "{}: its motion capture is left out, since the motion does not tell when it starts ({}); {}",
