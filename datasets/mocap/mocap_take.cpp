@@ -81,7 +81,10 @@ std::size_t find_asset(const MocapHeader& header, std::string_view key, const st
   if (all.empty()) throw InputError(place, asked + " is not there; the export holds no assets");
   if (found.empty()) {
     std::vector<std::string> names;
-    for (const MocapAsset& asset : header.assets) names.push_back(asset.name);
+    for (const std::size_t i : all) {
+      names.push_back(header.assets[i].name);
+      names.push_back(key_of(header, i));
+    }
     const std::string nearest = nearest_name(key, names);
     throw InputError(place, asked + " is not in the export; there are: " + list_of(header, all) +
                                 (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat init`.
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 
@@ -104,6 +105,8 @@ FoundTake take_of(const SessionReader& reader, const fs::path& session, const In
   fs::path id = has_name ? fs::path(inside).replace_extension() : inside.parent_path();
   found.take.id = fmt::format("{}", fmt::join(std::vector<std::string>(id.begin(), id.end()), "-"));
   if (found.take.id.empty()) found.take.id = stem;
+  for (char& c : found.take.id)  // what a take may be called
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.') c = '_';
   found.take.session = session;
   found.sensors = reader.header().sensors.size();
   found.simulated = reader.header().simulated;
@@ -203,24 +206,30 @@ void fill_trunk(Body& body) {
   fill(Joint::spine_mid, Joint::spine_shoulder, Joint::spine_base);
 }
 
-// The mapped joints at the first moment when most of them are seen, as somebody before them would see them:
-// what is exchanged or missing shows. Upright is where they spread most.
+// The mapped joints at the first moment when most of them are seen, from the side where they spread most;
+// upright is where they spread most of all. Joints that are missing or stand in each other's place show;
+// whether left is right as a whole does not.
 std::vector<std::string> drawn_joints(const fs::path& mocap, const JointMapping& mapping) {
   constexpr float kAway_m = 2.2F;
   MocapReader reader(mocap);
+  std::vector<std::vector<std::size_t>> assets_of_joint;
+  for (const JointMapping::Entry& entry : mapping.joints) {
+    assets_of_joint.emplace_back();
+    for (const std::string& asset : entry.assets)
+      assets_of_joint.back().push_back(find_asset(reader.header(), asset, mocap.string()));
+  }
   Body fullest;
   std::size_t most = 0;
   for (MocapFrame frame; most < mapping.joints.size() && reader.next(frame);) {
     Eigen::Matrix3Xd seen_m(3, 0);
     std::vector<Joint> joints;
-    for (const JointMapping::Entry& entry : mapping.joints) {
+    for (std::size_t k = 0; k < assets_of_joint.size(); ++k) {
       Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-      for (const std::string& asset : entry.assets)
-        sum_m += frame.poses[find_asset(reader.header(), asset, mocap.string())].position_m;
+      for (const std::size_t asset : assets_of_joint[k]) sum_m += frame.poses[asset].position_m;
       if (!sum_m.allFinite()) continue;
-      joints.push_back(entry.joint);
+      joints.push_back(mapping.joints[k].joint);
       seen_m.conservativeResize(3, seen_m.cols() + 1);
-      seen_m.rightCols<1>() = sum_m / static_cast<double>(entry.assets.size());
+      seen_m.rightCols<1>() = sum_m / static_cast<double>(assets_of_joint[k].size());
     }
     if (joints.size() <= most) continue;
     most = joints.size();
@@ -287,9 +296,10 @@ int init(const InitArguments& given) {
   find_starts(arguments, found);
   Campaign campaign;
   campaign.name = arguments.name;
-  campaign.simulated = std::ranges::all_of(found.takes, &FoundTake::simulated);
+  campaign.simulated = std::ranges::any_of(found.takes, &FoundTake::simulated);
   for (const FoundTake& f : found.takes) campaign.takes.push_back(f.take);
   write_campaign(arguments.folder, campaign);
+  read_campaign(arguments.folder);  // says what of the names cannot be
   write_file(arguments.folder / "study.json", json_text(study_of(arguments, found), 2) + "\n");
   Json takes = Json::array();
   for (const auto& [take, sensors, simulated, start] : found.takes)
@@ -314,9 +324,9 @@ int init(const InitArguments& given) {
     fmt::print(
         "A start by the motion contains the trackers' lag, some 0.05 s: errors by that lag are not seen.\n");
   for (const std::string& note : found.notes) fmt::print(stderr, "note: {}\n", note);
-  const std::string folder = given.folder.string();
+  const std::string folder = (given.folder / "").parent_path().string();
   fmt::print("next: trilat run {}/study.json --campaign {} -o {}-results\n", folder, folder,
-             given.folder == "." ? arguments.name : folder);
+             folder == "." ? arguments.name : folder);
   return kDone;
 }
 

@@ -82,7 +82,7 @@ Predictions::Predictions(const Plan& plan, const PlannedTake& planned) : plan_(p
     if (const auto parent = parent_of(plan.joints[child])) {
       const auto found = std::ranges::find(plan.joints, *parent);
       if (found != plan.joints.end())
-        track.bones.push_back({static_cast<std::size_t>(found - plan.joints.begin()), child});
+        track.bones.push_back({static_cast<std::size_t>(found - plan.joints.begin()), child, {}});
     }
   for (const Method& method : plan.methods) {
     sums_.push_back({planned.take.participant, planned.take.activity, method.spec.name});
@@ -107,21 +107,18 @@ void Predictions::add(const SampleBlock& block) {
 }
 
 void Predictions::add(std::size_t method, std::span<const Eigen::Vector3d> joints_m) {
-  for (Bone& bone : tracks_[method].bones) {
-    const double length_m = (joints_m[bone.child] - joints_m[bone.parent]).norm();
-    if (!std::isfinite(length_m)) continue;
-    const double off_m = length_m - bone.mean_m;
-    bone.mean_m += off_m / ++bone.n;
-    bone.squares_m2 += off_m * (length_m - bone.mean_m);
-  }
+  for (Bone& bone : tracks_[method].bones)
+    if (const double length_m = (joints_m[bone.child] - joints_m[bone.parent]).norm();
+        std::isfinite(length_m))
+      bone.length.add(length_m);
   for (std::size_t j = 0; j < joints_m.size(); ++j) {
     auto& last_m = tracks_[method].last_m[j];
     std::shift_right(last_m.begin(), last_m.end(), 1);
     last_m[0] = joints_m[j];
-    const double third_m = (last_m[0] - 3.0 * last_m[1] + 3.0 * last_m[2] - last_m[3]).norm();
-    if (!std::isfinite(third_m)) continue;
+    const double jerk = jerk_m_s3(last_m[3], last_m[2], last_m[1], last_m[0], plan_.study.rate_hz);
+    if (!std::isfinite(jerk)) continue;
     ++sums_[method].jerk_n;
-    sums_[method].jerk_m_s3 += third_m * std::pow(plan_.study.rate_hz, 3);
+    sums_[method].jerk_m_s3 += jerk;
   }
 }
 
@@ -129,9 +126,10 @@ std::vector<PredictionSums> Predictions::sums() const {
   std::vector<PredictionSums> sums = sums_;
   for (std::size_t m = 0; m < sums.size(); ++m)
     for (const Bone& bone : tracks_[m].bones) {
-      if (bone.n < 2.0) continue;
-      sums[m].bone_n += static_cast<std::uint64_t>(bone.n);
-      sums[m].bone_m += bone.n * std::sqrt(bone.squares_m2 / (bone.n - 1.0));
+      const auto n = static_cast<std::uint64_t>(bone.length.count());
+      if (n < 2) continue;
+      sums[m].bone_n += n;
+      sums[m].bone_m += static_cast<double>(n) * bone.length.standard_deviation_m();
     }
   return sums;
 }

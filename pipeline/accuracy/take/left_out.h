@@ -8,6 +8,7 @@
 #include "datasets/base/described.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/studies/tracking_summary.h"
+#include "evaluators/metrics/body_metrics.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
@@ -42,7 +43,7 @@ class Predictions {
  private:
   struct Bone {
     std::size_t parent = 0, child = 0;  // joints of the plan
-    double n = 0.0, mean_m = 0.0, squares_m2 = 0.0;
+    LengthSpread length;
   };
   struct Track {
     std::vector<Bone> bones;
