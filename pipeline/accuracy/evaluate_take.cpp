@@ -124,7 +124,6 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check
     data.notes.push_back(std::move(note));
   leave_out(plan, planned, data);
   if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
-  find_corrections(plan, planned, data);
   estimate_sigmas(plan, planned, data);
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
   SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));

@@ -55,22 +55,22 @@ Span common_span(const SessionReader& session, const std::vector<SensorClockMap>
 RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& options) {
   const std::size_t sensors = session.header().sensors.size();
   std::vector<SensorClockMap> clocks;
-  std::vector<SensorTrack> tracks;
+  std::vector<std::vector<SensorFrame>> frames;
   for (std::size_t s = 0; s < sensors; ++s) {
     if (session.counts(s).body_frames == 0)
       throw InputError(session.path().string() + ":/sensors/" + session.header().sensors[s].name,
                        "has no body frames, from which the sensors could be placed");
     clocks.push_back(fit_sensor_clock(session, s));
-    tracks.emplace_back(session, s, clocks.back(), duration_from_s(options.longest_gap_s));
+    frames.push_back(read_sensor_frames(session, s, clocks.back(), options.stop_requested));
   }
   const Span span = common_span(session, clocks);
   RigProblem problem{sensors, options.instants * kJointCount, {}};
   std::vector<ObservedBody> seen(sensors);
   for (std::size_t i = 0; i < options.instants; ++i) {
-    if (options.stop_requested && options.stop_requested()) throw Interrupted();
     const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(options.instants);
     const HostTime t = span.first + duration_from_s(share * (span.last - span.first).seconds());
-    for (std::size_t s = 0; s < sensors; ++s) tracks[s].observe(t, seen[s]);
+    for (std::size_t s = 0; s < sensors; ++s)
+      seen[s] = body_at(frames[s], t, duration_from_s(options.longest_gap_s));
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const auto tracked = [&](std::size_t s) { return seen[s].state[j] == TrackingState::tracked; };
       std::size_t trackers = 0;

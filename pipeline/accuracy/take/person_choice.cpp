@@ -10,15 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/error.h"
 #include "datasets/base/median.h"
-#include "datasets/session/clock/session_clock.h"
 #include "evaluators/bodies/match_persons.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBodiesBlock = 512;
 constexpr std::array kTrunk{Joint::spine_base,    Joint::spine_mid,      Joint::spine_shoulder,
                             Joint::shoulder_left, Joint::shoulder_right, Joint::hip_left,
                             Joint::hip_right};
@@ -33,46 +30,35 @@ struct Tracklets {
   std::uint64_t frames_with_several = 0;
 };
 
-std::optional<Eigen::Vector3d> centre_of(const Body& body) {
+std::optional<Eigen::Vector3d> centre_of(const ObservedBody& body) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
   for (const Joint joint : kTrunk) {
-    const auto j = static_cast<std::size_t>(joint);
-    const Eigen::Vector3d point(static_cast<double>(body.position_m[j][0]),
-                                static_cast<double>(body.position_m[j][1]),
-                                static_cast<double>(body.position_m[j][2]));
-    if (body.tracking_state[j] == 0 || !point.allFinite()) continue;
-    sum += point;
+    if (!body.has(joint)) continue;
+    sum += body.at(joint);
     ++count;
   }
   if (count == 0) return std::nullopt;
   return sum / count;
 }
 
-void read_tracklets(const PlannedTake& planned, const SessionReader& session, std::size_t sensor,
-                    const std::function<bool()>& stop_requested, Tracklets& tracklets) {
-  const std::size_t number = planned.session_sensor[sensor];
+void add_tracklets(const PlannedTake& planned, const std::vector<SensorFrame>& frames, std::size_t sensor,
+                   Tracklets& tracklets) {
   std::map<std::uint64_t, std::size_t> of_id;
-  const std::uint64_t frames = session.counts(number).body_frames;
-  for (std::uint64_t first = 0; first < frames; first += kBodiesBlock) {
-    if (stop_requested && stop_requested()) throw Interrupted();
-    for (const BodyFrame& frame :
-         session.body_frames(number, first, std::min(kBodiesBlock, frames - first))) {
-      if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
-      const HostTime t = planned.host_from_sensor[sensor](frame.stamp);
-      for (const Body& body : frame.bodies) {
-        const auto centre = centre_of(body);
-        if (!centre) continue;
-        const auto [it, is_new] = of_id.emplace(body.tracking_id, tracklets.all.size());
-        if (is_new) {
-          tracklets.all.push_back({sensor, {}, {}});
-          tracklets.tracking_id.push_back(body.tracking_id);
-        }
-        Tracklet& tracklet = tracklets.all[it->second];
-        if (!tracklet.time_ns.empty() && t.ns <= tracklet.time_ns.back()) continue;
-        tracklet.time_ns.push_back(t.ns);
-        tracklet.centre_in_world_m.push_back(planned.world_from_sensor[sensor] * *centre);
+  for (const SensorFrame& frame : frames) {
+    if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
+    for (const SeenBody& seen : frame.bodies) {
+      const auto centre = centre_of(seen.body);
+      if (!centre) continue;
+      const auto [it, is_new] = of_id.emplace(seen.tracking_id, tracklets.all.size());
+      if (is_new) {
+        tracklets.all.push_back({sensor, {}, {}});
+        tracklets.tracking_id.push_back(seen.tracking_id);
       }
+      Tracklet& tracklet = tracklets.all[it->second];
+      if (!tracklet.time_ns.empty() && frame.time.ns <= tracklet.time_ns.back()) continue;
+      tracklet.time_ns.push_back(frame.time.ns);
+      tracklet.centre_in_world_m.push_back(planned.world_from_sensor[sensor] * *centre);
     }
   }
 }
@@ -165,11 +151,9 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
 }  // namespace
 
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
-                                          const SessionReader& session, const TakeData& data,
-                                          const std::function<bool()>& stop_requested) {
+                                          const RigFrames& frames, const TakeData& data) {
   Tracklets tracklets;
-  for (std::size_t s = 0; s < plan.rig.size(); ++s)
-    read_tracklets(planned, session, s, stop_requested, tracklets);
+  for (std::size_t s = 0; s < frames.size(); ++s) add_tracklets(planned, frames[s], s, tracklets);
   const PersonMatch match = match_persons(tracklets.all, {});
   if (data.truth_m.empty()) return most_seen_person(tracklets, match, plan.rig.size());
   const std::vector<std::size_t>& persons = match.person_of_tracklet;

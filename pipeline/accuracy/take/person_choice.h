@@ -2,16 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
+
+using RigFrames = std::vector<std::vector<SensorFrame>>;  // by rig sensor
 
 // Which bodies of each sensor are the person whom the mocap measured.
 struct PersonChoice {
@@ -25,7 +26,6 @@ struct PersonChoice {
 // bodies are that person's, or when no sensor ever sees two at once and nobody is near the truth (which may
 // be in another world). `data` has its times and truth.
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
-                                          const SessionReader& session, const TakeData& data,
-                                          const std::function<bool()>& stop_requested);
+                                          const RigFrames& frames, const TakeData& data);
 
 }  // namespace trilat

@@ -2,11 +2,14 @@
 #include "pipeline/accuracy/take/sensor_track.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "datasets/base/error.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kTrackBlock = 512;
+constexpr std::uint64_t kBlockRows = 512;
 
 ObservedBody observed(const Body& body) {
   ObservedBody result;
@@ -49,78 +52,52 @@ ObservedBody between(const ObservedBody& a, const ObservedBody& b, double share)
   return result;
 }
 
-}  // namespace
-
-SensorTrack::SensorTrack(const SessionReader& session, std::size_t sensor, SensorClockMap host_from_sensor,
-                         Duration longest_gap)
-    : session_(&session),
-      sensor_(sensor),
-      host_from_sensor_(std::move(host_from_sensor)),
-      longest_gap_(longest_gap) {}
-
-const Body* SensorTrack::chosen_body(const BodyFrame& frame) const {
-  const Body* best = nullptr;
+ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>* wanted) {
+  const SeenBody* best = nullptr;
   std::ptrdiff_t most = -1;
-  for (const Body& body : frame.bodies) {
-    if (wanted_ids_ && !wanted_ids_->contains(body.tracking_id)) continue;
-    const auto tracked = std::count(body.tracking_state.begin(), body.tracking_state.end(),
-                                    static_cast<std::uint8_t>(TrackingState::tracked));
+  for (const SeenBody& seen : frame.bodies) {
+    if (wanted && !wanted->contains(seen.tracking_id)) continue;
+    const auto tracked = std::ranges::count(seen.body.state, TrackingState::tracked);
     if (tracked > most) {
       most = tracked;
-      best = &body;
+      best = &seen;
     }
   }
-  return best;
+  return best ? best->body : ObservedBody{};
 }
 
-SensorTrack::Frame SensorTrack::frame_from(const BodyFrame& frame) {
-  Frame result{host_from_sensor_(frame.stamp), {}};
-  if (const Body* body = chosen_body(frame)) result.body = observed(*body);
-  return result;
-}
+}  // namespace
 
-// Moves on by one frame; frames whose time does not rise are left out.
-bool SensorTrack::load_next() {
-  while (!ended_) {
-    if (block_position_ == block_.size()) {
-      const std::uint64_t rows = session_->counts(sensor_).body_frames;
-      block_ = session_->body_frames(sensor_, next_row_, std::min(kTrackBlock, rows - next_row_));
-      next_row_ += block_.size();
-      block_position_ = 0;
-      if (block_.empty()) {
-        ended_ = true;
-        return false;
-      }
+std::vector<SensorFrame> read_sensor_frames(const SessionReader& session, std::size_t sensor,
+                                            const SensorClockMap& host_from_sensor,
+                                            const std::function<bool()>& stop_requested) {
+  const std::uint64_t rows = session.counts(sensor).body_frames;
+  std::vector<SensorFrame> frames;
+  frames.reserve(rows);
+  for (std::uint64_t first = 0; first < rows; first += kBlockRows) {
+    if (stop_requested && stop_requested()) throw Interrupted();
+    for (const BodyFrame& row : session.body_frames(sensor, first, std::min(kBlockRows, rows - first))) {
+      SensorFrame frame{host_from_sensor(row.stamp), {}};
+      if (!frames.empty() && frame.time <= frames.back().time) continue;
+      for (const Body& body : row.bodies) frame.bodies.push_back({body.tracking_id, observed(body)});
+      frames.push_back(std::move(frame));
     }
-    Frame frame = frame_from(block_[block_position_++]);
-    if (has_after_ && frame.time <= after_.time) continue;
-    before_ = std::move(after_);
-    has_before_ = has_after_;
-    after_ = std::move(frame);
-    has_after_ = true;
-    return true;
   }
-  return false;
+  return frames;
 }
 
-void SensorTrack::observe(HostTime t, ObservedBody& body) {
-  while ((!has_after_ || after_.time <= t) && load_next()) {
-  }
-  body = {};
-  if (has_after_ && after_.time == t) {  // only at the very last frame
-    body = after_.body;
-    return;
-  }
-  if (has_before_ && before_.time == t) {
-    body = before_.body;
-    return;
-  }
-  if (!has_before_ || !has_after_ || t < before_.time || after_.time < t ||
-      after_.time - before_.time > longest_gap_)
-    return;
+ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,
+                     const std::set<std::uint64_t>* wanted) {
+  const auto after = std::ranges::lower_bound(
+      frames, t, [](HostTime a, HostTime b) { return a < b; }, &SensorFrame::time);
+  if (after == frames.end()) return {};
+  if (after->time == t) return chosen_body(*after, wanted);
+  if (after == frames.begin()) return {};
+  const SensorFrame& before = *(after - 1);
+  if (after->time - before.time > longest_gap) return {};
   const double share =
-      static_cast<double>((t - before_.time).ns) / static_cast<double>((after_.time - before_.time).ns);
-  body = between(before_.body, after_.body, share);
+      static_cast<double>((t - before.time).ns) / static_cast<double>((after->time - before.time).ns);
+  return between(chosen_body(before, wanted), chosen_body(*after, wanted), share);
 }
 
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -39,9 +40,8 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
 }
 
 // Fills in the truth and returns what there is to know of it.
-std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
+std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth,
                                  const std::function<bool()>& stop_requested, TakeData& data) {
-  TruthTrack truth(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
   const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
   const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
   data.truth_m.resize(data.time.size() * plan.joints.size());
@@ -84,34 +84,31 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned,
   return notes;
 }
 
-// The tracks at these times, from their start.
-BodyTracks follow(std::vector<SensorTrack> tracks, const std::vector<HostTime>& time,
-                  const std::function<bool()>& stop_requested) {
-  BodyTracks bodies(time.size(), tracks.size());
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    check_stop(i, stop_requested);
-    for (std::size_t s = 0; s < tracks.size(); ++s) tracks[s].observe(time[i], bodies.at(i, s));
-  }
+// Of the person, or of whoever is tracked best when nobody is chosen.
+BodyTracks follow(const Plan& plan, const RigFrames& frames, const PersonChoice* person,
+                  const std::vector<HostTime>& time) {
+  const Duration gap = duration_from_s(plan.study.sensor_gap_s);
+  BodyTracks bodies(time.size(), frames.size());
+  for (std::size_t s = 0; s < frames.size(); ++s)
+    for (std::size_t i = 0; i < time.size(); ++i)
+      bodies.at(i, s) = body_at(frames[s], time[i], gap, person ? &person->tracking_ids[s] : nullptr);
   return bodies;
 }
 
 void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   const std::size_t sensors = plan.rig.size();
-  std::vector<SensorTrack> tracks;
+  RigFrames frames;
   for (std::size_t s = 0; s < sensors; ++s)
-    tracks.emplace_back(session, planned.session_sensor[s], planned.host_from_sensor[s],
-                        duration_from_s(plan.study.sensor_gap_s));
-  const auto person = choose_person(plan, planned, session, data, stop_requested);
+    frames.push_back(
+        read_sensor_frames(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
+  const auto person = choose_person(plan, planned, frames, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::vector<TakeNote> notes;
   if (person && !person->sees_several)
-    notes = check_sensors(plan, planned, follow(tracks, data.time, stop_requested));
-  if (person) {
-    for (std::size_t s = 0; s < sensors; ++s) tracks[s].choose(person->tracking_ids[s]);
-    data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
-  }
-  data.bodies = follow(tracks, data.time, stop_requested);
+    notes = check_sensors(plan, planned, follow(plan, frames, nullptr, data.time));
+  if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
+  data.bodies = follow(plan, frames, person ? &*person : nullptr, data.time);
   if (!person || person->sees_several) notes = check_sensors(plan, planned, data.bodies);
   data.notes.insert(data.notes.end(), notes.begin(), notes.end());
   bool any_seen = false;
@@ -139,17 +136,17 @@ void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
 }
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
-void check_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
-                 TakeData& data) {
+void check_clock(const Plan& plan, const PlannedTake& planned, TruthTrack& truth,
+                 const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
-  MotionClock clock = clock_by_motion(plan, planned, data, stop_requested);
+  MotionClock clock = clock_by_motion(plan, planned, data, truth, stop_requested);
   data.clock = clock.row;
   if (!clock.warning.empty())
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
   if (plan.study.clock != ClockSource::motion) return;
   data.clock.applied = std::isfinite(data.clock.offset_s);
   if (data.clock.applied)
-    read_truth(plan, planned, stop_requested, data);
+    read_truth(plan, planned, truth, stop_requested, data);
   else
     data.notes.push_back(
         {planned.take.id, false, planned.take.mocap.string(),
@@ -215,14 +212,16 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
   if (!session.complete())
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
-  const bool has_truth = has_mocap_truth(planned.take);
-  if (has_truth)
-    for (TakeNote& note : read_truth(plan, planned, stop_requested, data))
+  std::optional<TruthTrack> truth;
+  if (has_mocap_truth(planned.take))
+    truth.emplace(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
+  if (truth)
+    for (TakeNote& note : read_truth(plan, planned, *truth, stop_requested, data))
       data.notes.push_back(std::move(note));
   read_bodies(plan, planned, session, stop_requested, data);
   repair(plan, planned, data);
-  if (has_truth) {
-    check_clock(plan, planned, stop_requested, data);
+  if (truth) {
+    check_clock(plan, planned, *truth, stop_requested, data);
     for (TakeNote& note : check_truth(plan, planned, data)) data.notes.push_back(std::move(note));
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -18,8 +18,6 @@
 namespace trilat {
 
 namespace {
-
-constexpr double kNaNumber = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::size_t> resolve(const JointMapping::Entry& entry, const MocapHeader& header,
                                  const std::filesystem::path& mapping_file) {
@@ -59,8 +57,8 @@ std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& plan
 }
 
 std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  double margin_s, const std::function<bool()>& stop_requested) {
-  TruthTrack truth(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
+                                  double margin_s, TruthTrack& truth,
+                                  const std::function<bool()>& stop_requested) {
   std::vector<PointPath> paths(plan.joints.size());
   std::vector<Eigen::Vector3d> joints(plan.joints.size());
   const double length_s = (data.time.back() - data.time.front()).seconds() + 2.0 * margin_s;
@@ -109,95 +107,100 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 }  // namespace
 
 struct TruthTrack::State {
+  struct Samples {
+    std::vector<MocapTime> time;
+    std::vector<Eigen::Vector3d> position_m;
+  };
   MocapReader reader;
   FrozenFilter frames;
   Duration longest_gap;
   std::vector<std::vector<std::size_t>> assets_of_joint;
-  std::deque<MocapFrame> window;  // around the time last asked for, longest_gap to both sides
-  MocapTime last_read;
+  std::vector<std::size_t> assets;  // that are read
+  std::vector<Samples> samples;     // by asset of the export
+  MocapFrame frame, before;         // the last two that were read
   bool ended = false;
   bool has_z_up;
   double frames_read = 0.0, frames_repeated = 0.0;
 
   State(const PlannedTake& planned, Duration gap)
-      : reader(planned.take.mocap), frames(reader), longest_gap(gap), has_z_up(planned.truth_has_z_up) {}
+      : reader(planned.take.mocap),
+        frames(reader),
+        longest_gap(gap),
+        samples(reader.header().assets.size()),
+        has_z_up(planned.truth_has_z_up) {}
 
   // Whether there is any position of the joints, and none that differs.
-  bool repeats(const MocapFrame& frame, const MocapFrame& before) const {
+  bool repeats() const {
     bool any = false;
-    for (const std::vector<std::size_t>& assets : assets_of_joint)
-      for (const std::size_t asset : assets) {
-        if (!frame.poses[asset].has_position()) continue;
-        if (frame.poses[asset].position_m != before.poses[asset].position_m) return false;
-        any = true;
-      }
+    for (const std::size_t asset : assets) {
+      if (!frame.poses[asset].has_position()) continue;
+      if (frame.poses[asset].position_m != before.poses[asset].position_m) return false;
+      any = true;
+    }
     return any;
   }
 
-  void move_to(MocapTime t) {
-    while (!ended && (window.empty() || window.back().time < t + longest_gap)) {
-      MocapFrame frame;
+  void read_to(MocapTime t) {
+    while (!ended && (frames_read == 0.0 || frame.time < t)) {
+      std::swap(frame, before);
       if (!frames.next(frame)) {
+        std::swap(frame, before);
         ended = true;
         break;
       }
-      last_read = frame.time;
-      ++frames_read;
-      if (!window.empty() && repeats(frame, window.back())) ++frames_repeated;
-      window.push_back(std::move(frame));
+      if (frames_read++ > 0.0 && repeats()) ++frames_repeated;
+      for (const std::size_t asset : assets) {
+        if (!frame.poses[asset].has_position()) continue;
+        samples[asset].time.push_back(frame.time);
+        samples[asset].position_m.push_back(frame.poses[asset].position_m);
+      }
     }
-    while (!window.empty() && window.front().time < t - longest_gap) window.pop_front();
   }
 
   Eigen::Vector3d asset_at(std::size_t asset, MocapTime t) const {
-    const auto later = std::lower_bound(window.begin(), window.end(), t,
-                                        [](const MocapFrame& f, MocapTime when) { return f.time < when; });
-    auto after = later;
-    while (after != window.end() && !after->poses[asset].has_position()) ++after;
-    auto before = later;
-    while (before != window.begin() && !(before - 1)->poses[asset].has_position()) --before;
-    const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNaNumber);
-    if (after == window.end()) return none;
-    if (after->time == t) return after->poses[asset].position_m;
-    if (before == window.begin()) return none;
-    --before;
-    return interpolate(t, before->time, before->poses[asset].position_m, after->time,
-                       after->poses[asset].position_m, longest_gap)
-        .value_or(none);
+    const auto& [time, position_m] = samples[asset];
+    const auto after = static_cast<std::size_t>(
+        std::lower_bound(time.begin(), time.end(), t, [](MocapTime a, MocapTime b) { return a < b; }) -
+        time.begin());
+    if (after < time.size() && time[after] == t) return position_m[after];
+    if (after == 0 || after == time.size()) return Eigen::Vector3d::Constant(kNaN);
+    return interpolate(t, time[after - 1], position_m[after - 1], time[after], position_m[after], longest_gap)
+        .value_or(Eigen::Vector3d::Constant(kNaN));
   }
 };
 
 TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap)
     : state_(std::make_unique<State>(planned, longest_gap)) {
-  std::vector<std::size_t> wanted;
+  std::set<std::size_t> wanted;
   for (Joint joint : joints) {
     std::vector<std::size_t> assets;
     for (const auto& entry : planned.mapping.joints)
       if (entry.joint == joint) assets = resolve(entry, state_->reader.header(), planned.take.mapping);
-    wanted.insert(wanted.end(), assets.begin(), assets.end());
+    wanted.insert(assets.begin(), assets.end());
     state_->assets_of_joint.push_back(std::move(assets));
   }
-  state_->reader.read_only(wanted);
+  state_->assets.assign(wanted.begin(), wanted.end());
+  state_->reader.read_only(state_->assets);
 }
 
 TruthTrack::~TruthTrack() = default;
 TruthTrack::TruthTrack(TruthTrack&&) noexcept = default;
 
 void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
-  state_->move_to(t);
+  state_->read_to(t + state_->longest_gap);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto& assets = state_->assets_of_joint[j];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t asset : assets) sum += state_->asset_at(asset, t);
-    joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaNumber)
+    joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaN)
                                : Eigen::Vector3d(sum / static_cast<double>(assets.size()));
     if (state_->has_z_up) joints[j] = y_up_from_z_up(joints[j]);
   }
 }
 
 MocapTime TruthTrack::read_to_end() {
-  while (!state_->ended) state_->move_to(state_->last_read + state_->longest_gap);
-  return state_->last_read;
+  while (!state_->ended) state_->read_to(state_->frame.time + state_->longest_gap);
+  return state_->frame.time;
 }
 
 std::uint64_t TruthTrack::samples_frozen() const {
@@ -213,7 +216,7 @@ double TruthTrack::repeated_share() const {
 const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }
 
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            const std::function<bool()>& stop_requested) {
+                            TruthTrack& truth, const std::function<bool()>& stop_requested) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
@@ -222,7 +225,8 @@ MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const 
                                                : StreamFrames::shifted;
   const ClockOffset found = find_clock_offset(
       estimated_paths(plan, planned, data),
-      true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, stop_requested), options);
+      true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, truth, stop_requested),
+      options);
   ClockRow row;
   row.status = name_of(found.status);
   row.offset_s = found.offset_s;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,10 +17,10 @@
 
 namespace trilat {
 
-// The mapped joints of an OptiTrack export as a function of mocap time, streamed. Each asset is interpolated
-// by itself between its two nearest samples, never across more than `longest_gap`; frozen stretches are no
-// samples. A joint is the mean of its assets and is there only when all of them are: the mean of the rest
-// would be another point.
+// The mapped joints of an OptiTrack export as a function of mocap time, read as far as it is asked for. Each
+// asset is interpolated by itself between its two nearest samples, never across more than `longest_gap`;
+// frozen stretches are no samples. A joint is the mean of its assets and is there only when all of them are:
+// the mean of the rest would be another point.
 class TruthTrack {
  public:
   // Of a take that is looked into as far as its mapping and the axis that points up. `joints` in the order
@@ -31,9 +30,9 @@ class TruthTrack {
   ~TruthTrack();
   TruthTrack(TruthTrack&&) noexcept;
 
-  // One point a joint in the world, metres, NaN where there is none; `t` must not go back from call to call.
+  // One point a joint in the world, metres, NaN where there is none.
   void at(MocapTime t, std::span<Eigen::Vector3d> joints);
-  // The last frame's time. Reads to the end of the export: nothing can be asked of at() afterwards.
+  // The last frame's time. Reads to the end of the export.
   MocapTime read_to_end();
   std::uint64_t samples_frozen() const;
   // The share of the frames so far that hold the same positions as the frame before, to the bit.
@@ -54,6 +53,6 @@ struct MotionClock {
 // By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
 // against the ground truth. `data` has its times and bodies.
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            const std::function<bool()>& stop_requested);
+                            TruthTrack& truth, const std::function<bool()>& stop_requested);
 
 }  // namespace trilat
