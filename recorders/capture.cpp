@@ -20,7 +20,7 @@
 #include "datasets/base/files.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/capture_queue.h"
-#include "recorders/steady_time.h"
+#include "recorders/frame_source.h"
 
 namespace trilat {
 

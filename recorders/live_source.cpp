@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/time.h"
-#include "recorders/steady_time.h"
+#include "recorders/frame_source.h"
 
 namespace trilat {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <thread>
 
-#include "recorders/steady_time.h"
+#include "recorders/frame_source.h"
 
 namespace trilat {
 namespace {

@@ -36,7 +36,7 @@ Chapter new_chapter(const std::filesystem::path& path, const std::string& study,
 // With the paper its own tables answer; else methods by joint, and which take or side is odd.
 Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   const ResultsSummary s = without_sets(read_summary(path));
-  const std::optional<TrackingSummary> tracking = read_tracking_summary(path);
+  const std::optional<TrackingSummary> tracking = read_beside<TrackingSummary>(path);
   Chapter chapter = new_chapter(path, s.study, s.campaign);
   chapter.title = s.study + " on " + s.campaign;
   chapter.simulated = s.simulated;
@@ -77,8 +77,8 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
 }
 
 Chapter sweep_chapter(const std::filesystem::path& path, bool) {
-  const SweepSummary s = read_sweep_summary(path);
-  const std::optional<SweepTimings> timings = read_sweep_timings(path);
+  const SweepSummary s = read_results<SweepSummary>(path);
+  const std::optional<SweepTimings> timings = read_beside<SweepTimings>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
@@ -97,7 +97,7 @@ Chapter sweep_chapter(const std::filesystem::path& path, bool) {
 }
 
 Chapter calibration_chapter(const std::filesystem::path& path, bool) {
-  const CalibrationSummary s = read_calibration_summary(path);
+  const CalibrationSummary s = read_results<CalibrationSummary>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and "
@@ -112,7 +112,7 @@ Chapter calibration_chapter(const std::filesystem::path& path, bool) {
 }
 
 Chapter budget_chapter(const std::filesystem::path& path, bool) {
-  const BudgetSummary s = read_budget_summary(path);
+  const BudgetSummary s = read_results<BudgetSummary>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format("Error budget of {}, **simulated**: {} participants, seed {}.", s.campaign,
                               s.participants, s.seed);
@@ -139,8 +139,8 @@ Chapter sensitivity_chapter(const std::filesystem::path& path, bool) {
 }
 
 Chapter recording_chapter(const std::filesystem::path& path, bool) {
-  const RecordingSummary s = read_recording_summary(path);
-  const std::optional<StageTimings> timings = read_stage_timings(path);
+  const RecordingSummary s = read_results<RecordingSummary>(path);
+  const std::optional<StageTimings> timings = read_beside<StageTimings>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "Clocks and processing times, **simulated** recordings (seed {}); the times that frames take are "
@@ -154,7 +154,7 @@ Chapter recording_chapter(const std::filesystem::path& path, bool) {
 }
 
 Chapter twins_chapter(const std::filesystem::path& path, bool) {
-  const TwinsSummary s = read_twins_summary(path);
+  const TwinsSummary s = read_results<TwinsSummary>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
       "The simulator beside reality: **simulated** twins (seed {}) of **recorded** pairs of sensors.",

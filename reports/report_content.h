@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/results/changes.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/paper_evidence.h"
+#include "datasets/results/summary.h"
 #include "reports/chapter.h"
 #include "reports/tables/table.h"
 

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
-#include "datasets/base/folder_lock.h"
 #include "datasets/base/text_output.h"
 #include "datasets/base/version.h"
 #include "reports/page/page.h"

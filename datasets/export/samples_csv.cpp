@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "datasets/base/text_output.h"
-#include "datasets/export/export_frame.h"
+#include "datasets/export/session_export.h"
 
 namespace trilat {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/header_keys.h"
 
 namespace trilat {
 

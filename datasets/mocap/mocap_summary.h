@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/mocap/frozen_filter.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {

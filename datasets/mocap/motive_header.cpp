@@ -10,7 +10,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/header_keys.h"
 #include "datasets/mocap/line_reader.h"
 
 namespace trilat {

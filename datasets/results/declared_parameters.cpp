@@ -6,10 +6,8 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kParametersFormat = "trilat.simulator";
-constexpr const char* kName = "simulator.json";
-
 struct Parameters {
+  static constexpr const char *kFile = "simulator.json", *kFormat = "trilat.simulator";
   std::vector<DeclaredParameter> parameters;
   TRILAT_FIELDS(parameters)
 };
@@ -18,11 +16,11 @@ struct Parameters {
 
 void write_declared_parameters(const std::filesystem::path& folder,
                                const std::vector<DeclaredParameter>& parameters) {
-  write_beside(folder / kName, kParametersFormat, Parameters{parameters});
+  write_beside(folder, Parameters{parameters});
 }
 
 std::vector<DeclaredParameter> read_declared_parameters(const std::filesystem::path& folder) {
-  return read_beside<Parameters>(folder / kName, kParametersFormat).value_or(Parameters{}).parameters;
+  return read_beside<Parameters>(folder).value_or(Parameters{}).parameters;
 }
 
 }  // namespace trilat

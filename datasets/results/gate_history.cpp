@@ -69,12 +69,4 @@ void append_history(const std::filesystem::path& path, const HistoryEntry& entry
   write_file(path, text + json_text(json, -1) + "\n");
 }
 
-void write_accepted(const std::filesystem::path& folder, const AcceptedBaseline& accepted) {
-  write_beside(folder / "accepted.json", "trilat.accepted", accepted);
-}
-
-std::optional<AcceptedBaseline> read_accepted(const std::filesystem::path& folder) {
-  return read_beside<AcceptedBaseline>(folder / "accepted.json", "trilat.accepted");
-}
-
 }  // namespace trilat

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -40,8 +41,9 @@ History read_history(const std::filesystem::path& path);
 // torn is gone.
 void append_history(const std::filesystem::path& path, const HistoryEntry& entry);
 
-// Why a baseline is what it is.
+// Why a baseline is what it is: accepted.json in its folder.
 struct AcceptedBaseline {
+  static constexpr const char *kFile = "accepted.json", *kFormat = "trilat.accepted";
   std::string reason;
   std::string time;             // UTC, ISO 8601
   std::string program;          // that accepted it
@@ -51,10 +53,5 @@ struct AcceptedBaseline {
 
   TRILAT_FIELDS(reason, time, program, sha256, replaces_sha256, replaces_time)
 };
-
-// accepted.json (trilat.accepted, version 1) in the baseline's folder.
-void write_accepted(const std::filesystem::path& folder, const AcceptedBaseline& accepted);
-// Nothing when the folder has none; InputError when it is not one.
-std::optional<AcceptedBaseline> read_accepted(const std::filesystem::path& folder);
 
 }  // namespace trilat

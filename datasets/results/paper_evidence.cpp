@@ -38,11 +38,12 @@ PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& resu
     const StudyKind kind = results_kind(folder);
     if (kind == StudyKind::accuracy) evidence.add(read_summary(folder));
     if (kind == StudyKind::calibration && !evidence.calibration)
-      evidence.calibration = read_calibration_summary(folder);
+      evidence.calibration = read_results<CalibrationSummary>(folder);
     if (kind == StudyKind::recording && !evidence.recording)
-      evidence.recording = read_recording_summary(folder);
+      evidence.recording = read_results<RecordingSummary>(folder);
     if (kind != StudyKind::threshold_sweep || evidence.sweep) continue;
-    if (SweepSummary sweep = read_sweep_summary(folder); sweep.search) evidence.sweep = std::move(sweep);
+    if (SweepSummary sweep = read_results<SweepSummary>(folder); sweep.search)
+      evidence.sweep = std::move(sweep);
   }
   return evidence;
 }

@@ -38,39 +38,40 @@ void check_results_head(JsonObject& object, StudyKind wanted);
 // Refuses other formats and versions of a file that stands beside the summary.
 void check_format(JsonObject& object, const std::string& format, int version);
 
-// summary.json of a study.
+// summary.json of a study, whose kind the struct states: `static constexpr StudyKind kKind`.
 template <Described T>
-void write_results(const std::filesystem::path& folder, StudyKind kind, const T& summary, int indent = 1) {
-  Json json = results_head(kind);
+void write_results(const std::filesystem::path& folder, const T& summary, int indent = 1) {
+  Json json = results_head(T::kKind);
   json.update(json_of(summary));
   write_file(folder / "summary.json", json_text(json, indent) + "\n");
 }
 // InputError with file and pointer when it is not there, or not one of that kind.
 template <Described T>
-T read_results(const std::filesystem::path& folder, StudyKind kind) {
+T read_results(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  check_results_head(object, kind);
+  check_results_head(object, T::kKind);
   T summary;
   read_fields(object, summary);
   return summary;
 }
 
-// A file that stands beside the summary, with a format of its own.
+// A file that stands beside the summary. The struct states its name and format: `static constexpr const char
+// *kFile, *kFormat`.
 template <Described T>
-void write_beside(const std::filesystem::path& path, const std::string& format, const T& value,
-                  int indent = 1) {
-  Json json{{"format", format}, {"version", 1}};
+void write_beside(const std::filesystem::path& folder, const T& value) {
+  Json json{{"format", T::kFormat}, {"version", 1}};
   json.update(json_of(value));
-  write_file(path, json_text(json, indent) + "\n");
+  write_file(folder / T::kFile, json_text(json, 1) + "\n");
 }
 // Nothing without the file; InputError when it is not one of these.
 template <Described T>
-std::optional<T> read_beside(const std::filesystem::path& path, const std::string& format) {
+std::optional<T> read_beside(const std::filesystem::path& folder) {
+  const auto path = folder / T::kFile;
   if (!std::filesystem::exists(path)) return std::nullopt;
   const Json json = read_json(path);
   JsonObject object(json, path.string(), "");
-  check_format(object, format, 1);
+  check_format(object, T::kFormat, 1);
   std::optional<T> value(std::in_place);
   read_fields(object, *value);
   return value;

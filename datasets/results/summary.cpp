@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/summary.h"
 
-#include "datasets/results/results_file.h"
-
 namespace trilat {
 
 void ResultsSummary::check(const JsonObject& object) const {
@@ -10,11 +8,11 @@ void ResultsSummary::check(const JsonObject& object) const {
 }
 
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary) {
-  write_results(folder, StudyKind::accuracy, summary);
+  write_results(folder, summary);
 }
 
 ResultsSummary read_summary(const std::filesystem::path& folder) {
-  return read_results<ResultsSummary>(folder, StudyKind::accuracy);
+  return read_results<ResultsSummary>(folder);
 }
 
 const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,

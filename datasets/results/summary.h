@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -244,6 +246,7 @@ struct BestMethod {
 };
 
 struct ResultsSummary {
+  static constexpr StudyKind kKind = StudyKind::accuracy;
   std::string study;
   std::string campaign;
   bool simulated = false;
@@ -290,5 +293,21 @@ const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& m
                              const std::string& alignment);
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
                             const std::string& group);
+
+// What one method's mean error did from one set of results to another, in one condition and joint group. The
+// interval is of 95 %, by Student's t between participants.
+struct ErrorChange {
+  std::string condition, group, method;
+  double before_m = kNoNumber, after_m = kNoNumber;
+  double difference_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // after - before
+  bool is_real() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
+};
+
+struct ErrorChanges {
+  std::string before, after;     // the folders' names
+  bool paired = false;           // the same participants in both: their differences are what is averaged
+  std::size_t participants = 0;  // of the fewer
+  std::vector<ErrorChange> rows;
+};
 
 }  // namespace trilat

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/frozen_filter.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/take/campaign.h"
 

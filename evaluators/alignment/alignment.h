@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -109,5 +110,18 @@ class JointOffset {
   std::int64_t count_ = 0;
   Eigen::Vector3d mean_in_body_m_ = Eigen::Vector3d::Zero();
 };
+
+// How two weighted sets of points fit each other: least squares of b - (scale R a + t), Umeyama 1991.
+struct PointFit {
+  RigidTransform b_from_a;       // without the scale: R, and the t of scale 1
+  double scale = kNaN;           // of b over a
+  double rms_m = kNaN;           // of what the rotation and translation leave, scale 1
+  double mirrored_rms_m = kNaN;  // and of what they leave when one set is mirrored first
+};
+
+// Points of equal number, in metres; those that are not finite are left out. NaN for fewer than three.
+[[nodiscard]] PointFit fit_points(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b,
+                                  std::span<const double> weight);
+[[nodiscard]] PointFit fit_points(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b);
 
 }  // namespace trilat

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "evaluators/alignment/local_motion.h"
+#include "evaluators/alignment/interpolation.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {

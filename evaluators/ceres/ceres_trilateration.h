@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
+#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 

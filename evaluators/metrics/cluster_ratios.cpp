@@ -5,7 +5,6 @@
 
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/error_statistics.h"
-#include "evaluators/metrics/quantiles.h"
 #include "evaluators/metrics/student.h"
 
 namespace trilat {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 namespace {

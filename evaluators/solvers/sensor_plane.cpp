@@ -6,7 +6,10 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "evaluators/solvers/range_equations.h"
+
 namespace trilat {
+
 namespace {
 
 constexpr double kCollinearRatio = 1e-12;
@@ -45,6 +48,90 @@ SensorPlane plane_of(const RangeProblem& problem) {
 bool same_sensors(const RangeProblem& a, const RangeProblem& b) {
   return a.count == b.count &&
          std::equal(a.sensor_m.begin(), a.sensor_m.begin() + a.count, b.sensor_m.begin());
+}
+
+namespace {
+
+constexpr double kFarthestStart = 2.0;     // of mean range and spread
+constexpr double kLeastStartOffset = 0.1;  // of the mean range
+constexpr double kSameResidual_m = 1e-9;   // allows for rounding
+constexpr int kBetween = 32;               // steps from one descent's end to the other's
+
+double residual_rms_m(const RangeProblem& problem, double cost_m2) {
+  double weights = 0.0;
+  for (int i = 0; i < problem.count; ++i) weights += problem.weight[i];
+  return std::sqrt(cost_m2 / weights);
+}
+
+// Whether F rises between two points above its value at both: a coarse stop rule leaves two descents into one
+// minimum apart.
+bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
+                    const Eigen::Vector3d& other_m) {
+  const PackedRanges ranges = packed(problem);
+  const auto cost_m2 = [&](double share) {
+    return linearise(ranges, one_m + share * (other_m - one_m)).cost_m2;
+  };
+  const double ends_m2 = std::max(cost_m2(0.0), cost_m2(1.0));
+  for (int k = 1; k < kBetween; ++k)
+    if (cost_m2(static_cast<double>(k) / kBetween) > ends_m2) return true;
+  return false;
+}
+
+// Of two descents that ended on different sides.
+bool fit_alike(const RangeProblem& problem, const Descent& one, const Descent& other, double range_sigma_m) {
+  const double apart_m =
+      std::abs(residual_rms_m(problem, one.cost_m2) - residual_rms_m(problem, other.cost_m2));
+  return apart_m <= kSameResidual_m ||
+         (!ranges_decide(std::abs(one.cost_m2 - other.cost_m2), range_sigma_m) &&
+          are_two_minima(problem, one.position_m, other.position_m));
+}
+
+}  // namespace
+
+Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
+                           const Eigen::Vector3d& wanted_m) {
+  double mean_range_m = 0.0;
+  for (int i = 0; i < problem.count; ++i) mean_range_m += problem.range_m[i] / problem.count;
+  const double spread_m = std::sqrt(plane.scatter_m2.sum() / problem.count);
+  Eigen::Vector3d start = wanted_m;
+  // Negated, so that NaN counts as far.
+  if (!((start - plane.centroid_m).norm() <= kFarthestStart * (mean_range_m + spread_m)))
+    start = squared_range_position_m(problem, plane);
+  const double offset_m = plane.offset_m(start);
+  const double least_m = kLeastStartOffset * mean_range_m;
+  if (std::abs(offset_m) < least_m) start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal();
+  return start;
+}
+
+Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
+                       const Descent& second, double range_sigma_m) {
+  const int iterations = first.iterations + second.iterations;
+  const bool both = is_usable(first.status) && is_usable(second.status);
+  Descent chosen = is_usable(second.status) && !is_usable(first.status) ? second : first;
+  if (both && (first.position_m - second.position_m).norm() > kSameMinimum_m) {
+    const bool first_is_lower = first.cost_m2 < second.cost_m2;
+    chosen = first_is_lower ? first : second;
+    const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
+    if (!one_side && fit_alike(problem, first, second, range_sigma_m)) {
+      const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);
+      if (choice.decided)
+        chosen = choice.first ? first : second;
+      else
+        chosen.status = SolveStatus::mirror_ambiguous;
+    }
+  }
+  chosen.iterations = iterations;
+  return chosen;
+}
+
+PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent) {
+  PointEstimate failure = failed_estimate(descent.status);
+  failure.iterations = descent.iterations;
+  if (descent.status == SolveStatus::diverged) return failure;
+  PointEstimate result = estimate_at(problem, descent.position_m, descent.status, descent.iterations);
+  if (!std::isfinite(result.gdop) && result.status != SolveStatus::iteration_limit)
+    result.status = SolveStatus::rank_deficient;
+  return result;
 }
 
 }  // namespace trilat

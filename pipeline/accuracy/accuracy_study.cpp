@@ -12,7 +12,6 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/gather_takes.h"
 #include "pipeline/accuracy/planned_work.h"
-#include "pipeline/accuracy/take/replay_take.h"
 #include "pipeline/accuracy/take/rig_gdop.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/study/parallel.h"

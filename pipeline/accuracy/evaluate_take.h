@@ -2,13 +2,16 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 
+#include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/study/watch.h"
 
@@ -38,5 +41,11 @@ SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> take
 // Interrupted when asked to stop.
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
                             const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+
+// Whether this is the first take of its condition that can be evaluated, as far as the plan knows.
+bool is_replayed(const Plan& plan, std::size_t take);
+
+// The first part of a take as every sensor sees it, in the world.
+ReplayTake replay_of(const Plan& plan, std::size_t take, const TakeData& data);
 
 }  // namespace trilat

@@ -9,7 +9,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
-#include "pipeline/accuracy/take/take_paths.h"
+#include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/parallel.h"

@@ -12,7 +12,6 @@
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/statistics/summarise.h"
-#include "pipeline/accuracy/take/replay_take.h"
 
 namespace trilat {
 namespace {
@@ -118,7 +117,7 @@ void gather_takes(const Plan& plan, std::span<EvaluatedTake> takes, bool cross_c
       plan, outcome, samples, std::move(known), [&](std::size_t t) { gatherer.bring(t); }, watch.progress);
   samples.finish();
   write_summary(results, summary);
-  write_tracking_summary(results, outcome.tracking);
+  write_beside(results, outcome.tracking);
   if (const auto replays = gather_replays(plan, takes); !replays.empty()) write_replay(results, replays);
 }
 

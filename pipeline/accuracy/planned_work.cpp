@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/accuracy/take/replay_take.h"
+#include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/study.h"
 

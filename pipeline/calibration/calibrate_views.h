@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/calibration/calibration.h"
-#include "evaluators/calibration/two_positions.h"
+#include "evaluators/calibration/wand_positions.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/calibration/wand_views.h"
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/frozen_filter.h"
 #include "datasets/mocap/mocap_reader.h"
 
 namespace trilat {

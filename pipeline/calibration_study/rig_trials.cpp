@@ -11,10 +11,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
-#include "evaluators/calibration/two_positions.h"
+#include "evaluators/calibration/wand_positions.h"
 #include "evaluators/metrics/cluster_ratios.h"
 #include "pipeline/calibration/calibrate_bodies.h"
-#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/parallel.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "datasets/results/studies/calibration_summary.h"
-#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/study.h"

@@ -8,7 +8,7 @@
 #include "datasets/depth/depth_rays.h"
 #include "datasets/synthetic/depth/depth_renderer.h"
 #include "pipeline/calibration/calibrate_views.h"
-#include "pipeline/calibration_study/calibration_spec.h"
+#include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

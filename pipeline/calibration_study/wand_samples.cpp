@@ -18,7 +18,7 @@
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"
 #include "evaluators/wand/printed_wand.h"
-#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {

@@ -186,7 +186,7 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
   print_notes(summary.notes);
   print_cross_check(summary);
   const bool passed = !summary.cross_check || summary.cross_check->passed();
-  const auto tracking = read_tracking_summary(results);
+  const auto tracking = read_beside<TrackingSummary>(results);
   if (shown.json) {
     document["results"] = results.string();
     document["takes"] = summary.takes;

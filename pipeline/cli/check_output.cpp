@@ -11,7 +11,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/export/samples_csv.h"
-#include "datasets/export/session_csv.h"
+#include "datasets/export/session_export.h"
 #include "datasets/markers/joint_files.h"
 #include "datasets/results/items.h"
 #include "datasets/skeleton/skeleton.h"

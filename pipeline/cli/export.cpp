@@ -5,8 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/export/samples_csv.h"
-#include "datasets/export/session_csv.h"
-#include "datasets/export/session_trc.h"
+#include "datasets/export/session_export.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"

@@ -10,7 +10,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
-#include "pipeline/accuracy/proposed_mapping.h"
+#include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

@@ -117,7 +117,7 @@ const std::vector<Kind>& kinds() {
          return calibration_study(parse_calibration_spec(work, place));
        },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, calibration_tables(read_calibration_summary(results)),
+         return print_tables(results, calibration_tables(read_results<CalibrationSummary>(results)),
                              std::move(document), shown);
        },
        calibration_study_schema},
@@ -127,8 +127,8 @@ const std::vector<Kind>& kinds() {
        true, open_budget,
        [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, budget_tables(read_budget_summary(results)), std::move(document),
-                             shown);
+         return print_tables(results, budget_tables(read_results<BudgetSummary>(results)),
+                             std::move(document), shown);
        },
        budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
@@ -136,8 +136,9 @@ const std::vector<Kind>& kinds() {
          return recording_study(parse_recording_spec(work, place));
        },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, table4(read_recording_summary(results), read_stage_timings(results)),
-                             std::move(document), shown);
+         return print_tables(
+             results, table4(read_results<RecordingSummary>(results), read_beside<StageTimings>(results)),
+             std::move(document), shown);
        },
        recording_schema},
       {StudyKind::sensitivity, "rows of campaigns",
@@ -156,7 +157,8 @@ const std::vector<Kind>& kinds() {
       {StudyKind::twins, "pairs of sensors", "a twins study simulates its own takes", false, open_twins,
        [](const Json& work, const std::string& place) { return twins_study(parse_twins(work, place)); },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, twins_tables(read_twins_summary(results)), std::move(document), shown);
+         return print_tables(results, twins_tables(read_results<TwinsSummary>(results)), std::move(document),
+                             shown);
        },
        twins_schema}};
   return kinds;

@@ -26,11 +26,11 @@
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/simulate/simulated_mocap.h"
+#include "pipeline/simulate/simulate_take.h"
 #include "recorders/capture.h"
+#include "recorders/frame_source.h"
 #include "recorders/network/network_source.h"
 #include "recorders/open_source.h"
-#include "recorders/steady_time.h"
 
 namespace trilat {
 

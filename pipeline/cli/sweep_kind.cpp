@@ -104,7 +104,7 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
 }
 
 int print_sweep(const std::filesystem::path& results, Json document, const Shown& shown) {
-  const SweepSummary s = read_sweep_summary(results);
+  const SweepSummary s = read_results<SweepSummary>(results);
   if (shown.json) {
     std::uint64_t asked = 0, answered = 0;
     for (const SweepCell& cell : s.cells) {

@@ -63,7 +63,7 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
   if (fs::exists(baseline) && !(fs::is_directory(baseline) && fs::is_empty(baseline))) {
     const ResultsSet before = find_results(baseline);  // never anything else's folder
     accepted.replaces_sha256 = content_of(baseline);
-    if (const auto older = read_accepted(baseline)) accepted.replaces_time = older->time;
+    if (const auto older = read_beside<AcceptedBaseline>(baseline)) accepted.replaces_time = older->time;
     keeps_others = set.single && !before.single;
   }
   const ResultsFolder folder(baseline);
@@ -81,7 +81,7 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
     for (const FoundResults& found : set.results) copy_folder(found.folder, partial / found.name);
   }
   accepted.sha256 = content_of(partial);
-  write_accepted(partial, accepted);
+  write_beside(partial, accepted);
   folder.put_in_place();
   return accepted;
 }

@@ -369,7 +369,7 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
   report.results = results.string();
   report.baseline = baseline.string();
   report.smallest_percent = options.limits.smallest_percent;
-  if (const auto accepted = read_accepted(baseline)) {
+  if (const auto accepted = read_beside<AcceptedBaseline>(baseline)) {
     report.baseline_time = accepted->time;
     report.baseline_reason = accepted->reason;
   }

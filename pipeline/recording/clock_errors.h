@@ -5,7 +5,7 @@
 
 #include "datasets/results/studies/recording_summary.h"
 #include "pipeline/recording/clock_methods.h"
-#include "pipeline/recording/recording_spec.h"
+#include "pipeline/recording/recording_study.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

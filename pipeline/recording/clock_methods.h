@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/session/clock/session_clock.h"
-#include "pipeline/recording/recording_spec.h"
+#include "pipeline/recording/recording_study.h"
 
 namespace trilat {
 

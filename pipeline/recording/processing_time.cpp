@@ -9,7 +9,7 @@
 #include "datasets/base/philox.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/methods/method.h"
 
 namespace trilat {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "datasets/results/studies/stage_timings.h"
-#include "pipeline/recording/recording_spec.h"
+#include "datasets/results/studies/timings.h"
+#include "pipeline/recording/recording_study.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

@@ -9,7 +9,7 @@
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/synthetic/simulated_markers.h"
-#include "pipeline/simulate/simulated_mocap.h"
+#include "pipeline/simulate/simulate_take.h"
 #include "pipeline/study/parallel.h"
 #include "recorders/recorder.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "datasets/base/folder_lock.h"
+#include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 
 namespace trilat {

@@ -13,7 +13,7 @@
 #include "datasets/base/median.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_folder.h"
 #include "pipeline/sweep/interpretation_search.h"
@@ -203,7 +203,7 @@ Json manifest_of_sweep(const SweepPlan& plan) {
 void time_into(const std::filesystem::path& folder, const SweepPlan& plan, const Watch& watch) {
   const std::optional<SweepTimings> timings = time_sweep(plan, watch.stop_requested, watch.progress);
   if (!timings) throw Interrupted();
-  write_sweep_timings(folder, *timings);
+  write_beside(folder, *timings);
 }
 
 }  // namespace
@@ -285,7 +285,7 @@ Study sweep_study(const SweepPlan& whole) {
               .work = sweep_work(*plan),
               .reduce =
                   [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-                    write_sweep_summary(results, summary_of(*plan, cells_of(*plan, outcomes)));
+                    write_results(results, summary_of(*plan, cells_of(*plan, outcomes)));
                   },
               .manifest = [plan](const Outcomes&) { return manifest_of_sweep(*plan); }};
   for (const SweepItem& item : items_of(*plan))

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "evaluators/metrics/student.h"
 #include "pipeline/tracker/take_view.h"
 

@@ -12,7 +12,7 @@
 #include "datasets/synthetic/depth/joint_visibility.h"
 #include "datasets/synthetic/tracker/joint_errors.h"
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/error_statistics.h"
 
 namespace trilat {
 namespace {

@@ -13,7 +13,7 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/twins_summary.h"
 #include "datasets/synthetic/recorded_pairs.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_take.h"
@@ -156,7 +156,7 @@ Study twins_study(const TwinsSpec& spec) {
                         folder, declared_parameters(simulation_of(spec, recorded_pairs().pairs[0])));
                   },
               .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                               const Watch&) { write_twins_summary(results, summarise(spec, outcomes)); },
+                               const Watch&) { write_results(results, summarise(spec, outcomes)); },
               .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
   for (const RecordedPairs::Pair& pair : recorded_pairs().pairs)
     study.items.push_back(

@@ -7,7 +7,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
-#include "recorders/agent/agent_arguments.h"
 #include "recorders/agent/run_agent.h"
 #include "recorders/network/agent_connect.h"
 #include "recorders/network/link/tls_keys.h"

@@ -6,7 +6,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
-#include "recorders/agent/agent_arguments.h"
 #include "recorders/agent/run_agent.h"
 #include "recorders/kinect_sdk/kinect_source.h"
 #include "recorders/network/plain_connect.h"

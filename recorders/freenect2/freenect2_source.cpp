@@ -10,8 +10,8 @@
 #include <libfreenect2/packet_pipeline.h>
 
 #include "datasets/base/error.h"
+#include "recorders/frame_source.h"
 #include "recorders/freenect2/depth_feed.h"
-#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {

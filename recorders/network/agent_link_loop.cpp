@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/base/error.h"
+#include "recorders/frame_source.h"
 #include "recorders/network/agent_state.h"
-#include "recorders/steady_time.h"
 
 namespace trilat {
 

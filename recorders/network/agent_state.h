@@ -6,7 +6,7 @@
 #include <mutex>
 #include <optional>
 
-#include "recorders/network/agent_options.h"
+#include "recorders/network/agent_link.h"
 #include "recorders/network/link/message_link.h"
 #include "recorders/network/resend_ring.h"
 

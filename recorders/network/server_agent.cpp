@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "recorders/frame_source.h"
 #include "recorders/network/server_state.h"
-#include "recorders/steady_time.h"
 
 namespace trilat {
 namespace {

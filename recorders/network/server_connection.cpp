@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "recorders/frame_source.h"
 #include "recorders/network/server_state.h"
-#include "recorders/steady_time.h"
 
 namespace trilat {
 

@@ -13,7 +13,7 @@
 #include "datasets/results/studies/recording_summary.h"
 #include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/figures/figure.h"

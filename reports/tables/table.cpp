@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <utility>
 
+#include "datasets/base/error.h"
+#include "reports/tables/embedded_notes.h"
+
 namespace trilat {
+
 namespace {
 
 constexpr std::array<std::pair<const char*, const char*>, 8> kUnits{{{"_percent", "%"},
@@ -50,6 +55,18 @@ std::string usable_id(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [&](char c) { return !is_kept(c); }, '-');
   return text;
+}
+
+std::vector<std::string> notes(const std::string& section) {
+  std::vector<std::string> sentences;
+  std::istringstream text(embedded::notes_md);
+  bool here = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with("## ")) here = line.substr(3) == section;
+    if (here && line.starts_with("- ")) sentences.push_back(line.substr(2));
+  }
+  TRILAT_CHECK(!sentences.empty(), "every section that is asked for is in notes.md");
+  return sentences;
 }
 
 }  // namespace trilat

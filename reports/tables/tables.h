@@ -5,14 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/changes.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
 #include "datasets/results/studies/sensitivity_summary.h"
-#include "datasets/results/studies/stage_timings.h"
 #include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"

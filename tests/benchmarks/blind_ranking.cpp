@@ -54,7 +54,7 @@ int run(const std::filesystem::path& file, std::size_t campaigns) {
     const std::vector<double> truth_m = errors_m(execute_study(spec.study, campaign, folder / "seen", {}));
     const std::vector<double> left_out_m = errors_m(execute_study(blind, campaign, folder / "blind", {}));
     std::array<std::vector<double>, std::size(kCriteria)> criteria{left_out_m, {}, {}};
-    const TrackingSummary tracking = read_tracking_summary(folder / "blind").value();
+    const TrackingSummary tracking = read_beside<TrackingSummary>(folder / "blind").value();
     for (const PredictionRow& p : tracking.predictions) {
       criteria[1].push_back(p.bone_m.value);
       criteria[2].push_back(p.jerk_m_s3.value);

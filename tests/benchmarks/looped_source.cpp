@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "datasets/base/error.h"
-#include "recorders/steady_time.h"
+#include "recorders/frame_source.h"
 
 namespace trilat {
 

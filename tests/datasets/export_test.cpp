@@ -5,8 +5,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/export/samples_csv.h"
-#include "datasets/export/session_csv.h"
-#include "datasets/export/session_trc.h"
+#include "datasets/export/session_export.h"
 #include "datasets/session/session_writer.h"
 #include "tests/support/scratch.h"
 

@@ -7,7 +7,6 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/mocap/frozen_filter.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/temporary_file.h"
 

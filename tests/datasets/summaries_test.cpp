@@ -12,9 +12,8 @@
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
 #include "datasets/results/studies/sensitivity_summary.h"
-#include "datasets/results/studies/stage_timings.h"
 #include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "tests/support/scratch.h"
@@ -142,12 +141,12 @@ SensitivitySummary full_sensitivity() {
 template <class Summary>
 class SummaryFile {
  public:
-  SummaryFile(const Summary& summary, StudyKind kind) : kind_(kind) {
-    write_results(folder_.path(), kind, summary);
+  explicit SummaryFile(const Summary& summary) {
+    write_results(folder_.path(), summary);
     text_ = read_file(folder_ / "summary.json");
   }
   std::string again() {
-    write_results(folder_.path(), kind_, read_results<Summary>(folder_.path(), kind_));
+    write_results(folder_.path(), read_results<Summary>(folder_.path()));
     return read_file(folder_ / "summary.json");
   }
   const std::string& text() const { return text_; }
@@ -155,12 +154,11 @@ class SummaryFile {
     Json json = parse_json(text_, "summary.json");
     json[Json::json_pointer(pointer)] = value;
     write_file(folder_ / "summary.json", json_text(json, -1));
-    return message_of([&] { read_results<Summary>(folder_.path(), kind_); });
+    return message_of([&] { read_results<Summary>(folder_.path()); });
   }
 
  private:
   ScratchFolder folder_;
-  StudyKind kind_;
   std::string text_;
 };
 
@@ -168,7 +166,7 @@ TEST(SweepSummary, IsReadAsItWasWrittenAndFitsItsLists) {
   SweepSummary summary = two_cells();
   summary.search = SweepSearch{1, {{{0, "axis_mean", 0.25, 1.5, 0.0}}, 2, 0.25, 0.5, 0.75}, {}, {}};
   summary.search->compromises = {{"errors", 0, 0, {900.0}, {2.0}, {0.4}, {0.5}, 1.0, 0.75}};
-  SummaryFile file(summary, StudyKind::threshold_sweep);
+  SummaryFile file(summary);
   EXPECT_EQ(file.again(), file.text());
   EXPECT_THAT(file.refusal("/cells/1/threshold", 0), HasSubstr("/cells: must hold one cell"));
   EXPECT_THAT(file.refusal("/ranges", Json::array()), HasSubstr("/cells: must hold one cell"));
@@ -182,7 +180,7 @@ TEST(SweepSummary, IsReadAsItWasWrittenAndFitsItsLists) {
 }
 
 TEST(CalibrationSummary, IsReadAsItWasWrittenAndFitsItsLists) {
-  SummaryFile file(full_calibration(), StudyKind::calibration);
+  SummaryFile file(full_calibration());
   EXPECT_EQ(file.again(), file.text());
   EXPECT_THAT(file.refusal("/wand_samples/1/0", 2),
               HasSubstr("/wand_samples: must be of rows that are there"));
@@ -193,20 +191,20 @@ TEST(CalibrationSummary, IsReadAsItWasWrittenAndFitsItsLists) {
 }
 
 TEST(RecordingSummary, IsReadAsItWasWrittenAndFitsItsLists) {
-  SummaryFile file(full_recording(), StudyKind::recording);
+  SummaryFile file(full_recording());
   EXPECT_EQ(file.again(), file.text());
   EXPECT_THAT(file.refusal("/runs", 3), HasSubstr("/clocks: must have units of each run and sensor"));
 }
 
 TEST(BudgetSummary, IsReadAsItWasWrittenAndFitsItsLists) {
-  SummaryFile file(small_budget(), StudyKind::error_budget);
+  SummaryFile file(small_budget());
   EXPECT_EQ(file.again(), file.text());
   EXPECT_THAT(file.refusal("/descriptions", Json::array()),
               HasSubstr("/descriptions: must be as many as the sources"));
 }
 
 TEST(SensitivitySummary, IsReadAsItWasWrittenAndFitsItsLists) {
-  SummaryFile file(full_sensitivity(), StudyKind::sensitivity);
+  SummaryFile file(full_sensitivity());
   EXPECT_EQ(file.again(), file.text());
   for (const char* list : {"/points/0/position", "/points/0/paired_m", "/points/0/answered"})
     EXPECT_THAT(file.refusal(list, Json::array()), HasSubstr("/points: must have a number for each factor"));
@@ -214,7 +212,7 @@ TEST(SensitivitySummary, IsReadAsItWasWrittenAndFitsItsLists) {
 
 TEST(TrackingSummary, IsReadAsItWasWritten) {
   const ScratchFolder folder;
-  EXPECT_FALSE(read_tracking_summary(folder.path()));
+  EXPECT_FALSE(read_beside<TrackingSummary>(folder.path()));
   TrackingSummary summary{
       .study = "s", .simulated = true, .repaired = true, .views = {}, .exchanges = {}, .clocks = {}};
   summary.views = {{"walking", "k1", "wrist", "inferred", 10, 4, true, 5, 3},
@@ -224,32 +222,34 @@ TEST(TrackingSummary, IsReadAsItWasWritten) {
   summary.ranges = {{"walking", "wrist", 3, 0.01, 0.02}};
   summary.rays = {{"t", 7, "", 0.01, 0.02, 0.5, 0.4, 0.6}};
   summary.predictions = {{"walking", "mean", 4, {0.01}}};
-  write_tracking_summary(folder.path(), summary);
+  write_beside(folder.path(), summary);
   const std::string text = read_file(folder / "tracking.json");
-  const auto read = read_tracking_summary(folder.path());
+  const auto read = read_beside<TrackingSummary>(folder.path());
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->views[0].truth_known && read->exchanges[0].truth_known);
   EXPECT_FALSE(read->views[1].truth_known || read->exchanges[1].truth_known);
-  write_tracking_summary(folder.path(), *read);
+  write_beside(folder.path(), *read);
   EXPECT_EQ(read_file(folder / "tracking.json"), text);
 }
 
 TEST(ResultsKinds, AreToldApart) {
   const ScratchFolder folder;
-  write_sweep_summary(folder.path(), two_cells());
+  write_results(folder.path(), two_cells());
   EXPECT_EQ(results_kind(folder.path()), StudyKind::threshold_sweep);
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),
               HasSubstr("/kind: is \"threshold_sweep\"; results of kind \"accuracy\" are needed here"));
   write_summary(folder.path(), ResultsSummary{});
   EXPECT_EQ(results_kind(folder.path()), StudyKind::accuracy);
-  EXPECT_THAT(message_of([&] { read_sweep_summary(folder.path()); }), HasSubstr("/kind: is \"accuracy\""));
+  EXPECT_THAT(message_of([&] { read_results<SweepSummary>(folder.path()); }),
+              HasSubstr("/kind: is \"accuracy\""));
 }
 
 TEST(SweepTimings, AreAFileOfTheirOwnThatNeedNotBeThere) {
   const ScratchFolder folder;
-  EXPECT_FALSE(read_sweep_timings(folder.path()));
-  write_sweep_timings(folder.path(), {"sweep", "a processor", 500, 7, {{0, 1, 2, 310.5, 300.0, 40.0, 39.5}}});
-  const auto read = read_sweep_timings(folder.path());
+  EXPECT_FALSE(read_beside<SweepTimings>(folder.path()));
+  write_beside(folder.path(),
+               SweepTimings{"sweep", "a processor", 500, 7, {{0, 1, 2, 310.5, 300.0, 40.0, 39.5}}});
+  const auto read = read_beside<SweepTimings>(folder.path());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->repeats, 7u);
   EXPECT_EQ(read->cells.at(0).scalar_median_ns, 310.5);
@@ -258,10 +258,10 @@ TEST(SweepTimings, AreAFileOfTheirOwnThatNeedNotBeThere) {
 
 TEST(StageTimings, AreReadAsTheyWereWrittenAndMayBeMissing) {
   const ScratchFolder folder;
-  EXPECT_FALSE(read_stage_timings(folder.path()).has_value());
-  write_stage_timings(folder.path(),
-                      {"table4", "a processor", {{"trilateration", "linear", small_spread()}}});
-  const auto read = read_stage_timings(folder.path());
+  EXPECT_FALSE(read_beside<StageTimings>(folder.path()).has_value());
+  write_beside(folder.path(),
+               StageTimings{"table4", "a processor", {{"trilateration", "linear", small_spread()}}});
+  const auto read = read_beside<StageTimings>(folder.path());
   ASSERT_TRUE(read.has_value());
   EXPECT_EQ(read->processor, "a processor");
   ASSERT_EQ(read->stages.size(), 1u);

@@ -10,7 +10,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/error_statistics.h"
-#include "evaluators/metrics/quantiles.h"
 
 namespace trilat {
 namespace {

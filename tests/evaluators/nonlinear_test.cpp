@@ -8,8 +8,8 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/ceres/ceres_trilateration.h"
-#include "evaluators/solvers/both_sides.h"
 #include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/sensor_plane.h"
 #include "tests/evaluators/flat_rigs.h"
 #include "tests/evaluators/range_problems.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The paper's calibration from two wand positions by pencil.
-#include "evaluators/calibration/two_positions.h"
-
 #include <cmath>
 #include <limits>
 
@@ -9,6 +7,7 @@
 
 #include "datasets/base/philox.h"
 #include "datasets/base/units.h"
+#include "evaluators/calibration/wand_positions.h"
 
 namespace trilat {
 namespace {

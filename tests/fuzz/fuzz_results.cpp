@@ -38,7 +38,7 @@ void print(const Table& table) {
 
 void report_on(const SoundFile& file) {
   if (file.name == "accepted.json") {
-    read_accepted(file.folder);
+    read_beside<AcceptedBaseline>(file.folder);
   } else if (file.name == "history.jsonl") {
     read_history(file.folder / file.name);
   } else if (file.name == "simulator.json") {

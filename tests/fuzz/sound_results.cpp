@@ -69,12 +69,12 @@ void write_budget(const fs::path& folder) {
     for (const char* group : {"head", "wrist"})
       budget.rows.push_back({source, "nonlinear", "walking", group, "none", 90, 0.04, 0.03});
   make_folder(folder);
-  write_budget_summary(folder, budget);
+  write_results(folder, budget);
 }
 
 void write_gate_files(const fs::path& folder) {
   make_folder(folder);
-  write_accepted(folder, {"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
+  write_beside(folder, AcceptedBaseline{"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
   HistoryEntry night;
   night.time = "2026-01-01T03:00:00Z";
   night.program = "trilat";
@@ -93,7 +93,7 @@ void write_sound_results(const fs::path& scratch) {
   write_sweep(scratch);
   write_recording(scratch);
   make_folder(scratch / "calibration");
-  write_calibration_summary(scratch / "calibration", hand_made_calibration());
+  write_results(scratch / "calibration", hand_made_calibration());
   write_budget(scratch / "budget");
   write_gate_files(scratch / "gate");
   write_calibration_part(scratch / "parts/calibration");

@@ -9,7 +9,6 @@
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/budget/budget_spec.h"
 #include "pipeline/budget/budget_study.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
@@ -99,7 +98,7 @@ TEST(Assumptions, ARecordedTakeHasAnErrorBudgetToo) {
   RecordedSession recorded;
   run_study(budget_study({recorded.spec, 0.005, 0.2, mean_study()}), recorded.folder / "results",
             {.threads = 2});
-  const BudgetSummary s = read_budget_summary(recorded.folder / "results");
+  const BudgetSummary s = read_results<BudgetSummary>(recorded.folder / "results");
   EXPECT_EQ(s.participants, 1u);
   const auto of_source = [&](const std::string& source) {
     double worst_m = 0.0;

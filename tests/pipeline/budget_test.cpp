@@ -11,7 +11,6 @@
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/synthetic/error_sources.h"
-#include "pipeline/budget/budget_spec.h"
 #include "pipeline/budget/budget_study.h"
 #include "reports/tables/tables.h"
 #include "tests/pipeline/campaigns.h"
@@ -53,7 +52,7 @@ std::string study_in(const ScratchFolder& folder, const std::string& members, do
 
 BudgetSummary evaluate(const BudgetSpec& spec, const std::filesystem::path& output, int threads = 2) {
   run_study(budget_study(spec), output, {.threads = threads});
-  return read_budget_summary(output);
+  return read_results<BudgetSummary>(output);
 }
 
 TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
@@ -170,7 +169,7 @@ TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
   const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
   EXPECT_EQ(report.code, 0) << report.err;
   const std::string markdown = read_file(folder / "report/index.csv");
-  for (const Table& table : budget_tables(read_budget_summary(results)))
+  for (const Table& table : budget_tables(read_results<BudgetSummary>(results)))
     EXPECT_THAT(markdown, HasSubstr(table.title));
 }
 

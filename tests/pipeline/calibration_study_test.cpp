@@ -15,8 +15,6 @@
 #include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/calibration_summary.h"
-#include "pipeline/calibration_study/calibration_spec.h"
-#include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
@@ -180,7 +178,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
   EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
   EXPECT_EQ(results_kind(folder / "1"), StudyKind::calibration);
-  const CalibrationSummary summary = read_calibration_summary(folder / "1");
+  const CalibrationSummary summary = read_results<CalibrationSummary>(folder / "1");
   EXPECT_EQ(summary.study, "test");
   ASSERT_THAT(summary.wand, SizeIs(16));  // eight methods in two scenes
   for (const WandRow& row : summary.wand) {
@@ -216,7 +214,7 @@ TEST(CalibrationStudy, TheErrorOfTheDistanceIsThatAlongTheRayOnly) {
   run_study(calibration_study(wand_only_spec(
                 R"(, "units": 4, "samples": 3, "distances_m": [1.2, 1.8], "largest_angle_deg": 0)")),
             folder / "axis", {});
-  const CalibrationSummary axis = read_calibration_summary(folder / "axis");
+  const CalibrationSummary axis = read_results<CalibrationSummary>(folder / "axis");
   std::size_t compared = 0;
   for (const WandSample& sample : axis.wand_samples) {
     if (axis.wand[sample.row].method != "ours" || axis.wand[sample.row].scene != "far wall") continue;
@@ -236,7 +234,7 @@ TEST(CalibrationStudy, EveryUnitHasSamplesInEachZoneThatThePaperJudges) {
   const ScratchFolder folder;
   run_study(calibration_study(wand_only_spec(R"(, "units": 4, "samples": 40)")), folder / "zones", {});
   std::map<std::uint64_t, std::array<int, 4>> zones;  // of a unit: too near, within, too far, too wide
-  for (const WandSample& sample : read_calibration_summary(folder / "zones").wand_samples) {
+  for (const WandSample& sample : read_results<CalibrationSummary>(folder / "zones").wand_samples) {
     if (sample.row != 0) continue;
     auto& [near, within, far, wide] = zones[sample.unit];
     const double deg = sample.angle_rad * kDegreesPerRad;
@@ -276,7 +274,7 @@ TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   CalibrationSpec spec = tiny_spec();
   spec.samples = spec.near_samples = spec.distortion_units = spec.runs = spec.effect_joints = 0;
   run_study(calibration_study(spec), folder / "nothing", {});
-  const CalibrationSummary nothing = read_calibration_summary(folder / "nothing");
+  const CalibrationSummary nothing = read_results<CalibrationSummary>(folder / "nothing");
   EXPECT_THAT(nothing.wand, IsEmpty());
   EXPECT_THAT(nothing.wand_samples, IsEmpty());
   EXPECT_THAT(nothing.distortion, IsEmpty());
@@ -284,7 +282,8 @@ TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   EXPECT_THAT(nothing.effect, IsEmpty());
   spec.effect_joints = 100;
   run_study(calibration_study(spec), folder / "effect", {});
-  EXPECT_THAT(read_calibration_summary(folder / "effect").effect, SizeIs(3 * spec.sensor_sigmas_m.size()));
+  EXPECT_THAT(read_results<CalibrationSummary>(folder / "effect").effect,
+              SizeIs(3 * spec.sensor_sigmas_m.size()));
 }
 
 TEST(CalibrationStudy, AnInterruptedOneGoesOnFromWhatIsDoneBesideItsName) {
@@ -299,7 +298,7 @@ TEST(CalibrationStudy, AnInterruptedOneGoesOnFromWhatIsDoneBesideItsName) {
   EXPECT_THROW(run_study(study, folder / "out", options), Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   EXPECT_THAT(run_study(study, folder / "out", {}).continued, testing::Contains("wand/unit-0"));
-  EXPECT_THAT(read_calibration_summary(folder / "out").rigs, SizeIs(14));
+  EXPECT_THAT(read_results<CalibrationSummary>(folder / "out").rigs, SizeIs(14));
 }
 
 const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string& calibration,

@@ -36,7 +36,7 @@ struct Watched {
     return execute_study(study_of(kByDepth), changed, folder / "results", {});
   }
   std::uint64_t rejected() {
-    const auto tracking = read_tracking_summary(folder / "results");
+    const auto tracking = read_beside<TrackingSummary>(folder / "results");
     std::uint64_t count = 0;
     for (const ViewRow& row : tracking->views)
       if (row.rule == "hidden in depth") count += row.rejected;

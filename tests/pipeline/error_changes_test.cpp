@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/statistics/error_changes.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "pipeline/accuracy/statistics/participant_errors.h"
 #include "reports/tables/tables.h"
 #include "tests/support/scratch.h"
 

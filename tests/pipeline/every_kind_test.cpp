@@ -13,7 +13,6 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "pipeline/budget/budget_study.h"
-#include "pipeline/calibration_study/calibration_spec.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/recording/recording_study.h"

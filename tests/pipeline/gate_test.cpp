@@ -230,7 +230,7 @@ TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
   EXPECT_EQ(nights.gate({"--history", history}).code, 1);
   const Ended ended = nights.gate({"--accept", "a <better> model", "--history", history});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  const auto accepted = read_accepted(nights.before());
+  const auto accepted = read_beside<AcceptedBaseline>(nights.before());
   ASSERT_TRUE(accepted.has_value());
   EXPECT_EQ(accepted->reason, "a <better> model");
   EXPECT_THAT(accepted->replaces_sha256, SizeIs(64));

@@ -5,8 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/mocap/mocap_take.h"
-#include "pipeline/accuracy/mocap_start.h"
-#include "pipeline/accuracy/proposed_mapping.h"
+#include "pipeline/accuracy/proposals.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"

@@ -67,7 +67,7 @@ TEST(InterpretationSearch, IsPartOfTheSummaryWhenAsked) {
   const ScratchFolder folder;
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 20, "search": true)");
   sweep_into(folder / "results", plan);
-  const auto search = read_sweep_summary(folder / "results").search;
+  const auto search = read_results<SweepSummary>(folder / "results").search;
   ASSERT_TRUE(search);
   EXPECT_EQ(search->tried, 4u);
   EXPECT_LE(search->errors.best_rms, search->errors.median_rms);

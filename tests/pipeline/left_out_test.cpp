@@ -175,7 +175,7 @@ TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
   ASSERT_TRUE(head);
   EXPECT_GT(head->mae_m, 0.005);
   EXPECT_LT(head->mae_m, 0.1);
-  const auto tracking = read_tracking_summary(folder.path() / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder.path() / "results");
   ASSERT_TRUE(tracking);
   EXPECT_EQ(tracking->rays.size(), 2u);  // once a take, of all sensors
   EXPECT_TRUE(tracking->ranges.empty());

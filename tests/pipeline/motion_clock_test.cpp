@@ -25,7 +25,7 @@ ClockRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange
   change_session(take, folder / "changed.h5", change);
   const ResultsSummary summary = execute_study(study_of(kByMotion), campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  const auto tracking = read_tracking_summary(folder / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder / "results");
   EXPECT_EQ(tracking->clocks.size(), 1u);
   return tracking->clocks.at(0);
 }

@@ -75,7 +75,7 @@ TEST(OddInput, ATruthShorterThanABlockIsEvaluatedWhereItIs) {
   EXPECT_EQ(cell->clusters, 3u);
   EXPECT_LT(cell->mae_low_m, cell->mae_m);
   EXPECT_GT(cell->mae_high_m, cell->mae_m);
-  const auto tracking = read_tracking_summary(folder / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder / "results");
   ASSERT_TRUE(tracking);
   for (const ClockRow& clock : tracking->clocks) {
     EXPECT_FALSE(clock.applied) << clock.status;  // a second of motion tells nothing

@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/studies/recording_summary.h"
-#include "datasets/results/studies/stage_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "pipeline/recording/clock_methods.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/scratch.h"
@@ -67,7 +67,7 @@ TEST(RecordingStudy, AWrongClockMakesTheQueueDropFramesThatCameInTime) {
   const ScratchFolder folder;
   run_study(recording_study(spec_of(R"(, "frames": 900, "runs": 2, "clock_offset_s": 1)")), folder / "out",
             {.threads = 1});
-  const RecordingSummary summary = read_recording_summary(folder / "out");
+  const RecordingSummary summary = read_results<RecordingSummary>(folder / "out");
   ASSERT_EQ(summary.queues.size(), 6u * 2);  // the sensor's ticks do not tell when a frame was sent
   const auto counts = [&](ClockMethod method, std::size_t way) {
     return summary.queues.at(2 * static_cast<std::size_t>(method) + way).counts;
@@ -95,7 +95,7 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
     run_study(recording_study(spec), folder / std::to_string(threads), {.threads = threads});
   EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
   EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
-  const RecordingSummary summary = read_recording_summary(folder / "1");
+  const RecordingSummary summary = read_results<RecordingSummary>(folder / "1");
   ASSERT_EQ(summary.clocks.size(), clock_method_names().size());
   EXPECT_EQ(row_of(summary, ClockMethod::none).asked, 900u * 4 * 2);
   EXPECT_LT(row_of(summary, ClockMethod::corrected).error.max_s, 0.0005);
@@ -121,7 +121,7 @@ TEST(RecordingStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
   }
   EXPECT_EQ(below_4ms, none.error.bins[0] + none.error.bins[1]);
   EXPECT_EQ(summary.fits.at(0).within_bound_share, 1.0);
-  const auto timings = read_stage_timings(folder / "1");
+  const auto timings = read_beside<StageTimings>(folder / "1");
   ASSERT_TRUE(timings.has_value());
   ASSERT_EQ(timings->stages.size(), 2 * 5u);  // linear, and each single sensor
   for (const StageTiming& stage : timings->stages) EXPECT_EQ(stage.time.n, 900u);

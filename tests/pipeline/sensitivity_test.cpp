@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/statistics/method_pairs.h"
+#include "pipeline/accuracy/statistics/aligned_errors.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "reports/tables/tables.h"

@@ -7,7 +7,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/sweep_timings.h"
+#include "datasets/results/studies/timings.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
@@ -138,7 +138,7 @@ TEST(Sweep, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
     EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
     EXPECT_EQ(one, read_file(folder / "7" / file)) << file;
   }
-  const auto timings = read_sweep_timings(folder / "2");
+  const auto timings = read_beside<SweepTimings>(folder / "2");
   ASSERT_TRUE(timings);
   EXPECT_EQ(timings->cells.size(), 4u);
   EXPECT_GT(timings->cells[3].scalar_min_ns, 0.0);
@@ -163,7 +163,7 @@ TEST(Sweep, ResultsOfEitherKindMayTakeThePlaceOfOlderOnes) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10)");
   sweep_into(folder / "results", plan);
   sweep_into(folder / "results/", plan);
-  EXPECT_EQ(read_sweep_summary(folder / "results").cells.at(0).asked, 10u);
+  EXPECT_EQ(read_results<SweepSummary>(folder / "results").cells.at(0).asked, 10u);
 }
 
 TEST(LinearStart, IsLinearTrilateration) {

@@ -18,7 +18,7 @@ struct SweepRun {
 inline SweepRun sweep_into(const std::filesystem::path& output, const SweepPlan& plan,
                            const StudyOptions& options = {}) {
   SweepRun run{run_study(sweep_study(plan), output, options), {}};
-  if (options.shard.whole()) run.summary = read_sweep_summary(output);
+  if (options.shard.whole()) run.summary = read_results<SweepSummary>(output);
   return run;
 }
 

@@ -86,7 +86,7 @@ TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
   EXPECT_GT(error_m(turned, "mean"), error_m(straight, "mean") + 0.01);
   EXPECT_LT(error_m(turned, "corrected"), error_m(straight, "corrected") + 0.005);
   EXPECT_LT(error_m(turned, "range_bearing"), error_m(straight, "range_bearing") + 0.005);
-  const std::vector<CorrectionRow> rows = read_tracking_summary(folder / "turned")->corrections;
+  const std::vector<CorrectionRow> rows = read_beside<TrackingSummary>(folder / "turned")->corrections;
   ASSERT_EQ(rows.size(), calibration.sensors.size());
   EXPECT_NEAR(rows[1].turned_rad, 0.07, 0.02);
   EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("stands turned by "))));
@@ -97,7 +97,7 @@ TEST(TakeRays, AreToldOfEveryTake) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder.path() / "campaign", walking_spec(2, 4.0));
   run_accuracy(study_of(kEstimated), campaign, folder.path() / "results", {});
-  const auto tracking = read_tracking_summary(folder.path() / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder.path() / "results");
   ASSERT_TRUE(tracking);
   ASSERT_EQ(tracking->rays.size(), 2u);
   for (const RayRow& row : tracking->rays) EXPECT_TRUE(std::isfinite(row.ratio)) << row.problem;

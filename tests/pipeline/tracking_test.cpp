@@ -51,7 +51,7 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
     if (cell.group != kAverageGroup) {
       EXPECT_LT(cell.max_m, 0.05) << cell.group;  // nor at the ends of stretches
     }
-  const auto tracking = read_tracking_summary(folder / "repaired");
+  const auto tracking = read_beside<TrackingSummary>(folder / "repaired");
   ASSERT_TRUE(tracking && tracking->repaired);
   std::uint64_t exchanged = 0, rightly = 0, found = 0;
   for (const ExchangeRow& row : tracking->exchanges) {
@@ -71,7 +71,7 @@ TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
   const Campaign campaign = simulate_into(folder / "campaign", tracking_spec(1, 6.0));
   execute_study(study(R"("methods": [{"method": "mean", "occlusion": "corrected"}])"), campaign,
                 folder / "results", {});
-  const auto tracking = read_tracking_summary(folder / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder / "results");
   ASSERT_TRUE(tracking);
   std::uint64_t hidden = 0, inferred = 0, rightly = 0, by_method = 0;
   for (const ViewRow& row : tracking->views) {
@@ -106,7 +106,7 @@ TEST(Tracking, AClockThatIsOffIsFoundAndCanBeCorrected) {
   Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(2, 20.0))));
   for (Take& take : campaign.takes) take.mocap_start_host_ns += 80'000'000;  // stated 80 ms late
   const ResultsSummary checked = execute_study(study(kMean), campaign, folder / "checked", {});
-  const auto tracking = read_tracking_summary(folder / "checked");
+  const auto tracking = read_beside<TrackingSummary>(folder / "checked");
   ASSERT_EQ(tracking->clocks.size(), 2u);
   for (const ClockRow& row : tracking->clocks) {
     EXPECT_EQ(row.status, "found");
@@ -118,9 +118,9 @@ TEST(Tracking, AClockThatIsOffIsFoundAndCanBeCorrected) {
   const ResultsSummary moved =
       execute_study(study(std::string(R"("clock": "motion", )") + kMean), campaign, folder / "moved", {});
   EXPECT_LT(mae_m(moved, "mean", "wrist"), 0.001);
-  EXPECT_TRUE(read_tracking_summary(folder / "moved")->clocks[0].applied);
+  EXPECT_TRUE(read_beside<TrackingSummary>(folder / "moved")->clocks[0].applied);
   execute_study(study(std::string(R"("clock": "stated", )") + kMean), campaign, folder / "stated", {});
-  EXPECT_TRUE(read_tracking_summary(folder / "stated")->clocks.empty());
+  EXPECT_TRUE(read_beside<TrackingSummary>(folder / "stated")->clocks.empty());
 }
 
 TEST(Tracking, AClockThatMotionDoesNotTellStaysAsStatedWithANote) {
@@ -166,7 +166,7 @@ TEST(Tracking, RecordedDepthShowsWhatIsHidden) {
       study(R"("methods": [{"method": "mean", "occlusion": "depth", "inferred_is_occluded": false}])"),
       campaign, folder / "results", {});
   std::uint64_t hidden = 0, rejected = 0, rightly = 0;
-  const auto tracking = read_tracking_summary(folder / "results");
+  const auto tracking = read_beside<TrackingSummary>(folder / "results");
   ASSERT_TRUE(tracking);
   for (const ViewRow& row : tracking->views) {
     if (row.rule != "hidden in depth") continue;
@@ -187,23 +187,23 @@ TEST(TrackingSummary, IsReadAsItWasWritten) {
   summary.exchanges.push_back({"walking", "k2", 100, 7, 2, true, 8, 6, 3, 1});
   summary.clocks.push_back(
       {"p01", "ambiguous", kNoNumber, kNoNumber, kNoNumber, kNoNumber, kNoNumber, 0.9, 0.95, false});
-  write_tracking_summary(folder.path(), summary);
+  write_beside(folder.path(), summary);
   const std::string once = read_file(folder / "tracking.json");
-  const auto read = read_tracking_summary(folder.path());
+  const auto read = read_beside<TrackingSummary>(folder.path());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->views[0].rightly, 3u);
   EXPECT_FALSE(read->views[1].truth_known);
   EXPECT_EQ(read->exchanges[0].stretches_found, 1u);
   EXPECT_TRUE(std::isnan(read->clocks[0].offset_s));
-  write_tracking_summary(folder.path(), *read);
+  write_beside(folder.path(), *read);
   EXPECT_EQ(read_file(folder / "tracking.json"), once);
 }
 
 TEST(TrackingSummary, OfAnotherKindIsRefusedAndMissingIsNone) {
   const ScratchFolder folder;
-  EXPECT_FALSE(read_tracking_summary(folder.path()));
+  EXPECT_FALSE(read_beside<TrackingSummary>(folder.path()));
   write_file(folder / "tracking.json", R"({"format": "something"})");
-  EXPECT_THROW(read_tracking_summary(folder.path()), InputError);
+  EXPECT_THROW(read_beside<TrackingSummary>(folder.path()), InputError);
 }
 
 }  // namespace

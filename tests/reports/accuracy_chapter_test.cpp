@@ -30,7 +30,7 @@ std::filesystem::path full_results(const ScratchFolder& folder, const std::strin
   tracking.views = {{"walking", "k1", "wrist", "inferred", 100, 10, true, 20, 5}};
   tracking.exchanges = {{"walking", "k1", 200, 50, 3, true, 40, 40, 2, 1}};
   tracking.clocks = {{"p01", "found", 0.0125, 0.010, 0.015, 3.0, 40.0, 0.95, 0.5, true}};
-  write_tracking_summary(path, tracking);
+  write_beside(path, tracking);
   if (!parameters.empty()) write_declared_parameters(path, parameters);
   return path;
 }

@@ -121,7 +121,7 @@ TEST(BudgetTables, EveryConditionAndAlignmentHasATableOfItsOwn) {
 TEST(BudgetTables, TheReportOfABudgetHoldsThem) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "results");
-  write_budget_summary(folder / "results", pencil_budget());
+  write_results(folder / "results", pencil_budget());
   const ReportFiles report = write_report({folder / "results"}, folder / "report");
   EXPECT_EQ(report.tables, 2u);
   EXPECT_EQ(report.figures, 1u);

@@ -187,7 +187,7 @@ TEST(Page, TextsFromOutsideStayText) {
 TEST(Page, ItsFiguresAreInItAndTheOthersBesideIt) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "results");
-  write_calibration_summary(folder / "results", hand_made_calibration());
+  write_results(folder / "results", hand_made_calibration());
   write_report({folder / "results"}, folder / "report", {.made = "then"});
   const std::string page = read_file(folder / "report/report.html"),
                     behind = read_file(folder / "report/all-tables.html");

@@ -177,7 +177,7 @@ TEST(WriteReport, TellsASweepFromAnAccuracyStudy) {
   SweepSummary s = hand_made_sweep();
   s.search = hand_made_search();
   std::filesystem::create_directories(folder / "sweep");
-  write_sweep_summary(folder / "sweep", s);
+  write_results(folder / "sweep", s);
   const ReportFiles files = write_report({folder / "sweep"}, folder / "report");
   EXPECT_EQ(files.tables, 5u);  // the search's, Table I, and every cell
   const std::string text = read_file(folder / "report/report.md");

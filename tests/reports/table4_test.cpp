@@ -112,10 +112,10 @@ TEST(Table4, PartsThatWereNotRunGiveNoTable) {
 
 TEST(Table4, IsAChapterOfTheReportWithOrWithoutTimes) {
   const ScratchFolder folder;
-  write_recording_summary(folder.path(), summary_of(998, 2));
+  write_results(folder.path(), summary_of(998, 2));
   EXPECT_EQ(write_report({folder.path()}, folder / "a").tables, 3u);
   EXPECT_THAT(read_file(folder / "a/report.md"), HasSubstr("99.80"));
-  write_stage_timings(folder.path(), timings_of(1));
+  write_beside(folder.path(), timings_of(1));
   EXPECT_EQ(write_report({folder.path()}, folder / "b").tables, 4u);
 }
 

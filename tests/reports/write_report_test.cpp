@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/base/folder_lock.h"
 #include "tests/reports/calibration_summaries.h"
 #include "tests/reports/summaries.h"
 #include "tests/support/scratch.h"
@@ -30,7 +29,7 @@ std::filesystem::path results_in(const ScratchFolder& folder, const std::string&
 std::filesystem::path results_in(const ScratchFolder& folder, const std::string& name,
                                  const CalibrationSummary& summary) {
   std::filesystem::create_directories(folder / name);
-  write_calibration_summary(folder / name, summary);
+  write_results(folder / name, summary);
   return folder / name;
 }
 

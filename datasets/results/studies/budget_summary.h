@@ -8,6 +8,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -25,6 +26,7 @@ struct BudgetRow {
 // An error budget: a simulated campaign evaluated once for every source of error alone and once with all.
 // Squares of independent errors add, so the root of the sum of rmse^2 over the sources is held against `all`.
 struct BudgetSummary {
+  static constexpr StudyKind kKind = StudyKind::error_budget;
   std::string study, campaign;
   std::uint64_t seed = 0, participants = 0;
   double calibration_sigma_m = 0.0, calibration_sigma_rad = 0.0;
@@ -37,11 +39,10 @@ struct BudgetSummary {
     field("simulated", true);
     TRILAT_EACH(seed, participants, calibration_sigma_m, calibration_sigma_rad, sources, descriptions, rows)
   }
-  void check(const JsonObject& object) const;
+  void check(const JsonObject& object) const {
+    if (descriptions.size() != sources.size())
+      object.refuse("descriptions", "must be as many as the sources");
+  }
 };
-
-// summary.json (results format 1, kind error_budget). NaN is written as null.
-void write_budget_summary(const std::filesystem::path& folder, const BudgetSummary& summary);
-BudgetSummary read_budget_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

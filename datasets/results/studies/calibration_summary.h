@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -70,7 +72,10 @@ struct DistortionCurve {
 
   TRILAT_FIELDS(wall_m, frames, unit, unit_offset_m, valid, depth_error_m, depth_residual_m, printed_error_m,
                 lens_error_m)
-  void check(const JsonObject& object) const;
+  void check(const JsonObject& object) const {
+    for (const auto* curve : {&depth_error_m, &depth_residual_m, &printed_error_m, &lens_error_m})
+      if (curve->size() != valid.size()) object.refuse("valid", "must be as long as the curves");
+  }
 };
 
 // One way to calibrate a rig, over simulated runs.
@@ -112,6 +117,7 @@ struct EffectRow {
 
 // summary.json of a study of kind "calibration". All of it is simulated.
 struct CalibrationSummary {
+  static constexpr StudyKind kKind = StudyKind::calibration;
   std::string study;
   std::uint64_t seed = 0;
   std::uint64_t samples = 0, units = 0, frames = 0;  // samples a unit, frames a position
@@ -129,11 +135,11 @@ struct CalibrationSummary {
     TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs,
                 effect)
   }
-  void check(const JsonObject& object) const;
+  void check(const JsonObject& object) const {
+    const auto has_row = [&](const WandSample& sample) { return sample.row < wand.size(); };
+    if (!std::all_of(wand_samples.begin(), wand_samples.end(), has_row))
+      object.refuse("wand_samples", "must be of rows that are there");
+  }
 };
-
-void write_calibration_summary(const std::filesystem::path& folder, const CalibrationSummary& summary);
-// InputError with file and pointer when it is not one of these.
-CalibrationSummary read_calibration_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,7 +9,8 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
-#include "datasets/results/studies/stage_timings.h"
+#include "datasets/results/results_file.h"
+#include "datasets/results/studies/timings.h"
 
 namespace trilat {
 
@@ -76,6 +78,7 @@ struct ClockFitRow {
 
 // summary.json of a study of kind "recording". All of it is simulated.
 struct RecordingSummary {
+  static constexpr StudyKind kKind = StudyKind::recording;
   std::string study;
   std::uint64_t seed = 0;
   std::uint64_t frames = 0, sensors = 0, runs = 0;
@@ -89,11 +92,11 @@ struct RecordingSummary {
     field("simulated", true);
     TRILAT_EACH(seed, frames, sensors, runs, clocks, fits, late_s, queues)
   }
-  void check(const JsonObject& object) const;
+  void check(const JsonObject& object) const {
+    const auto whole = [&](const ClockErrorRow& row) { return row.units.size() == runs * sensors; };
+    if (!std::all_of(clocks.begin(), clocks.end(), whole))
+      object.refuse("clocks", "must have units of each run and sensor");
+  }
 };
-
-void write_recording_summary(const std::filesystem::path& folder, const RecordingSummary& summary);
-// InputError with file and pointer when it is not one of these.
-RecordingSummary read_recording_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -9,7 +9,6 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
-#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
@@ -80,11 +79,11 @@ void SensitivitySummary::check(const JsonObject& object) const {
 
 void write_sensitivity_summary(const std::filesystem::path& folder, const SensitivitySummary& summary) {
   write_points(folder / "points.csv", summary);
-  write_results(folder, StudyKind::sensitivity, summary);
+  write_results(folder, summary);
 }
 
 SensitivitySummary read_sensitivity_summary(const std::filesystem::path& folder) {
-  return read_results<SensitivitySummary>(folder, StudyKind::sensitivity);
+  return read_results<SensitivitySummary>(folder);
 }
 
 }  // namespace trilat

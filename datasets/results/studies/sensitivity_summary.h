@@ -8,6 +8,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -101,6 +102,7 @@ struct SensitivitySlice {
 };
 
 struct SensitivitySummary {
+  static constexpr StudyKind kKind = StudyKind::sensitivity;
   std::string study;
   std::vector<std::string> alignments;                 // claims are of the first unless they say otherwise
   std::uint64_t seed = 0, participants = 0, rows = 0;  // of the design: rows x (factors + 2) campaigns

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/studies/sweep_summary.h"
 
-#include "datasets/results/results_file.h"
-
 namespace trilat {
 
 // Numbers of interpretations and lists that are read by their place.
@@ -28,14 +26,6 @@ void SweepSummary::check(const JsonObject& object) const {
       if (factors->empty() || factors->size() != ranges.size())
         object.refuse("search", "must have a factor for each range");
   }
-}
-
-void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& summary) {
-  write_results(folder, StudyKind::threshold_sweep, summary);
-}
-
-SweepSummary read_sweep_summary(const std::filesystem::path& folder) {
-  return read_results<SweepSummary>(folder, StudyKind::threshold_sweep);
 }
 
 }  // namespace trilat

@@ -13,6 +13,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -119,6 +120,7 @@ struct SweepSearch {
 
 // What a threshold sweep found. Everything in it is simulated.
 struct SweepSummary {
+  static constexpr StudyKind kKind = StudyKind::threshold_sweep;
   struct ErrorRange {
     double low_m = 0.0, high_m = 0.0;
     TRILAT_FIELDS(low_m, high_m)
@@ -143,10 +145,5 @@ struct SweepSummary {
                 cells, search)
   void check(const JsonObject& object) const;
 };
-
-// summary.json (results format 1, kind threshold_sweep). NaN is written as null.
-void write_sweep_summary(const std::filesystem::path& folder, const SweepSummary& summary);
-// InputError when it is not there, of another version or kind, or its cells do not fit its lists.
-SweepSummary read_sweep_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -9,6 +9,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -118,7 +119,9 @@ struct PredictionRow {
   TRILAT_FIELDS(condition, method, n, range_m, bearing_m, mean_range_m, bone_m, jerk_m_s3)
 };
 
+// tracking.json, beside an accuracy study's summary.json.
 struct TrackingSummary {
+  static constexpr const char *kFile = "tracking.json", *kFormat = "trilat.tracking";
   std::string study;
   bool simulated = false;
   bool repaired = false;  // exchanges that were found were undone
@@ -132,10 +135,5 @@ struct TrackingSummary {
 
   TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, ranges, rays, corrections, predictions)
 };
-
-// tracking.json, beside an accuracy study's summary.json. NaN is written as null.
-void write_tracking_summary(const std::filesystem::path& folder, const TrackingSummary& summary);
-// Nothing when there is none; InputError when the file is not one of these.
-std::optional<TrackingSummary> read_tracking_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -22,6 +23,7 @@ struct TwinsRow {
 
 // summary.json of a study of kind "twins".
 struct TwinsSummary {
+  static constexpr StudyKind kKind = StudyKind::twins;
   std::string study, source;
   std::uint64_t seed = 0, participants = 0;  // simulated
   std::vector<TwinsRow> rows;
@@ -32,8 +34,5 @@ struct TwinsSummary {
     TRILAT_EACH(seed, participants, rows)
   }
 };
-
-void write_twins_summary(const std::filesystem::path& folder, const TwinsSummary& summary);
-TwinsSummary read_twins_summary(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -167,4 +167,11 @@ inline AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_
   return error_of(view, i, j, slot, alignments[j * view.axes.methods + m]);
 }
 
+// The mean error of each method (row) over the samples that each other one (column) answers too, both aligned
+// on these; of a method with itself over all its answers. In metres, the mean of the joint groups, of the
+// takes of one condition; NaN where a group has no such sample. One such table behind the other for each
+// alignment of the layout.
+std::vector<double> paired_errors_m(const SamplesFile& samples, const std::string& condition,
+                                    StatisticsLayout layout);
+
 }  // namespace trilat

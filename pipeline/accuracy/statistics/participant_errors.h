@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,5 +68,10 @@ class ParticipantErrors {
   std::map<std::string, std::map<std::string, std::map<std::string, ByParticipant>>>
       sums_;  // condition, group, method
 };
+
+// What changed from the first of two accuracy results to the second, for the conditions, groups and methods
+// of both, under their first alignment. Nothing for other kinds, for more or fewer than two, or where
+// alignment or truth differ: those are two measures.
+std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::path>& results);
 
 }  // namespace trilat

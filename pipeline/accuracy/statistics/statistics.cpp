@@ -12,7 +12,7 @@
 #include "datasets/results/summary.h"
 #include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/body_metrics.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/study/parallel.h"
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "evaluators/alignment/point_fit.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/alignment/alignment.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {

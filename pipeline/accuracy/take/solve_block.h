@@ -21,4 +21,11 @@ const Method* checked_method(const Plan& plan);
 TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                       const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block);
 
+// How many methods of the plan solve windows of all joints together, which takes long.
+std::size_t windowed_methods(const Plan& plan);
+
+// All methods of the plan that need whole paths. Throws Interrupted when asked to stop.
+std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                         const OverTimeCalls& calls);
+
 }  // namespace trilat

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "evaluators/alignment/point_fit.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/alignment/alignment.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "evaluators/metrics/student.h"
 #include "pipeline/accuracy/take/take_data.h"
 

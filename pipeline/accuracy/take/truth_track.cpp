@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/frozen_filter.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "evaluators/alignment/clock_offset.h"
 #include "evaluators/alignment/interpolation.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/network/link/message_link.h"
 
-#include "recorders/network/link/wire_bytes.h"
+#include "recorders/network/link/wire.h"
 
 namespace trilat {
 

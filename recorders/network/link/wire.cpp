@@ -6,7 +6,6 @@
 #include <concepts>
 
 #include "datasets/base/error.h"
-#include "recorders/network/link/wire_bytes.h"
 
 namespace trilat {
 namespace {

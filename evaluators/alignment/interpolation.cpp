@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/alignment/local_motion.h"
+#include "evaluators/alignment/interpolation.h"
 
 #include <algorithm>
 #include <array>

@@ -11,6 +11,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 
@@ -42,6 +43,7 @@ struct StageTiming {
 
 // What differs from machine to machine and run to run.
 struct StageTimings {
+  static constexpr const char *kFile = "timings.json", *kFormat = "trilat.stage_timings";
   std::string study;
   std::string processor;
   std::vector<StageTiming> stages;
@@ -49,9 +51,28 @@ struct StageTimings {
   TRILAT_FIELDS(study, processor, stages)
 };
 
-// timings.json, beside the summary.json of a study of kind "recording".
-void write_stage_timings(const std::filesystem::path& folder, const StageTimings& timings);
-// Nothing when nothing was timed; InputError when the file is not one of these.
-std::optional<StageTimings> read_stage_timings(const std::filesystem::path& folder);
+// Nanoseconds a solve, start included, of one cell of a sweep.
+struct SweepCellTiming {
+  std::size_t interpretation = 0;
+  std::size_t threshold = 0;
+  std::size_t range = 0;
+  double scalar_median_ns = 0.0, scalar_min_ns = 0.0;    // one problem at a time, over the repeats
+  double batched_median_ns = 0.0, batched_min_ns = 0.0;  // many problems side by side
+
+  TRILAT_FIELDS(interpretation, threshold, range, scalar_median_ns, scalar_min_ns, batched_median_ns,
+                batched_min_ns)
+};
+
+// What differs from machine to machine and run to run.
+struct SweepTimings {
+  static constexpr const char *kFile = "timings.json", *kFormat = "trilat.timings";
+  std::string study;
+  std::string processor;
+  std::uint64_t problems = 0;  // of each cell, in each repeat
+  std::uint64_t repeats = 0;
+  std::vector<SweepCellTiming> cells;
+
+  TRILAT_FIELDS(study, processor, problems, repeats, cells)
+};
 
 }  // namespace trilat

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/base/text_output.h"
 #include "datasets/calibration/calibration.h"
@@ -33,5 +34,33 @@ double seconds_between(const FrameStamp& first, const FrameStamp& stamp, std::in
 void for_each_body_frame(const SessionReader& session, std::size_t sensor,
                          const std::function<void(const BodyFrame&)>& visit,
                          const std::function<void(double)>& progress);
+
+struct TrcOptions {
+  ExportOptions frame{};
+  std::string sensor{};                 // empty: the session's only one
+  std::optional<std::uint64_t> body{};  // nothing: each body a file
+  bool millimetres = true;              // otherwise metres
+  std::function<void(const std::filesystem::path&)> check =
+      {};  // is asked about each file before it is written
+};
+
+struct TrcFile {
+  std::filesystem::path path;
+  std::uint64_t tracking_id = 0;
+  std::int64_t rows = 0;  // from the body's first frame to its last
+};
+
+// Marker files as OpenSim reads them: the 25 joints of a body are the markers, a frame that lacks the body or
+// a joint that is not tracked leaves its fields empty. A session with several bodies gives OUTPUT-ID.trc
+// each. InputError for a session without bodies, an unknown body or sensor, and for more than 100 bodies.
+std::vector<TrcFile> export_session_trc(const SessionReader& session, const std::filesystem::path& output,
+                                        const TrcOptions& options);
+
+inline constexpr const char* kSessionCsvHead =
+    "sensor,sequence,device_ticks,arrival_ns,time_s,tracking_id,joint,state,x_m,y_m,z_m,qx,qy,qz,qw\n";
+
+// One row a frame, body and joint, all sensors one after the other. Returns the number of rows.
+std::int64_t export_session_csv(const SessionReader& session, const std::filesystem::path& output,
+                                const ExportOptions& options);
 
 }  // namespace trilat
