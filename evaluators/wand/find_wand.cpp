@@ -417,4 +417,13 @@ WandSighting find_wand(const DepthImageView& image, const DepthRays& rays, const
   return the_only_one(balls);
 }
 
+WandSighting follow_wand(const DepthImageView& image, const DepthRays& rays, const FindWandOptions& options,
+                         std::optional<Vector3d>& before_in_sensor_m) {
+  WandSighting sighting = find_wand(image, rays, options, before_in_sensor_m);
+  if (before_in_sensor_m && sighting.status != WandStatus::found) sighting = find_wand(image, rays, options);
+  before_in_sensor_m.reset();
+  if (sighting.status == WandStatus::found) before_in_sensor_m = sighting.centre_in_sensor_m;
+  return sighting;
+}
+
 }  // namespace trilat

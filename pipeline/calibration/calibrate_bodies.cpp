@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <set>
+#include <span>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "datasets/base/content_hash.h"
@@ -18,7 +21,6 @@
 #include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/study/hash_cache.h"
-#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -148,48 +150,90 @@ std::optional<RigidTransform> levelled(const SessionReader& session, std::size_t
   return RigidTransform{Eigen::Quaterniond(axes).normalized(), {0.0, floor->height_m, 0.0}};
 }
 
-Eigen::Matrix<double, 6, 1> difference(const RigidTransform& a, const RigidTransform& b) {
-  const Eigen::AngleAxisd turn(a.rotation * b.rotation.conjugate());
-  Eigen::Matrix<double, 6, 1> d;
-  d << turn.angle() * turn.axis(), a.translation_m - b.translation_m;
-  return d;
+double square(double value) { return value * value; }
+
+// The normal equations of all sensors' turns (rotation vector in world axes) and positions but the
+// reference's, without the points, each of which stands in no other's equations: one Newton step of the
+// robust loss.
+struct Equations {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+// Adds what one point's observations say. Their loss is soft-L1: rho(x) = 2 a^2 (sqrt(1 + x / a^2) - 1) of
+// the squared distance in standard deviations.
+void add_point(std::span<const PointObservation> seen, const Eigen::Vector3d& point_in_world_m,
+               const RigRefinement& solution, std::size_t reference, const CalibrateBodiesOptions& options,
+               Equations& equations) {
+  const double per_m2 = 1.0 / (options.joint_sigma_m * options.joint_sigma_m);
+  const Eigen::Index unknowns = equations.gradient.size();
+  Eigen::Matrix3d of_point = Eigen::Matrix3d::Zero();
+  Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(3, unknowns);
+  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+  for (const PointObservation& o : seen) {
+    const RigidTransform& pose = solution.sensors[o.sensor].world_from_sensor;
+    const Eigen::Vector3d turned_m = pose.rotation * o.point_in_sensor_m;
+    const Eigen::Vector3d off_m = point_in_world_m - turned_m - pose.translation_m;
+    const double root = std::sqrt(1.0 + off_m.squaredNorm() * per_m2 / square(options.robust_scale));
+    const Eigen::Matrix3d weight = per_m2 / root *
+                                   (Eigen::Matrix3d::Identity() -
+                                    per_m2 / square(options.robust_scale * root) * off_m * off_m.transpose());
+    const Eigen::Vector3d force = per_m2 / root * off_m;
+    of_point += weight;
+    pull += force;
+    if (o.sensor == reference) continue;
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(o.sensor - (o.sensor > reference ? 1 : 0));
+    Eigen::Matrix<double, 3, 6> by_pose;
+    by_pose << 0.0, -turned_m.z(), turned_m.y(), -1.0, 0.0, 0.0, turned_m.z(), 0.0, -turned_m.x(), 0.0, -1.0,
+        0.0, -turned_m.y(), turned_m.x(), 0.0, 0.0, 0.0, -1.0;
+    equations.information.block<6, 6>(at, at) += by_pose.transpose() * weight * by_pose;
+    equations.gradient.segment<6>(at) += by_pose.transpose() * force;
+    mixed.middleCols<6>(at) += weight * by_pose;
+  }
+  const Eigen::MatrixXd eliminated = of_point.ldlt().solve(mixed);
+  equations.information -= mixed.transpose() * eliminated;
+  equations.gradient -= eliminated.transpose() * pull;
 }
 
-// Each joint left out in turn.
-std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement& all, std::size_t reference,
-                                  const RigGauge& gauge, const RigRefinementOptions& refinement,
-                                  const CalibrateBodiesOptions& options, const std::string& place) {
-  std::set<std::size_t> joints;
-  for (const PointObservation& o : problem.observations) joints.insert(o.point % kJointCount);
-  const std::vector<std::size_t> left_out(joints.begin(), joints.end());
-  std::vector<RigidTransform> start;
-  for (const RefinedSensor& sensor : all.sensors) start.push_back(sensor.world_from_sensor);
-  std::vector<RigRefinement> refits(left_out.size());
-  std::atomic<std::size_t> done{0};
-  parallel_for_index(left_out.size(), 1, [&](std::size_t k) {
-    if (options.stop_requested && options.stop_requested()) throw Interrupted();
-    refits[k] =
-        refine_rig(part_of(problem, [&](std::size_t point) { return point % kJointCount != left_out[k]; }),
-                   start, reference, gauge, refinement);
-    if (options.progress)
-      options.progress(static_cast<double>(++done) / static_cast<double>(left_out.size()));
-  });
-  for (const RigRefinement& refit : refits)
-    if (refit.status != RigStatus::converged || refits.size() < kFewestJoints)
-      throw InputError(place,
-                       fmt::format("shows too few joints to say how sure the poses are: {} that two sensors "
-                                   "track at the same time",
-                                   refits.size()));
+// Covariances of the poses by a jackknife over joints: from the solution one Newton step with each left out.
+std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement& solution,
+                                  std::size_t reference, const CalibrateBodiesOptions& options,
+                                  const std::string& place) {
+  const auto unknowns = static_cast<Eigen::Index>(6 * (problem.sensors - 1));
+  const Equations none{Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns)};
+  std::map<std::size_t, Equations> of_joint;
+  const std::span<const PointObservation> all(problem.observations);
+  for (std::size_t first = 0, last = 0; first < all.size(); first = last) {  // a point's are neighbours
+    const std::size_t point = all[first].point;
+    while (last < all.size() && all[last].point == point) ++last;
+    add_point(all.subspan(first, last - first), solution.point_in_world_m[point], solution, reference,
+              options, of_joint.try_emplace(point % kJointCount, none).first->second);
+  }
+  Equations sum = none;
+  for (const auto& [joint, equations] : of_joint) {
+    sum.information += equations.information;
+    sum.gradient += equations.gradient;
+  }
+  Eigen::MatrixXd steps(unknowns, static_cast<Eigen::Index>(of_joint.size()));
+  Eigen::Index column = 0;
+  bool known = of_joint.size() >= kFewestJoints;
+  for (const auto& [joint, equations] : of_joint) {
+    const Eigen::LDLT<Eigen::MatrixXd> rest(sum.information - equations.information);
+    known = known && rest.isPositive() && rest.rcond() > 1e-12;
+    if (known) steps.col(column++) = rest.solve(equations.gradient - sum.gradient);
+  }
+  if (!known)
+    throw InputError(place,
+                     fmt::format("shows too few joints to say how sure the poses are: {} that two sensors "
+                                 "track at the same time",
+                                 of_joint.size()));
+  const double n = static_cast<double>(steps.cols());
+  const Eigen::MatrixXd about_mean = steps.colwise() - steps.rowwise().mean();
   std::vector<Covariance> result(problem.sensors, Covariance::Zero());
-  const double n = static_cast<double>(refits.size());
   for (std::size_t s = 0; s < problem.sensors; ++s) {
-    Eigen::Matrix<double, 6, 1> mean = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const RigRefinement& refit : refits)
-      mean += difference(refit.sensors[s].world_from_sensor, start[s]) / n;
-    for (const RigRefinement& refit : refits) {
-      const auto d = (difference(refit.sensors[s].world_from_sensor, start[s]) - mean).eval();
-      if (s != reference) result[s] += (n - 1.0) / n * d * d.transpose();
-    }
+    if (s == reference) continue;
+    const auto rows = about_mean.middleRows<6>(6 * static_cast<Eigen::Index>(s - (s > reference ? 1 : 0)));
+    result[s] = (n - 1.0) / n * rows * rows.transpose();
   }
   return result;
 }
@@ -214,8 +258,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   if (refined.status != RigStatus::converged)
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
-  const auto covariances =
-      jackknife(problem, refined, start.reference, gauge, refinement, options, path.string());
+  const auto covariances = jackknife(problem, refined, start.reference, options, path.string());
   BodyCalibration result;
   result.reference = start.reference;
   Calibration& calibration = result.calibration;

@@ -17,7 +17,6 @@ struct CalibrateBodiesOptions {
   double joint_sigma_m = 0.0335;
   double robust_scale = 2.0;  // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};
-  std::function<void(double)> progress = {};  // any thread may tell
 };
 
 struct BodyCalibration {
@@ -28,8 +27,8 @@ struct BodyCalibration {
 // Sensor poses from one person whom several sensors tracked at the same time, for people without a wand. The
 // world is the best seen sensor's, moved to the floor below it and levelled by its floor plane: y up, z
 // horizontally out of the lens. Trackers see each joint a little off, differently from every side, and time
-// does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn), which
-// contains it. InputError says which sensor cannot be placed and why.
+// does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn, by one
+// Newton step), which contains it. InputError says which sensor cannot be placed and why.
 BodyCalibration calibrate_bodies(const std::filesystem::path& session, const CalibrateBodiesOptions& options);
 
 }  // namespace trilat

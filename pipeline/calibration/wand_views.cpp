@@ -41,15 +41,10 @@ SensorSearch search_block(const SessionReader& session, const SearchedSensor& se
     decode_depth_frame(session.stored_depth_frame(block.sensor, block.first + i), depth_mm);
     if (i % options.whole_image_every == 0) before_m.reset();
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
-    WandSighting sighting = find_wand(image, sensor.rays, options.find, before_m);
-    if (before_m && sighting.status != WandStatus::found)
-      sighting = find_wand(image, sensor.rays, options.find);
-    before_m.reset();
+    const WandSighting sighting = follow_wand(image, sensor.rays, options.find, before_m);
     SensorSearch frame{{}, {{name_of(sighting.status), 1}}, 1};
-    if (sighting.status == WandStatus::found) {
-      before_m = sighting.centre_in_sensor_m;
+    if (sighting.status == WandStatus::found)
       frame.found.push_back({sensor.host_from_sensor(stamps[i]), sighting});
-    }
     append(result, frame);
   }
   return result;

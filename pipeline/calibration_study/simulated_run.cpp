@@ -2,6 +2,7 @@
 #include "pipeline/calibration_study/simulated_run.h"
 
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -82,11 +83,13 @@ SeenPlace see_place(const CalibrationSpec& spec, const std::vector<StudyUnit>& u
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   for (std::size_t s = 0; s < units.size(); ++s) {
     std::vector<TimedSighting> found;
+    std::optional<Eigen::Vector3d> before_m;
     for (std::uint64_t frame = 0; frame < spec.position_frames; ++frame) {
       const RandomStream key{run_seed, Purpose::depth_pixel,
                              random_item(3, s, 0, place * spec.position_frames + frame)};
       units[s].renderer.render(scene, world_from_sensor[s], key, depth_mm);
-      const WandSighting sighting = find_wand({kDepthWidth, kDepthHeight, depth_mm}, units[s].rays, find);
+      const WandSighting sighting =
+          follow_wand({kDepthWidth, kDepthHeight, depth_mm}, units[s].rays, find, before_m);
       ++seen.statuses[s][name_of(sighting.status)];
       if (sighting.status == WandStatus::found)
         found.push_back({HostTime{static_cast<std::int64_t>(frame)}, sighting});

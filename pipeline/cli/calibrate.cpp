@@ -221,12 +221,8 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
         correct_calibration(arguments.sessions[0], arguments.from, {stop_requested, {}});
     return {std::move(result.calibration), {}, std::move(result.corrections)};
   }
-  if (arguments.method == "bodies") {
-    CalibrateBodiesOptions options;
-    options.stop_requested = stop_requested;
-    options.progress = [&](double share) { progress.set(share); };
-    return {calibrate_bodies(arguments.sessions[0], options).calibration, {}};
-  }
+  if (arguments.method == "bodies")
+    return {calibrate_bodies(arguments.sessions[0], {.stop_requested = stop_requested}).calibration, {}};
   const Watch watch{stop_requested, [&](double share) { progress.set(share); }};
   WandCalibration result =
       calibrate_wand(arguments.sessions, wand_options(arguments, watch), wand_method(arguments));

@@ -62,16 +62,14 @@ TEST(CalibrateBodies, ARecordingThatIsReplacedMeanwhileIsRefused) {
   spec.bodies_s = 10.0;
   write_walk(spec, true_rig(spec), 0, false, folder / "walk.h5");
   write_file(folder / "other.h5", "something else");
-  const auto replace = [&](double) {
+  const auto replace = [&] {
     std::error_code done;
     std::filesystem::rename(folder / "other.h5", folder / "walk.h5", done);
+    return false;
   };
-  EXPECT_THAT(message_of([&] {
-                on_threads(1, [&](int) {
-                  calibrate_bodies(folder / "walk.h5", {.instants = 8, .progress = replace});
-                });
-              }),
-              HasSubstr("walk.h5: changed while it was being evaluated; run again"));
+  EXPECT_THAT(
+      message_of([&] { calibrate_bodies(folder / "walk.h5", {.instants = 8, .stop_requested = replace}); }),
+      HasSubstr("walk.h5: changed while it was being evaluated; run again"));
 }
 
 // The bias of a joint decides, and time does not average it out: few instants are enough.
