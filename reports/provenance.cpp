@@ -110,22 +110,17 @@ std::string commands_of(const Provenance& p) {
 }
 
 Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies) {
-  Table table;
-  table.id = "simulator";
-  table.title = fmt::format("What the simulation behind {} assumes, with sources", studies);
-  table.columns = {{"parameter", "name", true},
-                   {"value", "value", true},
-                   {"unit", "unit", true},
-                   {"source", "source", true}};
-  for (const DeclaredParameter& p : parameters)
-    table.rows.push_back(
-        {TableValue::of(p.name), TableValue::of(p.value), TableValue::of(p.unit), TableValue::of(p.source)});
+  using R = DeclaredParameter;
+  Table table = table_of<R>(
+      "simulator", fmt::format("What the simulation behind {} assumes, with sources", studies), parameters,
+      {{"parameter", "name", as_text(&R::name)},
+       {"value", "value", as_text(&R::value)},
+       {"unit", "unit", as_text(&R::unit)},
+       {"source", "source", as_text(&R::source)}});
   const bool any_set = std::any_of(parameters.begin(), parameters.end(), [](const DeclaredParameter& p) {
     return p.source == kSetInTheSimulation;
   });
-  if (!any_set)
-    table.notes = {
-        "Values were declared before any result was looked at, and none was fitted to the paper's tables."};
+  if (!any_set) add_notes(table, "parameters");
   return table;
 }
 

@@ -14,6 +14,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
 #include "datasets/base/version.h"
+#include "reports/embedded_citation.h"
 #include "reports/page/page.h"
 #include "reports/render/latex.h"
 #include "reports/render/render.h"
@@ -24,28 +25,9 @@ namespace {
 
 // citation.bib: this program in its version, and the paper whose tables stand beside ours.
 std::string citation_bibtex() {
-  const std::string program = kProgramVersion;
-  const auto space = program.find(' ');
-  return "% What this report was made with. Name the version, and the study's SHA-256 from the page's "
-         "provenance.\n"
-         "@software{trilat,\n"
-         "  title   = {" +
-         program.substr(0, space) +
-         ": offline evaluation of trilateration with several Kinect v2 sensors},\n"
-         "  version = {" +
-         program.substr(space + 1) +
-         "}\n"
-         "}\n"
-         "% The paper whose claims and tables are held against the results.\n"
-         "@misc{yang2022selfcalibrated,\n"
-         "  title  = {Development of a Self-Calibrated Motion Capture System by Nonlinear Trilateration of "
-         "Multiple "
-         "Kinects v2},\n"
-         "  author = {Yang, Bowen and Dong, Haiwei and El Saddik, Abdulmotaleb},\n"
-         "  year   = {2022},\n"
-         "  eprint = {2212.14771},\n"
-         "  archivePrefix = {arXiv}\n"
-         "}\n";
+  std::string text = embedded::citation_bib;
+  const std::string program = kProgramVersion, mark = "VERSION";
+  return text.replace(text.find(mark), mark.size(), program.substr(program.find(' ') + 1));
 }
 
 constexpr double kReadShare = 0.5, kPageShare = 0.2;  // of the whole; the rest is writing

@@ -204,28 +204,28 @@ Table audit_table() {
   audit_averages(table, table3);
   audit_times(table, printed_table4());
   audit_words(table, table3, errata);
-  table.notes = {"Nothing here is measured or simulated: every number is the paper's or follows from it (" +
-                     errata.source + ").",
-                 "Agrees: the recomputed number, rounded as the printed one is, is the printed one."};
+  add_notes(table, "audit", {{"source", errata.source}});
   return table;
 }
 
 Table errata_table(const PaperFindings& findings) {
-  Table table;
-  table.id = "errata";
-  table.title = std::string("What is printed that cannot be so, and what the difference does") +
-                (findings.evidence.any_simulated() ? " (simulated)" : "");
-  table.columns = {{"erratum", "erratum", true},     {"where", "where", true},
-                   {"printed", "printed", true},     {"why not", "problem", true},
-                   {"corrected", "corrected", true}, {"effect in these results", "effect", true}};
-  for (const PrintedErrata::Erratum& e : printed_errata().errata) {
-    std::string effect = effect_of(e.id, findings);
-    if (effect.empty())
-      effect = !e.changes_results ? "none on a result" : "its study is not among these results";
-    table.rows.push_back({TableValue::of(e.id), TableValue::of(e.where), TableValue::of(e.printed),
-                          TableValue::of(e.problem), TableValue::of(e.corrected), TableValue::of(effect)});
-  }
-  table.notes = notes("errata");
+  using R = PrintedErrata::Erratum;
+  const auto effect = [&](const R& r) {
+    const std::string text = effect_of(r.id, findings);
+    if (!text.empty()) return text;
+    return std::string(r.changes_results ? "its study is not among these results" : "none on a result");
+  };
+  Table table = table_of<R>("errata",
+                            std::string("What is printed that cannot be so, and what the difference does") +
+                                (findings.evidence.any_simulated() ? " (simulated)" : ""),
+                            printed_errata().errata,
+                            {{"erratum", "erratum", as_text(&R::id)},
+                             {"where", "where", as_text(&R::where)},
+                             {"printed", "printed", as_text(&R::printed)},
+                             {"why not", "problem", as_text(&R::problem)},
+                             {"corrected", "corrected", as_text(&R::corrected)},
+                             {"effect in these results", "effect", as_text(effect)}});
+  add_notes(table, "errata");
   return table;
 }
 

@@ -40,51 +40,23 @@ std::string parts_text(const std::vector<ClaimPart>& parts, bool complete) {
 }
 
 Table claims_table(const PaperFindings& findings) {
-  Table table;
-  table.id = "claims";
-  table.title = fmt::format("The paper's claims and what becomes of them{}",
-                            findings.evidence.any_simulated() ? ", with simulated sensors" : "");
-  table.columns = {{"claim", "claim", true},
-                   {"verdict", "verdict", true},
-                   {"paper", "paper", true},
-                   {"ours, with interval", "ours", true},
-                   {"where any answers", "complete", true},
-                   {"margin and reason", "rule", true},
-                   {"p", "p"},
-                   {"corrected", "corrected", true},
-                   {"where", "where", true}};
-  for (const JudgedClaim& claim : findings.claims)
-    table.rows.push_back({TableValue::of(claim.claim), TableValue::of(claim.verdict),
-                          TableValue::of(claim.printed), TableValue::of(parts_text(claim.parts, false)),
-                          TableValue::of(parts_text(claim.parts, true)), TableValue::of(rule_text(claim)),
-                          TableValue::of(claim.chance, 4), TableValue::of(claim.confirmatory ? "Holm" : "no"),
-                          TableValue::of(claim.where)});
-  table.notes = {
-      "Paper: " + printed_errata().source +
-          "; claims in our words, one row each in datasets/paper/claims.json.",
-      "A claim holds when the interval of its number lies wholly on its side of the margin. It does not hold "
-      "when the "
-      "interval lies wholly on the other side, and is undecided otherwise. Of several numbers all have to "
-      "hold. The "
-      "interval is of 95 %, or of the level that stands behind it: claims marked Holm are decided together, "
-      "so that at "
-      "most one repetition in twenty has a false verdict among them, and each needs a higher level. p is "
-      "twice the "
-      "probability of a number as far from the margin if the truth were on the other side (Student's t "
-      "between "
-      "clusters), after Holm for the claims marked so.",
-      "Percent: of the error of the method, joints or zone that stands second, on the samples that both "
-      "answer. "
-      "Where any answers: on the samples that any of the two answers; where one has no answer, the other's "
-      "error counts "
-      "for both.",
-      "\"But … of the size\": the whole interval lies outside of 0.8 to 1.25 times what the paper prints."};
-  if (findings.evidence.any_simulated())
-    table.notes.push_back(
-        "Our numbers are simulated: a verdict says what follows from the errors that sensors and tracker are "
-        "declared "
-        "to have (by default the tracker's are measured on real people), not what the paper's recordings "
-        "showed.");
+  using R = JudgedClaim;
+  Table table = table_of<R>(
+      "claims",
+      fmt::format("The paper's claims and what becomes of them{}",
+                  findings.evidence.any_simulated() ? ", with simulated sensors" : ""),
+      findings.claims,
+      {{"claim", "claim", as_text(&R::claim)},
+       {"verdict", "verdict", as_text(&R::verdict)},
+       {"paper", "paper", as_text(&R::printed)},
+       {"ours, with interval", "ours", as_text([](const R& r) { return parts_text(r.parts, false); })},
+       {"where any answers", "complete", as_text([](const R& r) { return parts_text(r.parts, true); })},
+       {"margin and reason", "rule", as_text(rule_text)},
+       {"p", "p", as_number(4, &R::chance)},
+       {"corrected", "corrected", as_text([](const R& r) { return r.confirmatory ? "Holm" : "no"; })},
+       {"where", "where", as_text(&R::where)}});
+  add_notes(table, "paper_claims", {{"source", printed_errata().source}});
+  if (findings.evidence.any_simulated()) add_notes(table, "simulated_claims");
   return table;
 }
 

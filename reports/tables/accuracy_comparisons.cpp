@@ -168,11 +168,7 @@ Table takes_table(const ResultsSummary& s, const std::string& condition) {
     table.rows.push_back(std::move(cells));
   }
   table.first_rows = std::min(table.rows.size(), kShownTakes);
-  table.notes = {fmt::format(
-      "The oddest first: how far the error of \"{}\" is from the median of the takes, in standard "
-      "deviations (1.48 times the median of the distances from it); beyond {:g} a take is called "
-      "odd. Answered: by that method.",
-      best_in(s, condition), kOdd)};
+  add_notes(table, "takes", {{"method", best_in(s, condition)}, {"odd", fmt::format("{:g}", kOdd)}});
   return table;
 }
 
@@ -217,81 +213,60 @@ std::vector<Table> oddity_tables(const ResultsSummary& s) {
 }
 
 Table differences_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  Table table;
-  table.id = usable_id(fmt::format("differences-{}{}", condition.empty() ? "" : condition + "-", alignment));
-  table.title =
+  using R = DifferenceCell;
+  Table table = table_of<R>(
+      usable_id(fmt::format("differences-{}{}", condition.empty() ? "" : condition + "-", alignment)),
       fmt::format("Mean absolute error, method less \"{}\", over the samples that both answered ({})",
-                  s.reference, about(s, condition, alignment));
-  table.columns = {{"joint", "joint", true},
-                   {"method", "method", true},
-                   {"n", "n", false},
-                   interval_column("difference (cm)", "difference_cm"),
-                   interval_column(fmt::format("% of {}", s.reference), "percent_of_reference"),
-                   {"% of method", "percent_of_method", false},
-                   interval_column("% of all answered", "complete_percent"),
-                   {"differs", "differs", true}};
-  for (const DifferenceCell& c : s.differences) {
-    if (c.condition != condition || c.alignment != alignment) continue;
-    table.rows.push_back({TableValue::of(c.group), TableValue::of(c.method), count_cell(c.n),
-                          cm_cell(c.difference_m, c.low_m, c.high_m),
-                          number_cell(1, c.percent_of_reference, c.percent_low, c.percent_high),
-                          TableValue::of(c.percent_of_method, 1),
-                          number_cell(1, c.complete_percent, c.complete_percent_low, c.complete_percent_high),
-                          TableValue::of(verdict_of(s, c))});
-  }
-  table.notes = {
-      fmt::format(
-          "Below zero the method is nearer to the truth than \"{}\". Differences are taken sample by sample.",
-          s.reference),
-      fmt::format("% of {0}: 100 (method - {0}) / {0}. % of method: 100 (method - {0}) / method.",
-                  s.reference),
-      "% of all answered: of the reference, over the samples that any of the two answers. Where one has no "
-      "answer, "
-      "the other's error counts for both, so a method neither gains nor loses by not answering.",
-      "Differs: the interval of the difference leaves zero out (by a micrometre). Every row is for itself: "
-      "of twenty without any difference, one is expected to be said to differ.",
-      interval_note(s)};
+                  s.reference, about(s, condition, alignment)),
+      s.differences,
+      {{"joint", "joint", as_text(&R::group)},
+       {"method", "method", as_text(&R::method)},
+       {"n", "n", as_count(&R::n)},
+       {"difference (cm)", "difference_cm", in_cm(&R::difference_m, &R::low_m, &R::high_m)},
+       {fmt::format("% of {}", s.reference), "percent_of_reference",
+        as_number(1, &R::percent_of_reference, &R::percent_low, &R::percent_high)},
+       {"% of method", "percent_of_method", as_number(1, &R::percent_of_method)},
+       {"% of all answered", "complete_percent",
+        as_number(1, &R::complete_percent, &R::complete_percent_low, &R::complete_percent_high)},
+       {"differs", "differs", as_text([&](const R& r) { return verdict_of(s, r); })}},
+      [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
+  add_notes(table, "differences", {{"reference", s.reference}});
+  table.notes.push_back(interval_note(s));
   return table;
 }
 
 Table bodies_table(const ResultsSummary& s, const std::string& condition) {
-  Table table;
-  table.id = usable_id("bodies-" + condition);
+  using R = BodyCell;
   std::string alignment;
   std::uint64_t bones = 0;
   double truth_m_s3 = kNoNumber;
-  for (const BodyCell& c : s.bodies) {
-    if (c.condition != condition) continue;
-    alignment = c.alignment;
-    bones = std::max(bones, c.bones);
-    truth_m_s3 = c.truth_jitter_m_s3;
-    table.rows.push_back({TableValue::of(c.method), count_cell(c.instants),
-                          cm_cell(c.mpjpe_m, c.mpjpe_low_m, c.mpjpe_high_m),
-                          cm_cell(c.pa_mpjpe_m, c.pa_mpjpe_low_m, c.pa_mpjpe_high_m), percent_cell(c.pck[0]),
-                          percent_cell(c.pck[1]), percent_cell(c.pck[2]), cm_cell(c.bone_length_sd_m),
-                          TableValue::of(c.jitter_m_s3, 0)});
+  const auto is_here = [&](const R& r) { return r.condition == condition; };
+  for (const R& r : s.bodies) {
+    if (!is_here(r)) continue;
+    alignment = r.alignment;
+    bones = std::max(bones, r.bones);
+    truth_m_s3 = r.truth_jitter_m_s3;
   }
-  table.title = fmt::format("Whole bodies by method ({})", about(s, condition, alignment));
-  table.columns = {{"method", "method", true},
-                   {"instants", "instants", false},
-                   interval_column("MPJPE (cm)", "mpjpe_cm"),
-                   interval_column("PA-MPJPE (cm)", "pa_mpjpe_cm"),
-                   {"PCK 5 cm (%)", "pck_5cm_percent", false},
-                   {"10 cm (%)", "pck_10cm_percent", false},
-                   {"15 cm (%)", "pck_15cm_percent", false},
-                   {"bones (cm)", "bone_length_sd_cm", false},
-                   {"jitter (m/s³)", "jitter_m_s3", false}};
-  table.notes = {
-      "MPJPE is the mean distance of the joints at one instant, of the instants at which every joint with "
-      "ground truth is answered; PA-MPJPE the same after rotation, translation and scale of each instant, "
-      "before any other alignment; PCK the share of joints that are that near, where a joint that is not "
-      "answered is not near.",
-      fmt::format(
-          "Bones: standard deviation of the lengths of {} bones within a take. Jitter: mean length of "
-          "the third difference times the rate cubed{}.",
-          bones,
-          std::isfinite(truth_m_s3) ? fmt::format("; that of the truth is {:.0f} m/s³", truth_m_s3) : ""),
-      interval_note(s)};
+  const auto pck = [](std::size_t k) { return in_percent([=](const R& r) { return r.pck[k]; }); };
+  Table table = table_of<R>(
+      usable_id("bodies-" + condition),
+      fmt::format("Whole bodies by method ({})", about(s, condition, alignment)), s.bodies,
+      {{"method", "method", as_text(&R::method)},
+       {"instants", "instants", as_count(&R::instants)},
+       {"MPJPE (cm)", "mpjpe_cm", in_cm(&R::mpjpe_m, &R::mpjpe_low_m, &R::mpjpe_high_m)},
+       {"PA-MPJPE (cm)", "pa_mpjpe_cm", in_cm(&R::pa_mpjpe_m, &R::pa_mpjpe_low_m, &R::pa_mpjpe_high_m)},
+       {"PCK 5 cm (%)", "pck_5cm_percent", pck(0)},
+       {"10 cm (%)", "pck_10cm_percent", pck(1)},
+       {"15 cm (%)", "pck_15cm_percent", pck(2)},
+       {"bones (cm)", "bone_length_sd_cm", in_cm(&R::bone_length_sd_m)},
+       {"jitter (m/s³)", "jitter_m_s3", as_number(0, &R::jitter_m_s3)}},
+      is_here);
+  add_notes(
+      table, "bodies",
+      {{"bones", std::to_string(bones)},
+       {"truth",
+        std::isfinite(truth_m_s3) ? fmt::format("; that of the truth is {:.0f} m/s³", truth_m_s3) : ""}});
+  table.notes.push_back(interval_note(s));
   return table;
 }
 

@@ -42,39 +42,31 @@ void add_floor_notes(const ResultsSummary& s, const std::string& condition, cons
 }
 
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  Table table;
-  table.id = usable_id(fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment));
-  table.title = fmt::format("Position error by joint group and method ({})", about(s, condition, alignment));
-  table.columns = {{"joint", "joint", true},
-                   {"method", "method", true},
-                   {"n", "n", false},
-                   {"coverage (%)", "coverage_percent", false},
-                   interval_column("MAE (cm)", "mae_cm"),
-                   {"RMSE (cm)", "rmse_cm", false},
-                   {"median (cm)", "median_cm", false},
-                   {"p90 (cm)", "p90_cm", false},
-                   {"p95 (cm)", "p95_cm", false},
-                   {"max (cm)", "max_cm", false},
-                   {"MAE x (cm)", "mae_x_cm", false},
-                   {"MAE y (cm)", "mae_y_cm", false},
-                   {"MAE z (cm)", "mae_z_cm", false},
-                   {"GDOP", "gdop", false},
-                   {"iterations", "iterations", false},
-                   {"statuses", "statuses", true}};
-  for (const SummaryCell& c : s.cells) {
-    if (c.condition != condition || c.alignment != alignment) continue;
-    table.rows.push_back(
-        {TableValue::of(c.group), TableValue::of(c.method), count_cell(c.answered),
-         percent_cell(c.coverage()), cm_cell(c.mae_m, c.mae_low_m, c.mae_high_m), cm_cell(c.rmse_m),
-         cm_cell(c.median_m), cm_cell(c.p90_m), cm_cell(c.p95_m), cm_cell(c.max_m), cm_cell(c.axis_mae_m[0]),
-         cm_cell(c.axis_mae_m[1]), cm_cell(c.axis_mae_m[2]), TableValue::of(c.mean_gdop, 2),
-         TableValue::of(c.mean_iterations, 1), TableValue::of(statuses_text(c.statuses, c.asked))});
-  }
-  table.notes = {
-      "MAE is the mean Euclidean distance; n counts instants and joints with a truth that the method "
-      "answered; coverage is n over all that have one.",
-      "x, y, z are the world's axes, y up.", interval_note(s)};
-  if (s.left_out()) table.notes.insert(table.notes.begin(), truth_note(s));
+  using R = SummaryCell;
+  const auto axis_m = [](std::size_t axis) { return [=](const R& r) { return r.axis_mae_m[axis]; }; };
+  Table table = table_of<R>(
+      usable_id(fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment)),
+      fmt::format("Position error by joint group and method ({})", about(s, condition, alignment)), s.cells,
+      {{"joint", "joint", as_text(&R::group)},
+       {"method", "method", as_text(&R::method)},
+       {"n", "n", as_count(&R::answered)},
+       {"coverage (%)", "coverage_percent", in_percent(&R::coverage)},
+       {"MAE (cm)", "mae_cm", in_cm(&R::mae_m, &R::mae_low_m, &R::mae_high_m)},
+       {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
+       {"median (cm)", "median_cm", in_cm(&R::median_m)},
+       {"p90 (cm)", "p90_cm", in_cm(&R::p90_m)},
+       {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
+       {"max (cm)", "max_cm", in_cm(&R::max_m)},
+       {"MAE x (cm)", "mae_x_cm", in_cm(axis_m(0))},
+       {"MAE y (cm)", "mae_y_cm", in_cm(axis_m(1))},
+       {"MAE z (cm)", "mae_z_cm", in_cm(axis_m(2))},
+       {"GDOP", "gdop", as_number(2, &R::mean_gdop)},
+       {"iterations", "iterations", as_number(1, &R::mean_iterations)},
+       {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}},
+      [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
+  if (s.left_out()) table.notes.push_back(truth_note(s));
+  add_notes(table, "accuracy");
+  table.notes.push_back(interval_note(s));
   add_coverage_note(s, condition, alignment, table);
   add_floor_notes(s, condition, alignment, table);
   add_take_notes(s, table);
@@ -120,36 +112,29 @@ std::string set_of(const std::string& method, const std::string& family) {
 std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions) {
-    Table table;
-    table.id = usable_id("sets-" + condition);
-    table.title = fmt::format("Sets of sensors: mean absolute error, average over the joint groups ({})",
-                              about(s, condition, s.alignments.front()));
-    table.columns = {{"methods", "methods", true},
-                     {"sensors", "sensors", false, true},
-                     {"sets", "sets"},
-                     interval_column("MAE (cm)", "mae_cm"),
-                     {"answered (%)", "answered_percent"},
-                     {"best set", "best", true},
-                     {"its (cm)", "best_cm"},
-                     {"worst set", "worst", true},
-                     {"its (cm)", "worst_cm"}};
-    for (const MethodFamily& family : s.families) {
-      const FamilyCell* c = find_family(s, family.name, condition);
-      if (!is_of_sets(family) || !c) continue;
-      table.rows.push_back({TableValue::of(family.name), count_cell(family.sensors),
-                            count_cell(family.methods.size()), cm_cell(c->mae_m, c->low_m, c->high_m),
-                            percent_cell(c->answered), TableValue::of(set_of(c->best, family.name)),
-                            cm_cell(c->best_m), TableValue::of(set_of(c->worst, family.name)),
-                            cm_cell(c->worst_m)});
-    }
+    using R = MethodFamily;
+    using C = FamilyCell;
+    const auto cell = [&](const R& r) { return *find_family(s, r.name, condition); };
+    const auto set = [](std::string C::*member) {
+      return as_text([=](const C& c) { return set_of(c.*member, c.family); });
+    };
+    Table table =
+        table_of<R>(usable_id("sets-" + condition),
+                    fmt::format("Sets of sensors: mean absolute error, average over the joint groups ({})",
+                                about(s, condition, s.alignments.front())),
+                    s.families,
+                    {{"methods", "methods", as_text(&R::name)},
+                     {"sensors", "sensors", chosen(as_count(&R::sensors))},
+                     {"sets", "sets", as_count([](const R& r) { return r.methods.size(); })},
+                     {"MAE (cm)", "mae_cm", of(cell, in_cm(&C::mae_m, &C::low_m, &C::high_m))},
+                     {"answered (%)", "answered_percent", of(cell, in_percent(&C::answered))},
+                     {"best set", "best", of(cell, set(&C::best))},
+                     {"its (cm)", "best_cm", of(cell, in_cm(&C::best_m))},
+                     {"worst set", "worst", of(cell, set(&C::worst))},
+                     {"its (cm)", "worst_cm", of(cell, in_cm(&C::worst_m))}},
+                    [&](const R& r) { return is_of_sets(r) && find_family(s, r.name, condition); });
     if (table.rows.empty()) continue;
-    table.notes = {
-        fmt::format(
-            "Mean over all sets of so many sensors, or over a declared number of them, of what they answer. "
-            "The best and the worst set were picked afterwards, by their ratio to \"{}\" on the samples that "
-            "both answer.",
-            s.reference),
-        "In brackets: 95 % interval by Student's t between participants."};
+    add_notes(table, "sets", {{"reference", s.reference}});
     tables.push_back(std::move(table));
   }
   return tables;
@@ -203,30 +188,27 @@ ResultsSummary without_sets(ResultsSummary s) {
 }
 
 Table changes_table(const ErrorChanges& changes) {
-  Table table;
-  table.id = "changes";
-  table.title = fmt::format("What changed from {} to {}: mean error in cm ({} participants, {})",
-                            changes.before, changes.after, changes.participants,
-                            changes.paired ? "the same in both" : "others in each");
-  table.columns = {{"condition", "condition", true},
-                   {"method", "method", true},
-                   {"before (cm)", "before_mae_cm"},
-                   {"after (cm)", "after_mae_cm"},
-                   interval_column("after - before (cm)", "difference_cm"),
-                   {"differs", "differs", true}};
-  std::vector<const ErrorChange*> rows;
-  for (const ErrorChange& change : changes.rows) rows.push_back(&change);
-  std::ranges::stable_sort(rows, [](const ErrorChange* a, const ErrorChange* b) {
-    if (a->is_real() != b->is_real()) return a->is_real();
-    return std::abs(a->difference_m) > std::abs(b->difference_m);
+  using R = ErrorChange;
+  std::vector<R> rows = changes.rows;
+  std::ranges::stable_sort(rows, [](const R& a, const R& b) {
+    if (a.is_real() != b.is_real()) return a.is_real();
+    return std::abs(a.difference_m) > std::abs(b.difference_m);
   });
-  for (const ErrorChange* c : rows)
-    table.rows.push_back({TableValue::of(c->condition), TableValue::of(c->method), cm_cell(c->before_m),
-                          cm_cell(c->after_m), cm_cell(c->difference_m, c->low_m, c->high_m),
-                          TableValue::of(!c->is_real()           ? "no"
-                                         : c->difference_m < 0.0 ? "better"
-                                                                 : "worse")});
-  table.notes = notes("changes");
+  Table table =
+      table_of<R>("changes",
+                  fmt::format("What changed from {} to {}: mean error in cm ({} participants, {})",
+                              changes.before, changes.after, changes.participants,
+                              changes.paired ? "the same in both" : "others in each"),
+                  rows,
+                  {{"condition", "condition", as_text(&R::condition)},
+                   {"method", "method", as_text(&R::method)},
+                   {"before (cm)", "before_mae_cm", in_cm(&R::before_m)},
+                   {"after (cm)", "after_mae_cm", in_cm(&R::after_m)},
+                   {"after - before (cm)", "difference_cm", in_cm(&R::difference_m, &R::low_m, &R::high_m)},
+                   {"differs", "differs", as_text([](const R& r) {
+                      return !r.is_real() ? "no" : r.difference_m < 0.0 ? "better" : "worse";
+                    })}});
+  add_notes(table, "changes");
   return table;
 }
 

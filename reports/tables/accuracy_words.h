@@ -18,8 +18,6 @@ namespace trilat {
 std::string truth_note(const ResultsSummary& summary);
 // What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
 std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
-inline constexpr const char* kOneFrameNote =
-    "One frame: how much the error would change with the truth one instant early or late.";
 // How the intervals were made, or why there are none.
 std::string interval_note(const ResultsSummary& summary);
 // Below this share of the samples asked, an error is said to be of these only.

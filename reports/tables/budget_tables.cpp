@@ -41,13 +41,9 @@ Table budget_table(const BudgetSummary& s, const std::string& condition, const s
     cells.push_back(TableValue::of(sum / all.rmse_m, 2));
     table.rows.push_back(std::move(cells));
   }
-  table.notes = {
-      "Squares of independent errors add: \"sum\" is the root of the sum of the squares, \"none\" counted "
-      "once, and "
-      "\"observed\" is the same campaign with all sources together. The geometry of the sensors is in every "
-      "column: it is what makes a method that uses ranges worse than the mean under the same error.",
-      fmt::format("Calibration: {:g} mm and {:g} degrees an axis, one standard deviation.",
-                  s.calibration_sigma_m / kMetresPerMillimetre, s.calibration_sigma_rad * kDegreesPerRad)};
+  add_notes(table, "budget",
+            {{"mm", fmt::format("{:g}", s.calibration_sigma_m / kMetresPerMillimetre)},
+             {"degrees", fmt::format("{:g}", s.calibration_sigma_rad * kDegreesPerRad)}});
   return table;
 }
 

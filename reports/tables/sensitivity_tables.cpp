@@ -19,11 +19,6 @@ std::string percent_text(const Estimate& share) {
                      100.0 * share.high);
 }
 
-TableValue estimate_cell(int decimals, const Estimate& e) {
-  return number_cell(decimals, e.value, e.low, e.high);
-}
-TableValue share_cell(const Estimate& e) { return percent_cell(e.value, e.low, e.high); }
-
 std::string unit_of(const SensitivityFactor& factor) { return factor.unit.empty() ? "" : ' ' + factor.unit; }
 
 const SensitivityFactor& factor_of(const SensitivitySummary& s, const std::string& name) {
@@ -70,95 +65,96 @@ std::string decisive_of(const SensitivityClaim& claim) {
 }
 
 Table claims_table(const SensitivitySummary& s) {
-  Table table;
-  table.id = "claims";
-  table.title = fmt::format(
-      "Where each claim holds, simulated: {} campaigns of {} participants all over the space (alignment: {})",
-      campaigns_of(s), s.participants, s.alignments.front());
-  table.columns = {{"claim", "claim", true},
-                   {"compared in", "compared"},
-                   interval_column("holds in (%)", "share_percent"),
-                   {"mean difference (%)", "difference_percent"},
-                   {"at worst (%)", "worst_percent"},
-                   interval_column("as simulated (%)", "default_percent"),
-                   {"decided by", "decided_by", true},
-                   {"changes at", "changes_at", true}};
-  for (const SensitivityClaim& claim : s.claims)
-    table.rows.push_back({TableValue::of(claim.name),
-                          TableValue::of(static_cast<double>(campaigns_of(s) - claim.silent), 0),
-                          share_cell(claim.share), TableValue::of(claim.difference_percent.value, 1),
-                          TableValue::of(claim.worst_percent, 1), estimate_cell(1, claim.default_percent),
-                          TableValue::of(decisive_of(claim)), TableValue::of(flips_of(s, claim))});
-  table.notes = notes("space_claims");
+  using R = SensitivityClaim;
+  Table table = table_of<R>(
+      "claims",
+      fmt::format("Where each claim holds, simulated: {} campaigns of {} participants all over the space "
+                  "(alignment: {})",
+                  campaigns_of(s), s.participants, s.alignments.front()),
+      s.claims,
+      {{"claim", "claim", as_text(&R::name)},
+       {"compared in", "compared", as_count([&](const R& r) { return campaigns_of(s) - r.silent; })},
+       {"holds in (%)", "share_percent", as_number(1, 100.0, &R::share)},
+       {"mean difference (%)", "difference_percent",
+        of(&R::difference_percent, as_number(1, &Estimate::value))},
+       {"at worst (%)", "worst_percent", as_number(1, &R::worst_percent)},
+       {"as simulated (%)", "default_percent", as_number(1, 1.0, &R::default_percent)},
+       {"decided by", "decided_by", as_text(decisive_of)},
+       {"changes at", "changes_at", as_text([&](const R& r) { return flips_of(s, r); })}});
+  add_notes(table, "space_claims");
   return table;
 }
 
 // The same claims under all alignments and in the parts of the space that the study names.
 Table side_by_side_table(const SensitivitySummary& s) {
-  Table table;
-  table.id = "claims_side_by_side";
-  table.title = "Each claim under every alignment, simulated";
-  table.columns = {{"claim", "claim", true},
-                   {"part of the space", "part", true},
-                   {"alignment", "alignment", true},
-                   {"compared in", "compared"},
-                   interval_column("holds in (%)", "share_percent"),
-                   interval_column("mean difference (%)", "difference_percent"),
-                   {"at worst (%)", "worst_percent"},
-                   interval_column("as simulated (%)", "default_percent")};
+  struct Row {
+    std::string claim;
+    ClaimIn in;
+  };
+  std::vector<Row> rows;
   for (const SensitivityClaim& claim : s.claims)
-    for (const ClaimIn& in : claim.side_by_side)
-      table.rows.push_back({TableValue::of(claim.name), TableValue::of(in.part.empty() ? "all" : in.part),
-                            TableValue::of(in.alignment), TableValue::of(static_cast<double>(in.compared), 0),
-                            share_cell(in.share), estimate_cell(1, in.difference_percent),
-                            TableValue::of(in.worst_percent, 1), estimate_cell(1, in.default_percent)});
-  table.notes = notes("claims_side_by_side");
+    for (const ClaimIn& in : claim.side_by_side) rows.push_back({claim.name, in});
+  using C = ClaimIn;
+  Table table = table_of<Row>(
+      "claims_side_by_side", "Each claim under every alignment, simulated", rows,
+      {{"claim", "claim", as_text(&Row::claim)},
+       {"part of the space", "part",
+        of(&Row::in, as_text([](const C& c) { return c.part.empty() ? "all" : c.part; }))},
+       {"alignment", "alignment", of(&Row::in, as_text(&C::alignment))},
+       {"compared in", "compared", of(&Row::in, as_count(&C::compared))},
+       {"holds in (%)", "share_percent", of(&Row::in, as_number(1, 100.0, &C::share))},
+       {"mean difference (%)", "difference_percent", of(&Row::in, as_number(1, 1.0, &C::difference_percent))},
+       {"at worst (%)", "worst_percent", of(&Row::in, as_number(1, &C::worst_percent))},
+       {"as simulated (%)", "default_percent", of(&Row::in, as_number(1, 1.0, &C::default_percent))}});
+  add_notes(table, "claims_side_by_side");
   return table;
 }
 
 Table indices_table(const SensitivitySummary& s) {
-  Table table;
-  table.id = "indices";
-  table.title = "What decides each difference, simulated: Sobol indices with 95 % intervals";
-  table.columns = {{"claim", "claim", true},
-                   {"factor", "factor", true},
-                   interval_column("first", "first"),
-                   interval_column("total", "total"),
-                   interval_column("changes at", "break_even"),
-                   {"unit", "unit", true}};
+  struct Row {
+    std::string claim;
+    ClaimByFactor by;
+  };
+  std::vector<Row> rows;
   for (const SensitivityClaim& claim : s.claims)
-    for (const ClaimByFactor& by : claim.factors) {
-      table.rows.push_back({TableValue::of(claim.name), TableValue::of(by.factor), estimate_cell(2, by.first),
-                            estimate_cell(2, by.total), estimate_cell(-1, by.break_even),
-                            TableValue::of(factor_of(s, by.factor).unit)});
-    }
-  return table;
+    for (const ClaimByFactor& by : claim.factors) rows.push_back({claim.name, by});
+  using B = ClaimByFactor;
+  return table_of<Row>(
+      "indices", "What decides each difference, simulated: Sobol indices with 95 % intervals", rows,
+      {{"claim", "claim", as_text(&Row::claim)},
+       {"factor", "factor", of(&Row::by, as_text(&B::factor))},
+       {"first", "first", of(&Row::by, as_number(2, 1.0, &B::first))},
+       {"total", "total", of(&Row::by, as_number(2, 1.0, &B::total))},
+       {"changes at", "break_even", of(&Row::by, as_number(-1, 1.0, &B::break_even))},
+       {"unit", "unit", as_text([&](const Row& r) { return factor_of(s, r.by.factor).unit; })}});
 }
 
 Table methods_table(const SensitivitySummary& s) {
-  Table table;
-  table.id = "best_methods";
-  table.title = "Which method errs least, simulated: share of the space";
-  table.columns = {{"method", "method", true}, interval_column("best in (%)", "share_percent")};
-  for (std::size_t m = 0; m < s.methods.size(); ++m)
-    table.rows.push_back({TableValue::of(s.methods[m]), share_cell(s.best_share[m])});
-  return table;
+  struct Row {
+    std::string method;
+    Estimate share;
+  };
+  std::vector<Row> rows;
+  for (std::size_t m = 0; m < s.methods.size(); ++m) rows.push_back({s.methods[m], s.best_share[m]});
+  return table_of<Row>("best_methods", "Which method errs least, simulated: share of the space", rows,
+                       {{"method", "method", as_text(&Row::method)},
+                        {"best in (%)", "share_percent", as_number(1, 100.0, &Row::share)}});
+}
+
+std::string values_text(const SensitivityFactor& f) {
+  if (!f.values.empty()) return fmt::format("{}", fmt::join(f.values, ", "));
+  return fmt::format("{:g} to {:g}{}{}", f.low, f.high, unit_of(f),
+                     f.logarithmic ? ", logarithmic"
+                     : f.whole     ? ", whole"
+                                   : "");
 }
 
 Table space_table(const SensitivitySummary& s) {
-  Table table;
-  table.id = "space";
-  table.title = "The space that was simulated";
-  table.columns = {{"factor", "factor", true}, {"setting", "setting", true}, {"values", "values", true}};
-  for (const SensitivityFactor& f : s.factors)
-    table.rows.push_back(
-        {TableValue::of(f.name), TableValue::of(f.setting),
-         TableValue::of(!f.values.empty() ? fmt::format("{}", fmt::join(f.values, ", "))
-                                          : fmt::format("{:g} to {:g}{}{}", f.low, f.high, unit_of(f),
-                                                        f.logarithmic ? ", logarithmic"
-                                                        : f.whole     ? ", whole"
-                                                                      : ""))});
-  return table;
+  using R = SensitivityFactor;
+  return table_of<R>("space", "The space that was simulated", s.factors,
+                     {{"factor", "factor", as_text(&R::name)},
+                      {"setting", "setting", as_text(&R::setting)},
+                      {"values", "values", as_text(values_text)}});
 }
 
 // Under which alignment that is, and what it is under the others.

@@ -68,35 +68,45 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
 }
 
 Table compromise_table(const SweepSummary& s) {
-  Table table;
-  table.id = "search-compromise";
-  table.title = fmt::format(
-      "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with either "
-      "gradient, simulated ({} trials a cell)",
-      *std::min_element(s.thresholds.begin(), s.thresholds.end()),
-      *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials);
-  table.columns = {{"best for", "best_for", true},
-                   {"printed reading", "reading", true},
-                   {"corrected's damping", "corrected_damping", true},
-                   {"error range (cm)", "range_cm", true},
-                   {"steps x, printed", "printed_iterations_factor", false},
-                   {"steps x, corrected", "corrected_iterations_factor", false},
-                   {"error x, printed", "printed_error_factor", false},
-                   {"error x, corrected", "corrected_error_factor", false},
-                   {"answered, printed (%)", "printed_coverage_percent", false},
-                   {"answered, corrected (%)", "corrected_coverage_percent", false}};
-  table.notes = notes("search_compromise");
+  struct Row {
+    const SweepCompromise* c;
+    std::size_t range;
+  };
+  std::vector<Row> rows;
   for (const SweepCompromise& c : s.search->compromises)
-    for (std::size_t r = 0; r < s.ranges.size(); ++r)
-      table.rows.push_back(
-          {TableValue::of(c.best_for), TableValue::of(s.interpretations[c.printed].id),
-           TableValue::of(s.interpretations[c.corrected].damping),
-           TableValue::of(fmt::format("{:g}-{:g}", s.ranges[r].low_m * kCentimetresPerMetre,
-                                      s.ranges[r].high_m * kCentimetresPerMetre)),
-           TableValue::of(c.printed_iterations_factor[r], 1),
-           TableValue::of(c.corrected_iterations_factor[r], 1), TableValue::of(c.printed_error_factor[r], 2),
-           TableValue::of(c.corrected_error_factor[r], 2), TableValue::of(100.0 * c.printed_coverage, 1),
-           TableValue::of(100.0 * c.corrected_coverage, 1)});
+    for (std::size_t r = 0; r < s.ranges.size(); ++r) rows.push_back({&c, r});
+  using Factors = std::vector<double> SweepCompromise::*;
+  const auto factor = [](int decimals, Factors factors) {
+    return as_number(decimals, [=](const Row& r) { return (r.c->*factors)[r.range]; });
+  };
+  Table table = table_of<Row>(
+      "search-compromise",
+      fmt::format(
+          "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with "
+          "either gradient, simulated ({} trials a cell)",
+          *std::min_element(s.thresholds.begin(), s.thresholds.end()),
+          *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials),
+      rows,
+      {{"best for", "best_for", as_text([](const Row& r) { return r.c->best_for; })},
+       {"printed reading", "reading",
+        as_text([&](const Row& r) { return s.interpretations[r.c->printed].id; })},
+       {"corrected's damping", "corrected_damping",
+        as_text([&](const Row& r) { return s.interpretations[r.c->corrected].damping; })},
+       {"error range (cm)", "range_cm", as_text([&](const Row& r) {
+          return fmt::format("{:g}-{:g}", s.ranges[r.range].low_m * kCentimetresPerMetre,
+                             s.ranges[r.range].high_m * kCentimetresPerMetre);
+        })},
+       {"steps x, printed", "printed_iterations_factor",
+        factor(1, &SweepCompromise::printed_iterations_factor)},
+       {"steps x, corrected", "corrected_iterations_factor",
+        factor(1, &SweepCompromise::corrected_iterations_factor)},
+       {"error x, printed", "printed_error_factor", factor(2, &SweepCompromise::printed_error_factor)},
+       {"error x, corrected", "corrected_error_factor", factor(2, &SweepCompromise::corrected_error_factor)},
+       {"answered, printed (%)", "printed_coverage_percent",
+        in_percent([](const Row& r) { return r.c->printed_coverage; })},
+       {"answered, corrected (%)", "corrected_coverage_percent",
+        in_percent([](const Row& r) { return r.c->corrected_coverage; })}});
+  add_notes(table, "search_compromise");
   return table;
 }
 
@@ -196,74 +206,56 @@ const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, con
 }
 
 Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
-  Table table;
-  table.id = "sweep";
-  table.title =
-      fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed);
-  table.columns = {{"rig", "rig", true},
-                   {"joint", "joint", true},
-                   {"errors", "error_model", true},
-                   {"C in", "threshold_unit", true},
-                   {"gradient", "gradient", true},
-                   {"curvature", "curvature", true},
-                   {"stop", "stop", true},
-                   {"damping", "damping", true},
-                   {"start", "start", true},
-                   {"errors from (cm)", "range_low_cm", false, true},
-                   {"to (cm)", "range_high_cm", false, true},
-                   {"C", "threshold", false, true},
-                   {"asked", "asked"},
-                   {"n", "n"},
-                   {"answered (%)", "coverage_percent"},
-                   interval_column("mean error (cm)", "mae_cm"),
-                   {"axis mean (cm)", "axis_mean_mae_cm"},
-                   {"RMSE (cm)", "rmse_cm"},
-                   {"p95 (cm)", "p95_cm"},
-                   {"max (cm)", "max_cm"},
-                   {"start (cm)", "start_mae_cm"},
-                   {"steps", "iterations"},
-                   {"p50", "iterations_p50"},
-                   {"p99", "iterations_p99"},
-                   {"max", "iterations_max"},
-                   {"digits", "digits_mean"},
-                   {"digits min", "digits_min"},
-                   {"one (us)", "scalar_us"},
-                   {"batched (us)", "batched_us"},
-                   {"statuses", "statuses", true}};
-  table.notes = notes("sweep");
-  for (const SweepCell& c : s.cells) {
-    const SweepInterpretation& i = s.interpretations[c.interpretation];
-    const SweepSummary::ErrorRange& range = s.ranges[c.range];
-    const SweepCellTiming* time = timing_of(timings, c);
-    const double half_m = 1.96 * c.mae_standard_error_m;
-    const auto us = [&](double ns) { return TableValue::of(ns / kNsPerMicrosecond, 3); };
-    std::vector<TableValue> row;
-    for (const std::string* text : {&i.rig, &i.joint, &i.error_model, &i.threshold_unit, &i.gradient,
-                                    &i.curvature, &i.stop, &i.damping, &i.start})
-      row.push_back(TableValue::of(*text));
-    row.insert(row.end(), {TableValue::of(range.low_m * kCentimetresPerMetre, -1),
-                           TableValue::of(range.high_m * kCentimetresPerMetre, -1),
-                           TableValue::of(s.thresholds[c.threshold], -1),
-                           count_cell(c.asked),
-                           count_cell(c.answered),
-                           percent_cell(share_of(c.answered, c.asked)),
-                           cm_cell(c.mae_m, c.mae_m - half_m, c.mae_m + half_m),
-                           cm_cell(c.axis_mean_mae_m()),
-                           cm_cell(c.rmse_m),
-                           cm_cell(c.p95_m),
-                           cm_cell(c.max_m),
-                           cm_cell(c.start_mae_m),
-                           TableValue::of(c.mean_iterations, 2),
-                           TableValue::of(c.p50_iterations, 0),
-                           TableValue::of(c.p99_iterations, 0),
-                           TableValue::of(c.max_iterations, 0),
-                           TableValue::of(c.mean_digits, 1),
-                           TableValue::of(c.min_digits, 1),
-                           us(time ? time->scalar_median_ns : kNoNumber),
-                           us(time ? time->batched_median_ns : kNoNumber),
-                           TableValue::of(statuses_text(c.statuses, c.asked))});
-    table.rows.push_back(std::move(row));
-  }
+  using R = SweepCell;
+  const auto reading = [&](std::string SweepInterpretation::*member) {
+    return as_text([&s, member](const R& r) { return s.interpretations[r.interpretation].*member; });
+  };
+  const auto us = [&](double SweepCellTiming::*median_ns) {
+    return as_number(3, 1.0 / kNsPerMicrosecond, [&timings, median_ns](const R& r) {
+      const SweepCellTiming* time = timing_of(timings, r);
+      return time ? time->*median_ns : kNoNumber;
+    });
+  };
+  const auto bound_m = [](double sigmas) {
+    return [=](const R& r) { return r.mae_m + sigmas * r.mae_standard_error_m; };
+  };
+  Table table = table_of<R>(
+      "sweep", fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed),
+      s.cells,
+      {{"rig", "rig", reading(&SweepInterpretation::rig)},
+       {"joint", "joint", reading(&SweepInterpretation::joint)},
+       {"errors", "error_model", reading(&SweepInterpretation::error_model)},
+       {"C in", "threshold_unit", reading(&SweepInterpretation::threshold_unit)},
+       {"gradient", "gradient", reading(&SweepInterpretation::gradient)},
+       {"curvature", "curvature", reading(&SweepInterpretation::curvature)},
+       {"stop", "stop", reading(&SweepInterpretation::stop)},
+       {"damping", "damping", reading(&SweepInterpretation::damping)},
+       {"start", "start", reading(&SweepInterpretation::start)},
+       {"errors from (cm)", "range_low_cm",
+        chosen(as_number(-1, kCentimetresPerMetre, [&](const R& r) { return s.ranges[r.range].low_m; }))},
+       {"to (cm)", "range_high_cm",
+        chosen(as_number(-1, kCentimetresPerMetre, [&](const R& r) { return s.ranges[r.range].high_m; }))},
+       {"C", "threshold", chosen(as_number(-1, [&](const R& r) { return s.thresholds[r.threshold]; }))},
+       {"asked", "asked", as_count(&R::asked)},
+       {"n", "n", as_count(&R::answered)},
+       {"answered (%)", "coverage_percent",
+        in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
+       {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.96), bound_m(1.96))},
+       {"axis mean (cm)", "axis_mean_mae_cm", in_cm(&R::axis_mean_mae_m)},
+       {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
+       {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
+       {"max (cm)", "max_cm", in_cm(&R::max_m)},
+       {"start (cm)", "start_mae_cm", in_cm(&R::start_mae_m)},
+       {"steps", "iterations", as_number(2, &R::mean_iterations)},
+       {"p50", "iterations_p50", as_number(0, &R::p50_iterations)},
+       {"p99", "iterations_p99", as_number(0, &R::p99_iterations)},
+       {"max", "iterations_max", as_number(0, &R::max_iterations)},
+       {"digits", "digits_mean", as_number(1, &R::mean_digits)},
+       {"digits min", "digits_min", as_number(1, &R::min_digits)},
+       {"one (us)", "scalar_us", us(&SweepCellTiming::scalar_median_ns)},
+       {"batched (us)", "batched_us", us(&SweepCellTiming::batched_median_ns)},
+       {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}});
+  add_notes(table, "sweep");
   return table;
 }
 

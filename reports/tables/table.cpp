@@ -45,6 +45,15 @@ std::string TableColumn::key_of_end(const char* end) const {
   return key + "_" + end;
 }
 
+std::vector<TableValue> row_by_key(const Table& table,
+                                   std::initializer_list<std::pair<const char*, TableValue>> cells) {
+  std::vector<TableValue> row(table.columns.size(), no_cell());
+  for (const auto& [key, cell] : cells)
+    row.at(static_cast<std::size_t>(std::ranges::find(table.columns, key, &TableColumn::key) -
+                                    table.columns.begin())) = cell;
+  return row;
+}
+
 std::string usable_id(std::string text) {
   for (const auto& [letter, plain] : kLetters)
     for (std::size_t at = 0; (at = text.find(letter, at)) != std::string::npos;) text.replace(at, 2, plain);
@@ -57,16 +66,21 @@ std::string usable_id(std::string text) {
   return text;
 }
 
-std::vector<std::string> notes(const std::string& section) {
-  std::vector<std::string> sentences;
+void add_notes(Table& table, const std::string& section, const std::map<std::string, std::string>& names) {
+  const std::size_t before = table.notes.size();
   std::istringstream text(embedded::notes_md);
   bool here = false;
   for (std::string line; std::getline(text, line);) {
     if (line.starts_with("## ")) here = line.substr(3) == section;
-    if (here && line.starts_with("- ")) sentences.push_back(line.substr(2));
+    if (!here || !line.starts_with("- ")) continue;
+    line.erase(0, 2);
+    for (const auto& [name, value] : names)
+      for (std::size_t at = 0; (at = line.find('{' + name + '}', at)) != std::string::npos;
+           at += value.size())
+        line.replace(at, name.size() + 2, value);
+    table.notes.push_back(std::move(line));
   }
-  TRILAT_CHECK(!sentences.empty(), "every section that is asked for is in notes.md");
-  return sentences;
+  TRILAT_CHECK(table.notes.size() > before, "every section that is asked for is in notes.md");
 }
 
 }  // namespace trilat

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/base/units.h"
@@ -57,7 +62,8 @@ struct Table {
 };
 
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
-inline TableValue number_cell(int decimals, double value, double low, double high) {
+inline TableValue number_cell(int decimals, double value, double low = kNoNumber, double high = kNoNumber) {
+  if (std::isnan(value)) low = high = value;
   return {value, decimals, {}, low, high};
 }
 inline TableValue cm_cell(double metres) { return TableValue::of(metres * kCentimetresPerMetre, 2); }
@@ -78,7 +84,82 @@ inline double share_of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? kNoNumber : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// The sentences that stand under a table: those of a section of notes.md.
-std::vector<std::string> notes(const std::string& section);
+// What a column shows of a row: a member of it or what a function says of it; of three, value and interval.
+template <class Show>
+struct CellOf {
+  Show show;
+  bool is_text = false, is_key = false, has_interval = false;
+};
+template <class Of>
+auto as_text(Of of) {
+  return CellOf{[=](const auto& row) { return TableValue::of(std::string(std::invoke(of, row))); }, true};
+}
+// `factor`: from SI to the unit that is printed.
+template <class... Of>
+auto as_number(int decimals, double factor, Of... of) {
+  return CellOf{[=](const auto& row) {
+                  return number_cell(decimals, factor * static_cast<double>(std::invoke(of, row))...);
+                },
+                false, false, sizeof...(of) == 3};
+}
+template <class Row>
+auto as_number(int decimals, double factor, Estimate Row::*e) {
+  return as_number(
+      decimals, factor, [=](const Row& row) { return (row.*e).value; },
+      [=](const Row& row) { return (row.*e).low; }, [=](const Row& row) { return (row.*e).high; });
+}
+auto as_number(int decimals, auto... of) { return as_number(decimals, 1.0, of...); }
+auto as_count(auto of) { return as_number(0, of); }
+auto in_cm(auto... of) { return as_number(2, kCentimetresPerMetre, of...); }
+auto in_mm(auto... of) { return as_number(2, 1.0 / kMetresPerMillimetre, of...); }
+auto in_degrees(auto... of) { return as_number(2, kDegreesPerRad, of...); }
+auto in_percent(auto... of) { return as_number(1, 100.0, of...); }
+// Of a part of the row.
+template <class Part, class Show>
+auto of(Part part, CellOf<Show> cell) {
+  return CellOf{[=](const auto& row) { return cell.show(std::invoke(part, row)); }, cell.is_text, cell.is_key,
+                cell.has_interval};
+}
+// A number that was chosen, not measured.
+template <class Show>
+CellOf<Show> chosen(CellOf<Show> cell) {
+  cell.is_key = true;
+  return cell;
+}
+
+// One column of a table whose rows are values of one kind.
+template <class Row>
+struct RowColumn {
+  TableColumn column;
+  std::function<TableValue(const Row&)> show;
+  template <class Show>
+  RowColumn(std::string name, std::string key, CellOf<Show> cell)
+      : column{std::move(name), std::move(key), cell.is_text, cell.is_key, cell.has_interval},
+        show(std::move(cell.show)) {}
+};
+
+// A table of `rows`, those alone that `wanted` holds for.
+template <class Row>
+Table table_of(
+    std::string id, std::string title, const std::vector<Row>& rows,
+    const std::vector<RowColumn<Row>>& columns,
+    const std::function<bool(const Row&)>& wanted = [](const Row&) { return true; }) {
+  Table table{std::move(id), std::move(title), {}, {}, {}};
+  for (const RowColumn<Row>& column : columns) table.columns.push_back(column.column);
+  for (const Row& row : rows) {
+    if (!wanted(row)) continue;
+    std::vector<TableValue>& cells = table.rows.emplace_back();
+    for (const RowColumn<Row>& column : columns) cells.push_back(column.show(row));
+  }
+  return table;
+}
+
+// A row of which some cells are known, by the keys of their columns.
+std::vector<TableValue> row_by_key(const Table& table,
+                                   std::initializer_list<std::pair<const char*, TableValue>> cells);
+
+// Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
+void add_notes(Table& table, const std::string& section,
+               const std::map<std::string, std::string>& names = {});
 
 }  // namespace trilat

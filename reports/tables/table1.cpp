@@ -97,17 +97,11 @@ Table empty_table1(const SweepSummary& s, const Table1Readings& readings) {
                    {"corrected", "corrected_iterations", false},
                    {"answered, E7 (%)", "printed_answered_percent", false},
                    {"corrected (%)", "corrected_answered_percent", false}};
-  table.notes = {
-      std::string("Error: ") +
-          (readings.axis_mean
-               ? "mean over the three axes of the mean absolute error, which is the metric of the "
-                 "best-fitting reading"
-               : "mean distance to the true joint") +
-          ", over the answered trials; the tables of each reading have its interval, statuses and digits.",
-      "Time: of one solve, start included, on this machine; the paper's is of its own. Steps: mean number of "
-      "iterations of all trials, the failed ones included. Answered: the share with a usable estimate.",
-      "E7+E8: eq. 17 and the stop rule of eq. 19 as they stand. E7: eq. 17 as it stands, stop when the "
-      "change of F is below C in absolute value. Corrected: the gradient J^T f with that stop rule."};
+  add_notes(
+      table, "table1",
+      {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is the "
+                                      "metric of the best-fitting reading"
+                                    : "mean distance to the true joint"}});
   return table;
 }
 

@@ -64,14 +64,8 @@ std::vector<Table> table2(const ResultsSummary& summary) {
                    {"coverage (%)", "coverage_percent"}};
   for (const PrintedTable2::Row& row : printed.rows) add_rows(summary, row, table);
   if (table.rows.empty()) return {};
-  table.notes = {
-      "Paper: " + printed.source + "; 50 sets of occluded samples an experiment.",
-      "Each number is the plain mean over the part's three joints. Occluded samples are those that at least "
-      "one sensor sees inferred or crossed by a limb in front, found by the rule that is tested, as a user "
-      "would.",
-      "A method that leaves sensors out answers fewer samples: with fewer than three ranges there is no "
-      "trilateration. The table of differences compares on samples that both answer.",
-      kOneFrameNote, interval_note(summary)};
+  add_notes(table, "table2", {{"source", printed.source}});
+  table.notes.push_back(interval_note(summary));
   add_take_notes(summary, table);
   return {table};
 }

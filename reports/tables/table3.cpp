@@ -128,21 +128,12 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
     table.columns.push_back({"answered (%)", "answered_percent"});
   else
     for (auto& row : table.rows) row.pop_back();
-  table.notes = {
-      "Bold: the least error of those that answer 95 % of what they are asked. ≈: not told apart from it "
-      "(difference by participant, Student's t at 95 %, on the samples that any of both answers).",
-      interval_note(s)};
-  if (s.left_out()) table.notes.insert(table.notes.begin(), truth_note(s));
+  if (s.left_out()) table.notes.push_back(truth_note(s));
+  add_notes(table, "best_in_bold");
+  table.notes.push_back(interval_note(s));
   if (with_paper) {
-    table.notes.push_back("Paper: " + printed_table3().source +
-                          "; 16 participants, relative movement; geometric uses 3 sensors, the others 4. The "
-                          "printed averages 10.8 "
-                          "and 8.7 do not follow from the printed rows, which give 10.7 and 8.6.");
-    if (s.simulated)
-      table.notes.push_back(
-          "Ours is simulated with declared errors, and not the paper's recordings: compare the order, not "
-          "the "
-          "size.");
+    add_notes(table, "table3", {{"source", printed_table3().source}});
+    if (s.simulated) add_notes(table, "table3_simulated");
   }
   add_coverage_note(s, condition, alignment, table);
   add_take_notes(s, table);

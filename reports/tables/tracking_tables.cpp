@@ -20,8 +20,6 @@ std::string data_text(const TrackingSummary& s) {
   return fmt::format("{}, {} sensors", s.study, s.simulated ? "simulated" : "recorded");
 }
 
-TableValue known(bool truth_known, double share) { return truth_known ? percent_cell(share) : no_cell(); }
-
 // Rows that have `name` in common are added up, in the order of their first.
 std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
                                const std::function<std::string(const ViewRow&)>& name) {
@@ -45,149 +43,145 @@ std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
 
 Table views_table(const TrackingSummary& s, const std::string& by,
                   const std::function<std::string(const ViewRow&)>& name) {
-  Table table;
-  table.id = usable_id("views-" + by);
-  table.title = fmt::format("Which views are rejected, by {} ({})", by, data_text(s));
-  table.columns = {{"condition", "condition", true},
-                   {by, by, true},
-                   {"rule", "rule", true},
-                   {"views", "views"},
-                   {"rejected (%)", "rejected_percent"},
-                   {"truly hidden (%)", "hidden_percent"},
-                   {"rightly, of the rejected (%)", "rightly_percent"},
-                   {"found, of the hidden (%)", "found_percent"}};
-  for (const ViewRow& row : sum_views(s.views, name))
-    table.rows.push_back({TableValue::of(row.condition), TableValue::of(name(row)), TableValue::of(row.rule),
-                          count_cell(row.views), percent_cell(share_of(row.rejected, row.views)),
-                          known(row.truth_known, share_of(row.hidden, row.views)),
-                          known(row.truth_known, share_of(row.rightly, row.rejected)),
-                          known(row.truth_known, share_of(row.rightly, row.hidden))});
-  table.notes = notes("views");
+  using R = ViewRow;
+  const auto known = [](const R& r, std::uint64_t part, std::uint64_t whole) {
+    return r.truth_known ? share_of(part, whole) : kNoNumber;
+  };
+  Table table = table_of<R>(usable_id("views-" + by),
+                            fmt::format("Which views are rejected, by {} ({})", by, data_text(s)),
+                            sum_views(s.views, name),
+                            {{"condition", "condition", as_text(&R::condition)},
+                             {by, by, as_text(name)},
+                             {"rule", "rule", as_text(&R::rule)},
+                             {"views", "views", as_count(&R::views)},
+                             {"rejected (%)", "rejected_percent",
+                              in_percent([](const R& r) { return share_of(r.rejected, r.views); })},
+                             {"truly hidden (%)", "hidden_percent",
+                              in_percent([=](const R& r) { return known(r, r.hidden, r.views); })},
+                             {"rightly, of the rejected (%)", "rightly_percent",
+                              in_percent([=](const R& r) { return known(r, r.rightly, r.rejected); })},
+                             {"found, of the hidden (%)", "found_percent",
+                              in_percent([=](const R& r) { return known(r, r.rightly, r.hidden); })}});
+  add_notes(table, "views");
   return table;
 }
 
 Table exchanges_table(const TrackingSummary& s) {
-  Table table;
-  table.id = "exchanges";
-  table.title = fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
-                            data_text(s), s.repaired ? "undone" : "left as they were");
-  table.columns = {{"condition", "condition", true},
-                   {"sensor", "sensor", true},
-                   {"instants", "instants"},
-                   {"found (%)", "found_percent"},
-                   {"stretches found", "stretches"},
-                   {"truly exchanged (%)", "exchanged_percent"},
-                   {"true stretches", "true_stretches"},
-                   {"of them found (%)", "stretches_found_percent"},
-                   {"right ones touched (%)", "touched_percent"}};
-  for (const ExchangeRow& row : s.exchanges)
-    table.rows.push_back(
-        {TableValue::of(row.condition), TableValue::of(row.sensor), count_cell(row.instants),
-         percent_cell(share_of(row.found, row.instants)), count_cell(row.stretches),
-         known(row.truth_known, share_of(row.exchanged, row.instants)),
-         row.truth_known ? count_cell(row.true_stretches) : no_cell(),
-         known(row.truth_known, share_of(row.stretches_found, row.true_stretches)),
-         known(row.truth_known, share_of(row.found - row.rightly, row.instants - row.exchanged))});
-  table.notes = notes("exchanges");
+  using R = ExchangeRow;
+  const auto known = [](const R& r, double value) { return r.truth_known ? value : kNoNumber; };
+  Table table = table_of<R>(
+      "exchanges",
+      fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
+                  data_text(s), s.repaired ? "undone" : "left as they were"),
+      s.exchanges,
+      {{"condition", "condition", as_text(&R::condition)},
+       {"sensor", "sensor", as_text(&R::sensor)},
+       {"instants", "instants", as_count(&R::instants)},
+       {"found (%)", "found_percent", in_percent([](const R& r) { return share_of(r.found, r.instants); })},
+       {"stretches found", "stretches", as_count(&R::stretches)},
+       {"truly exchanged (%)", "exchanged_percent",
+        in_percent([=](const R& r) { return known(r, share_of(r.exchanged, r.instants)); })},
+       {"true stretches", "true_stretches",
+        as_count([=](const R& r) { return known(r, static_cast<double>(r.true_stretches)); })},
+       {"of them found (%)", "stretches_found_percent",
+        in_percent([=](const R& r) { return known(r, share_of(r.stretches_found, r.true_stretches)); })},
+       {"right ones touched (%)", "touched_percent", in_percent([=](const R& r) {
+          return known(r, share_of(r.found - r.rightly, r.instants - r.exchanged));
+        })}});
+  add_notes(table, "exchanges");
   return table;
 }
 
 Table clocks_table(const TrackingSummary& s) {
-  const auto ms = [](double seconds) { return seconds * kMillisecondsPerSecond; };
-  Table table;
-  table.id = "clocks";
-  table.title = fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
-                            data_text(s));
-  table.columns = {{"take", "take", true},       interval_column("offset (ms)", "offset_ms"),
-                   {"drift (ppm)", "drift_ppm"}, {"± (ppm)", "drift_sigma_ppm"},
-                   {"correlation", "peak"},      {"next peak / first", "second"},
-                   {"outcome", "outcome", true}, {"applied", "applied", true}};
-  for (const ClockRow& row : s.clocks)
-    table.rows.push_back(
-        {TableValue::of(row.take), number_cell(2, ms(row.offset_s), ms(row.low_s), ms(row.high_s)),
-         TableValue::of(row.drift_ppm, 0), TableValue::of(row.drift_sigma_ppm, 0),
-         TableValue::of(row.peak, 3), TableValue::of(row.second, 3), TableValue::of(row.status),
-         TableValue::of(std::string(row.applied ? "yes" : "no"))});
-  table.notes = notes("clocks");
+  using R = ClockRow;
+  const auto ms = [](double R::*seconds) {
+    return [=](const R& r) { return r.*seconds * kMillisecondsPerSecond; };
+  };
+  Table table = table_of<R>(
+      "clocks",
+      fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
+                  data_text(s)),
+      s.clocks,
+      {{"take", "take", as_text(&R::take)},
+       {"offset (ms)", "offset_ms", as_number(2, ms(&R::offset_s), ms(&R::low_s), ms(&R::high_s))},
+       {"drift (ppm)", "drift_ppm", as_number(0, &R::drift_ppm)},
+       {"± (ppm)", "drift_sigma_ppm", as_number(0, &R::drift_sigma_ppm)},
+       {"correlation", "peak", as_number(3, &R::peak)},
+       {"next peak / first", "second", as_number(3, &R::second)},
+       {"outcome", "outcome", as_text(&R::status)},
+       {"applied", "applied", as_text([](const R& r) { return r.applied ? "yes" : "no"; })}});
+  add_notes(table, "clocks");
   return table;
 }
 
 Table rays_table(const TrackingSummary& s) {
-  Table table;
-  table.id = "rays";
-  table.title = fmt::format("How sensors disagree along and across their rays ({})", data_text(s));
-  table.columns = {{"take", "take", true},
-                   {"along (cm)", "range_cm"},
-                   {"across (cm)", "bearing_cm"},
-                   interval_column("along / across", "ratio"),
-                   {"", "problem", true}};
-  for (const RayRow& row : s.rays)
-    table.rows.push_back({TableValue::of(row.take), cm_cell(row.range_m), cm_cell(row.bearing_m),
-                          number_cell(2, row.ratio, row.ratio_low, row.ratio_high),
-                          TableValue::of(row.problem)});
-  table.notes = notes("rays");
+  using R = RayRow;
+  Table table = table_of<R>(
+      "rays", fmt::format("How sensors disagree along and across their rays ({})", data_text(s)), s.rays,
+      {{"take", "take", as_text(&R::take)},
+       {"along (cm)", "range_cm", in_cm(&R::range_m)},
+       {"across (cm)", "bearing_cm", in_cm(&R::bearing_m)},
+       {"along / across", "ratio", as_number(2, &R::ratio, &R::ratio_low, &R::ratio_high)},
+       {"", "problem", as_text(&R::problem)}});
+  add_notes(table, "rays");
   return table;
 }
 
 Table corrections_table(const TrackingSummary& s) {
-  const auto degrees = [](double rad) { return rad / kRadPerDegree; };
-  Table table;
-  table.id = "corrections";
-  table.title = fmt::format("How sensors stand and measure beside their calibration ({})", data_text(s));
-  table.columns = {{"take", "take", true},
-                   {"sensor", "sensor", true},
-                   interval_column("turned (degrees)", "turned_deg"),
-                   {"stated (degrees)", "stated_turn_deg"},
-                   interval_column("shifted (cm)", "shifted_cm"),
-                   {"stated (cm)", "stated_shift_cm"},
-                   interval_column("ranges too long (cm)", "too_long_cm"),
-                   {"", "problem", true}};
-  for (const CorrectionRow& row : s.corrections)
-    table.rows.push_back(
-        {TableValue::of(row.take), TableValue::of(row.sensor),
-         number_cell(1, degrees(row.turned_rad), degrees(row.turned_low_rad), degrees(row.turned_high_rad)),
-         TableValue::of(degrees(row.stated_turn_rad), 1),
-         cm_cell(row.shifted_m, row.shifted_low_m, row.shifted_high_m),
-         TableValue::of(row.stated_shift_m * kCentimetresPerMetre, 1),
-         cm_cell(row.too_long_m, row.too_long_low_m, row.too_long_high_m), TableValue::of(row.problem)});
-  table.notes = notes("corrections");
+  using R = CorrectionRow;
+  Table table = table_of<R>(
+      "corrections", fmt::format("How sensors stand and measure beside their calibration ({})", data_text(s)),
+      s.corrections,
+      {{"take", "take", as_text(&R::take)},
+       {"sensor", "sensor", as_text(&R::sensor)},
+       {"turned (degrees)", "turned_deg",
+        as_number(1, kDegreesPerRad, &R::turned_rad, &R::turned_low_rad, &R::turned_high_rad)},
+       {"stated (degrees)", "stated_turn_deg", as_number(1, kDegreesPerRad, &R::stated_turn_rad)},
+       {"shifted (cm)", "shifted_cm", in_cm(&R::shifted_m, &R::shifted_low_m, &R::shifted_high_m)},
+       {"stated (cm)", "stated_shift_cm", as_number(1, kCentimetresPerMetre, &R::stated_shift_m)},
+       {"ranges too long (cm)", "too_long_cm",
+        in_cm(&R::too_long_m, &R::too_long_low_m, &R::too_long_high_m)},
+       {"", "problem", as_text(&R::problem)}});
+  add_notes(table, "corrections");
   return table;
 }
 
 Table predictions_table(const TrackingSummary& s) {
-  Table table;
-  table.id = "predictions";
-  table.title = fmt::format("What a sensor sees, predicted from the others ({})", data_text(s));
-  table.columns = {{"condition", "condition", true},
-                   {"method", "method", true},
-                   interval_column("along its ray (cm)", "range_cm"),
-                   interval_column("across (cm)", "bearing_cm"),
-                   interval_column("too far by (cm)", "mean_range_cm"),
-                   interval_column("bones vary by (cm)", "bone_cm"),
-                   interval_column("jerk (m/s³)", "jerk_m_s3"),
-                   {"n", "n"}};
-  const auto centimetres = [](const Estimate& e) { return cm_cell(e.value, e.low, e.high); };
-  for (const PredictionRow& row : s.predictions)
-    table.rows.push_back({TableValue::of(row.condition), TableValue::of(row.method), centimetres(row.range_m),
-                          centimetres(row.bearing_m), centimetres(row.mean_range_m), centimetres(row.bone_m),
-                          number_cell(0, row.jerk_m_s3.value, row.jerk_m_s3.low, row.jerk_m_s3.high),
-                          count_cell(row.n)});
-  table.notes = notes("predictions");
+  using R = PredictionRow;
+  Table table = table_of<R>("predictions",
+                            fmt::format("What a sensor sees, predicted from the others ({})", data_text(s)),
+                            s.predictions,
+                            {{"condition", "condition", as_text(&R::condition)},
+                             {"method", "method", as_text(&R::method)},
+                             {"along its ray (cm)", "range_cm", in_cm(&R::range_m)},
+                             {"across (cm)", "bearing_cm", in_cm(&R::bearing_m)},
+                             {"too far by (cm)", "mean_range_cm", in_cm(&R::mean_range_m)},
+                             {"bones vary by (cm)", "bone_cm", in_cm(&R::bone_m)},
+                             {"jerk (m/s³)", "jerk_m_s3", as_number(0, &R::jerk_m_s3)},
+                             {"n", "n", as_count(&R::n)}});
+  add_notes(table, "predictions");
   return table;
 }
 
 constexpr const char* kUnaligned = "none";
 
-void add_rows(const ResultsSummary& s, const RangeRow& range, Table& table) {
-  for (const std::string& method : s.methods) {
-    const SummaryCell* cell = find_cell(s, method, range.condition, range.group, kUnaligned);
-    if (!cell || !std::isfinite(cell->rms_gdop)) continue;
-    const double bound_m = range.rms_error_m * cell->rms_gdop;
-    table.rows.push_back({TableValue::of(range.group), TableValue::of(method), cm_cell(range.rms_error_m),
-                          cm_cell(range.mean_error_m), TableValue::of(cell->rms_gdop, 2), cm_cell(bound_m),
-                          cm_cell(cell->gdop_rmse_m),
-                          TableValue::of(std::pow(bound_m / cell->gdop_rmse_m, 2), 2)});
-  }
+// A method's errors where its ranges have this error, and what they can be at best.
+struct Efficiency {
+  RangeRow range;
+  const SummaryCell* cell;
+  double bound_m() const { return range.rms_error_m * cell->rms_gdop; }
+  double share() const { return std::pow(bound_m() / cell->gdop_rmse_m, 2); }
+};
+
+std::vector<Efficiency> efficiencies(const ResultsSummary& s, const TrackingSummary& tracking,
+                                     const std::string& condition) {
+  std::vector<Efficiency> rows;
+  for (const RangeRow& range : tracking.ranges)
+    for (const std::string& method : s.methods)
+      if (const SummaryCell* cell = find_cell(s, method, condition, range.group, kUnaligned);
+          range.condition == condition && cell && std::isfinite(cell->rms_gdop))
+        rows.push_back({range, cell});
+  return rows;
 }
 
 }  // namespace
@@ -234,21 +228,22 @@ std::string correction_text(const CorrectionRow& row) {
 std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions) {
-    Table table;
-    table.id = usable_id("efficiency-" + condition);
-    table.title = "Efficiency against the bound (" + about(s, condition, kUnaligned) + ")";
-    table.columns = {{"joint", "joint", true},
-                     {"method", "method", true},
-                     {"range RMS error (cm)", "range_rms_cm"},
-                     {"of it mean (cm)", "range_mean_cm"},
-                     {"rms GDOP", "rms_gdop"},
-                     {"bound (cm)", "bound_cm"},
-                     {"RMSE (cm)", "rmse_cm"},
-                     {"efficiency", "efficiency"}};
-    for (const RangeRow& range : tracking.ranges)
-      if (range.condition == condition) add_rows(s, range, table);
+    using R = Efficiency;
+    const auto cell = [](const R& r) { return *r.cell; };
+    Table table = table_of<R>(
+        usable_id("efficiency-" + condition),
+        "Efficiency against the bound (" + about(s, condition, kUnaligned) + ")",
+        efficiencies(s, tracking, condition),
+        {{"joint", "joint", of(&R::range, as_text(&RangeRow::group))},
+         {"method", "method", of(cell, as_text(&SummaryCell::method))},
+         {"range RMS error (cm)", "range_rms_cm", of(&R::range, in_cm(&RangeRow::rms_error_m))},
+         {"mean range error (cm)", "range_mean_cm", of(&R::range, in_cm(&RangeRow::mean_error_m))},
+         {"rms GDOP", "rms_gdop", of(cell, as_number(2, &SummaryCell::rms_gdop))},
+         {"bound (cm)", "bound_cm", in_cm(&R::bound_m)},
+         {"RMSE (cm)", "rmse_cm", of(cell, in_cm(&SummaryCell::gdop_rmse_m))},
+         {"efficiency", "efficiency", as_number(2, &R::share)}});
     if (table.rows.empty()) continue;
-    table.notes = notes("efficiency");
+    add_notes(table, "efficiency");
     tables.push_back(std::move(table));
   }
   return tables;
