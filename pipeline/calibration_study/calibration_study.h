@@ -45,7 +45,7 @@ struct CalibrationSpec {
 CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place);
 
 // Every setting written out, defaults included.
-Json resolved_json(const CalibrationSpec& spec);
+Json resolved_json(CalibrationSpec spec);
 
 // Simulated calibration: one wand position, a flat wall, whole rigs, and what poses that are off do to
 // joints. Its summary.json is a CalibrationSummary.

@@ -23,20 +23,26 @@ constexpr const char* kFormat = "trilat.study";
 constexpr const char* kPaper = "Yang, Dong, El Saddik, arXiv 2212.14771";
 constexpr const char* kAssumption = "assumption: no published figure";
 
+void tell(Settings& s, NetworkSpec& n) {
+  s("wire_s", n.wire_s, {0.0, 1.0}, "constant delay of a message");
+  s("asymmetry_s", n.asymmetry_s, {-1.0, 1.0}, "more on the way to the sensor's machine");
+  if (s.reading() && n.wire_s + n.asymmetry_s < 0.0)
+    s.reading()->refuse("asymmetry_s",
+                        "makes messages arrive before they are sent; \"wire_s\" must outweigh it");
+  s("jitter_s", n.jitter_s, {0.0, 1.0}, "mean of the exponential part of the delay");
+  double back_s = n.jitter_back_s.value_or(n.jitter_s);
+  s("jitter_back_s", back_s, {0.0, 1.0}, "the same of messages to the server; without it jitter_s");
+  n.jitter_back_s = back_s;
+  s("lost_share", n.lost_share, {0.0, 1.0}, "of exchanges");
+}
+
 NetworkSpec read_network(JsonObject& object) {
   NetworkSpec network;
   network.name = object.text("name");
   if (network.name.empty()) object.refuse("name", "must not be empty");
-  setting(object, "wire_s", network.wire_s, {0.0, 1.0}, "constant delay of a message");
-  setting(object, "asymmetry_s", network.asymmetry_s, {-1.0, 1.0}, "more on the way to the sensor's machine");
-  if (network.wire_s + network.asymmetry_s < 0.0)
-    object.refuse("asymmetry_s", "makes messages arrive before they are sent; \"wire_s\" must outweigh it");
-  setting(object, "jitter_s", network.jitter_s, {0.0, 1.0}, "mean of the exponential part of the delay");
-  if (object.has("jitter_back_s"))
-    network.jitter_back_s = number_within(object, "jitter_back_s", network.jitter_s, 0.0, 1.0);
-  setting(object, "lost_share", network.lost_share, {0.0, 1.0}, "of exchanges");
-  object.about({{"name", "of the network"},
-                {"jitter_back_s", "the same of messages to the server; without it jitter_s"}});
+  object.about({{"name", "of the network"}});
+  Settings settings(object);
+  tell(settings, network);
   object.finish();
   return network;
 }
@@ -76,20 +82,31 @@ void check_methods(const RecordingSpec& spec) {
   resolve_methods(study, rig);
 }
 
-Json json_of(const NetworkSpec& n) {
-  return {{"name", n.name},
-          {"wire_s", n.wire_s},
-          {"asymmetry_s", n.asymmetry_s},
-          {"jitter_s", n.jitter_s},
-          {"jitter_back_s", n.jitter_back_s.value_or(n.jitter_s)},
-          {"lost_share", n.lost_share}};
-}
-
 std::string delays_text(const NetworkSpec& n) {
   const double back_s = n.jitter_back_s.value_or(n.jitter_s);
   const std::string back = back_s != n.jitter_s ? fmt::format(", {:g} on the way back", back_s) : "";
   return fmt::format("{:g} + exponential of mean {:g}{}; {:g} more one way; {:g} of exchanges lost", n.wire_s,
                      n.jitter_s, back, n.asymmetry_s, n.lost_share);
+}
+
+}  // namespace
+
+namespace {
+
+void tell(Settings& s, RecordingSpec& r) {
+  s("seed", r.seed, "of every random number");
+  s("frames", r.frames, {2, 200'000}, "of a recording");
+  s("rate_hz", r.rate_hz, {1.0, 1000.0}, "of frames");
+  s("sensors", r.sensors, {1, 8}, "each with a machine of its own");
+  s("runs", r.runs, {1, 250}, "recordings, each with other clocks");
+  s("clock_offset_s", r.clock_offset_s, {0.0, 1000.0}, "uniform in +-, of a machine's clock at the start");
+  s("clock_drift_ppm", r.clock_drift_ppm, {0.0, 400.0}, "uniform in +-, of a machine and of a sensor");
+  s("exchange_period_s", r.exchange_period_s, {0.01, 3600.0}, "between two exchanges of clock messages");
+  s("latency_s", r.latency_s, {0.0, 1.0}, "exposure to arrival, known");
+  s("arrival_jitter_s", r.arrival_jitter_s, {0.0, 1.0}, "mean of the exponential part");
+  s("late_s", r.late_s, {0.0, 10.0}, "the most by which a frame may be late for the paper's queue");
+  s("body_tracking_s", r.body_tracking_s, {0.0, 1.0}, "of a depth image");
+  s("body_tracking_jitter_s", r.body_tracking_jitter_s, {0.0, 1.0}, "mean of the exponential part");
 }
 
 }  // namespace
@@ -101,24 +118,8 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   object.choice("kind", {"recording"});
   spec.name = object.text("name");
   if (spec.name.empty()) object.refuse("name", "must not be empty");
-  setting(object, "seed", spec.seed, "of every random number");
-  setting(object, "frames", spec.frames, {2, 200'000}, "of a recording");
-  setting(object, "rate_hz", spec.rate_hz, {1.0, 1000.0}, "of frames");
-  setting(object, "sensors", spec.sensors, {1, 8}, "each with a machine of its own");
-  setting(object, "runs", spec.runs, {1, 250}, "recordings, each with other clocks");
-  setting(object, "clock_offset_s", spec.clock_offset_s, {0.0, 1000.0},
-          "uniform in +-, of a machine's clock at the start");
-  setting(object, "clock_drift_ppm", spec.clock_drift_ppm, {0.0, 400.0},
-          "uniform in +-, of a machine and of a sensor");
-  setting(object, "exchange_period_s", spec.exchange_period_s, {0.01, 3600.0},
-          "between two exchanges of clock messages");
-  setting(object, "latency_s", spec.latency_s, {0.0, 1.0}, "exposure to arrival, known");
-  setting(object, "arrival_jitter_s", spec.arrival_jitter_s, {0.0, 1.0}, "mean of the exponential part");
-  setting(object, "late_s", spec.late_s, {0.0, 10.0},
-          "the most by which a frame may be late for the paper's queue");
-  setting(object, "body_tracking_s", spec.body_tracking_s, {0.0, 1.0}, "of a depth image");
-  setting(object, "body_tracking_jitter_s", spec.body_tracking_jitter_s, {0.0, 1.0},
-          "mean of the exponential part");
+  Settings settings(object);
+  tell(settings, spec);
   object.gone("capture_s", "build/release/tests/benchmarks/capture_benchmark records in real time");
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
@@ -130,28 +131,17 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   return spec;
 }
 
-Json resolved_json(const RecordingSpec& s) {
-  Json json{{"format", kFormat},
-            {"version", 1},
-            {"kind", "recording"},
-            {"name", s.name},
-            {"seed", s.seed},
-            {"frames", s.frames},
-            {"rate_hz", s.rate_hz},
-            {"sensors", s.sensors},
-            {"runs", s.runs},
-            {"clock_offset_s", s.clock_offset_s},
-            {"clock_drift_ppm", s.clock_drift_ppm},
-            {"exchange_period_s", s.exchange_period_s},
-            {"latency_s", s.latency_s},
-            {"arrival_jitter_s", s.arrival_jitter_s},
-            {"late_s", s.late_s},
-            {"body_tracking_s", s.body_tracking_s},
-            {"body_tracking_jitter_s", s.body_tracking_jitter_s},
-            {"networks", Json::array()},
-            {"methods", Json::array()}};
-  for (const NetworkSpec& network : s.networks) json["networks"].push_back(json_of(network));
-  for (const MethodSpec& method : s.methods) json["methods"].push_back(resolved_json(method));
+Json resolved_json(RecordingSpec spec) {
+  Json json{{"format", kFormat}, {"version", 1}, {"kind", "recording"}, {"name", spec.name}};
+  Settings settings(json);
+  tell(settings, spec);
+  json.update(Json{{"networks", Json::array()}, {"methods", Json::array()}});
+  for (NetworkSpec& network : spec.networks) {
+    json["networks"].push_back({{"name", network.name}});
+    Settings of_network(json["networks"].back());
+    tell(of_network, network);
+  }
+  for (const MethodSpec& method : spec.methods) json["methods"].push_back(resolved_json(method));
   return json;
 }
 

@@ -51,7 +51,7 @@ struct RecordingSpec {
 RecordingSpec parse_recording_spec(const Json& json, const std::string& place);
 
 // Every setting written out, defaults included.
-Json resolved_json(const RecordingSpec& spec);
+Json resolved_json(RecordingSpec spec);
 
 // What the simulation assumes, with sources.
 std::vector<DeclaredParameter> recording_parameters(const RecordingSpec& spec);

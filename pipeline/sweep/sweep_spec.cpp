@@ -154,30 +154,30 @@ std::string word(const Words& words, Enum choice) {
   throw InputError(fmt::format("{}/{}", object.place_of(key), i), problem);
 }
 
-template <class Enum>
-Json words_json(const std::vector<Enum>& choices) {
-  Json json = Json::array();
-  for (const Enum choice : choices) json.push_back(word_of(choice));
-  return json;
-}
-
 // A list of different words, each of which is known.
 template <class Enum>
-void read_choices(JsonObject& object, const std::string& key, const Words& known,
-                  std::vector<Enum>& choices) {
-  if (!object.has(key)) return;
-  const Words words = object.texts(key);
-  if (words.empty()) object.refuse(key, fmt::format("must name at least one of: {}", fmt::join(known, ", ")));
-  if (const std::string twice = first_repeated(words); !twice.empty())
-    object.refuse(key, "has \"" + twice + "\" twice");
-  choices.clear();
-  object.words(key, known);
-  for (const std::string& word : words) {
-    const auto found = std::find(known.begin(), known.end(), word);
-    if (found == known.end())
-      object.refuse(key, fmt::format("has \"{}\"; {}", word, known_names(word, known)));
-    choices.push_back(static_cast<Enum>(found - known.begin()));
+void tell_choices(Settings& s, const char* key, const Words& known, std::vector<Enum>& choices,
+                  const char* meaning) {
+  JsonObject* object = s.reading();
+  if (object && object->has(key)) {
+    const Words words = object->texts(key);
+    if (words.empty())
+      object->refuse(key, fmt::format("must name at least one of: {}", fmt::join(known, ", ")));
+    if (const std::string twice = first_repeated(words); !twice.empty())
+      object->refuse(key, "has \"" + twice + "\" twice");
+    choices.clear();
+    object->words(key, known);
+    for (const std::string& word : words) {
+      const auto found = std::find(known.begin(), known.end(), word);
+      if (found == known.end())
+        object->refuse(key, fmt::format("has \"{}\"; {}", word, known_names(word, known)));
+      choices.push_back(static_cast<Enum>(found - known.begin()));
+    }
   }
+  if (object) object->about({{key, meaning}});
+  Json words = Json::array();
+  for (const Enum choice : choices) words.push_back(word(known, choice));
+  s.write(key, words);
 }
 
 void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
@@ -253,6 +253,42 @@ std::string word_of(StopRule stop) { return word(kStops, stop); }
 std::string word_of(Damping damping) { return word(kDampings, damping); }
 std::string word_of(SweepStart start) { return word(kStarts, start); }
 
+namespace {
+
+void tell(Settings& s, SweepSpec& spec) {
+  JsonObject* object = s.reading();
+  tell_choices(s, "joints", kJoints, spec.joints, "at the centre of the rig, or anywhere in it");
+  tell_choices(s, "error_models", kErrors, spec.error_models,
+               "of ranges, or of the joint as a sensor sees it");
+  tell_choices(s, "threshold_units", kUnits, spec.threshold_units, "in which C is counted");
+  tell_choices(s, "gradients", kGradients, spec.gradients, "as printed (eq. 12) or corrected");
+  tell_choices(s, "curvatures", kCurvatures, spec.curvatures, "of the step");
+  tell_choices(s, "stops", kStops, spec.stops,
+               "the rule: as printed (eq. 18), of the objective, or of the step");
+  tell_choices(s, "dampings", kDampings, spec.dampings, "of the step");
+  tell_choices(s, "starts", kStarts, spec.starts, "of the descent");
+  if (object) {
+    read_thresholds(*object, spec.thresholds);
+    read_ranges(*object, spec.ranges);
+    object->about({{"thresholds", "C, in each unit"}, {"error_ranges_cm", "[low, high] of the errors"}});
+  }
+  Json ranges = Json::array();
+  for (const auto& range : spec.ranges)
+    ranges.push_back({centimetres(range.low_m), centimetres(range.high_m)});
+  s.write("thresholds", spec.thresholds);
+  s.write("error_ranges_cm", ranges);
+  s("trials", spec.trials, {1, kMostTrials}, "of each cell");
+  s("seed", spec.seed, "of every random number");
+  s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
+  s("digits_trials", spec.digits_trials, {0, kMostDigitsTrials},
+    "the first of the trials, compared with the exact minimum");
+  s("time_problems", spec.time_problems, {0, kMostTimed}, "that are timed; 0: none");
+  s("time_repeats", spec.time_repeats, {1, 1000}, "of the timing");
+  s("search", spec.search, "rank all readings by their distance from the printed Table I");
+}
+
+}  // namespace
+
 SweepSpec parse_sweep(const Json& json, const std::string& place) {
   JsonObject object(json, place, "");
   SweepSpec spec;
@@ -261,68 +297,22 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   spec.name = object.text("name");
   if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
   spec.rigs = read_rigs(object, "rigs");
-  read_choices(object, "joints", kJoints, spec.joints);
-  read_choices(object, "error_models", kErrors, spec.error_models);
-  read_choices(object, "threshold_units", kUnits, spec.threshold_units);
-  read_choices(object, "gradients", kGradients, spec.gradients);
-  read_choices(object, "curvatures", kCurvatures, spec.curvatures);
-  read_choices(object, "stops", kStops, spec.stops);
-  read_choices(object, "dampings", kDampings, spec.dampings);
-  read_choices(object, "starts", kStarts, spec.starts);
-  read_thresholds(object, spec.thresholds);
-  read_ranges(object, spec.ranges);
-  setting(object, "trials", spec.trials, {1, kMostTrials}, "of each cell");
-  setting(object, "seed", spec.seed, "of every random number");
-  setting(object, "max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
-  setting(object, "digits_trials", spec.digits_trials, {0, kMostDigitsTrials},
-          "the first of the trials, compared with the exact minimum");
-  setting(object, "time_problems", spec.time_problems, {0, kMostTimed}, "that are timed; 0: none");
-  setting(object, "time_repeats", spec.time_repeats, {1, 1000}, "of the timing");
-  setting(object, "search", spec.search, "rank all readings by their distance from the printed Table I");
+  object.about({{"name", "of the study"}, {"rigs", "each with its sensors"}});
+  Settings settings(object);
+  tell(settings, spec);
   check_search(object, spec);
-  object.about({{"name", "of the study"},
-                {"rigs", "each with its sensors"},
-                {"joints", "at the centre of the rig, or anywhere in it"},
-                {"error_models", "of ranges, or of the joint as a sensor sees it"},
-                {"threshold_units", "in which C is counted"},
-                {"gradients", "as printed (eq. 12) or corrected"},
-                {"curvatures", "of the step"},
-                {"stops", "the rule: as printed (eq. 18), of the objective, or of the step"},
-                {"dampings", "of the step"},
-                {"starts", "of the descent"},
-                {"thresholds", "C, in each unit"},
-                {"error_ranges_cm", "[low, high] of the errors"}});
   object.finish();
   return spec;
 }
 
-Json resolved_json(const SweepSpec& spec) {
-  Json rigs = Json::array(), ranges = Json::array();
-  for (const SweepRig& rig : spec.rigs) rigs.push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
-  for (const auto& range : spec.ranges)
-    ranges.push_back({centimetres(range.low_m), centimetres(range.high_m)});
-  return {{"format", kFormat},
-          {"version", 1},
-          {"kind", "threshold_sweep"},
-          {"name", spec.name},
-          {"rigs", rigs},
-          {"joints", words_json(spec.joints)},
-          {"error_models", words_json(spec.error_models)},
-          {"threshold_units", words_json(spec.threshold_units)},
-          {"gradients", words_json(spec.gradients)},
-          {"curvatures", words_json(spec.curvatures)},
-          {"stops", words_json(spec.stops)},
-          {"dampings", words_json(spec.dampings)},
-          {"starts", words_json(spec.starts)},
-          {"thresholds", spec.thresholds},
-          {"error_ranges_cm", ranges},
-          {"trials", spec.trials},
-          {"seed", spec.seed},
-          {"max_iterations", spec.max_iterations},
-          {"digits_trials", spec.digits_trials},
-          {"time_problems", spec.time_problems},
-          {"time_repeats", spec.time_repeats},
-          {"search", spec.search}};
+Json resolved_json(SweepSpec spec) {
+  Json json{{"format", kFormat}, {"version", 1}, {"kind", "threshold_sweep"}, {"name", spec.name}};
+  json["rigs"] = Json::array();
+  for (const SweepRig& rig : spec.rigs)
+    json["rigs"].push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
+  Settings settings(json);
+  tell(settings, spec);
+  return json;
 }
 
 }  // namespace trilat

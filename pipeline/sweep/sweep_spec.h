@@ -59,7 +59,7 @@ struct SweepSpec {
 SweepSpec parse_sweep(const Json& json, const std::string& place);
 
 // Every setting written out, defaults included: what goes into the manifest and its hash.
-Json resolved_json(const SweepSpec& spec);
+Json resolved_json(SweepSpec spec);
 
 // The words of the study for each choice.
 std::string word_of(TrialJoint joint);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/median.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "reports/figures/figures.h"
@@ -106,13 +107,6 @@ Bins bins_over(double from, double to, double width) {
   return {first * width, width, static_cast<std::size_t>(std::max(1.0, std::ceil(to / width) - first))};
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return FigurePoint::kNone;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 FigureSeries recommended_outline(const PrintedCalibration& paper) {
   const double near_m = paper.recommended_m[0], far_m = paper.recommended_m[1];
   const double widest_deg = paper.recommended_below_deg;
@@ -145,7 +139,7 @@ void fill_map(Figure& figure, const std::vector<WandSample>& samples, std::size_
   FigureSeries unanswered{"no answer", FigureSeries::Style::dots, {}};
   FigureMap map{x, y, {}, "median error of the distance (cm)", 0.0, kWorst_cm};
   for (std::size_t bin = 0; bin < errors_cm.size(); ++bin) {
-    map.values.push_back(median_of(errors_cm[bin]));
+    map.values.push_back(errors_cm[bin].empty() ? FigurePoint::kNone : median(errors_cm[bin]));
     if (asked[bin] && errors_cm[bin].empty())
       unanswered.points.push_back({x[bin % x.size()], y[bin / x.size()]});
   }

@@ -98,7 +98,6 @@ TEST(Study, EveryKindOfMethodIsAWholeRow) {
     EXPECT_EQ(&method_kind(kind.name), &kind);
     EXPECT_FALSE(kind.what.empty() || kind.source.empty()) << kind.name;
     EXPECT_NE(kind.evaluate == nullptr, kind.over_time == nullptr) << kind.name;
-    EXPECT_EQ(kind.read == nullptr, kind.write == nullptr) << kind.name;
   }
 }
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 
@@ -20,186 +19,105 @@ const std::vector<std::string> kStops{"printed", "objective", "step"};
 const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
 const std::vector<std::string> kLosses{"squares", "huber", "cauchy"};
 
-template <class Enum>
-Enum enum_choice(JsonObject& object, const std::string& key, const std::vector<std::string>& names,
-                 Enum fallback) {
-  return static_cast<Enum>(object.choice(key, names, static_cast<std::size_t>(fallback)));
+constexpr const char* kRangeSigma =
+    "standard deviation of a range: whether ranges decide the side of the sensors' plane";
+
+void range_sigma(Settings& s, double& sigma_m) {
+  if (s.reading()) sigma_m = kUsualRangeSigma_m;
+  s("range_sigma_m", sigma_m, {0.0, 10.0}, kRangeSigma);
 }
 
-template <class Enum>
-const std::string& word_of(const std::vector<std::string>& names, Enum choice) {
-  return names[static_cast<std::size_t>(choice)];
+void linear_settings(Settings& s, MethodSpec& m) {
+  const std::string all_pairs = "all_pairs";
+  std::string reference = m.linear.reference == LinearReference::all_pairs ? all_pairs : m.reference;
+  s("reference", reference, "the sensor whose sphere is subtracted, or all_pairs; empty: the first");
+  if (reference == all_pairs)
+    m.linear.reference = LinearReference::all_pairs;
+  else
+    m.reference = reference;
+  range_sigma(s, m.linear.range_sigma_m);
 }
 
-double read_range_sigma_m(JsonObject& object) {
-  const double sigma_m = number_within(object, "range_sigma_m", kUsualRangeSigma_m, 0.0, 10.0);
-  object.about({{"range_sigma_m",
-                 "standard deviation of a range: whether ranges decide the side of the sensors' plane"}});
-  return sigma_m;
+void descent_settings(Settings& s, NonlinearOptions& o) {
+  s.choice("stop", o.stop, kStops, "the rule: as printed (eq. 18), of the objective, or of the step");
+  s.positive("threshold_cm2", o.threshold_m2, "C of eq. 18", kSquareMetresPerSquareCentimetre);
+  s.positive("step_tolerance_m", o.step_tolerance_m, "ends with `stop`: `step`");
+  s("max_iterations", o.max_iterations, {1, 1'000'000}, "of each descent");
+  range_sigma(s, o.range_sigma_m);
+  s.choice("start", o.start, kStarts, "of the descent");
+  s.choice("loss", o.loss, kLosses, "of the residuals");
+  s.positive("loss_scale_m", o.loss_scale_m, "of huber and cauchy");
+  if (const std::string problem = contradiction_in(o); s.reading() && !problem.empty())
+    s.reading()->refuse(o.loss == Loss::squares ? "damping" : "loss", problem);
 }
 
-void read_linear(JsonObject& object, MethodSpec& method) {
-  method.linear.range_sigma_m = read_range_sigma_m(object);
-  method.reference = object.text("reference", "");
-  object.about({{"reference", "the sensor whose sphere is subtracted, or all_pairs; empty: the first"}});
-  if (method.reference != "all_pairs") return;
-  method.linear.reference = LinearReference::all_pairs;
-  method.reference.clear();
-}
-
-void write_linear(const MethodSpec& m, Json& entry) {
-  entry["reference"] = m.linear.reference == LinearReference::all_pairs ? "all_pairs" : m.reference;
-  entry["range_sigma_m"] = m.linear.range_sigma_m;
-}
-
-void read_descent(JsonObject& object, NonlinearOptions& o) {
-  o.stop = enum_choice(object, "stop", kStops, o.stop);
-  o.threshold_m2 = object.positive("threshold_cm2", o.threshold_m2 / kSquareMetresPerSquareCentimetre) *
-                   kSquareMetresPerSquareCentimetre;
-  o.step_tolerance_m = object.positive("step_tolerance_m", o.step_tolerance_m);
-  o.max_iterations = static_cast<int>(
-      count_within(object, "max_iterations", static_cast<std::uint64_t>(o.max_iterations), 1, 1'000'000));
-  o.range_sigma_m = read_range_sigma_m(object);
-  o.start = enum_choice(object, "start", kStarts, o.start);
-  o.loss = enum_choice(object, "loss", kLosses, o.loss);
-  o.loss_scale_m = object.positive("loss_scale_m", o.loss_scale_m);
-  object.about({{"stop", "the rule: as printed (eq. 18), of the objective, or of the step"},
-                {"threshold_cm2", "C of eq. 18"},
-                {"step_tolerance_m", "ends with `stop`: `step`"},
-                {"max_iterations", "of each descent"},
-                {"start", "of the descent"},
-                {"loss", "of the residuals"},
-                {"loss_scale_m", "of huber and cauchy"}});
-  if (const std::string problem = contradiction_in(o); !problem.empty())
-    object.refuse(o.loss == Loss::squares ? "damping" : "loss", problem);
-}
-
-void write_descent(const NonlinearOptions& o, Json& entry) {
-  entry["stop"] = word_of(kStops, o.stop);
-  entry["threshold_cm2"] = o.threshold_m2 / kSquareMetresPerSquareCentimetre;
-  entry["step_tolerance_m"] = o.step_tolerance_m;
-  entry["max_iterations"] = o.max_iterations;
-  entry["range_sigma_m"] = o.range_sigma_m;
-  entry["start"] = word_of(kStarts, o.start);
-  entry["loss"] = word_of(kLosses, o.loss);
-  entry["loss_scale_m"] = o.loss_scale_m;
-}
-
-void read_nonlinear(JsonObject& object, MethodSpec& method) {
-  NonlinearOptions& o = method.nonlinear;
-  o.gradient = enum_choice(object, "gradient", kGradients, o.gradient);
-  o.damping = enum_choice(object, "damping", kDampings, o.damping);
-  o.printed_unit_m = object.positive("printed_unit_m", o.printed_unit_m);
-  object.about({{"gradient", "as printed (eq. 12) or corrected"},
-                {"damping", "none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane"},
-                {"printed_unit_m", "unit of length of the printed gradient"}});
-  read_descent(object, o);
-}
-
-void write_nonlinear(const MethodSpec& m, Json& entry) {
-  entry["gradient"] = word_of(kGradients, m.nonlinear.gradient);
-  entry["damping"] = word_of(kDampings, m.nonlinear.damping);
-  entry["printed_unit_m"] = m.nonlinear.printed_unit_m;
-  write_descent(m.nonlinear, entry);
+void nonlinear_settings(Settings& s, MethodSpec& m) {
+  NonlinearOptions& o = m.nonlinear;
+  s.choice("gradient", o.gradient, kGradients, "as printed (eq. 12) or corrected");
+  s.choice("damping", o.damping, kDampings,
+           "none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane");
+  s.positive("printed_unit_m", o.printed_unit_m, "unit of length of the printed gradient");
+  descent_settings(s, o);
 }
 
 // Gradient and damping are no choice.
-void read_newton(JsonObject& object, MethodSpec& method) {
-  method.nonlinear.curvature = Curvature::newton;
-  read_descent(object, method.nonlinear);
+void newton_settings(Settings& s, MethodSpec& m) {
+  m.nonlinear.curvature = Curvature::newton;
+  descent_settings(s, m.nonlinear);
 }
 
-void write_newton(const MethodSpec& m, Json& entry) { write_descent(m.nonlinear, entry); }
-
-void read_range_bearing(JsonObject& object, MethodSpec& method) {
-  RangeBearingOptions& o = method.range_bearing;
-  method.sigma_is_estimated = object.choice("sigma", stated_or_estimated(), 1) == 1;
-  setting(object, "range_sigma_m", o.sigma.range_m, {1e-6, 1e3},
-          "standard deviation of a sensor's position along its ray");
-  setting(object, "bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3},
-          "and across it, in each of both directions");
-  setting(object, "inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
-          "on both, of an inferred joint; where sigma is estimated it is, too");
-  o.loss = enum_choice(object, "loss", kLosses, Loss::cauchy);
-  setting(object, "loss_scale", o.loss_scale, {1e-3, 1e3}, "of huber and cauchy, in sigmas");
-  object.about({{"sigma",
-                 "stated: the next two; estimated: from the disagreement of the sensors in the other half of "
-                 "the take, and stated where that tells nothing"},
-                {"loss", "of a sensor's residual in sigmas"}});
+void range_bearing_settings(Settings& s, MethodSpec& m) {
+  RangeBearingOptions& o = m.range_bearing;
+  if (s.reading()) {
+    m.sigma_is_estimated = true;
+    o.loss = Loss::cauchy;
+  }
+  s.choice(
+      "sigma", m.sigma_is_estimated, stated_or_estimated(),
+      "stated: the next two; estimated: from the disagreement of the sensors in the other half of the take, "
+      "and stated where that tells nothing");
+  s("range_sigma_m", o.sigma.range_m, {1e-6, 1e3}, "standard deviation of a sensor's position along its ray");
+  s("bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3}, "and across it, in each of both directions");
+  s("inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
+    "on both, of an inferred joint; where sigma is estimated it is, too");
+  s.choice("loss", o.loss, kLosses, "of a sensor's residual in sigmas");
+  s("loss_scale", o.loss_scale, {1e-3, 1e3}, "of huber and cauchy, in sigmas");
 }
 
-void write_range_bearing(const MethodSpec& m, Json& entry) {
-  const RangeBearingOptions& o = m.range_bearing;
-  entry["sigma"] = stated_or_estimated()[m.sigma_is_estimated ? 1 : 0];
-  entry["range_sigma_m"] = o.sigma.range_m;
-  entry["bearing_sigma_m"] = o.sigma.bearing_m;
-  entry["inferred_factor"] = o.sigma.inferred_factor;
-  entry["loss"] = word_of(kLosses, o.loss);
-  entry["loss_scale"] = o.loss_scale;
-}
-
-void read_weighted_mean(JsonObject& object, MethodSpec& method) {
-  WeightedMeanOptions& o = method.weighted;
-  setting(object, "inferred_weight", o.inferred_weight, {0.0, 1.0},
-          "of an inferred joint, where a tracked one has 1");
-  setting(object, "by_depth_noise", o.by_depth_noise,
-          "weights are also inverse to the variance of depth at the joint's range");
-}
-
-void write_weighted_mean(const MethodSpec& m, Json& entry) {
-  entry["inferred_weight"] = m.weighted.inferred_weight;
-  entry["by_depth_noise"] = m.weighted.by_depth_noise;
+void weighted_mean_settings(Settings& s, MethodSpec& m) {
+  s("inferred_weight", m.weighted.inferred_weight, {0.0, 1.0},
+    "of an inferred joint, where a tracked one has 1");
+  s("by_depth_noise", m.weighted.by_depth_noise,
+    "weights are also inverse to the variance of depth at the joint's range");
 }
 
 // What the methods over time have in common.
 template <class Options>
-void read_motion(JsonObject& object, Options& o) {
-  setting(object, "sigma_m", o.sigma_m, {1e-6, 10.0}, "of a position, an axis");
-  setting(object, "inferred_factor", o.inferred_factor, {1e-3, 1e3}, "on sigma_m, of an inferred joint");
-  setting(object, "acceleration_density_m2_s3", o.acceleration_density_m2_s3, {1e-9, 1e9},
-          "of the white acceleration that drives the motion");
-  setting(object, "longest_gap_s", o.longest_gap_s, {1e-3, 3600.0},
-          "nothing is answered across a longer one");
+void motion_settings(Settings& s, Options& o) {
+  s("sigma_m", o.sigma_m, {1e-6, 10.0}, "of a position, an axis");
+  s("inferred_factor", o.inferred_factor, {1e-3, 1e3}, "on sigma_m, of an inferred joint");
+  s("acceleration_density_m2_s3", o.acceleration_density_m2_s3, {1e-9, 1e9},
+    "of the white acceleration that drives the motion");
+  s("longest_gap_s", o.longest_gap_s, {1e-3, 3600.0}, "nothing is answered across a longer one");
 }
 
-template <class Options>
-void write_motion(const Options& o, Json& entry) {
-  entry["sigma_m"] = o.sigma_m;
-  entry["inferred_factor"] = o.inferred_factor;
-  entry["acceleration_density_m2_s3"] = o.acceleration_density_m2_s3;
-  entry["longest_gap_s"] = o.longest_gap_s;
+void kalman_settings(Settings& s, MethodSpec& m) {
+  motion_settings(s, m.kalman);
+  s("gate_sigma", m.kalman.gate_sigma, {1.0, 1e6}, "positions farther from the prediction are left out");
 }
 
-void read_kalman(JsonObject& object, MethodSpec& method) {
-  read_motion(object, method.kalman);
-  setting(object, "gate_sigma", method.kalman.gate_sigma, {1.0, 1e6},
-          "positions farther from the prediction are left out");
+void rts_settings(Settings& s, MethodSpec& m) {
+  m.kalman.smooth = true;
+  kalman_settings(s, m);
 }
 
-void read_rts(JsonObject& object, MethodSpec& method) {
-  method.kalman.smooth = true;
-  read_kalman(object, method);
-}
-
-void write_kalman(const MethodSpec& m, Json& entry) {
-  write_motion(m.kalman, entry);
-  entry["gate_sigma"] = m.kalman.gate_sigma;
-}
-
-void read_window(JsonObject& object, MethodSpec& method) {
-  BoneWindowOptions& o = method.window;
-  read_motion(object, o);
-  setting(object, "window_s", o.window_s, {0.1, 60.0}, "length of a window; windows overlap by half");
-  setting(object, "bone_sigma_m", o.bone_sigma_m, {1e-4, 10.0},
-          "by how much a bone's length differs from its median over the take");
-  setting(object, "loss_scale_m", o.loss_scale_m, {1e-3, 10.0}, "of Cauchy's loss");
-}
-
-void write_window(const MethodSpec& m, Json& entry) {
-  write_motion(m.window, entry);
-  entry["window_s"] = m.window.window_s;
-  entry["bone_sigma_m"] = m.window.bone_sigma_m;
-  entry["loss_scale_m"] = m.window.loss_scale_m;
+void window_settings(Settings& s, MethodSpec& m) {
+  BoneWindowOptions& o = m.window;
+  motion_settings(s, o);
+  s("window_s", o.window_s, {0.1, 60.0}, "length of a window; windows overlap by half");
+  s("bone_sigma_m", o.bone_sigma_m, {1e-4, 10.0},
+    "by how much a bone's length differs from its median over the take");
+  s("loss_scale_m", o.loss_scale_m, {1e-3, 10.0}, "of Cauchy's loss");
 }
 
 RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
@@ -234,8 +152,7 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "least squares on differences of spheres",
        .source = "compared system 1 of the paper",
        .needs_ranges = true,
-       .read = read_linear,
-       .write = write_linear,
+       .settings = linear_settings,
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_linear(ranges_from(instant, sensors), m.spec.linear);
@@ -254,25 +171,21 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "least squares on ranges by Gauss-Newton",
        .source = "eq. 9 to 19, errata E7, E8, E10; Beck, Stoica and Li 2008",
        .needs_ranges = true,
-       .read = read_nonlinear,
-       .write = write_nonlinear,
+       .settings = nonlinear_settings,
        .evaluate = evaluate_nonlinear,
        .evaluate_many = evaluate_nonlinear},
       {.name = "newton",
        .what = "the same minimum with the full Hessian",
        .source = "eq. 10; Nocedal and Wright, Numerical Optimization, chapter 10",
        .needs_ranges = true,
-       .read = read_newton,
-       .write = write_newton,
+       .settings = newton_settings,
        .evaluate = evaluate_nonlinear,
        .evaluate_many = evaluate_nonlinear},
       {.name = "ceres",
        .what = "the same minimum by Ceres: a second opinion",
        .source = "eq. 10; Agarwal and Mierle, Ceres Solver",
        .needs_ranges = true,
-       .read = [](JsonObject& object,
-                  MethodSpec& method) { method.ceres.range_sigma_m = read_range_sigma_m(object); },
-       .write = [](const MethodSpec& m, Json& entry) { entry["range_sigma_m"] = m.ceres.range_sigma_m; },
+       .settings = [](Settings& s, MethodSpec& m) { range_sigma(s, m.ceres.range_sigma_m); },
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_ceres(ranges_from(instant, sensors), m.spec.ceres);
@@ -283,8 +196,7 @@ const std::vector<MethodKind>& method_kinds() {
        .source = "maximum likelihood; eq. 10 without its second term",
        .needs_ranges = true,
        .calibrates = true,
-       .read = read_range_bearing,
-       .write = write_range_bearing,
+       .settings = range_bearing_settings,
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              RangeBearingOptions options = among(m.spec.range_bearing, sensors);
@@ -317,8 +229,7 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "the mean with weights by tracking state and depth noise",
        .source = "Fankhauser et al. 2015",
        .needs_ranges = false,
-       .read = read_weighted_mean,
-       .write = write_weighted_mean,
+       .settings = weighted_mean_settings,
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_weighted_mean(instant.observations, among(m.spec.weighted, sensors));
@@ -335,11 +246,10 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "M-estimate with Cauchy's loss, started from the median",
        .source = "Huber and Ronchetti, Robust Statistics",
        .needs_ranges = false,
-       .read =
-           [](JsonObject& object, MethodSpec& method) {
-             setting(object, "scale_m", method.robust.scale_m, {1e-6, 10.0}, "of Cauchy's loss");
+       .settings =
+           [](Settings& s, MethodSpec& m) {
+             s("scale_m", m.robust.scale_m, {1e-6, 10.0}, "of Cauchy's loss");
            },
-       .write = [](const MethodSpec& m, Json& entry) { entry["scale_m"] = m.robust.scale_m; },
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_robust_mean(instant.observations, among(m.spec.robust, sensors));
@@ -348,22 +258,19 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "each joint's path by itself, filtered",
        .source = "Kalman 1960",
        .needs_ranges = false,
-       .read = read_kalman,
-       .write = write_kalman,
+       .settings = kalman_settings,
        .over_time = solve_joints},
       {.name = "rts",
        .what = "each joint's path by itself, smoothed",
        .source = "Rauch, Tung and Striebel 1965",
        .needs_ranges = false,
-       .read = read_rts,
-       .write = write_kalman,
+       .settings = rts_settings,
        .over_time = solve_joints},
       {.name = "window",
        .what = "all joints together over a window of time, with bones of constant length",
        .source = "the motion of rts with Cauchy's loss, by Ceres",
        .needs_ranges = false,
-       .read = read_window,
-       .write = write_window,
+       .settings = window_settings,
        .over_time = solve_windows}};
   return kinds;
 }

@@ -57,9 +57,6 @@ const std::vector<std::string>& stated_or_estimated();
 // One entry of a study's "methods".
 MethodSpec read_method(JsonObject& object);
 // Every setting of the method written out.
-Json resolved_json(const MethodSpec& method);
-
-// The texts under `key`; refuses one that stands there twice.
-std::vector<std::string> different_texts(JsonObject& object, const std::string& key);
+Json resolved_json(MethodSpec method);
 
 }  // namespace trilat

@@ -55,6 +55,6 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
 
 // Every setting written out, defaults included: what goes into the manifest and its hash.
-Json resolved_json(const StudySpec& spec);
+Json resolved_json(StudySpec spec);
 
 }  // namespace trilat
