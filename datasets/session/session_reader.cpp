@@ -57,27 +57,20 @@ SensorDescription read_description(const H5Node& node, const std::string& name) 
   return sensor;
 }
 
-template <class T>
-std::vector<T> read_rows(const H5Table& table, std::uint64_t first, std::uint64_t count) {
-  std::vector<T> values(count * table.row_elements());
-  table.read(first, std::span<T>(values));
-  return values;
-}
-
 void check_range(const std::string& place, std::uint64_t first, std::uint64_t count, std::uint64_t rows) {
   if (first > rows || count > rows - first)
     throw InputError(place, "has " + std::to_string(rows) + " whole rows; rows " + std::to_string(first) +
                                 " to " + std::to_string(first + count) + " were asked for");
 }
 
-void read_bodies(const BodyColumns& columns, std::uint64_t first, std::span<Body> bodies) {
+void read_bodies(const layout::Bodies<Opened>& columns, std::uint64_t first, std::span<Body> bodies) {
   const std::uint64_t n = bodies.size();
-  const auto ids = read_rows<std::uint64_t>(columns.tracking_id, first, n);
-  const auto positions = read_rows<float>(columns.position_m, first, n);
-  const auto orientations = read_rows<float>(columns.orientation, first, n);
-  const auto states = read_rows<std::uint8_t>(columns.tracking_state, first, n);
-  const auto hands = read_rows<std::uint8_t>(columns.hand_state, first, n);
-  const auto confidences = read_rows<std::uint8_t>(columns.hand_confidence, first, n);
+  const auto ids = columns.tracking_id.read(first, n);
+  const auto positions = columns.position_m.read(first, n);
+  const auto orientations = columns.orientation.read(first, n);
+  const auto states = columns.tracking_state.read(first, n);
+  const auto hands = columns.hand_state.read(first, n);
+  const auto confidences = columns.hand_confidence.read(first, n);
   for (std::size_t b = 0; b < n; ++b) {
     Body& body = bodies[b];
     body.tracking_id = ids[b];
@@ -152,13 +145,13 @@ std::vector<FrameStamp> SessionReader::stamps(std::size_t sensor, FrameStream st
                                               std::uint64_t count) const {
   const SensorTables& t = state_->sensors.at(sensor);
   if (stream == FrameStream::depth && !t.depth_stamps)
-    throw InputError(t.body_count.place(), "belongs to a sensor without depth");
-  const StampColumns& columns = stream == FrameStream::depth ? *t.depth_stamps : t.body_stamps;
+    throw InputError(t.frames.body_count.place(), "belongs to a sensor without depth");
+  const layout::Stamps<Opened>& columns = stream == FrameStream::depth ? *t.depth_stamps : t.frames.stamps;
   check_range(columns.sequence.place(), first, count,
               stream == FrameStream::depth ? t.counts.depth_frames : t.counts.body_frames);
-  const auto sequence = read_rows<std::int64_t>(columns.sequence, first, count);
-  const auto ticks = read_rows<std::int64_t>(columns.device_ticks, first, count);
-  const auto arrival = read_rows<std::int64_t>(columns.arrival_ns, first, count);
+  const auto sequence = columns.sequence.read(first, count);
+  const auto ticks = columns.device_ticks.read(first, count);
+  const auto arrival = columns.arrival_ns.read(first, count);
   std::vector<FrameStamp> result(count);
   const std::int64_t most_ticks = kMostHeaderNs / state_->header.sensors[sensor].tick_ns;
   for (std::size_t i = 0; i < count; ++i) {
@@ -174,13 +167,13 @@ std::vector<FrameStamp> SessionReader::stamps(std::size_t sensor, FrameStream st
 std::vector<BodyFrame> SessionReader::body_frames(std::size_t sensor, std::uint64_t first,
                                                   std::uint64_t count) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  check_range(t.body_count.place(), first, count, t.counts.body_frames);
+  check_range(t.frames.body_count.place(), first, count, t.counts.body_frames);
   std::vector<BodyFrame> frames(count);
   if (count == 0) return frames;
   const auto stamps_of = stamps(sensor, FrameStream::bodies, first, count);
-  const auto floors = read_rows<float>(t.floor_plane, first, count);
+  const auto floors = t.frames.floor_plane.read(first, count);
   const std::uint64_t checkpoint = first / kBodyCheckpoint * kBodyCheckpoint;
-  const auto counts = read_rows<std::uint8_t>(t.body_count, checkpoint, first + count - checkpoint);
+  const auto counts = t.frames.body_count.read(checkpoint, first + count - checkpoint);
   std::uint64_t row = t.body_row_at[checkpoint / kBodyCheckpoint], total = 0;
   for (std::uint64_t i = 0; i < counts.size(); ++i) (i < first - checkpoint ? row : total) += counts[i];
   std::vector<Body> bodies(total);
@@ -199,14 +192,14 @@ std::vector<BodyFrame> SessionReader::body_frames(std::size_t sensor, std::uint6
 void SessionReader::depth_frame(std::size_t sensor, std::uint64_t index,
                                 std::span<std::uint16_t> depth_mm) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
+  if (!t.depth_frames) throw InputError(t.frames.body_count.place(), "belongs to a sensor without depth");
   check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
   t.depth_frames->read(index, depth_mm);
 }
 
 StoredDepthFrame SessionReader::stored_depth_frame(std::size_t sensor, std::uint64_t index) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  if (!t.depth_frames) throw InputError(t.body_count.place(), "belongs to a sensor without depth");
+  if (!t.depth_frames) throw InputError(t.frames.body_count.place(), "belongs to a sensor without depth");
   check_range(t.depth_frames->place(), index, 1, t.counts.depth_frames);
   StoredDepthFrame frame{
       t.depth_frames->place() + " frame " + std::to_string(index), t.counts.depth_compression, {}};
@@ -238,14 +231,14 @@ std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor) co
 std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor, std::uint64_t first,
                                                           std::uint64_t count) const {
   const SensorTables& t = state_->sensors.at(sensor);
-  check_range(t.clock_exchanges.place(), first, count, t.counts.clock_exchanges);
-  const auto values = read_rows<std::int64_t>(t.clock_exchanges, first, count);
+  check_range(t.lists.clock_exchanges.place(), first, count, t.counts.clock_exchanges);
+  const auto values = t.lists.clock_exchanges.read(first, count);
   std::vector<ClockExchange> result(count);
   for (std::size_t i = 0; i < result.size(); ++i) {
     result[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]};
     for (std::size_t k = 0; k < 4; ++k)
       if (std::abs(values[4 * i + k] / 2) > kMostHeaderNs / 4)
-        throw InputError(t.clock_exchanges.place(),
+        throw InputError(t.lists.clock_exchanges.place(),
                          "row " + std::to_string(first + i) + " holds an impossible time");
   }
   return result;
@@ -254,7 +247,7 @@ std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor, st
 std::vector<DropCount> SessionReader::drop_counts(std::size_t sensor) const {
   const SensorTables& t = state_->sensors.at(sensor);
   const std::uint64_t rows = t.counts.drop_counts;
-  const auto values = read_rows<std::int64_t>(t.drop_counts, 0, rows);
+  const auto values = t.lists.drop_counts.read(0, rows);
   std::vector<DropCount> result(rows);
   for (std::size_t i = 0; i < rows; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
   return result;
@@ -264,8 +257,8 @@ std::vector<SensorNotice> SessionReader::notices(std::size_t sensor) const {
   const SensorTables& t = state_->sensors.at(sensor);
   std::vector<SensorNotice> result(t.counts.notices);
   if (result.empty()) return result;
-  const auto times = read_rows<std::int64_t>(t.notice_host_ns, 0, result.size());
-  const auto texts = read_rows<std::uint8_t>(t.notice_text, 0, result.size());
+  const auto times = t.notices.host_ns.read(0, result.size());
+  const auto texts = t.notices.text.read(0, result.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto begin = texts.begin() + static_cast<std::ptrdiff_t>(i * layout::kNoticeBytes);
     const auto end = begin + static_cast<std::ptrdiff_t>(layout::kNoticeBytes);

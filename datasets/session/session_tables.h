@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "datasets/hdf5/hdf5_file.h"
+#include "datasets/session/session_layout.h"
 #include "datasets/session/session_reader.h"
 
 // The opened tables of one sensor of a session, for SessionReader.
@@ -13,24 +16,29 @@ namespace trilat {
 
 inline constexpr std::uint64_t kBodyCheckpoint = 1024;  // frames between remembered body rows
 
-struct StampColumns {
-  H5Table sequence, device_ticks, arrival_ns;
-  explicit StampColumns(const H5Node& node);
-};
+// An opened column.
+template <class T>
+struct Opened {
+  H5Table table;
 
-struct BodyColumns {
-  H5Table frame, tracking_id, position_m, orientation, tracking_state, hand_state, hand_confidence;
-  explicit BodyColumns(const H5Node& node);
+  void open(const H5Node& node, const char* name, const std::vector<std::uint64_t>& row_shape) {
+    table = node.table(name, h5_type_of<T>(), row_shape);
+  }
+  std::vector<T> read(std::uint64_t first, std::uint64_t count) const {
+    std::vector<T> values(count * table.row_elements());
+    table.read(first, std::span<T>(values));
+    return values;
+  }
+  const std::string& place() const { return table.place(); }
 };
 
 struct SensorTables {
-  StampColumns body_stamps;
-  H5Table floor_plane, body_count;
-  BodyColumns bodies;
-  std::optional<StampColumns> depth_stamps;
+  session_layout::BodyFrames<Opened> frames;
+  session_layout::Bodies<Opened> bodies;
+  std::optional<session_layout::Stamps<Opened>> depth_stamps;
   std::optional<H5Table> depth_frames;
-  H5Table clock_exchanges, drop_counts;
-  H5Table notice_host_ns, notice_text;
+  session_layout::Lists<Opened> lists;
+  session_layout::Notices<Opened> notices;
   std::vector<std::uint64_t> body_row_at;  // of every kBodyCheckpoint-th frame
   SensorCounts counts;
 };

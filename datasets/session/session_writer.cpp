@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/session/session_writer.h"
 
+#include <array>
+#include <iterator>
 #include <mutex>
+#include <optional>
 #include <set>
+#include <vector>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
+#include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_layout.h"
 
 namespace trilat {
@@ -20,99 +25,53 @@ constexpr std::size_t kRowsPerChunk = 32;  // about a second: a chunk is rewritt
 template <class T>
 struct Gathered {
   H5Table table;
-  std::vector<T> rows{};
+  std::vector<T> rows;
+
+  void create(H5Node& node, const char* name, const std::vector<std::uint64_t>& row_shape) {
+    table =
+        node.create_table(name, h5_type_of<T>(), row_shape, {.chunk_rows = kRowsPerChunk, .checksum = true});
+  }
+  template <class Values>
+  void add(const Values& values) {
+    rows.insert(rows.end(), std::begin(values), std::end(values));
+  }
   void flush() {
     table.append(std::span<const T>(rows));
     rows.clear();
   }
 };
 
-template <class T>
-Gathered<T> gathered(H5Node& node, const layout::Column& column) {
-  return {node.create_table(column.name, column.type, column.row_shape,
-                            {.chunk_rows = kRowsPerChunk, .checksum = true})};
+template <class Tables>
+void create_columns(Tables& tables, auto&& node) {
+  Tables::columns(tables, [&](const char* name, auto& column, auto... extents) {
+    column.create(node, name, {static_cast<std::uint64_t>(extents)...});
+  });
 }
 
-struct Stamps {
-  Gathered<std::int64_t> sequence, device_ticks, arrival_ns;
-  Stamps(H5Node& node, const std::vector<layout::Column>& columns)
-      : sequence(gathered<std::int64_t>(node, columns[0])),
-        device_ticks(gathered<std::int64_t>(node, columns[1])),
-        arrival_ns(gathered<std::int64_t>(node, columns[2])) {}
-  void add(const FrameStamp& stamp) {
-    sequence.rows.push_back(stamp.sequence);
-    device_ticks.rows.push_back(stamp.device_ticks);
-    arrival_ns.rows.push_back(stamp.arrival_ns);
-  }
-  void flush() {
-    sequence.flush();
-    device_ticks.flush();
-    arrival_ns.flush();
-  }
-};
+template <class Tables>
+void flush_columns(Tables& tables) {
+  Tables::columns(tables, [](const char*, auto& column, auto...) { column.flush(); });
+}
 
-struct BodyTables {
-  Stamps stamps;
-  Gathered<float> floor_plane;
-  Gathered<std::uint8_t> body_count;
-  Gathered<std::uint64_t> frame, tracking_id;
-  Gathered<float> position_m, orientation;
-  Gathered<std::uint8_t> tracking_state, hand_state, hand_confidence;
-  std::uint64_t frames = 0;
+void add_stamp(layout::Stamps<Gathered>& stamps, const FrameStamp& stamp) {
+  stamps.sequence.rows.push_back(stamp.sequence);
+  stamps.device_ticks.rows.push_back(stamp.device_ticks);
+  stamps.arrival_ns.rows.push_back(stamp.arrival_ns);
+}
 
-  BodyTables(H5Node frames_node, H5Node bodies_node)
-      : stamps(frames_node, layout::kBodyFrameColumns),
-        floor_plane(gathered<float>(frames_node, layout::kBodyFrameColumns[3])),
-        body_count(gathered<std::uint8_t>(frames_node, layout::kBodyFrameColumns[4])),
-        frame(gathered<std::uint64_t>(bodies_node, layout::kBodyColumns[0])),
-        tracking_id(gathered<std::uint64_t>(bodies_node, layout::kBodyColumns[1])),
-        position_m(gathered<float>(bodies_node, layout::kBodyColumns[2])),
-        orientation(gathered<float>(bodies_node, layout::kBodyColumns[3])),
-        tracking_state(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[4])),
-        hand_state(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[5])),
-        hand_confidence(gathered<std::uint8_t>(bodies_node, layout::kBodyColumns[6])) {}
-
-  void add_body(const Body& body) {
-    frame.rows.push_back(frames);
-    tracking_id.rows.push_back(body.tracking_id);
-    for (const auto& point : body.position_m)
-      position_m.rows.insert(position_m.rows.end(), point.begin(), point.end());
-    for (const auto& turn : body.orientation_xyzw)
-      orientation.rows.insert(orientation.rows.end(), turn.begin(), turn.end());
-    const auto put = [](auto& column, const auto& values) {
-      column.rows.insert(column.rows.end(), values.begin(), values.end());
-    };
-    put(tracking_state, body.tracking_state);
-    put(hand_state, body.hand_state);
-    put(hand_confidence, body.hand_confidence);
-  }
-
-  // Bodies first: a frame that is there has its bodies.
-  void flush() {
-    frame.flush();
-    tracking_id.flush();
-    position_m.flush();
-    orientation.flush();
-    tracking_state.flush();
-    hand_state.flush();
-    hand_confidence.flush();
-    stamps.flush();
-    floor_plane.flush();
-    body_count.flush();
-  }
-};
+void add_body(layout::Bodies<Gathered>& bodies, std::uint64_t frame, const Body& body) {
+  bodies.frame.rows.push_back(frame);
+  bodies.tracking_id.rows.push_back(body.tracking_id);
+  for (const auto& point : body.position_m) bodies.position_m.add(point);
+  for (const auto& turn : body.orientation_xyzw) bodies.orientation.add(turn);
+  bodies.tracking_state.add(body.tracking_state);
+  bodies.hand_state.add(body.hand_state);
+  bodies.hand_confidence.add(body.hand_confidence);
+}
 
 struct DepthTables {
   H5Table frames;
-  Stamps stamps;
-};
-
-struct Notices {
-  Gathered<std::int64_t> host_ns;
-  Gathered<std::uint8_t> text;
-  explicit Notices(H5Node node)
-      : host_ns(gathered<std::int64_t>(node, layout::kNoticeColumns[0])),
-        text(gathered<std::uint8_t>(node, layout::kNoticeColumns[1])) {}
+  layout::Stamps<Gathered> stamps;
 };
 
 // What has been added so far, in the order of layout::kFlushed.
@@ -123,20 +82,21 @@ struct AddedRows {
 };
 
 struct WrittenTables {
-  BodyTables bodies;
-  std::unique_ptr<DepthTables> depth;
-  Gathered<std::int64_t> clock_exchanges, drop_counts;
-  Notices notices;
+  layout::BodyFrames<Gathered> frames;
+  layout::Bodies<Gathered> bodies;
+  std::optional<DepthTables> depth;
+  layout::Lists<Gathered> lists;
+  layout::Notices<Gathered> notices;
   Gathered<std::int64_t> flushed;
   AddedRows added{}, flushed_rows{};
 
+  // Bodies first: a frame that is there has its bodies.
   void flush() {
-    bodies.flush();
-    if (depth) depth->stamps.flush();
-    clock_exchanges.flush();
-    drop_counts.flush();
-    notices.host_ns.flush();
-    notices.text.flush();
+    flush_columns(bodies);
+    flush_columns(frames);
+    if (depth) flush_columns(depth->stamps);
+    flush_columns(lists);
+    flush_columns(notices);
   }
   void say_what_is_flushed() {
     if (added == flushed_rows) return;
@@ -163,16 +123,16 @@ void describe(H5Node& node, const SensorDescription& sensor) {
   for (const auto& [name, value] : numbers) node.set_number(name, value);
 }
 
-std::unique_ptr<DepthTables> depth_tables(H5Node node, ChunkCompression compression) {
-  H5Layout layout{.chunk_rows = 1, .checksum = true};
-  layout.filter = compression == ChunkCompression::blosc     ? kBloscFilter
+DepthTables depth_tables(H5Node node, ChunkCompression compression) {
+  H5Layout stored{.chunk_rows = 1, .checksum = true};
+  stored.filter = compression == ChunkCompression::blosc     ? kBloscFilter
                   : compression == ChunkCompression::deflate ? kDeflateFilter
                                                              : 0;
-  layout.filter_values = filter_values_of(compression, 2, kDepthPixels * 2);
-  return std::make_unique<DepthTables>(
-      DepthTables{node.create_table(layout::kDepthFrames.name, layout::kDepthFrames.type,
-                                    layout::kDepthFrames.row_shape, layout),
-                  Stamps(node, layout::kDepthStampColumns)});
+  stored.filter_values = filter_values_of(compression, 2, kDepthPixels * 2);
+  DepthTables tables{
+      node.create_table(layout::kDepthFrames, H5Type::u16, {kDepthHeight, kDepthWidth}, stored), {}};
+  create_columns(tables.stamps, node);
+  return tables;
 }
 
 void check_header(const SessionHeader& header, const std::string& place) {
@@ -216,12 +176,13 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHea
   for (const SensorDescription& sensor : header.sensors) {
     H5Node node = sensors.create_group(sensor.name);
     describe(node, sensor);
-    state_->sensors.push_back(
-        {BodyTables(node.create_group("body_frames"), node.create_group("bodies")),
-         sensor.has_depth ? depth_tables(node.create_group("depth"), depth_compression) : nullptr,
-         gathered<std::int64_t>(node, layout::kClockExchanges),
-         gathered<std::int64_t>(node, layout::kDropCounts), Notices(node.create_group("notices")),
-         gathered<std::int64_t>(node, layout::kFlushed)});
+    WrittenTables& tables = state_->sensors.emplace_back();
+    create_columns(tables.frames, node.create_group("body_frames"));
+    create_columns(tables.bodies, node.create_group("bodies"));
+    if (sensor.has_depth) tables.depth = depth_tables(node.create_group("depth"), depth_compression);
+    create_columns(tables.lists, node);
+    create_columns(tables.notices, node.create_group("notices"));
+    tables.flushed.create(node, layout::kFlushed, {layout::kFlushedNumbers});
   }
   file.start_swmr();
 }
@@ -249,13 +210,11 @@ void SessionWriter::add_body_frame(std::size_t sensor, const BodyFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && frame.bodies.size() <= kMaxBodies,
                "a body frame belongs to a sensor and has at most six bodies");
   WrittenTables& tables = state_->sensors[sensor];
-  BodyTables& bodies = tables.bodies;
-  for (const Body& body : frame.bodies) bodies.add_body(body);
-  bodies.stamps.add(frame.stamp);
-  bodies.floor_plane.rows.insert(bodies.floor_plane.rows.end(), frame.floor_plane.begin(),
-                                 frame.floor_plane.end());
-  bodies.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
-  ++bodies.frames;
+  for (const Body& body : frame.bodies)
+    add_body(tables.bodies, static_cast<std::uint64_t>(tables.added.body_frames), body);
+  add_stamp(tables.frames.stamps, frame.stamp);
+  tables.frames.floor_plane.add(frame.floor_plane);
+  tables.frames.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
   ++tables.added.body_frames;
   tables.added.bodies += static_cast<std::int64_t>(frame.bodies.size());
 }
@@ -267,21 +226,19 @@ void SessionWriter::add_depth_frame(std::size_t sensor, const EncodedDepthFrame&
                "a session has one compression for all its depth frames");
   WrittenTables& tables = state_->sensors[sensor];
   guarded([&] { tables.depth->frames.append_filtered_row(frame.chunk); });
-  tables.depth->stamps.add(frame.stamp);
+  add_stamp(tables.depth->stamps, frame.stamp);
   ++tables.added.depth_frames;
 }
 
 void SessionWriter::add_clock_exchange(std::size_t sensor, const ClockExchange& e) {
   WrittenTables& tables = state_->sensors.at(sensor);
-  auto& rows = tables.clock_exchanges.rows;
-  rows.insert(rows.end(), {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
+  tables.lists.clock_exchanges.add(std::array{e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
   ++tables.added.clock_exchanges;
 }
 
 void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
   WrittenTables& tables = state_->sensors.at(sensor);
-  auto& rows = tables.drop_counts.rows;
-  rows.insert(rows.end(), {count.host_ns, count.at_source, count.in_queue});
+  tables.lists.drop_counts.add(std::array{count.host_ns, count.at_source, count.in_queue});
   ++tables.added.drop_counts;
 }
 
@@ -290,7 +247,7 @@ void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
   std::vector<std::uint8_t> text(notice.text.begin(), notice.text.end());
   text.resize(layout::kNoticeBytes, 0);
   tables.notices.host_ns.rows.push_back(notice.host_ns);
-  tables.notices.text.rows.insert(tables.notices.text.rows.end(), text.begin(), text.end());
+  tables.notices.text.add(text);
   ++tables.added.notices;
 }
 

@@ -33,7 +33,7 @@ constexpr Variance kOfVariances[kVariances] = {
     {"wander_sigma_m", "needs a truth, several sensors and a person who moves"},
     {"view_wander_sigma_m", "needs sensors that look from several sides and a person who moves"},
     {"own_wander_sigma_m", "needs several sensors and a person who moves"}};
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // What some participants' sums say of one parameter, NaN where nothing, and how much data say it.
 struct Told {
@@ -275,7 +275,7 @@ TrackerMeasurement measure_tracker(std::span<const WatchedTake> takes) {
 
   TrackerMeasurement result;
   const auto told = [&](const char* name, std::string_view group, const auto& member_of,
-                        double most = kUnlimited, double least_half = 0.0) {
+                        double most = kNoLimit, double least_half = 0.0) {
     std::vector<Told> pieces;
     for (const Estimates& one : without) pieces.push_back(member_of(one));
     auto m = with_interval(member_of(whole), pieces, most, least_half);
@@ -309,11 +309,11 @@ TrackerMeasurement measure_tracker(std::span<const WatchedTake> takes) {
   of_groups(
       "inferred_error_sigma_m", [](const Estimates& e, std::size_t g) { return e.hidden_m[g]; },
       "needs joints that one sensor cannot see, and a truth or another sensor that sees them");
-  value("wander_path_m", &Estimates::path_m, kUnlimited,
+  value("wander_path_m", &Estimates::path_m, kNoLimit,
         "needs joints that move by more than their errors keep");
-  value("ray_ratio", &Estimates::ray_ratio, kUnlimited,
+  value("ray_ratio", &Estimates::ray_ratio, kNoLimit,
         "needs an exact truth, or two sensors that look from one side");
-  value("lag_s", &Estimates::lag_s, kUnlimited, "needs a truth whose clock was not set by the motion");
+  value("lag_s", &Estimates::lag_s, kNoLimit, "needs a truth whose clock was not set by the motion");
   value("least_visible_share", &Estimates::visible_share, 1.0,
         "needs joints that one sensor cannot see, and a truth or another sensor that sees them", 0.5 / kRays);
   value("hidden_as_tracked_share", &Estimates::hidden_as_tracked, 1.0, "needs tracking states and a truth");

@@ -80,17 +80,17 @@ void fill_border(const DepthLayout& layout, std::vector<float>& image) {
 }  // namespace
 
 DepthNoiseSpec noise_free_depth() {
-  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  constexpr double kWithout = std::numeric_limits<double>::infinity();
   DepthNoiseSpec spec;
   spec.axial = {0.0, 0.0, 0.0, 0.0};
   spec.lateral_sigma_m = 0.0;
   spec.corner_noise_factor = 1.0;
   spec.offset_limit_m = 0.0;
   spec.wiggle_amplitude_low_m = spec.wiggle_amplitude_high_m = 0.0;
-  spec.edge_step_m = kUnlimited;
+  spec.edge_step_m = kWithout;
   spec.edge_dropped_share = 0.0;
   spec.grazing_limit_rad = std::numbers::pi / 2.0;
-  spec.valid_radius = kUnlimited;
+  spec.valid_radius = kWithout;
   spec.nearest_m = 0.001;
   spec.farthest_m = 65.0;
   return spec;
