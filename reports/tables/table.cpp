@@ -2,7 +2,6 @@
 #include "reports/tables/table.h"
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 #include <utility>
 
@@ -13,14 +12,9 @@ namespace trilat {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 8> kUnits{{{"_percent", "%"},
-                                                                     {"_cm", "cm"},
-                                                                     {"_mm", "mm"},
-                                                                     {"_us", "us"},
-                                                                     {"_ms", "ms"},
-                                                                     {"_deg", "degrees"},
-                                                                     {"_ppm", "ppm"},
-                                                                     {"_m_s3", "m/s³"}}};
+constexpr std::pair<const char*, const char*> kUnits[] = {
+    {"_percent", "%"}, {"_cm", "cm"},       {"_mm", "mm"},   {"_us", "us"},
+    {"_ms", "ms"},     {"_deg", "degrees"}, {"_ppm", "ppm"}, {"_m_s3", "m/s³"}};
 
 // Two bytes each.
 constexpr std::pair<const char*, const char*> kLetters[] = {

@@ -135,17 +135,6 @@ TEST(StudyPart, APartThatWasWrittenByHandIsRefusedAtItsPlace) {
   EXPECT_THAT(said("takes", takes), HasSubstr("p99-walking: is a take of the study, but none of its items"));
 }
 
-TEST(StudyPart, ASamplesFileThatIsCutIsAnErrorAndNoResult) {
-  Divided work;
-  const auto parts = work.parts(2);
-  const std::string id = item_of(work.campaign.takes[0]);
-  const std::size_t part = std::filesystem::exists(item_folder(parts[0], id)) ? 0 : 1;
-  std::filesystem::resize_file(item_folder(parts[part], id) / "samples.h5", 1000);
-  EXPECT_THAT(message_of([&] { work.merged(parts); }),
-              HasSubstr(id + "/samples.h5: is missing or has another size"));
-  EXPECT_FALSE(std::filesystem::exists(work.folder / "merged2"));
-}
-
 TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
   const ScratchFolder folder;
   const auto said = [&](PartItem item) {

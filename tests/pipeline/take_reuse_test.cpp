@@ -102,16 +102,6 @@ TEST(Reuse, ResultsThatAreDamagedAreMadeAgain) {
     }
 }
 
-TEST(Reuse, AnItemOfAPartThatIsTornIsMadeAgain) {
-  Divided work(2, false);
-  const auto part = work.folder / "part";
-  work.part({1, 1}, part);
-  const std::string torn = item_of(work.campaign.takes[0]);
-  std::ofstream(item_folder(part, torn) / kItemFile, std::ios::trunc);
-  const ItemTally again = run_accuracy(work.study, work.campaign, part, {.reuse = {part}, .shard = {1, 1}});
-  EXPECT_THAT(again.computed, ElementsAre(torn));
-}
-
 TEST(Reuse, APartHoldsNoItemsOfAnEarlierShard) {
   Divided work(2, false);
   const auto part = work.folder / "part";
@@ -208,28 +198,6 @@ TEST(Reuse, AFileThatIsReplacedDuringTheRunFailsItsTakesInsteadOfGivingThemItsHa
   ASSERT_THAT(again.summary.notes, Not(IsEmpty()));
   EXPECT_THAT(again.summary.notes[0].text, HasSubstr("changed while it was being evaluated"));
   EXPECT_THAT(again.tally.computed, IsEmpty());
-}
-
-TEST(Reuse, EarlierResultsThatAreReplacedMeanwhileAreNotTakenForThoseThatWereFound) {
-  Divided work(1, false);
-  const auto whole = work.whole();
-  StudySpec other = study_of(R"("methods": [{"method": "mean"}, {"method": "nonlinear", "max_iterations": 1},
-      {"method": "geometric"}, {"method": "rts"}])");
-  execute_study(other, work.campaign, work.folder / "other", {});
-  work.study.name = "another";
-  std::once_flag once;
-  const auto replace = [&](double) {
-    std::call_once(once, [&] {
-      std::filesystem::rename(whole, work.folder / "aside");
-      std::filesystem::rename(work.folder / "other", whole);
-    });
-  };
-  EXPECT_THAT(message_of([&] {
-                run(work.study, work.campaign, work.folder / "results",
-                    {.threads = 1, .progress = replace, .reuse = {whole}});
-              }),
-              HasSubstr("whole: was replaced while its results were used again"));
-  EXPECT_FALSE(std::filesystem::exists(work.folder / "results"));
 }
 
 TEST(Reuse, WhatFailedIsTriedAgain) {
