@@ -239,12 +239,13 @@ Study calibration_study(const CalibrationSpec& spec) {
   std::vector<Item> items = wand_items(spec);
   for (const auto& more : {distortion_items(spec), rig_items(spec)})
     items.insert(items.end(), more.begin(), more.end());
-  return {.kind = name_of(StudyKind::calibration),
-          .work = resolved,
-          .items = std::move(items),
-          .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                           const Watch& watch) { write_results(results, summarise(spec, outcomes, watch)); },
-          .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+  return {
+      .kind = name_of(StudyKind::calibration),
+      .work = resolved,
+      .items = std::move(items),
+      .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
+                       const Watch& watch) { write_results(results, summarise(spec, outcomes, watch), -1); },
+      .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
 }
 
 }  // namespace trilat

@@ -194,7 +194,7 @@ Study recording_study(const RecordingSpec& spec) {
                     write_declared_parameters(folder, recording_parameters(spec));
                   },
               .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                               const Watch&) { write_results(results, summarise(spec, outcomes)); },
+                               const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
               .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
   if (!spec.methods.empty())
     study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {
