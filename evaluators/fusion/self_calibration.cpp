@@ -186,8 +186,10 @@ class Calibrator {
     }
   }
 
-  // Places by M-estimates; the weights stay with the views.
+  // Places by M-estimates; the weights stay with the views. The curvature of Cauchy's loss is less than they
+  // say.
   void place_robustly() {
+    double curvature = 0.0, weights = 0.0;
     for (Row& row : rows_) {
       place(row);
       std::array<Eigen::Matrix3d, kMaxSensors> full;
@@ -205,7 +207,14 @@ class Calibrator {
         row.covariance = information.inverse();
         row.position_m = row.covariance * right;
       }
+      for (std::size_t k = 0; k < row.views.size(); ++k) {
+        const Eigen::Vector3d e = row.views[k].straight_m - row.position_m;
+        const double square = e.dot(full[k] * e) / (kLossScale * kLossScale), weight = 1.0 / (1.0 + square);
+        weights += 3.0 * weight;
+        curvature += 3.0 * weight - 2.0 * weight * weight * square;
+      }
     }
+    curvature_ = curvature / weights;
   }
 
   // How the view's corrected point moves with its sensor's turn, shift and range offset.
@@ -224,15 +233,17 @@ class Calibrator {
     for (const Row& row : rows_) add(row, information, scores);
     information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
     design_effect_ = design_effect(information, scores, round == 0);
-    information /= design_effect_;
+    information *= curvature_ * curvature_ / design_effect_;
     const Eigen::MatrixXd precision = precision_of(priors_);
-    const Eigen::VectorXd right = scores.colwise().sum().transpose() / design_effect_ - precision * theta_;
+    const Eigen::VectorXd right =
+        scores.colwise().sum().transpose() * curvature_ / design_effect_ - precision * theta_;
     covariance_ = (information + precision).inverse();
     theta_ += covariance_ * right;
-    if (round >= kFirstOfPriors) priors_ = estimated_priors(0.0);
     // few sensors tell little of their own priors: what is said to be known counts the stated ones, too
     if (round == kRounds - 1)
       covariance_ = (information + precision_of(estimated_priors(kStatedCount))).inverse();
+    else if (round >= kFirstOfPriors)
+      priors_ = only_narrower(estimated_priors(0.0));
   }
 
   // The row's part of the normal equations, its place eliminated.
@@ -272,8 +283,9 @@ class Calibrator {
       squares += z.squaredNorm();
       directions += 1.0;
     }
-    const auto joints = static_cast<double>(joints_.size());
-    return std::max(1.0, squares / directions * joints / std::max(1.0, joints - 1.0));
+    // constants of joints in sensors' views, less where the joints are and what was told
+    const double constants = 3.0 * static_cast<double>(joints_.size() * (rig_.size() - 1));
+    return std::max(1.0, squares / directions * constants / std::max(1.0, constants - directions));
   }
 
   using KindArray = Eigen::Array<double, kParameters, 1>;  // a number for each parameter of a sensor
@@ -315,9 +327,12 @@ class Calibrator {
                       std::sqrt((stated_count * stated * stated + squares.segment(first, count).sum()) /
                                 (stated_count + freedom)));
     };
-    return {sigma(stated_priors_.turn_rad, 0, 3),
-            std::min(stated_priors_.shift_m, sigma(stated_priors_.shift_m, 3, 3)),
-            std::min(stated_priors_.range_m, sigma(stated_priors_.range_m, 6, 1))};
+    return {sigma(stated_priors_.turn_rad, 0, 3), sigma(stated_priors_.shift_m, 3, 3),
+            sigma(stated_priors_.range_m, 6, 1)};
+  }
+  CorrectionPriors only_narrower(const CorrectionPriors& estimated) const {
+    return {estimated.turn_rad, std::min(stated_priors_.shift_m, estimated.shift_m),
+            std::min(stated_priors_.range_m, estimated.range_m)};
   }
 
   SelfCalibration result() const {
@@ -348,6 +363,7 @@ class Calibrator {
   RaySigma sigma_{0.05, 0.05, 3.0};
   Eigen::VectorXd theta_;
   Eigen::MatrixXd covariance_;
+  double curvature_ = 1.0;  // of the loss, over the weights
   double design_effect_ = 1.0;
 };
 
