@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/generated_person.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -19,6 +20,7 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // Heights and lengths as fractions of the stature.
 namespace fraction {
 constexpr double kHip = 0.530, kHipHalfWidth = 0.0955, kThigh = 0.245, kShank = 0.246, kFoot = 0.10;
+constexpr double kAnkle = kHip - kThigh - kShank;
 constexpr double kSpineMid = 0.66, kSpineShoulder = 0.80, kShoulder = 0.818, kShoulderHalfWidth = 0.129;
 constexpr double kUpperArm = 0.186, kForearm = 0.146, kHand = 0.054, kHandTip = 0.108, kThumb = 0.06;
 constexpr double kNeck = 0.85, kHead = 0.93;
@@ -107,38 +109,92 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
   return pose;
 }
 
-// On a circle, at one moment of a stride.
-SkeletonPose on_circle(const Person& p, double lap, double stride, double radius_m) {
-  Angles a;
-  for (int side : {0, 1}) {
-    const double s = side == 0 ? 1.0 : -1.0;
-    a.hip[side] = p.amplitude * 0.38 * s * std::sin(stride);
-    a.knee[side] = 0.12 + p.amplitude * 0.25 * (1.0 + s * std::cos(stride + 0.4));
-    a.shoulder[side] = -p.amplitude * 0.45 * s * std::sin(stride);
-    a.elbow[side] = 0.35 + p.amplitude * 0.15 * (1.0 - s * std::sin(stride));
-  }
-  a.trunk = 0.05;
-  const Vector3d origin(radius_m * std::cos(lap),
-                        fraction::kHip * p.stature_m - 0.02 + 0.015 * std::cos(2.0 * stride),
-                        -radius_m * std::sin(lap));
-  return pose_of(a, origin, lap + std::numbers::pi, p.stature_m);
-}
+// Where somebody stands on the floor, and which way they face.
+struct Stand {
+  Vector3d place_m;
+  double heading_rad = 0.0;
+};
 
 constexpr double kStride_hz = 0.9;
+constexpr double kStance = 0.62;  // of a stride a foot stands
+
+// From 0 to 1 with no speed and no acceleration at both ends.
+double eased(double x) { return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); }
+
+// The knee bends forward between a hip and an ankle.
+Vector3d knee_between(const Vector3d& hip_m, const Vector3d& ankle_m, const Vector3d& forward,
+                      double stature) {
+  const double thigh_m = fraction::kThigh * stature, shank_m = fraction::kShank * stature;
+  const Vector3d way_m = ankle_m - hip_m, along = way_m.normalized();
+  const double to_foot_m =
+      (way_m.squaredNorm() + thigh_m * thigh_m - shank_m * shank_m) / (2.0 * way_m.norm());
+  const double bend_m = std::sqrt(std::max(0.0, thigh_m * thigh_m - to_foot_m * to_foot_m));
+  return hip_m + to_foot_m * along + bend_m * (forward - forward.dot(along) * along).normalized();
+}
+
+// A foot stands under its hip as that is in the middle of the stance; between two stances it swings from one
+// place to the next. `way`: where the body is at any stride.
+void step_leg(SkeletonPose& pose, const Person& p, int side, double stride, const auto& way) {
+  const double middle = side == 0 ? std::numbers::pi : 0.0;
+  const auto stand_of = [&](double stance) { return way(middle + kTwoPi * stance); };
+  const auto ankle_of = [&](const Stand& stand) -> Vector3d {
+    const double aside = (side == 0 ? 1.0 : -1.0) * fraction::kHipHalfWidth * p.stature_m;
+    const BodyAxes body = body_axes(stand.place_m, stand.heading_rad);
+    return body.origin_m + aside * body.left + fraction::kAnkle * p.stature_m * body.up;
+  };
+  const double stances = (stride - middle) / kTwoPi, last = std::floor(stances + 0.5 * kStance);
+  const double swung = std::clamp((stances - last - 0.5 * kStance) / (1.0 - kStance), 0.0, 1.0);
+  const Stand from = stand_of(last), to = stand_of(last + 1.0);
+  const Vector3d from_m = ankle_of(from), step_m = ankle_of(to) - from_m;
+  const double lift_m = 0.2 * step_m.norm() * 64.0 * std::pow(swung * (1.0 - swung), 3);
+  const Vector3d ankle_m = from_m + eased(swung) * step_m + lift_m * Vector3d::UnitY();
+  const BodyAxes foot =
+      body_axes(ankle_m, from.heading_rad + eased(swung) * (to.heading_rad - from.heading_rad));
+  const Vector3d hip_m = pose.at(sided(Joint::hip_left, side));
+  pose.at(sided(Joint::knee_left, side)) =
+      knee_between(hip_m, ankle_m, body_axes(hip_m, pose.heading_rad).forward, p.stature_m);
+  pose.at(sided(Joint::ankle_left, side)) = ankle_m;
+  pose.at(sided(Joint::foot_left, side)) =
+      ankle_m + p.stature_m * (fraction::kFoot * foot.forward - 0.025 * foot.up);
+}
+
+// At one moment of a stride; arms swing by `swing` of the usual.
+SkeletonPose stepping(const Person& p, double stride, double swing, const auto& way) {
+  Angles a;
+  for (int side : {0, 1}) {
+    const double s = (side == 0 ? 1.0 : -1.0) * std::sin(stride);
+    a.shoulder[side] = -p.amplitude * 0.45 * swing * s;
+    a.elbow[side] = 0.35 + p.amplitude * 0.15 * swing * (1.0 - s);
+  }
+  a.trunk = 0.05;
+  const Stand here = way(stride);
+  const double height_m = fraction::kHip * p.stature_m - 0.03 + 0.015 * swing * std::cos(2.0 * stride);
+  SkeletonPose pose = pose_of(a, here.place_m + height_m * Vector3d::UnitY(), here.heading_rad, p.stature_m);
+  for (int side : {0, 1}) step_leg(pose, p, side, stride, way);
+  return pose;
+}
+
+Stand on_circle(double lap, double radius_m) {
+  return {{radius_m * std::cos(lap), 0.0, -radius_m * std::sin(lap)}, lap + std::numbers::pi};
+}
 
 SkeletonPose walk(const Person& p, double t) {
   constexpr double kLaps_hz = 4.0 / 35.0, kRadius_m = 0.4;
-  return on_circle(p, kTwoPi * kLaps_hz * p.tempo * t + p.phase_rad,
-                   kTwoPi * kStride_hz * p.tempo * t + p.phase_rad, kRadius_m);
+  return stepping(p, kTwoPi * kStride_hz * p.tempo * t + p.phase_rad, 1.0, [&](double stride) {
+    return on_circle(kLaps_hz / kStride_hz * (stride - p.phase_rad) + p.phase_rad, kRadius_m);
+  });
 }
 
-// One round, then as long at rest, facing forward.
+// One round, then as long at rest on both feet, facing forward.
 SkeletonPose walk_about(const Person& p, double t) {
   constexpr double kRound_s = 6.5, kRadius_m = 0.6;
+  constexpr double kStrides = 8.0, kFirst = 0.25;  // both feet stand a quarter behind a stance's middle
   const double since = std::fmod(p.tempo * t + p.phase_rad / kTwoPi * 2.0 * kRound_s, 2.0 * kRound_s);
-  const double walked = std::min(since, kRound_s) / kRound_s;
-  return on_circle(p, std::numbers::pi + kTwoPi * walked, kTwoPi * std::round(kStride_hz * kRound_s) * walked,
-                   kRadius_m);
+  const double strides = kFirst + kStrides * std::min(since, kRound_s) / kRound_s;
+  return stepping(p, kTwoPi * strides, 1.0, [&](double stride) {
+    const double walked = (stride / kTwoPi - 2.0 * kFirst) / (kStrides - 2.0 * kFirst);
+    return on_circle(std::numbers::pi + kTwoPi * std::clamp(walked, 0.0, 1.0), kRadius_m);
+  });
 }
 
 SkeletonPose swing_arms(const Person& p, double t) {
@@ -169,18 +225,12 @@ SkeletonPose cross_legs(const Person& p, double t) {
 
 // To and fro and from side to side, always facing forward.
 SkeletonPose step(const Person& p, double t) {
-  const double way = kTwoPi / 12.0 * p.tempo * t + p.phase_rad, stride = kTwoPi * kStride_hz * p.tempo * t;
-  const double moving = std::abs(std::cos(way));
-  Angles a;
-  for (int side : {0, 1}) {
-    const double s = side == 0 ? 1.0 : -1.0;
-    a.hip[side] = p.amplitude * 0.25 * moving * s * std::sin(stride);
-    a.knee[side] = 0.05 + p.amplitude * 0.2 * moving * (1.0 + s * std::cos(stride + 0.4));
-    a.shoulder[side] = -p.amplitude * 0.2 * moving * s * std::sin(stride);
-    a.elbow[side] = 0.2;
-  }
-  return pose_of(a, {0.3 * std::sin(2.0 * way), fraction::kHip * p.stature_m - 0.01, 0.6 * std::sin(way)},
-                 0.0, p.stature_m);
+  constexpr double kWays_hz = 1.0 / 12.0;
+  const auto way_of = [&](double stride) { return kWays_hz / kStride_hz * stride + p.phase_rad; };
+  const double stride = kTwoPi * kStride_hz * p.tempo * t;
+  return stepping(p, stride, 0.45 * std::abs(std::cos(way_of(stride))), [&](double at) -> Stand {
+    return {{0.3 * std::sin(2.0 * way_of(at)), 0.0, 0.6 * std::sin(way_of(at))}};
+  });
 }
 
 constexpr double kTurn = 2.0 * std::numbers::pi;

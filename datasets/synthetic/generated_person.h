@@ -29,7 +29,8 @@ struct Person {
 Person draw_person(std::uint64_t seed, std::uint64_t index, double stature_mean_m,
                    double stature_half_range_m);
 
-// Smooth in time: all joint paths are sums of sines, so that they may be sampled at any rate. All 25 joints.
+// Smooth in time, so that it may be sampled at any rate. All 25 joints. Who walks or steps stands on one foot
+// at least, which does not move.
 Motion generated_motion(const Person& person, Activity activity);
 
 inline constexpr std::uint64_t kMostBystanders = 2;

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 
 constexpr Activity kActivities[] = {Activity::walking, Activity::arm_swing, Activity::leg_crossing,
-                                    Activity::standing};
+                                    Activity::standing, Activity::steps};
 
 std::vector<SimulatedSensor> rig_of(const SensorSpec& spec, const SimulatedItem& item) {
   std::vector<SimulatedSensor> sensors;
@@ -82,6 +82,29 @@ TEST(GeneratedPerson, LimbsKeepTheirLengthWhileMoving) {
       }
     }
   }
+}
+
+TEST(GeneratedPerson, WhoWalksStandsOnAFootThatDoesNotMove) {
+  for (const Activity activity : {Activity::walking, Activity::steps, Activity::walk_about})
+    for (const double stature_m : {1.53, 1.87}) {
+      const Motion motion =
+          generated_motion({.stature_m = stature_m, .tempo = 1.1, .phase_rad = 1.0}, activity);
+      for (double t = 0.0; t < 35.0; t += 0.013) {
+        const SkeletonPose before = motion(t - 1e-3), at = motion(t), after = motion(t + 1e-3);
+        std::size_t standing = 0;
+        for (const Joint ankle : {Joint::ankle_left, Joint::ankle_right}) {
+          standing += (at.at(ankle) - before.at(ankle)).norm() < 1e-9 ||
+                      (after.at(ankle) - at.at(ankle)).norm() < 1e-9;
+          ASSERT_GT(at.at(ankle).y(), 0.038 * stature_m);
+        }
+        ASSERT_GE(standing, 1u) << activity_names()[static_cast<std::size_t>(activity)] << " at " << t
+                                << " s";
+        for (const Joint knee : {Joint::knee_left, Joint::knee_right})
+          ASSERT_NEAR((at.at(knee) - at.at(parent_of(knee).value())).norm(), 0.245 * stature_m, 1e-9);
+        for (const Joint ankle : {Joint::ankle_left, Joint::ankle_right})
+          ASSERT_NEAR((at.at(ankle) - at.at(parent_of(ankle).value())).norm(), 0.246 * stature_m, 1e-9);
+      }
+    }
 }
 
 TEST(GeneratedPerson, IsDrawnWithinTheStatedRangeAndFillsIt) {
