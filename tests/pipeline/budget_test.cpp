@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -83,14 +81,6 @@ TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
   EXPECT_FALSE(read_declared_parameters(folder / "results").empty());
   EXPECT_FALSE(std::filesystem::exists(folder / "results/work"));
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
-}
-
-TEST(Budget, IsTheSameToTheByteForAnyNumberOfThreads) {
-  const ScratchFolder folder;
-  const BudgetSpec spec = budget_of(kBudgetMethods, tracked_walk(2, 1.0));
-  for (const int threads : {1, 3}) evaluate(spec, folder / std::to_string(threads), threads);
-  for (const char* file : {"summary.json", "manifest.json", "simulator.json"})
-    EXPECT_EQ(read_file(folder / "1" / file), read_file(folder / "3" / file)) << file;
 }
 
 // Markers that do not move at all are taken for frozen ones.
@@ -221,23 +211,6 @@ TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
   refused(R"("conditions": ["flying"])",
           "has \"flying\", which the simulation does not have; its activities are \"walking\"");
   EXPECT_FALSE(std::filesystem::exists(out));
-}
-
-TEST(BudgetVerb, AnInterruptLeavesNoResultsFolder) {
-  const ScratchFolder folder;
-  const std::string study = study_in(folder, kBudgetMethods, 100'000.0);
-  const Process process(folder, {"run", study, "-o", folder / "results"});
-  const std::filesystem::path sign = folder / "results.partial/work/campaign/p01-walking/session.h5.partial";
-  for (int tries = 0; tries < 2000 && !std::filesystem::exists(sign); ++tries)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  const auto start = std::chrono::steady_clock::now();
-  process.interrupt();
-  const Ended ended = process.wait();
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
-  EXPECT_EQ(ended.code, 1) << ended.err;
-  EXPECT_EQ(ended.out, "");
-  EXPECT_THAT(ended.err, HasSubstr("interrupted"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
 }  // namespace

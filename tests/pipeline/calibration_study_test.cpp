@@ -2,7 +2,6 @@
 #include "pipeline/calibration_study/calibration_study.h"
 
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -161,22 +160,17 @@ CalibrationSpec tiny_spec() {
       "bodies_instants": 6, "effect_joints": 200)");
 }
 
-TEST(CalibrationStudy, ATinyOneReadsBackAndIsTheSameForAnyNumberOfThreads) {
+TEST(CalibrationStudy, ATinyOneReadsBackAndTellsItsParts) {
   const ScratchFolder folder;
   std::set<std::string> parts;
   std::mutex mutex;
-  for (const int threads : {1, 2}) {
-    StudyOptions options{.threads = threads};
-    if (threads == 1)
-      options.progress = [&](const std::string& part, double) {
-        const std::lock_guard lock(mutex);  // any thread may tell
-        parts.insert(part);
-      };
-    run_study(calibration_study(tiny_spec()), folder / std::to_string(threads), options);
-  }
+  StudyOptions options;
+  options.progress = [&](const std::string& part, double) {
+    const std::lock_guard lock(mutex);  // any thread may tell
+    parts.insert(part);
+  };
+  run_study(calibration_study(tiny_spec()), folder / "1", options);
   EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "summary"}));
-  EXPECT_EQ(read_file(folder / "1" / "manifest.json"), read_file(folder / "2" / "manifest.json"));
-  EXPECT_EQ(read_file(folder / "1" / "summary.json"), read_file(folder / "2" / "summary.json"));
   EXPECT_EQ(results_kind(folder / "1"), StudyKind::calibration);
   const CalibrationSummary summary = read_results<CalibrationSummary>(folder / "1");
   EXPECT_EQ(summary.study, "test");
@@ -284,21 +278,6 @@ TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   run_study(calibration_study(spec), folder / "effect", {});
   EXPECT_THAT(read_results<CalibrationSummary>(folder / "effect").effect,
               SizeIs(3 * spec.sensor_sigmas_m.size()));
-}
-
-TEST(CalibrationStudy, AnInterruptedOneGoesOnFromWhatIsDoneBesideItsName) {
-  const ScratchFolder folder;
-  std::atomic<bool> stop{true};
-  StudyOptions options{.threads = 1, .stop_requested = [&] { return stop.load(); }};
-  const Study study = calibration_study(tiny_spec());
-  EXPECT_THROW(run_study(study, folder / "out", options), Interrupted);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-  stop = false;
-  options.progress = [&](const std::string& stage, double) { stop = stop || stage == "distortion"; };
-  EXPECT_THROW(run_study(study, folder / "out", options), Interrupted);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-  EXPECT_THAT(run_study(study, folder / "out", {}).continued, testing::Contains("wand/unit-0"));
-  EXPECT_THAT(read_results<CalibrationSummary>(folder / "out").rigs, SizeIs(14));
 }
 
 const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string& calibration,

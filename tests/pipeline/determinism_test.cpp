@@ -31,7 +31,7 @@ TEST(Determinism, ACampaignWithTrackersAndBystandersGivesTheSameBytesForAnyNumbe
         execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads}).takes_failed,
         0u);
   for (const char* file :
-       {"samples.h5", "summary.json", "tracking.json", "simulator.json", "manifest.json"}) {
+       {"samples.h5", "summary.json", "tracking.json", "replay.h5", "simulator.json", "manifest.json"}) {
     const std::string one = read_file(folder / "1" / file);
     EXPECT_FALSE(one.empty()) << file;
     EXPECT_TRUE(one == read_file(folder / "2" / file)) << file;

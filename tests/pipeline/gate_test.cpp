@@ -22,22 +22,9 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-// Two nights in a folder.
-struct Nights {
-  ScratchFolder folder;
-  std::string now() const { return (folder / "now").string(); }
-  std::string before() const { return (folder / "before").string(); }
-  void write(const Spoil& spoil, const MadeStudy& study = {}) {
-    write_made_results(folder / "before", study);
-    write_made_results(folder / "now", study, spoil);
-  }
-  GateReport compare() const { return compare_results(now(), before(), {{}, 200, {}}); }
-  Ended gate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{"gate", now(), "--baseline", before(), "--resamples", "200"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_trilat(folder, arguments);
-  }
-};
+GateReport compare(const Nights& nights) {
+  return compare_results(nights.now(), nights.before(), {{}, 200, {}});
+}
 
 std::vector<GateFinding> alarms_of(const GateReport& report) {
   std::vector<GateFinding> alarms;
@@ -49,7 +36,7 @@ std::vector<GateFinding> alarms_of(const GateReport& report) {
 TEST(Gate, IsQuietAboutIdenticalResults) {
   Nights nights;
   nights.write({});
-  const GateReport report = nights.compare();
+  const GateReport report = compare(nights);
   EXPECT_THAT(report.findings, IsEmpty());
   ASSERT_THAT(report.studies, SizeIs(1));
   EXPECT_EQ(report.studies[0].state, StudyState::identical);
@@ -61,7 +48,7 @@ TEST(Gate, IsQuietAboutIdenticalResults) {
 TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {
   Nights nights;
   nights.write(larger_errors(1.02));
-  const auto alarms = alarms_of(nights.compare());
+  const auto alarms = alarms_of(compare(nights));
   ASSERT_THAT(alarms, SizeIs(2));  // the head and the average
   for (const GateFinding& f : alarms) {
     EXPECT_EQ(f.kind, FindingKind::accuracy);
@@ -100,7 +87,7 @@ TEST(Gate, AMethodIsNotBetterForLeavingOutItsWorstSamples) {
   nights.write([](MadeSample& s) {
     if (s.method == 1 && s.error_m > 0.0595) s.answered = false;  // the worst twentieth
   });
-  const auto alarms = alarms_of(nights.compare());
+  const auto alarms = alarms_of(compare(nights));
   ASSERT_THAT(alarms, Not(IsEmpty()));
   for (const GateFinding& f : alarms) {
     EXPECT_EQ(f.kind, FindingKind::coverage);
@@ -115,7 +102,7 @@ TEST(Gate, OneTakeThatIsNotAnsweredAnyMoreIsEnough) {
   nights.write([](MadeSample& s) {
     if (s.method == 1 && s.take == 3) s.answered = false;
   });
-  const auto alarms = alarms_of(nights.compare());
+  const auto alarms = alarms_of(compare(nights));
   ASSERT_THAT(alarms, Not(IsEmpty()));
   EXPECT_EQ(alarms[0].kind, FindingKind::coverage);
   EXPECT_THAT(alarms[0].note, HasSubstr("take p3-walking: 0 of 300 left"));
@@ -127,7 +114,7 @@ TEST(Gate, OneParticipantIsJudgedByTimeBlocks) {
   study.participants = 1;
   study.instants = 1200;
   nights.write(larger_errors(1.03), study);
-  EXPECT_THAT(alarms_of(nights.compare()), Not(IsEmpty()));
+  EXPECT_THAT(alarms_of(compare(nights)), Not(IsEmpty()));
 }
 
 TEST(Gate, ATakeThatFailsIsAnAlarmWithItsReason) {
@@ -136,7 +123,7 @@ TEST(Gate, ATakeThatFailsIsAnAlarmWithItsReason) {
   MadeStudy study;
   study.takes_failed = 1;
   write_made_results(nights.folder / "now", study, larger_errors(1.0001));
-  const auto alarms = alarms_of(nights.compare());
+  const auto alarms = alarms_of(compare(nights));
   ASSERT_THAT(alarms, SizeIs(1));
   EXPECT_EQ(alarms[0].kind, FindingKind::failure);
   EXPECT_THAT(alarms[0].note, HasSubstr("p0-walking (session.h5: is damaged)"));
@@ -209,17 +196,6 @@ TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {
   ended = gate();
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.out, AllOf(HasSubstr("only in the baseline: runs"), HasSubstr("runs, fails")));
-}
-
-TEST(Gate, GivesTheSameVerdictWithAnyNumberOfThreads) {
-  Nights nights;
-  nights.write(larger_errors(1.015));
-  Json one = only_json(nights.gate({"--json", "--threads", "1"}));
-  Json three = only_json(nights.gate({"--json", "--threads", "3"}));
-  one.erase("time");
-  three.erase("time");
-  EXPECT_EQ(one, three);
-  EXPECT_EQ(one["verdict"], "regression");
 }
 
 TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {

@@ -14,20 +14,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 // What a gate could pass by in silence.
-struct TwoNights {
-  ScratchFolder folder;
-  TwoNights(const MadeStudy& study, const Spoil& spoil) {
-    write_made_results(folder / "before", study);
-    write_made_results(folder / "now", study, spoil);
-  }
-  Ended gate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{
-        "gate", (folder / "now").string(), "--baseline", (folder / "before").string(), "--resamples", "200"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_trilat(folder, arguments);
-  }
-};
-
 MadeStudy one_take(std::uint64_t instants) {
   MadeStudy study;
   study.participants = 1;
@@ -36,26 +22,26 @@ MadeStudy one_take(std::uint64_t instants) {
 }
 
 TEST(GateUnjudged, AShortTakeIsJudgedByShortBlocks) {
-  const TwoNights nights(one_take(270), larger_errors(3.0));
+  const Nights nights(one_take(270), larger_errors(3.0));
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, HasSubstr("chance"));
 }
 
 TEST(GateUnjudged, ATakeTooShortToJudgeIsAnAlarmWhenItChanged) {
-  const TwoNights nights(one_take(20), larger_errors(3.0));
+  const Nights nights(one_take(20), larger_errors(3.0));
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, HasSubstr("cannot be judged, but it changed"));
   EXPECT_THAT(ended.out + nights.gate({"--method", "nonlinear"}).out, Not(HasSubstr("nan")));
-  EXPECT_EQ(TwoNights(one_take(20), larger_errors(1.001)).gate().code, 0);
+  EXPECT_EQ(Nights(one_take(20), larger_errors(1.001)).gate().code, 0);
 }
 
 // Errors of other recordings, twice as large, but not alike in both participants: chance to whoever sees two.
 TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsAreNotQuiet) {
   MadeStudy study;
   study.participants = 2;
-  TwoNights nights(study, {});
+  Nights nights(study, {});
   study.input_sha256 = "11";
   write_made_results(nights.folder / "now", study,
                      [](MadeSample& s) { s.error_m *= s.take == 0 ? 1.8 : 2.2; });
@@ -76,14 +62,14 @@ TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsAreNotQuiet) {
 TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsWithTheSameNumbersAreQuiet) {
   MadeStudy study;
   study.participants = 2;
-  TwoNights nights(study, {});
+  Nights nights(study, {});
   study.input_sha256 = "11";
   write_made_results(nights.folder / "now", study);
   EXPECT_EQ(nights.gate().code, 0);
 }
 
 TEST(GateUnjudged, WhatCannotBeComparedIsAnErrorInJunitToo) {
-  TwoNights nights({}, {});
+  Nights nights({}, {});
   std::filesystem::remove(nights.folder / "before/manifest.json");
   const auto junit = nights.folder / "gate.xml";
   const Ended ended = nights.gate({"--junit", junit.string()});
@@ -93,7 +79,7 @@ TEST(GateUnjudged, WhatCannotBeComparedIsAnErrorInJunitToo) {
 }
 
 TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
-  const TwoNights nights({}, [](MadeSample& s) { s.clamped = s.method == 1; });
+  const Nights nights({}, [](MadeSample& s) { s.clamped = s.method == 1; });
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, HasSubstr("nonlinear: more answers are clamped"));
@@ -102,7 +88,7 @@ TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
 }
 
 TEST(GateUnjudged, OtherNumbersOfChangedSamplesAreTold) {
-  TwoNights nights({}, larger_errors(1.0001));
+  Nights nights({}, larger_errors(1.0001));
   Json summary = read_json(nights.folder / "now/summary.json");
   summary["cells"][0]["mean_iterations"] = 9.0;
   write_file(nights.folder / "now/summary.json", summary.dump());
@@ -114,7 +100,7 @@ TEST(GateUnjudged, OtherNumbersOfChangedSamplesAreTold) {
 }
 
 TEST(GateUnjudged, PartsOfTwoRunsInOneFolderAreRefused) {
-  const TwoNights nights({}, {});
+  const Nights nights({}, {});
   for (const char* night : {"now", "before"}) {
     const auto path = nights.folder / night / "summary.json";
     Json summary = read_json(path);
@@ -125,14 +111,14 @@ TEST(GateUnjudged, PartsOfTwoRunsInOneFolderAreRefused) {
 }
 
 TEST(GateUnjudged, SamplesThatAreTornAlikeAreRefused) {
-  const TwoNights nights({}, {});
+  const Nights nights({}, {});
   for (const char* night : {"now", "before"})
     std::filesystem::resize_file(nights.folder / night / "samples.h5", 5000);
   expect_refused(nights.gate(), "samples.h5");
 }
 
 TEST(GateUnjudged, FilesThatItDoesNotKnowAreNoDifference) {
-  const TwoNights nights({}, {});
+  const Nights nights({}, {});
   write_file(nights.folder / "now/items.json", "[1]");
   write_file(nights.folder / "now/hashes.json", "[2]");
   EXPECT_EQ(nights.gate().code, 0);
@@ -152,7 +138,7 @@ TEST(GateUnjudged, AcceptingFewerStudiesSaysWhichAreLeftBehind) {
 }
 
 TEST(GateUnjudged, AFailureIsSaidOnce) {
-  TwoNights nights({}, {});
+  Nights nights({}, {});
   MadeStudy study;
   study.takes_failed = 1;
   write_made_results(nights.folder / "now", study, larger_errors(1.0001));
@@ -163,7 +149,7 @@ TEST(GateUnjudged, AFailureIsSaidOnce) {
 }
 
 TEST(GateUnjudged, LongValuesThatDifferAreToldWhereTheyDiffer) {
-  TwoNights nights({}, {});
+  Nights nights({}, {});
   std::string text;
   for (int i = 0; i < 60; ++i) text += "ä";
   for (const char* night : {"now", "before"}) {

@@ -14,6 +14,7 @@
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "evaluators/solvers/point_estimate.h"
+#include "tests/pipeline/program.h"
 
 namespace trilat {
 
@@ -137,5 +138,24 @@ inline Spoil larger_errors(double factor) {
     if (s.method == 1 && s.joint == 0) s.error_m *= factor;
   };
 }
+
+// Two nights in a folder.
+struct Nights {
+  ScratchFolder folder;
+
+  Nights() = default;
+  Nights(const MadeStudy& study, const Spoil& spoil) { write(spoil, study); }
+  std::string now() const { return (folder / "now").string(); }
+  std::string before() const { return (folder / "before").string(); }
+  void write(const Spoil& spoil, const MadeStudy& study = {}) {
+    write_made_results(folder / "before", study);
+    write_made_results(folder / "now", study, spoil);
+  }
+  Ended gate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{"gate", now(), "--baseline", before(), "--resamples", "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_trilat(folder, arguments);
+  }
+};
 
 }  // namespace trilat

@@ -68,19 +68,6 @@ TEST(MemoryBudget, ATakeThatNeedsMoreThanThereIsIsRefusedWithTheOption) {
 
 TEST(MemoryBudget, TheMachineHasSome) { EXPECT_GT(half_of_memory_bytes(), 1'000'000u); }
 
-TEST(MemoryBudget, ResultsAreEqualToTheByteForAnyLimit) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(3));
-  const StudySpec study = study_of(kManyMethods);
-  const std::uint64_t one =
-      2 * memory_needed_bytes(make_plan(study, campaign), make_plan(study, campaign).takes[0]) - 1;
-  EXPECT_EQ(takes_at_once(make_plan(study, campaign), one), 1u);
-  execute_study(study, campaign, folder / "all", {.threads = 4});
-  execute_study(study, campaign, folder / "one", {.threads = 4, .memory_bytes = one});
-  for (const char* file : {"samples.h5", "summary.json", "tracking.json", "manifest.json"})
-    EXPECT_TRUE(read_file(folder / "all" / file) == read_file(folder / "one" / file)) << file;
-}
-
 TEST(MemoryBudget, OnlyTheTakeThatIsTooLongFails) {
   const ScratchFolder folder;
   SimulationSpec spec = walking_spec(1);

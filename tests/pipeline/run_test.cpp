@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -96,19 +95,6 @@ TEST(Run, NoiseOfTheSensorsIsWhatASingleSensorShows) {
   EXPECT_NEAR(all_m, one_m / 2.0, 0.1 * one_m / 2.0);
 }
 
-TEST(Run, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(5));
-  const StudySpec study = study_with(R"(["mean", "none", "rigid"])");
-  for (const int threads : {1, 2, 8})
-    execute_study(study, campaign, folder / std::to_string(threads), {.threads = threads});
-  for (const char* file : {"samples.h5", "summary.json", "manifest.json", "replay.h5"}) {
-    const std::string one = read_file(folder / "1" / file);
-    EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
-    EXPECT_EQ(one, read_file(folder / "8" / file)) << file;
-  }
-}
-
 TEST(Run, TheFirstTakeOfAConditionCanBeReplayed) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
@@ -196,31 +182,68 @@ void rewrite_session(const std::filesystem::path& from, const std::filesystem::p
   writer.finish();
 }
 
-TEST(RunWithABrokenTake, ATruncatedSessionFailsAlone) {
-  Spoilt spoilt;
-  const std::string bytes = read_file(spoilt.take.session);
-  std::ofstream(spoilt.folder / "cut.h5", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
-  spoilt.use_session("cut.h5");
-  EXPECT_THAT(spoilt.failure(), HasSubstr("cut.h5"));
+struct BrokenTake {
+  const char* name;
+  std::function<void(Spoilt&)> spoil;
+  const char* said;  // a regular expression
+};
+void PrintTo(const BrokenTake& broken, std::ostream* out) { *out << broken.name; }
+
+void spoil_calibration(Spoilt& spoilt, const std::function<void(Calibration&)>& change) {
+  Calibration calibration = read_calibration(spoilt.take.calibration);
+  change(calibration);
+  write_calibration(spoilt.folder / "spoilt.json", calibration);
+  spoilt.take.calibration = spoilt.folder / "spoilt.json";
+}
+void spoil_session(Spoilt& spoilt, std::size_t sensors, const std::function<void(BodyFrame&)>& change) {
+  rewrite_session(spoilt.take.session, spoilt.folder / "spoilt.h5", sensors, change);
+  spoilt.use_session("spoilt.h5");
 }
 
-TEST(RunWithABrokenTake, AMissingSessionFailsAlone) {
-  Spoilt spoilt;
-  spoilt.use_session("absent.h5");
-  EXPECT_THAT(spoilt.failure(), HasSubstr("absent.h5: does not exist"));
-}
+const BrokenTake kBrokenTakes[] = {
+    {"truncated session",
+     [](Spoilt& s) {
+       const std::string bytes = read_file(s.take.session);
+       std::ofstream(s.folder / "cut.h5", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+       s.use_session("cut.h5");
+     },
+     "cut\\.h5"},
+    {"missing session", [](Spoilt& s) { s.use_session("absent.h5"); }, "absent\\.h5: does not exist"},
+    {"missing mocap", [](Spoilt& s) { s.take.mocap = s.folder / "absent.csv"; },
+     "absent\\.csv: cannot be opened"},
+    {"mocap that is no export",
+     [](Spoilt& s) {
+       write_file(s.folder / "other.csv", "a,b,c\n1,2,3\n");
+       s.take.mocap = s.folder / "other.csv";
+     },
+     "other\\.csv"},
+    {"session of one sensor", [](Spoilt& s) { spoil_session(s, 1, [](BodyFrame&) {}); },
+     "spoilt\\.h5.*k2.*it has k1"},
+    {"session without any body",
+     [](Spoilt& s) { spoil_session(s, 4, [](BodyFrame& frame) { frame.bodies.clear(); }); },
+     "spoilt\\.h5: no sensor ever sees a joint"},
+    {"session of nothing but NaN",
+     [](Spoilt& s) {
+       spoil_session(s, 4, [](BodyFrame& frame) {
+         for (Body& body : frame.bodies)
+           for (auto& point : body.position_m) point.fill(std::numeric_limits<float>::quiet_NaN());
+       });
+     },
+     "spoilt\\.h5: no sensor ever sees a joint"},
+    {"calibration that lacks a sensor",
+     [](Spoilt& s) { spoil_calibration(s, [](Calibration& c) { c.sensors.pop_back(); }); },
+     "spoilt\\.json: has no pose for sensor \"k4\"; it has k1, k2, k3"},
+    {"calibration in another world than the truth",
+     [](Spoilt& s) { spoil_calibration(s, [](Calibration& c) { c.world = "wand"; }); },
+     "spoilt\\.json /world: is \"wand\", but the ground truth is in OptiTrack's"}};
 
-TEST(RunWithABrokenTake, AMissingMocapFailsAlone) {
-  Spoilt spoilt;
-  spoilt.take.mocap = spoilt.folder / "absent.csv";
-  EXPECT_THAT(spoilt.failure(), HasSubstr("absent.csv: cannot be opened"));
-}
+class RunWithABrokenFile : public testing::TestWithParam<BrokenTake> {};
+INSTANTIATE_TEST_SUITE_P(Files, RunWithABrokenFile, testing::ValuesIn(kBrokenTakes));
 
-TEST(RunWithABrokenTake, AMocapThatIsNoExportFailsAlone) {
+TEST_P(RunWithABrokenFile, FailsThatTakeAlone) {
   Spoilt spoilt;
-  write_file(spoilt.folder / "other.csv", "a,b,c\n1,2,3\n");
-  spoilt.take.mocap = spoilt.folder / "other.csv";
-  EXPECT_THAT(spoilt.failure(), HasSubstr("other.csv"));
+  GetParam().spoil(spoilt);
+  EXPECT_THAT(spoilt.failure(), testing::ContainsRegex(GetParam().said));
 }
 
 TEST(RunWithABrokenTake, AMappingToAnAssetThatDoesNotExistListsThoseThatDo) {
@@ -251,13 +274,6 @@ TEST(RunWithABrokenTake, ASessionBehindTheEndOfTheExportNamesBothIntervals) {
   EXPECT_THAT(failure, HasSubstr("the export from 0 s to 1.000 s"));
 }
 
-TEST(RunWithABrokenTake, ASessionOfOneSensorFailsAlone) {
-  Spoilt spoilt;
-  rewrite_session(spoilt.take.session, spoilt.folder / "one.h5", 1, [](BodyFrame&) {});
-  spoilt.use_session("one.h5");
-  EXPECT_THAT(spoilt.failure(), testing::ContainsRegex("one\\.h5.*k2.*it has k1"));
-}
-
 // The rig is not what a broken first take happens to have.
 TEST(RunWithABrokenTake, AFirstTakeOfOneSensorFailsAlone) {
   Spoilt spoilt;
@@ -269,24 +285,6 @@ TEST(RunWithABrokenTake, AFirstTakeOfOneSensorFailsAlone) {
   ASSERT_FALSE(summary.notes.empty());
   EXPECT_THAT(summary.notes[0].place + summary.notes[0].text, HasSubstr("one.h5"));
   EXPECT_GT(find_cell(summary, "linear", "walking", "head", "mean")->coverage(), 0.9);
-}
-
-TEST(RunWithABrokenTake, ASessionWithoutAnyBodyFailsAlone) {
-  Spoilt spoilt;
-  rewrite_session(spoilt.take.session, spoilt.folder / "empty.h5", 4,
-                  [](BodyFrame& frame) { frame.bodies.clear(); });
-  spoilt.use_session("empty.h5");
-  EXPECT_THAT(spoilt.failure(), HasSubstr("empty.h5: no sensor ever sees a joint"));
-}
-
-TEST(RunWithABrokenTake, ASessionOfNothingButNaNFailsAlone) {
-  Spoilt spoilt;
-  rewrite_session(spoilt.take.session, spoilt.folder / "nan.h5", 4, [](BodyFrame& frame) {
-    for (Body& body : frame.bodies)
-      for (auto& point : body.position_m) point.fill(std::numeric_limits<float>::quiet_NaN());
-  });
-  spoilt.use_session("nan.h5");
-  EXPECT_THAT(spoilt.failure(), HasSubstr("nan.h5: no sensor ever sees a joint"));
 }
 
 TEST(RunWithABrokenTake, NaNAndInfinityHereAndThereCostOnlyTheirOwnSamples) {
@@ -304,25 +302,6 @@ TEST(RunWithABrokenTake, NaNAndInfinityHereAndThereCostOnlyTheirOwnSamples) {
   EXPECT_LT(find_cell(summary, "mean", "walking", "head", "mean")->mae_m, 2.0 * good_m);
 }
 
-TEST(RunWithABrokenTake, ACalibrationThatLacksASensorFailsAlone) {
-  Spoilt spoilt;
-  Calibration calibration = read_calibration(spoilt.take.calibration);
-  calibration.sensors.pop_back();
-  write_calibration(spoilt.folder / "three.json", calibration);
-  spoilt.take.calibration = spoilt.folder / "three.json";
-  EXPECT_THAT(spoilt.failure(), HasSubstr("three.json: has no pose for sensor \"k4\"; it has k1, k2, k3"));
-}
-
-TEST(RunWithABrokenTake, ACalibrationInAnotherWorldThanTheTruthFailsAlone) {
-  Spoilt spoilt;
-  Calibration calibration = read_calibration(spoilt.take.calibration);
-  calibration.world = "wand";
-  write_calibration(spoilt.folder / "wand.json", calibration);
-  spoilt.take.calibration = spoilt.folder / "wand.json";
-  EXPECT_THAT(spoilt.failure(),
-              HasSubstr("wand.json /world: is \"wand\", but the ground truth is in OptiTrack's"));
-}
-
 TEST(RunWithABrokenTake, ItsSlotsInTheSamplesAreEmptyAndItsErrorsNaN) {
   Spoilt spoilt;
   spoilt.take.mocap = spoilt.folder / "absent.csv";
@@ -338,17 +317,6 @@ TEST(Run, ACampaignWhereEveryTakeIsBrokenSaysWhy) {
   Spoilt spoilt;
   for (Take& take : spoilt.campaign.takes) take.session = spoilt.folder / "absent.h5";
   EXPECT_THAT(message_of([&] { spoilt.evaluated(); }), HasSubstr("absent.h5"));
-}
-
-TEST(Run, WhenInterruptedLeavesNoResultsFolder) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
-  ExecuteOptions options;
-  std::atomic<int> asked{0};
-  options.stop_requested = [&] { return ++asked > 1; };
-  EXPECT_THROW(execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results", options),
-               Interrupted);
-  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
 TEST(Run, AnInterruptedRunKeepsTheEarlierResults) {
@@ -382,15 +350,6 @@ TEST(Run, NeighboursOfTheResultsAreLeftAlone) {
   execute_study(study, campaign, folder / "results", {});
   execute_study(study, campaign, folder / "results", {});
   EXPECT_EQ(read_file(folder / "results.old/kept.txt"), "a copy somebody made");
-}
-
-TEST(Run, AFolderNameMayEndWithASlash) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
-  execute_study(study, campaign, folder / "results/", {});
-  execute_study(study, campaign, folder / "results/", {});
-  EXPECT_EQ(read_summary(folder / "results").takes, 1u);
 }
 
 TEST(Run, CrossCheckingNeedsAMethodToCheck) {
