@@ -47,25 +47,16 @@ void ErrorSums::merge(const ErrorSums& later) {
   max_m_ = std::max(max_m_, later.max_m_);
 }
 
-ErrorStatistics ErrorStatistics::of(const ErrorSums& sums, std::vector<double> distances_m) {
-  TRILAT_CHECK(std::ssize(distances_m) == sums.answered_, "distances are of the same items");
-  ErrorStatistics result;
-  result.asked = sums.asked_;
-  result.answered = sums.answered_;
-  result.status_counts = sums.status_counts_;
-  if (sums.asked_ > 0)
-    result.coverage = static_cast<double>(sums.answered_) / static_cast<double>(sums.asked_);
-  if (sums.answered_ == 0) return result;
-  const auto n = static_cast<double>(sums.answered_);
-  result.mae_m = sums.distance_m_.value() / n;
-  for (int axis = 0; axis < 3; ++axis) result.axis_mae_m[axis] = sums.axis_distance_m_[axis].value() / n;
-  result.rmse_m = std::sqrt(sums.squared_m2_.value() / n);
-  const auto q = quantiles_of(std::move(distances_m), {0.05, 0.25, 0.5, 0.75, 0.9, 0.95});
-  std::tie(result.p05_m, result.p25_m, result.median_m) = std::tie(q[0], q[1], q[2]);
-  std::tie(result.p75_m, result.p90_m, result.p95_m) = std::tie(q[3], q[4], q[5]);
-  result.max_m = sums.max_m_;
-  return result;
+double ErrorSums::mae_m() const { return distance_m_.value() / static_cast<double>(answered_); }
+
+Eigen::Vector3d ErrorSums::axis_mae_m() const {
+  const auto n = static_cast<double>(answered_);
+  return {axis_distance_m_[0].value() / n, axis_distance_m_[1].value() / n, axis_distance_m_[2].value() / n};
 }
+
+double ErrorSums::rmse_m() const { return std::sqrt(squared_m2_.value() / static_cast<double>(answered_)); }
+
+double ErrorSums::max_m() const { return answered_ == 0 ? kNaN : max_m_; }
 
 namespace {
 

@@ -37,10 +37,13 @@ class ErrorSums {
   std::int64_t asked() const { return asked_; }
   std::int64_t answered() const { return answered_; }
   std::int64_t count_of(SolveStatus status) const { return status_counts_[static_cast<std::size_t>(status)]; }
-  const CompensatedSum& distance_m() const { return distance_m_; }  // of the answered items
+  // Of the answered items; NaN when there is none.
+  double mae_m() const;                // mean of |error|, as in the paper
+  Eigen::Vector3d axis_mae_m() const;  // mean of |x|, |y|, |z|
+  double rmse_m() const;               // sqrt(mean of |error|^2)
+  double max_m() const;
 
  private:
-  friend struct ErrorStatistics;
   std::int64_t asked_ = 0;
   std::int64_t answered_ = 0;
   std::array<std::int64_t, kSolveStatusCount> status_counts_{};
@@ -48,28 +51,6 @@ class ErrorSums {
   CompensatedSum squared_m2_;
   std::array<CompensatedSum, 3> axis_distance_m_;
   double max_m_ = 0.0;
-};
-
-// Everything but the counts is NaN when nothing was answered; coverage is NaN when nothing was
-// asked.
-struct ErrorStatistics {
-  std::int64_t asked = 0;
-  std::int64_t answered = 0;                                     // n of all that follow
-  std::array<std::int64_t, kSolveStatusCount> status_counts{};   // of all asked; sums to `asked`
-  double coverage = kNaN;                                        // answered / asked
-  double mae_m = kNaN;                                           // mean of |error|, as in the paper
-  Eigen::Vector3d axis_mae_m = Eigen::Vector3d::Constant(kNaN);  // mean of |x|, |y|, |z|
-  double rmse_m = kNaN;                                          // sqrt(mean of |error|^2)
-  double p05_m = kNaN;
-  double p25_m = kNaN;
-  double median_m = kNaN;
-  double p75_m = kNaN;
-  double p90_m = kNaN;
-  double p95_m = kNaN;
-  double max_m = kNaN;
-
-  // `distances_m`: |error| of the same items (InternalError).
-  static ErrorStatistics of(const ErrorSums& sums, std::vector<double> distances_m);
 };
 
 // The quantiles of `values`, in the order asked for, which rises from 0 to 1. Quantile q of n values in order

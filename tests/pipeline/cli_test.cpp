@@ -272,32 +272,24 @@ Ended interrupted_at(const Process& process, const std::filesystem::path& sign) 
   return ended;
 }
 
-TEST(RunVerb, AnInterruptWhileRecordingLeavesNothingHalfWritten) {
-  const ScratchFolder folder;
-  const std::string spec =
-      simulation_file(folder, R"("participants": 3, "activities": [{"name": "walking", "duration_s": 1e5}])");
-  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
-  interrupted_at(process, folder / "out.partial/aside/recordings/p01-walking/session.h5.partial");
-  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-}
-
-TEST(RunVerb, AnInterruptWhileTheMocapIsWrittenLeavesNoHalfExport) {
-  const ScratchFolder folder;
-  const std::string spec = simulation_file(folder, R"("participants": 1, "sensor": {"rate_hz": 1},
-      "mocap": {"rate_hz": 2000}, "activities": [{"name": "walking", "duration_s": 600}])");
-  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
-  interrupted_at(process, folder / "out.partial/aside/recordings/p01-walking/mocap.csv.partial");
-  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-}
-
-TEST(RunVerb, AnInterruptWhileTheWandIsRecordedLeavesNoCampaign) {
-  const ScratchFolder folder;
-  const std::string spec =
-      simulation_file(folder, R"("participants": 1, "activities": [{"name": "walking", "duration_s": 0.2}],
-      "wand": {"positions": 10000})");
-  const Process process(folder, {"simulate", spec, "-o", folder / "out"});
-  interrupted_at(process, folder / "out.partial/aside/recordings/wand/session.h5.partial");
-  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+TEST(RunVerb, AnInterruptedSimulationLeavesNothingHalfWritten) {
+  struct Case {
+    const char *settings, *being_written;
+  };
+  for (const auto& [settings, being_written] :
+       {Case{R"("participants": 3, "activities": [{"name": "walking", "duration_s": 1e5}])",
+             "p01-walking/session.h5.partial"},
+        Case{R"("participants": 1, "sensor": {"rate_hz": 1}, "mocap": {"rate_hz": 2000},
+                "activities": [{"name": "walking", "duration_s": 600}])",
+             "p01-walking/mocap.csv.partial"},
+        Case{R"("participants": 1, "activities": [{"name": "walking", "duration_s": 0.2}],
+                "wand": {"positions": 10000})",
+             "wand/session.h5.partial"}}) {
+    const ScratchFolder folder;
+    const Process process(folder, {"simulate", simulation_file(folder, settings), "-o", folder / "out"});
+    interrupted_at(process, folder / "out.partial/aside/recordings" / being_written);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  }
 }
 
 TEST(RunVerb, AnInterruptWhileEvaluatingLeavesNoResults) {

@@ -2,9 +2,7 @@
 // What is particular to sweeps as studies; what holds for every kind is in every_kind_test.cpp.
 #include "pipeline/sweep/sweep_study.h"
 
-#include <chrono>
 #include <set>
-#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -138,31 +136,6 @@ TEST(SweepStudy, TheProgramRunsAndMergesShards) {
   expect_same_results(path("one"), path("merged"));
   expect_refused(run_trilat(folder, {"run", study, "--shard", "3/2", "-o", path("c")}),
                  "--shard: is \"3/2\"");
-}
-
-// The real program, killed as soon as it has saved anything: long before it has computed everything.
-TEST(SweepStudy, AKilledProgramGoesOnToTheSameBytes) {
-  const ScratchFolder folder;
-  const std::string sweep = file_with(folder, "sweep.json",
-                                      R"({"format": "trilat.study", "version": 1,
-      "kind": "threshold_sweep", "name": "long", "thresholds": [1e-2, 1e-4], "stops": ["objective"],
-      "gradients": ["corrected"], "error_ranges_cm": [[5, 15]], "trials": 12000000, )" +
-                                          kOneRig + "}");
-  const std::string results = (folder / "results").string();
-  const fs::path unfinished = folder / "results.partial";
-  const Process killed(folder, {"run", sweep, "-o", results, "--threads", "1"}, "killed-");
-  for (int i = 0; i < 60000 && !finished_items(unfinished); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  ASSERT_TRUE(finished_items(unfinished));
-  killed.kill_at_once();
-  EXPECT_EQ(killed.wait().code, -1);
-  EXPECT_FALSE(fs::exists(results));
-  const Ended ended = run_trilat(folder, {"run", sweep, "-o", results, "--json"});
-  ASSERT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.err, HasSubstr("items were done before the run was stopped"));
-  EXPECT_GE(only_json(ended)["items_continued"], 1);
-  ASSERT_EQ(run_trilat(folder, {"run", sweep, "-o", (folder / "one").string()}).code, 0);
-  expect_same_results(folder / "one", results);
 }
 
 TEST(SweepStudy, ThePlanSurvivesThePartToTheBit) {

@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "pipeline/sweep/sweep_block.h"
@@ -127,18 +126,11 @@ TEST(Sweep, ASmallerThresholdGivesMoreDigitsForMoreIterations) {
   EXPECT_LT(run.cells[7].mean_iterations, 5.0);    // corrected
 }
 
-TEST(Sweep, ResultsAreEqualToTheByteForAnyNumberOfThreads) {
+TEST(Sweep, TimesEveryCellWhenAsked) {
   const ScratchFolder folder;
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "thresholds": [1e-2, 1e-4], "trials": 40000,
-      "error_ranges_cm": [[5, 15]], "stops": ["objective"], "time_problems": 10, "time_repeats": 2)");
-  for (const int threads : {1, 2, 7})
-    sweep_into(folder / std::to_string(threads), plan, {.threads = threads});
-  for (const char* file : {"summary.json", "manifest.json"}) {
-    const std::string one = read_file(folder / "1" / file);
-    EXPECT_EQ(one, read_file(folder / "2" / file)) << file;
-    EXPECT_EQ(one, read_file(folder / "7" / file)) << file;
-  }
-  const auto timings = read_beside<SweepTimings>(folder / "2");
+  sweep_into(folder / "results", sweep_plan_of(kOneRig + R"(, "thresholds": [1e-2, 1e-4], "trials": 10,
+      "error_ranges_cm": [[5, 15]], "stops": ["objective"], "time_problems": 10, "time_repeats": 2)"));
+  const auto timings = read_beside<SweepTimings>(folder / "results");
   ASSERT_TRUE(timings);
   EXPECT_EQ(timings->cells.size(), 4u);
   EXPECT_GT(timings->cells[3].scalar_min_ns, 0.0);
@@ -156,14 +148,6 @@ TEST(Sweep, AnInterruptedTimingKeepsTheTrials) {
       Interrupted);
   const SweepPlan untimed = sweep_plan_of(kOneRig + R"(, "trials": 10)");
   EXPECT_TRUE(sweep_into(folder / "results", untimed).tally.computed.empty());
-}
-
-TEST(Sweep, ResultsOfEitherKindMayTakeThePlaceOfOlderOnes) {
-  const ScratchFolder folder;
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10)");
-  sweep_into(folder / "results", plan);
-  sweep_into(folder / "results/", plan);
-  EXPECT_EQ(read_results<SweepSummary>(folder / "results").cells.at(0).asked, 10u);
 }
 
 TEST(LinearStart, IsLinearTrilateration) {

@@ -52,25 +52,23 @@ Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
   return distances_m;
 }
 
+// `distances_m`: |error| of the answered samples.
 SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
-  const ErrorStatistics s = ErrorStatistics::of(sums.errors, std::move(distances_m));
+  const ErrorSums& errors = sums.errors;
+  TRILAT_CHECK(std::ssize(distances_m) == errors.answered(), "distances are of the same samples");
   SummaryCell result;
-  result.asked = static_cast<std::uint64_t>(s.asked);
-  result.answered = static_cast<std::uint64_t>(s.answered);
-  for (std::size_t status = 0; status < s.status_counts.size(); ++status)
-    if (s.status_counts[status] > 0)
-      result.statuses[std::string(name_of(static_cast<SolveStatus>(status)))] =
-          static_cast<std::uint64_t>(s.status_counts[status]);
-  result.mae_m = s.mae_m;
-  result.axis_mae_m = {s.axis_mae_m.x(), s.axis_mae_m.y(), s.axis_mae_m.z()};
-  result.rmse_m = s.rmse_m;
-  result.p05_m = s.p05_m;
-  result.p25_m = s.p25_m;
-  result.median_m = s.median_m;
-  result.p75_m = s.p75_m;
-  result.p90_m = s.p90_m;
-  result.p95_m = s.p95_m;
-  result.max_m = s.max_m;
+  result.asked = static_cast<std::uint64_t>(errors.asked());
+  result.answered = static_cast<std::uint64_t>(errors.answered());
+  for (std::size_t k = 0; k < kSolveStatusCount; ++k)
+    if (const auto status = static_cast<SolveStatus>(k); errors.count_of(status) > 0)
+      result.statuses[std::string(name_of(status))] = static_cast<std::uint64_t>(errors.count_of(status));
+  result.mae_m = errors.mae_m();
+  Eigen::Map<Eigen::Vector3d>(result.axis_mae_m.data()) = errors.axis_mae_m();
+  result.rmse_m = errors.rmse_m();
+  result.max_m = errors.max_m();
+  const auto q = quantiles_of(std::move(distances_m), {0.05, 0.25, 0.5, 0.75, 0.9, 0.95});
+  std::tie(result.p05_m, result.p25_m, result.median_m) = std::tie(q[0], q[1], q[2]);
+  std::tie(result.p75_m, result.p90_m, result.p95_m) = std::tie(q[3], q[4], q[5]);
   if (const auto n = static_cast<double>(sums.with_gdop); n > 0.0) {
     result.mean_gdop = sums.gdop.value() / n;
     result.rms_gdop = std::sqrt(sums.square_gdop.value() / n);
