@@ -283,13 +283,12 @@ struct Refined {
 };
 
 // Gauss-Newton on the positions, and the spread of what is found when each block is left out.
-Refined refine(std::span<const ComparedJoint> joints, double offset_s, const ClockOffsetOptions& options) {
-  const std::vector<ComparedJoint> all(joints.begin(), joints.end());
+Refined refine(const std::vector<ComparedJoint>& joints, double offset_s, const ClockOffsetOptions& options) {
   Blocks blocks;
   for (int k = 0; k < 30; ++k) {
     blocks.clear();
-    const double scale_m = residual_scale_m(all, offset_s);
-    for (const ComparedJoint& joint : all) add_evidence(joint, offset_s, scale_m, options.block_s, blocks);
+    const double scale_m = residual_scale_m(joints, offset_s);
+    for (const ComparedJoint& joint : joints) add_evidence(joint, offset_s, scale_m, options.block_s, blocks);
     const Evidence sum = sum_of(blocks);
     if (!(sum.information > 0.0)) return {};
     const double step_s = sum.gradient / sum.information;
