@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "datasets/base/error.h"
@@ -118,7 +119,7 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
 struct ComparedJoint {
   std::vector<double> time_s;
   std::vector<QuickMotion> estimate;
-  TruthGrid truth;
+  std::shared_ptr<const TruthGrid> truth;  // parts of a joint share it
 };
 
 struct Correlation {
@@ -130,7 +131,7 @@ struct Correlation {
 Correlation correlation(const ComparedJoint& joint, double offset_s) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
-    const double a = joint.estimate[i].speed_m_s, b = joint.truth.speed_at(joint.time_s[i] + offset_s);
+    const double a = joint.estimate[i].speed_m_s, b = joint.truth->speed_at(joint.time_s[i] + offset_s);
     if (!std::isfinite(a) || !std::isfinite(b)) continue;
     n += 1.0;
     x += a;
@@ -226,7 +227,7 @@ RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const Vector3d from_m = joint.estimate[i].*estimate_m,
-                     to_m = (joint.truth.*truth_at)(joint.time_s[i] + offset_s);
+                     to_m = ((*joint.truth).*truth_at)(joint.time_s[i] + offset_s);
       if (from_m.allFinite() && to_m.allFinite()) sums.add(from_m, to_m);
     }
   return solve_alignment(sums, AlignmentKind::rigid).truth_from_estimate;
@@ -242,7 +243,7 @@ double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s, Strea
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const double size_m =
-          (turn * joint.estimate[i].position_m - joint.truth.position_at(joint.time_s[i] + offset_s)).norm();
+          (turn * joint.estimate[i].position_m - joint.truth->position_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
   return sizes_m.empty() ? kNaN : upper_median(sizes_m);
@@ -253,7 +254,7 @@ double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const double size_m =
-          (joint.estimate[i].quick_m - joint.truth.quick_at(joint.time_s[i] + offset_s)).norm();
+          (joint.estimate[i].quick_m - joint.truth->quick_at(joint.time_s[i] + offset_s)).norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
   return sizes_m.empty() ? 0.0 : upper_median(sizes_m);
@@ -263,7 +264,7 @@ void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, d
                   Blocks& blocks) {
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
     const double t = joint.time_s[i] + offset_s;
-    const Vector3d off = joint.estimate[i].quick_m - joint.truth.quick_at(t), rate = joint.truth.rate_at(t);
+    const Vector3d off = joint.estimate[i].quick_m - joint.truth->quick_at(t), rate = joint.truth->rate_at(t);
     if (!off.allFinite() || !rate.allFinite()) continue;
     const double weight = scale_m > 0.0 ? 1.0 / (1.0 + off.squaredNorm() / (4.0 * scale_m * scale_m)) : 1.0;
     blocks[static_cast<std::int64_t>(std::floor(joint.time_s[i] / block_s))].add(
@@ -334,7 +335,7 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
 double mean_speed_m_s(const std::vector<ComparedJoint>& joints) {
   double sum_m_s = 0.0, n = 0.0;
   for (const ComparedJoint& joint : joints)
-    for (const double speed_m_s : joint.truth.speed_m_s)
+    for (const double speed_m_s : joint.truth->speed_m_s)
       if (std::isfinite(speed_m_s)) {
         sum_m_s += speed_m_s;
         n += 1.0;
@@ -384,7 +385,7 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
   TRILAT_CHECK(estimate.size() == truth.size(), "both streams hold the same joints");
   std::vector<ComparedJoint> joints;
   for (std::size_t j = 0; j < estimate.size(); ++j) {
-    ComparedJoint joint{estimate[j].time_s, {}, grid_of(truth[j], options)};
+    ComparedJoint joint{estimate[j].time_s, {}, std::make_shared<TruthGrid>(grid_of(truth[j], options))};
     const SlowMotion slow(estimate[j], options);
     for (const double t : joint.time_s) joint.estimate.push_back(quick_motion(estimate[j], slow, t, options));
     joints.push_back(std::move(joint));
