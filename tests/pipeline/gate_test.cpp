@@ -198,6 +198,17 @@ TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {
   EXPECT_THAT(ended.out, AllOf(HasSubstr("only in the baseline: runs"), HasSubstr("runs, fails")));
 }
 
+TEST(Gate, GivesTheSameVerdictWithAnyNumberOfThreads) {
+  Nights nights;
+  nights.write(larger_errors(1.015));
+  Json one = only_json(nights.gate({"--json", "--threads", "1"}));
+  Json three = only_json(nights.gate({"--json", "--threads", "3"}));
+  one.erase("time");
+  three.erase("time");
+  EXPECT_EQ(one, three);
+  EXPECT_EQ(one["verdict"], "regression");
+}
+
 TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
   Nights nights;
   nights.write(larger_errors(1.1));
