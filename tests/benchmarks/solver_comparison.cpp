@@ -1,42 +1,49 @@
 // SPDX-License-Identifier: MIT
 // What a position costs with our solvers and with those one would take instead: the same problems, the same
-// starts and the same accuracy in one process, repetitions interleaved. Every contestant gets the stop rule
-// and the loosest tolerance with which it is fastest and reaches the accuracy for every problem. Solvers that
+// starts and the same accuracy in one process, repetitions in turn. Every contestant gets the stop rule and
+// the loosest tolerance with which it is fastest and reaches the accuracy for every problem. Solvers that
 // only take steps which lower the cost end about root(rounding of F / curvature) from the minimum, a few
-// nanometres here: hence a table for 1 nm and one for 10 nm.
-// One at a time takes a RangeProblem and gives a position. Batched, ranges and starts lie in rows already and
-// the answers stay in rows; copying the starts is counted. Nothing is compiled for a newer processor than
+// nanometres here: hence a table for 1 nm and one for 10 nm. Batched, ranges and starts lie in rows already
+// and the answers stay in rows; copying the starts is counted. Nothing is compiled for a newer processor than
 // x86-64 but our kernel, which chooses at run time.
-// Options are those of Google Benchmark.
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <map>
+#include <ctime>
+#include <functional>
+#include <memory>
 
 #include <Eigen/LU>
-#include <benchmark/benchmark.h>
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
+#include <ceres/tiny_solver.h>
 #include <fmt/format.h>
 #include <hwy/targets.h>
 
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/nonlinear.h"
-#include "tests/benchmarks/contestants.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kProblems = 512;  // a multiple of the lanes of two threads
+using Eigen::Vector3d;
+using Positions = std::vector<Vector3d>;
+
+constexpr std::size_t kProblems = 512;
 constexpr double kRangeNoise_m = 0.025;
-constexpr double kWanted_m[] = {1e-9, 1e-8};
-constexpr double kLoosest = 1e-2;
-constexpr int kTolerances = 15;  // down to 1e-16, by tens
-constexpr int kTrialRuns = 3;
-constexpr int kThreadRuns = 600;
+constexpr int kTolerances = 15;  // 1e-2 down to 1e-16, by tens
+constexpr int kTrialRuns = 3, kRepetitions = 200, kMostIterations = 50;
+
+// What every contestant solves: problem i from start i; all with the same four sensors, weights 1, no hints.
+struct Problems {
+  std::vector<RangeProblem> problem;
+  Positions start_m, optimum_m;
+};
 
 // Newton's method on F in long double, from the minimum that the default finds.
-Eigen::Vector3d optimum_m(const RangeProblem& problem) {
+Vector3d optimum_of(const RangeProblem& problem) {
   using Vector = Eigen::Matrix<long double, 3, 1>;
   using Matrix = Eigen::Matrix<long double, 3, 3>;
   Vector x = solve_nonlinear(problem, {}).position_m.cast<long double>();
@@ -56,226 +63,308 @@ Eigen::Vector3d optimum_m(const RangeProblem& problem) {
   return x.cast<double>();
 }
 
-ComparisonProblems comparison_problems() {
-  ComparisonProblems all;
-  const RandomStream joints{1, Purpose::test, 0};
-  for (std::uint32_t i = 0; i < kProblems; ++i) {
-    RangeProblem problem = problem_of(well_posed_sensors_m(), random_joint_m(joints, i));
-    add_noise(problem, RandomStream{2, Purpose::test, i}, kRangeNoise_m);
-    all.start_m.push_back(solve_linear(problem, {}).position_m);
-    all.optimum_m.push_back(optimum_m(problem));
-    all.problem.push_back(problem);
-  }
+const Problems& problems() {
+  static const Problems all = [] {
+    Problems made;
+    const RandomStream joints{1, Purpose::test, 0};
+    for (std::uint32_t i = 0; i < kProblems; ++i) {
+      RangeProblem problem = problem_of(well_posed_sensors_m(), random_joint_m(joints, i));
+      add_noise(problem, RandomStream{2, Purpose::test, i}, kRangeNoise_m);
+      made.start_m.push_back(solve_linear(problem, {}).position_m);
+      made.optimum_m.push_back(optimum_of(problem));
+      made.problem.push_back(problem);
+    }
+    return made;
+  }();
   return all;
 }
 
-struct Accuracy {
-  double worst_m = 0.0;
-  std::size_t not_reached = 0;
-  double iterations = 0.0;  // of a solve
-
-  bool reached() const { return not_reached == 0; }
+// One stop rule of a contestant and its tolerance; the others are switched off.
+struct Tolerance {
+  int rule = 0;
+  double value = 0.0;
 };
 
-// Runs the contestant's code for its instruction set.
-double solve_all(const Contestant& contestant, const ComparisonProblems& problems, Tolerance tolerance,
-                 Positions& positions_m) {
+struct Contestant {
+  std::string name;
+  std::vector<const char*> stop_rules;
+  std::function<void(Tolerance, Positions&)> solve_all;
+  std::int64_t vector_target = 0;  // one instruction set of Highway; 0: the best there is
+  int rounds = 1;                  // how often solve_all solves everything
+};
+
+const std::vector<const char*> kCeresRules{"function", "parameter", "gradient"},
+    kOwnRules{"step", "objective"};
+
+// `Solver` is made from a Tolerance and called with a problem and a position, the start and then the end.
+template <class Solver>
+Contestant one_at_a_time(const char* name, const std::vector<const char*>& stop_rules) {
+  return {name, stop_rules, [](Tolerance tolerance, Positions& positions_m) {
+            Solver solver(tolerance);
+            positions_m = problems().start_m;
+            for (std::size_t i = 0; i < kProblems; ++i) solver(problems().problem[i], positions_m[i]);
+          }};
+}
+
+struct RangeResidual final : ceres::SizedCostFunction<1, 3> {
+  Vector3d sensor_m = Vector3d::Zero();
+  double range_m = 0.0;
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const Vector3d from_sensor = Eigen::Map<const Vector3d>(parameters[0]) - sensor_m;
+    const double distance = from_sensor.norm();
+    residuals[0] = distance - range_m;
+    if (jacobians && jacobians[0]) Eigen::Map<Vector3d>{jacobians[0]} = from_sensor / distance;
+    return true;
+  }
+};
+
+// With `reuse` the problem is built once, and a solve changes what its cost functions hold.
+template <bool reuse>
+struct CeresSolve {
+  ceres::Solver::Options options;
+  Vector3d x;
+  std::array<RangeResidual, 4> residuals;
+  std::unique_ptr<ceres::Problem> least_squares = built();
+
+  explicit CeresSolve(Tolerance tolerance) {
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = kMostIterations;
+    options.function_tolerance = tolerance.rule == 0 ? tolerance.value : 0.0;
+    options.parameter_tolerance = tolerance.rule == 1 ? tolerance.value : 0.0;
+    options.gradient_tolerance = tolerance.rule == 2 ? tolerance.value : 0.0;
+  }
+  std::unique_ptr<ceres::Problem> built() {
+    ceres::Problem::Options borrowing;
+    borrowing.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    auto problem = std::make_unique<ceres::Problem>(borrowing);
+    for (RangeResidual& residual : residuals) problem->AddResidualBlock(&residual, nullptr, x.data());
+    return problem;
+  }
+  void operator()(const RangeProblem& problem, Vector3d& x_m) {
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      residuals[i].sensor_m = problem.sensor_m[i];
+      residuals[i].range_m = problem.range_m[i];
+    }
+    if (!reuse) least_squares = built();
+    x = x_m;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, least_squares.get(), &summary);
+    x_m = x;
+  }
+};
+
+struct FourRanges {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = 4, NUM_PARAMETERS = 3 };
+  const RangeProblem* problem;
+
+  bool operator()(const double* parameters, double* residuals, double* jacobian) const {
+    const Eigen::Map<const Vector3d> x(parameters);
+    for (int i = 0; i < NUM_RESIDUALS; ++i) {
+      const Vector3d from_sensor = x - problem->sensor_m[i];
+      const double distance = from_sensor.norm();
+      residuals[i] = distance - problem->range_m[i];
+      if (jacobian) Eigen::Map<Eigen::Matrix<double, 4, 3>>(jacobian).row(i) = from_sensor / distance;
+    }
+    return true;
+  }
+};
+
+struct Tiny {
+  ceres::TinySolver<FourRanges> solver;
+
+  explicit Tiny(Tolerance tolerance) {
+    solver.options.max_num_iterations = kMostIterations;
+    solver.options.cost_threshold = 0.0;
+    solver.options.function_tolerance = tolerance.rule == 0 ? tolerance.value : 0.0;
+    solver.options.parameter_tolerance = tolerance.rule == 1 ? tolerance.value : 0.0;
+    solver.options.gradient_tolerance = tolerance.rule == 2 ? tolerance.value : 0.0;
+  }
+  void operator()(const RangeProblem& problem, Vector3d& x_m) { solver.Solve(FourRanges{&problem}, &x_m); }
+};
+
+struct Kind {
+  const char* name;
+  Damping damping;
+  Curvature curvature;
+};
+constexpr Kind kUndamped{"Gauss-Newton", Damping::none, Curvature::gauss_newton};
+constexpr Kind kDamped{"lm Gauss-Newton", Damping::lm, Curvature::gauss_newton};
+constexpr Kind kNewton{"lm newton", Damping::lm, Curvature::newton};
+
+NonlinearOptions options_of(const Kind& kind, Tolerance tolerance) {
+  NonlinearOptions options;
+  options.damping = kind.damping;
+  options.curvature = kind.curvature;
+  options.stop = tolerance.rule == 0 ? StopRule::step : StopRule::objective;
+  options.step_tolerance_m = options.threshold_m2 = tolerance.value;
+  options.max_iterations = kMostIterations;
+  return options;
+}
+
+// One problem a call: both lanes of the pair hold it, and one of them is thrown away.
+template <const Kind& kind>
+struct OneDescent {
+  NonlinearOptions options;
+  DescentPair pair;
+
+  explicit OneDescent(Tolerance tolerance) : options(options_of(kind, tolerance)) {}
+  void operator()(const RangeProblem& problem, Vector3d& x_m) {
+    pair.sensors = problem.count;
+    for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
+      for (int i = 0; i < problem.count; ++i) {
+        for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
+        pair.range_m[i][lane] = problem.range_m[i];
+        pair.weight[i][lane] = problem.weight[i];
+      }
+      for (int axis = 0; axis < 3; ++axis) pair.position_m[axis][lane] = x_m[axis];
+    }
+    descend(pair, options);
+    x_m = {pair.position_m[0][0], pair.position_m[1][0], pair.position_m[2][0]};
+  }
+};
+
+// The whole method from the given start: both sides, choice, GDOP and covariance.
+struct WholeSolve {
+  NonlinearOptions options;
+
+  explicit WholeSolve(Tolerance tolerance) : options(options_of(kDamped, tolerance)) {
+    options.start = Start::point;
+  }
+  void operator()(const RangeProblem& problem, Vector3d& x_m) {
+    options.start_point_m = x_m;
+    x_m = solve_nonlinear(problem, options).position_m;
+  }
+};
+
+Contestant whole_span() {
+  return {"trilat solve_nonlinear(span), own start, both sides, GDOP", kOwnRules,
+          [](Tolerance tolerance, Positions& positions_m) {
+            static std::vector<PointEstimate> estimates(kProblems);
+            solve_nonlinear(problems().problem, options_of(kDamped, tolerance), estimates);
+            for (std::size_t i = 0; i < kProblems; ++i) positions_m[i] = estimates[i].position_m;
+          }};
+}
+
+Contestant batched(const Kind& kind, std::int64_t target) {
+  constexpr int kRounds = 20;
+  auto batch = std::make_shared<DescentBatch>(4, kProblems, true);
+  auto start_m = std::make_shared<LaneRows>(3, kProblems);
+  const auto& all = problems();
+  for (std::size_t row = 0; row < 12; ++row)
+    batch->sensor_m.row(row)[0] = all.problem[0].sensor_m[row / 3][static_cast<Eigen::Index>(row % 3)];
+  for (std::size_t lane = 0; lane < kProblems; ++lane) {
+    for (std::size_t i = 0; i < 4; ++i) batch->range_m.row(i)[lane] = all.problem[lane].range_m[i];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      start_m->row(axis)[lane] = all.start_m[lane][static_cast<Eigen::Index>(axis)];
+  }
+  const auto solve_all = [=](Tolerance tolerance, Positions& positions_m) {
+    const NonlinearOptions options = options_of(kind, tolerance);
+    for (int round = 0; round < kRounds; ++round) {
+      std::copy_n(start_m->row(0), 3 * start_m->stride(), batch->position_m.row(0));
+      descend(*batch, options);
+    }
+    for (std::size_t lane = 0; lane < kProblems; ++lane)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        positions_m[lane][static_cast<Eigen::Index>(axis)] = batch->position_m.row(axis)[lane];
+  };
+  return {fmt::format("trilat batched {}, {}", kind.name, hwy::TargetName(target)), kOwnRules, solve_all,
+          target, kRounds};
+}
+
+std::vector<Contestant> contestants() {
+  std::vector<Contestant> all{
+      one_at_a_time<CeresSolve<false>>("ceres::Solve", kCeresRules),
+      one_at_a_time<CeresSolve<true>>("ceres::Solve, problem reused", kCeresRules),
+      one_at_a_time<Tiny>("ceres::TinySolver", kCeresRules),
+      one_at_a_time<OneDescent<kUndamped>>("trilat one at a time, Gauss-Newton", kOwnRules),
+      one_at_a_time<OneDescent<kDamped>>("trilat one at a time, lm Gauss-Newton", kOwnRules),
+      one_at_a_time<WholeSolve>("trilat solve_nonlinear, given start, both sides, GDOP", kOwnRules),
+      whole_span()};
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3})
+    for (const Kind& kind : {kUndamped, kDamped, kNewton})
+      if (hwy::SupportedTargets() & target) all.push_back(batched(kind, target));
+  return all;
+}
+
+// Processor time of one solve.
+double solve_ns(const Contestant& contestant, Tolerance tolerance, Positions& positions_m) {
   hwy::SetSupportedTargetsForTest(contestant.vector_target);
-  const double iterations = contestant.solve_all(problems, tolerance, positions_m);
+  const std::clock_t start = std::clock();
+  contestant.solve_all(tolerance, positions_m);
+  const double spent_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   hwy::SetSupportedTargetsForTest(0);
-  return iterations;
-}
-
-Accuracy accuracy_of(const Contestant& contestant, const ComparisonProblems& problems, Tolerance tolerance,
-                     double wanted_m) {
-  Positions positions_m(kProblems);
-  Accuracy result;
-  result.iterations = solve_all(contestant, problems, tolerance, positions_m) / kProblems;
-  for (std::size_t i = 0; i < kProblems; ++i) {
-    const double off_m = (positions_m[i] - problems.optimum_m[i]).norm();
-    if (!(off_m <= wanted_m)) ++result.not_reached;
-    if (!(off_m <= result.worst_m)) result.worst_m = off_m;
-  }
-  return result;
-}
-
-double lowest_s(const Contestant& contestant, const ComparisonProblems& problems, Tolerance tolerance,
-                int runs) {
-  Positions positions_m(kProblems);
-  double lowest = 1e300;
-  for (int run = 0; run < runs; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    solve_all(contestant, problems, tolerance, positions_m);
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-    lowest = std::min(lowest, spent.count());
-  }
-  return lowest;
+  return 1e9 * spent_s / (static_cast<double>(kProblems) * contestant.rounds);
 }
 
 struct Entry {
   Contestant contestant;
-  double wanted_m = 0.0;
-  Tolerance tolerance;
-  Accuracy accuracy;
-  std::vector<double> ns_per_solve;  // one a repetition
+  Tolerance tolerance{};
+  std::size_t not_reached = kProblems + 1;
+  double worst_m = 0.0, lowest_ns = 1e300;
 
-  std::string title() const { return fmt::format("{} to {:.0e} m", contestant.name, wanted_m); }
+  void time(int runs) {
+    Positions positions_m(kProblems);
+    for (int run = 0; run < runs; ++run)
+      lowest_ns = std::min(lowest_ns, solve_ns(contestant, tolerance, positions_m));
+  }
 };
 
 // The loosest tolerance of a stop rule that reaches the accuracy, or the one that comes nearest.
-Entry with_rule(const Contestant& contestant, const ComparisonProblems& problems, double wanted_m, int rule) {
-  Entry best{contestant, wanted_m, {}, {}, {}};
-  best.accuracy.not_reached = kProblems + 1;
-  for (int k = 0; k < kTolerances && !best.accuracy.reached(); ++k) {
-    const Tolerance tolerance{rule, kLoosest * std::pow(10.0, -k)};
-    const Accuracy accuracy = accuracy_of(contestant, problems, tolerance, wanted_m);
-    if (accuracy.not_reached >= best.accuracy.not_reached) continue;
-    best.tolerance = tolerance;
-    best.accuracy = accuracy;
-  }
-  return best;
-}
-
-Entry with_best_rule(const Contestant& contestant, const ComparisonProblems& problems, double wanted_m) {
-  Entry best;
-  double best_s = 0.0;
-  for (int rule = 0; rule < static_cast<int>(contestant.stop_rules.size()); ++rule) {
-    const Entry entry = with_rule(contestant, problems, wanted_m, rule);
-    const double spent_s = lowest_s(contestant, problems, entry.tolerance, kTrialRuns);
-    const bool more = rule > 0 && entry.accuracy.not_reached != best.accuracy.not_reached;
-    if (rule > 0 && (more ? entry.accuracy.not_reached > best.accuracy.not_reached : spent_s >= best_s))
-      continue;
-    best = entry;
-    best_s = spent_s;
-  }
-  return best;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-}
-
-double lowest(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
-
-// Time of the processor for one thread, of the clock for more.
-class Collector final : public benchmark::BenchmarkReporter {
- public:
-  explicit Collector(std::map<std::string, Entry*> entries) : entries_(std::move(entries)) {}
-  bool ReportContext(const Context&) override { return true; }
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      Entry& entry = *entries_.at(run.run_name.function_name);
-      const double spent_ns =
-          entry.contestant.threads == 1 ? run.GetAdjustedCPUTime() : run.GetAdjustedRealTime();
-      entry.ns_per_solve.push_back(spent_ns / (static_cast<double>(kProblems) * entry.contestant.rounds));
+Entry with_rule(const Contestant& contestant, double wanted_m, int rule) {
+  Entry best{contestant};
+  Positions positions_m(kProblems);
+  for (int k = 0; k < kTolerances && best.not_reached > 0; ++k) {
+    Entry entry{contestant, {rule, 1e-2 * std::pow(10.0, -k)}, 0};
+    contestant.solve_all(entry.tolerance, positions_m);
+    for (std::size_t i = 0; i < kProblems; ++i) {
+      const double off_m = (positions_m[i] - problems().optimum_m[i]).norm();
+      if (!(off_m <= wanted_m)) ++entry.not_reached;
+      if (!(off_m <= entry.worst_m)) entry.worst_m = off_m;
     }
+    if (entry.not_reached < best.not_reached) best = entry;
   }
-
- private:
-  std::map<std::string, Entry*> entries_;
-};
-
-void measure(std::vector<Entry>& entries, const ComparisonProblems& problems) {
-  std::map<std::string, Entry*> by_name;
-  for (Entry& entry : entries) {
-    by_name[entry.title()] = &entry;
-    benchmark::RegisterBenchmark(entry.title().c_str(), [&](benchmark::State& state) {
-      Positions positions_m(kProblems);
-      for (auto _ : state) {
-        solve_all(entry.contestant, problems, entry.tolerance, positions_m);
-        benchmark::DoNotOptimize(positions_m.data());
-        benchmark::ClobberMemory();
-      }
-    })->UseRealTime();
-  }
-  Collector collector(by_name);
-  benchmark::RunSpecifiedBenchmarks(&collector);
+  best.time(kTrialRuns);
+  return best;
 }
 
-double lowest_ns_of(const std::vector<Entry>& entries, const std::string& name, double wanted_m) {
-  for (const Entry& entry : entries)
-    if (entry.contestant.name == name && entry.wanted_m == wanted_m && !entry.ns_per_solve.empty())
-      return lowest(entry.ns_per_solve);
-  return std::nan("");
-}
-
-void print_row(const Entry& entry, double ceres_ns, double tiny_ns) {
-  const Accuracy& accuracy = entry.accuracy;
-  const double ns = lowest(entry.ns_per_solve);
-  const std::string iterations =
-      std::isnan(accuracy.iterations) ? "not told" : fmt::format("{:.2f}", accuracy.iterations);
-  const std::string& rule = entry.contestant.stop_rules[static_cast<std::size_t>(entry.tolerance.rule)];
-  fmt::print("| {}{} | {} {:.0e} | {:.1f} | {:.1f} | {:.1e} | {} | {} | {:.1f} | {:.2f} |\n",
-             entry.contestant.name, accuracy.reached() ? "" : " (**not reached**)", rule,
-             entry.tolerance.value, median(entry.ns_per_solve), ns, accuracy.worst_m, accuracy.not_reached,
-             iterations, ceres_ns / ns, tiny_ns / ns);
+Entry with_best_rule(const Contestant& contestant, double wanted_m) {
+  Entry best{contestant};
+  for (std::size_t rule = 0; rule < contestant.stop_rules.size(); ++rule) {
+    const Entry entry = with_rule(contestant, wanted_m, static_cast<int>(rule));
+    if (std::tie(entry.not_reached, entry.lowest_ns) < std::tie(best.not_reached, best.lowest_ns))
+      best = entry;
+  }
+  return best;
 }
 
 // Ratios are those of the lowest times: others on the machine slow a solver down, but never speed it up.
-void print_table(const std::vector<Entry>& entries, double wanted_m) {
-  const double ceres_ns = lowest_ns_of(entries, "ceres::Solve", wanted_m);
-  const double tiny_ns = lowest_ns_of(entries, "ceres::TinySolver", wanted_m);
-  fmt::print("\nTo {:.0e} m:\n\n", wanted_m);
-  fmt::print(
-      "| solver | stop rule | ns/solve (median) | ns/solve (lowest) | worst error (m) | not reached "
-      "| iterations | x ceres::Solve | x TinySolver |\n|---|---|---:|---:|---:|---:|---:|---:|---:|\n");
-  for (const Entry& entry : entries)
-    if (entry.wanted_m == wanted_m && !entry.ns_per_solve.empty()) print_row(entry, ceres_ns, tiny_ns);
-}
-
-// Both lowest times of many short runs, in turn: on a busy machine a median would count the others.
-void print_speed_up(const std::vector<Entry>& entries, const ComparisonProblems& problems) {
-  for (const Entry& many : entries) {
-    if (many.contestant.threads == 1 || many.wanted_m != kWanted_m[0]) continue;
-    const auto one = std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) {
-      return many.contestant.name.starts_with(entry.contestant.name + ", ");
-    });
-    if (one == entries.end()) continue;
-    double one_s = 1e300, many_s = 1e300;
-    for (int run = 0; run < kThreadRuns; ++run) {
-      one_s = std::min(one_s, lowest_s(one->contestant, problems, one->tolerance, 1));
-      many_s = std::min(many_s, lowest_s(many.contestant, problems, many.tolerance, 1));
-    }
-    fmt::print("\n{} threads against one, lowest of {} runs in turn: x {:.2f}\n", many.contestant.threads,
-               kThreadRuns, one_s / one->contestant.rounds * many.contestant.rounds / many_s);
-  }
-}
-
-int run(int argc, char** argv) {
-  std::vector<std::string> words{argv[0], "--benchmark_enable_random_interleaving=true",
-                                 "--benchmark_repetitions=21", "--benchmark_min_time=0.02"};
-  words.insert(words.end(), argv + 1, argv + argc);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  int count = static_cast<int>(arguments.size());
-  arguments.push_back(nullptr);
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-
-  const ComparisonProblems problems = comparison_problems();
+void compare(double wanted_m) {
   std::vector<Entry> entries;
-  for (const double wanted_m : kWanted_m)
-    for (const auto& contestants : {ceres_contestants(), own_contestants(problems)})
-      for (const Contestant& contestant : contestants)
-        entries.push_back(with_best_rule(contestant, problems, wanted_m));
-  double load[1] = {std::nan("")};
-  getloadavg(load, 1);
-  measure(entries, problems);
-  std::size_t repetitions = 0;
-  for (const Entry& entry : entries) repetitions = std::max(repetitions, entry.ns_per_solve.size());
+  for (const Contestant& contestant : contestants()) entries.push_back(with_best_rule(contestant, wanted_m));
+  for (int repetition = 0; repetition < kRepetitions; ++repetition)
+    for (Entry& entry : entries) entry.time(1);
   fmt::print(
-      "{} problems, 4 sensors at 0.3 and 2.3 m, range noise {} cm, start solve_linear(); {} repetitions, "
-      "time of the processor (of the clock for several threads); load average before {:.1f}\n",
-      kProblems, 100.0 * kRangeNoise_m, repetitions, load[0]);
-  for (const double wanted_m : kWanted_m) print_table(entries, wanted_m);
-  print_speed_up(entries, problems);
-  benchmark::Shutdown();
-  return 0;
+      "\nTo {:.0e} m:\n\n| solver | stop rule | ns/solve | worst error (m) | not reached | x ceres::Solve "
+      "| x TinySolver |\n|---|---|---:|---:|---:|---:|---:|\n",
+      wanted_m);
+  for (const Entry& e : entries)
+    fmt::print("| {} | {} {:.0e} | {:.1f} | {:.1e} | {} | {:.1f} | {:.2f} |\n", e.contestant.name,
+               e.contestant.stop_rules[static_cast<std::size_t>(e.tolerance.rule)], e.tolerance.value,
+               e.lowest_ns, e.worst_m, e.not_reached, entries[0].lowest_ns / e.lowest_ns,
+               entries[2].lowest_ns / e.lowest_ns);
 }
 
 }  // namespace
 }  // namespace trilat
 
-int main(int argc, char** argv) { return trilat::run(argc, argv); }
+int main() {
+  using namespace trilat;
+  fmt::print(
+      "{} problems, 4 sensors at 0.3 and 2.3 m, range noise {} cm, start solve_linear(); lowest of {} "
+      "repetitions in turn, time of the processor\n",
+      kProblems, 100.0 * kRangeNoise_m, kRepetitions);
+  for (const double wanted_m : {1e-9, 1e-8}) compare(wanted_m);
+}
