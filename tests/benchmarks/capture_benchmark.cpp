@@ -3,10 +3,12 @@
 // the file is than the raw depth; beside a recorder that one would write first, which hands raw frames to the
 // HDF5 library's own filters on one thread.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,7 +19,6 @@
 #include "datasets/session/session_layout.h"
 #include "recorders/capture.h"
 #include "recorders/open_source.h"
-#include "tests/benchmarks/looped_source.h"
 
 namespace trilat {
 namespace {
@@ -36,17 +37,69 @@ double processor_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-using Rendered = std::vector<std::shared_ptr<const SensorFrames>>;
+// What one virtual Kinect delivers, rendered before the clock starts.
+struct Rendered {
+  std::vector<BodyFrame> bodies;
+  std::vector<DepthFrame> depth;
+};
 
-// Frames of four virtual Kinects with the declared noise, rendered before the clock starts.
-Rendered render(double seconds) {
+// Four, with the declared noise.
+std::vector<Rendered> render(double seconds) {
   const auto source =
       open_source(fmt::format("synthetic:{},duration={},drop=0,speed=max", kSensors, seconds));
-  Rendered rendered;
-  for (SensorFrames& frames : take_all(*source))
-    rendered.push_back(std::make_shared<const SensorFrames>(std::move(frames)));
+  std::vector<Rendered> rendered(kSensors);
+  while (auto event = source->next()) {
+    if (auto* frame = std::get_if<BodyFrame>(&event->data))
+      rendered[event->sensor].bodies.push_back(std::move(*frame));
+    if (auto* depth = std::get_if<DepthFrame>(&event->data))
+      rendered[event->sensor].depth.push_back(std::move(*depth));
+  }
   return rendered;
 }
+
+// The same frames again and again at a fixed rate, stamped with this machine's clock and taken or not: a load
+// whose making costs no more than a copy.
+class LoopedSource : public FrameSource {
+ public:
+  LoopedSource(const std::vector<Rendered>& sensors, double rate_hz, double seconds)
+      : sensors_(sensors), rate_hz_(rate_hz), frames_(static_cast<std::int64_t>(seconds * rate_hz)) {
+    header_.simulated = true;
+    for (std::size_t s = 0; s < kSensors; ++s) {
+      SensorDescription& sensor = header_.sensors.emplace_back();
+      sensor.name = fmt::format("k{}", s + 1);
+      sensor.source = "simulated";
+      sensor.has_depth = true;
+    }
+  }
+  const SessionHeader& header() const override { return header_; }
+  void stop() override { stopped_ = true; }
+  bool live() const override { return true; }
+
+  // Of each frame the sensors one after the other, a sensor's bodies before its depth.
+  std::optional<SourceEvent> next() override {
+    const std::int64_t frame = events_ / static_cast<std::int64_t>(2 * kSensors);
+    if (stopped_ || frame >= frames_) return std::nullopt;
+    const std::size_t part = static_cast<std::size_t>(events_++) % (2 * kSensors), sensor = part / 2;
+    const auto since_start = std::chrono::duration<double>(static_cast<double>(frame) / rate_hz_);
+    if (part == 0)
+      std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(since_start));
+    const Rendered& frames = sensors_[sensor];
+    const std::size_t which =
+        static_cast<std::size_t>(frame) % std::min(frames.bodies.size(), frames.depth.size());
+    const FrameStamp stamp{frame, static_cast<std::int64_t>(1e7 * since_start.count()), steady_now_ns()};
+    if (part % 2 == 1) return SourceEvent{sensor, DepthFrame{stamp, frames.depth[which].depth_mm}};
+    return SourceEvent{sensor,
+                       BodyFrame{stamp, frames.bodies[which].floor_plane, frames.bodies[which].bodies}};
+  }
+
+ private:
+  const std::vector<Rendered>& sensors_;
+  SessionHeader header_;
+  double rate_hz_;
+  std::int64_t frames_, events_ = 0;
+  Clock::time_point start_ = Clock::now();
+  std::atomic<bool> stopped_{false};
+};
 
 struct Measured {
   double wall_s = 0.0, cores = 0.0, share_of_raw = 0.0;
@@ -54,7 +107,7 @@ struct Measured {
   double peak_queue = 0.0;
 };
 
-Measured record_at(const Rendered& rendered, double speed, double seconds,
+Measured record_at(const std::vector<Rendered>& rendered, double speed, double seconds,
                    const std::filesystem::path& path) {
   Measured m;
   CaptureOptions options;
@@ -81,7 +134,7 @@ Measured record_at(const Rendered& rendered, double speed, double seconds,
 }
 
 // Seconds of processor time a frame when the library compresses inside its write, one frame after another.
-double plain_recorder_s(const Rendered& rendered, const std::filesystem::path& path,
+double plain_recorder_s(const std::vector<Rendered>& rendered, const std::filesystem::path& path,
                         ChunkCompression compression) {
   const double before_s = processor_s();
   std::size_t frames = 0;
@@ -93,7 +146,7 @@ double plain_recorder_s(const Rendered& rendered, const std::filesystem::path& p
     for (std::size_t s = 0; s < kSensors; ++s) {
       H5Table table =
           file.create_table("depth" + std::to_string(s), H5Type::u16, {kDepthHeight, kDepthWidth}, layout);
-      for (const DepthFrame& frame : rendered[s]->depth) {
+      for (const DepthFrame& frame : rendered[s].depth) {
         table.append(std::span<const std::uint16_t>(frame.depth_mm));
         ++frames;
       }
@@ -108,7 +161,7 @@ double plain_recorder_s(const Rendered& rendered, const std::filesystem::path& p
 void run(double seconds, double step_seconds, const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   fmt::print("rendering 2 s of four virtual Kinects with the declared noise (simulated)\n");
-  const Rendered rendered = render(2.0);
+  const std::vector<Rendered> rendered = render(2.0);
   const Measured real = record_at(rendered, 1.0, seconds, folder / "session.h5");
   fmt::print(
       "real time, {:.0f} s: {} frames lost, {:.2f} cores (the source's copies included), file {:.1f} % of "
