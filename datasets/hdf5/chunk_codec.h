@@ -17,15 +17,6 @@ inline constexpr int kChunkLevel = 1;  // of either compression
 // The quickest compression that this build has: Blosc, or else deflate.
 ChunkCompression quickest_compression();
 
-// Makes the Blosc filter known to the HDF5 library of this process, so that no plugin is needed to
-// read our files.
-void register_blosc_filter();
-
-// The filter parameters of a table with chunks of `chunk_bytes` bytes of elements of
-// `element_bytes`.
-std::vector<unsigned int> filter_values_of(ChunkCompression compression, std::size_t element_bytes,
-                                           std::size_t chunk_bytes);
-
 // One chunk as it goes to the file: compressed, with HDF5's fletcher32 checksum behind. Pure: any
 // thread may call it. Blosc is Zstandard level 1 with bit shuffle; deflate is level 1. `none` only
 // adds the checksum.

@@ -2,8 +2,10 @@
 #include "datasets/hdf5/hdf5_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
+#include <blosc.h>
 #include <fcntl.h>
 #include <hdf5.h>
 #include <unistd.h>
@@ -57,27 +59,8 @@ H5Handle wrap(hid_t id, H5Handle::Closer closer, const std::string& place, const
   return {id, closer};
 }
 
-hid_t memory_type(H5Type type) {
-  switch (type) {
-    case H5Type::u8:
-      return H5T_NATIVE_UINT8;
-    case H5Type::u16:
-      return H5T_NATIVE_UINT16;
-    case H5Type::u32:
-      return H5T_NATIVE_UINT32;
-    case H5Type::u64:
-      return H5T_NATIVE_UINT64;
-    case H5Type::i64:
-      return H5T_NATIVE_INT64;
-    case H5Type::f32:
-      return H5T_NATIVE_FLOAT;
-    case H5Type::f64:
-      return H5T_NATIVE_DOUBLE;
-  }
-  return -1;
-}
-
-hid_t file_type(H5Type type) {
+static_assert(std::endian::native == std::endian::little, "numbers in memory are as in the file");
+hid_t type_of(H5Type type) {
   switch (type) {
     case H5Type::u8:
       return H5T_STD_U8LE;
@@ -97,6 +80,30 @@ hid_t file_type(H5Type type) {
   return -1;
 }
 
+// Chunks are filtered before they are written and unfiltered after they are read, never by the library: it
+// only has to know the filter by its number.
+std::size_t filter_nothing(unsigned, std::size_t, const unsigned*, std::size_t, std::size_t*, void**) {
+  return 0;
+}
+constexpr H5Z_class2_t kKnownBlosc{H5Z_CLASS_T_VERS, kBloscFilter, 1,       1,
+                                   "blosc",          nullptr,      nullptr, filter_nothing};
+
+// For chunks of `chunk_bytes`, of elements of `element_bytes`.
+bool set_compression(hid_t list, ChunkCompression compression, std::size_t element_bytes,
+                     std::size_t chunk_bytes) {
+  if (compression == ChunkCompression::none) return true;
+  if (compression == ChunkCompression::deflate) return H5Pset_deflate(list, kChunkLevel) >= 0;
+  constexpr unsigned kFilterRevision = 2;
+  const unsigned values[] = {kFilterRevision,
+                             BLOSC_VERSION_FORMAT,
+                             static_cast<unsigned>(element_bytes),
+                             static_cast<unsigned>(chunk_bytes),
+                             kChunkLevel,
+                             BLOSC_BITSHUFFLE,
+                             BLOSC_ZSTD};
+  return H5Pset_filter(list, kBloscFilter, H5Z_FLAG_MANDATORY, std::size(values), values) >= 0;
+}
+
 void prepare_library() {
   static const bool ready = [] {
     // before any other call, which would start the library with its work at exit. Every file is closed by its
@@ -106,7 +113,7 @@ void prepare_library() {
     hbool_t safe = false;
     TRILAT_CHECK(H5open() >= 0 && H5is_library_threadsafe(&safe) >= 0 && safe,
                  "the HDF5 library is a thread-safe build");
-    register_blosc_filter();
+    TRILAT_CHECK(H5Zregister(&kKnownBlosc) >= 0, "HDF5 takes the Blosc filter");
     H5PLset_loading_state(0);  // a file must not make this program load code
     return true;
   }();
@@ -183,7 +190,7 @@ bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t element
   const H5Handle memory_space = wrap(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
                                      close_space, place_, "cannot be addressed");
   H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  const hid_t memory = memory_type(type), from = memory_space.id(), to = file_space.id();
+  const hid_t memory = type_of(type), from = memory_space.id(), to = file_space.id();
   return (write ? H5Dwrite(id_.id(), memory, from, to, H5P_DEFAULT, data)
                 : H5Dread(id_.id(), memory, from, to, H5P_DEFAULT, data)) >= 0;
 }
@@ -196,8 +203,7 @@ void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements
   const std::uint64_t end_row = first_row + elements / row_elements_;
   if (end_row > rows()) throw InputError(place_, "ends before row " + std::to_string(end_row));
   if (!write && !stored_.filters.empty())
-    return read_filtered(first_row,
-                         {static_cast<std::byte*>(data), elements * H5Tget_size(memory_type(type))});
+    return read_filtered(first_row, {static_cast<std::byte*>(data), elements * H5Tget_size(type_of(type))});
   if (move_rows(first_row, data, elements, type, write)) return;
   if (write) refuse_output(place_, "cannot be written");
   refuse(place_, "cannot be read: the stored data are damaged");
@@ -272,17 +278,18 @@ H5Table H5Node::create_table(const std::string& name, H5Type type,
     std::vector<hsize_t> chunk{layout.chunk_rows};
     chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
     H5Pset_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data());
-    if (layout.filter != 0 && H5Pset_filter(list.id(), layout.filter, H5Z_FLAG_MANDATORY,
-                                            layout.filter_values.size(), layout.filter_values.data()) < 0)
+    const std::size_t element_bytes = H5Tget_size(type_of(type));
+    if (!set_compression(list.id(), layout.compression, element_bytes,
+                         layout.chunk_rows * table.row_elements_ * element_bytes))
       refuse(table.place_, "cannot use the compression filter");
     if (layout.checksum) H5Pset_fletcher32(list.id());
   } else {
     H5Pset_alloc_time(list.id(), H5D_ALLOC_TIME_EARLY);
     H5Pset_fill_time(list.id(), H5D_FILL_TIME_NEVER);
   }
-  table.id_ = wrap(
-      H5Dcreate2(id_.id(), name.c_str(), file_type(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
-      close_dataset, table.place_, "cannot be created");
+  table.id_ =
+      wrap(H5Dcreate2(id_.id(), name.c_str(), type_of(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+           close_dataset, table.place_, "cannot be created");
   table.id_.tell_failure_to(rows_lost_);
   return table;
 }
@@ -302,11 +309,11 @@ H5Table H5Node::table(const std::string& name, H5Type type,
   const bool same_shape = static_cast<std::size_t>(rank) == row_shape.size() + 1 &&
                           std::equal(row_shape.begin(), row_shape.end(), dims + 1);
   const H5Handle stored = wrap(H5Dget_type(table.id_.id()), close_type, table.place_, "has no type");
-  if (!same_shape || H5Tequal(stored.id(), file_type(type)) <= 0)
+  if (!same_shape || H5Tequal(stored.id(), type_of(type)) <= 0)
     throw InputError(table.place_, "has another shape or element type than this format version has");
   table.row_shape_ = row_shape;
   for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
-  table.stored_ = check_stored_rows(table.id_.id(), table.place_, row_shape, H5Tget_size(memory_type(type)));
+  table.stored_ = check_stored_rows(table.id_.id(), table.place_, row_shape, H5Tget_size(type_of(type)));
   return table;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -44,14 +45,21 @@ class H5Handle {
 enum class H5Type { u8, u16, u32, u64, i64, f32, f64 };
 
 template <class T>
-constexpr H5Type h5_type_of();
+constexpr H5Type h5_type_of() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return H5Type::u8;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return H5Type::u16;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return H5Type::u32;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return H5Type::u64;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5Type::i64;
+  if constexpr (std::is_same_v<T, float>) return H5Type::f32;
+  if constexpr (std::is_same_v<T, double>) return H5Type::f64;
+}
 
 // How the rows of a table lie in the file.
 struct H5Layout {
-  std::size_t chunk_rows = 0;  // 0: contiguous and of fixed size
-  bool checksum = false;       // fletcher32 behind every chunk
-  int filter = 0;              // an HDF5 filter number in front of the checksum; 0: none
-  std::vector<unsigned int> filter_values{};
+  std::size_t chunk_rows = 0;                             // 0: contiguous and of fixed size
+  bool checksum = false;                                  // fletcher32 behind every chunk
+  ChunkCompression compression = ChunkCompression::none;  // in front of it; for append_filtered_row()
 };
 
 // Rows of one shape and type. Shape and storage are checked when a table is opened (check_stored_rows()), so
@@ -106,6 +114,9 @@ class H5Table {
   };
   void read_filtered(std::uint64_t first_row, std::span<std::byte> rows) const;
   void decode_chunk_at(std::uint64_t first_row) const;  // under the lock
+  // As it lies in the file, empty when it was never written; bit i of `skipped`: without filter i.
+  std::vector<std::byte> stored_chunk(std::uint64_t first_row, std::uint32_t& skipped) const;
+  [[noreturn]] void refuse_damaged(std::uint64_t first_row) const;
   void extend_to(std::uint64_t rows);
 
   H5Handle id_;
@@ -175,34 +186,5 @@ class H5File : public H5Node {
  private:
   bool unfinished_ = false;
 };
-
-template <>
-constexpr H5Type h5_type_of<std::uint8_t>() {
-  return H5Type::u8;
-}
-template <>
-constexpr H5Type h5_type_of<std::uint16_t>() {
-  return H5Type::u16;
-}
-template <>
-constexpr H5Type h5_type_of<std::uint32_t>() {
-  return H5Type::u32;
-}
-template <>
-constexpr H5Type h5_type_of<std::uint64_t>() {
-  return H5Type::u64;
-}
-template <>
-constexpr H5Type h5_type_of<std::int64_t>() {
-  return H5Type::i64;
-}
-template <>
-constexpr H5Type h5_type_of<float>() {
-  return H5Type::f32;
-}
-template <>
-constexpr H5Type h5_type_of<double>() {
-  return H5Type::f64;
-}
 
 }  // namespace trilat

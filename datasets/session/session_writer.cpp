@@ -124,11 +124,7 @@ void describe(H5Node& node, const SensorDescription& sensor) {
 }
 
 DepthTables depth_tables(H5Node node, ChunkCompression compression) {
-  H5Layout stored{.chunk_rows = 1, .checksum = true};
-  stored.filter = compression == ChunkCompression::blosc     ? kBloscFilter
-                  : compression == ChunkCompression::deflate ? kDeflateFilter
-                                                             : 0;
-  stored.filter_values = filter_values_of(compression, 2, kDepthPixels * 2);
+  const H5Layout stored{.chunk_rows = 1, .checksum = true, .compression = compression};
   DepthTables tables{
       node.create_table(layout::kDepthFrames, H5Type::u16, {kDepthHeight, kDepthWidth}, stored), {}};
   create_columns(tables.stamps, node);

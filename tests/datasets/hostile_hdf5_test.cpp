@@ -103,8 +103,7 @@ TEST(HostileHdf5, ABloscChunkThatLiesAboutItsSizeIsRefused) {
     const auto path = sound_session(folder);
     Creation creation;
     creation.chunks(kChunkRows);
-    const auto values = filter_values_of(ChunkCompression::blosc, 8, 8 * kChunkRows);
-    H5Pset_filter(creation.list, kBloscFilter, H5Z_FLAG_MANDATORY, values.size(), values.data());
+    H5Pset_filter(creation.list, kBloscFilter, H5Z_FLAG_MANDATORY, 0, nullptr);
     H5Pset_fletcher32(creation.list);
     const auto chunk = encode_chunk(std::vector<std::byte>(bytes), 8, ChunkCompression::blosc);
     exchange(path, kSequence, kRows, creation, [&](hid_t dataset) {
