@@ -97,7 +97,7 @@ struct Night {
   }
   PairedAnswer answer(std::size_t place, std::size_t slot) const {
     const auto status = static_cast<SolveStatus>(block.status[slot]);
-    if (!is_usable(status)) return {{GateFinding::kNone, GateFinding::kNone}, status};
+    if (!is_usable(status)) return {{kNone, kNone}, status};
     double aligned_m2 = 0.0, plain_m2 = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto aligned = static_cast<double>(error_m[3 * slot + axis]);
@@ -175,7 +175,9 @@ PairedSamples read_paired_samples(const ResultsPair& pair) try {
 
 // Alarms before the rest, the worst of a study first; otherwise as they were.
 void sort_findings(std::vector<GateFinding>& findings) {
-  const auto size = [](const GateFinding& f) { return std::isnan(f.percent) ? 0.0 : std::abs(f.percent); };
+  const auto size = [](const GateFinding& f) {
+    return std::isnan(f.change.percent) ? 0.0 : std::abs(f.change.percent);
+  };
   std::stable_sort(findings.begin(), findings.end(), [&](const GateFinding& a, const GateFinding& b) {
     if (a.alarm != b.alarm) return a.alarm;
     if (a.study != b.study || a.kind != b.kind) return false;
@@ -277,8 +279,8 @@ class Comparison {
     if (now.cross_check && !now.cross_check->passed() &&
         (!before.cross_check || before.cross_check->passed()))
       add_failure(pair.now.name, "the cross-check with Ceres fails",
-                  before.cross_check ? before.cross_check->worst_m : GateFinding::kNone,
-                  now.cross_check->worst_m, "worst at " + now.cross_check->worst_at);
+                  before.cross_check ? before.cross_check->worst_m : kNone, now.cross_check->worst_m,
+                  "worst at " + now.cross_check->worst_at);
   }
 
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {

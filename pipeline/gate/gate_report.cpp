@@ -10,54 +10,6 @@
 
 namespace trilat {
 
-namespace {
-
-Json json_of(const GateFinding& f) {
-  return {{"kind", name_of(f.kind)},
-          {"direction", name_of(f.direction)},
-          {"alarm", f.alarm},
-          {"study", f.study},
-          {"method", f.method},
-          {"condition", f.condition},
-          {"group", f.group},
-          {"alignment", f.alignment},
-          {"what", f.what},
-          {"unit", f.unit},
-          {"before", f.before},
-          {"now", f.now},
-          {"change_percent", f.percent},
-          {"change_low_percent", f.percent_low},
-          {"change_high_percent", f.percent_high},
-          {"chance", f.chance},
-          {"n", f.n},
-          {"clusters", f.clusters},
-          {"note", f.note},
-          {"since", f.since},
-          {"command", f.command}};
-}
-
-Json json_of(const ComparedCell& c) {
-  return {{"study", c.study},
-          {"method", c.method},
-          {"condition", c.condition},
-          {"group", c.group},
-          {"alignment", c.alignment},
-          {"before_m", c.before_m},
-          {"now_m", c.now_m},
-          {"change_percent", c.percent},
-          {"change_low_percent", c.percent_low},
-          {"change_high_percent", c.percent_high},
-          {"n", c.both},
-          {"clusters", c.clusters},
-          {"asked", c.asked},
-          {"answered_before", c.answered_before},
-          {"answered_now", c.answered_now},
-          {"lost", c.lost},
-          {"gained", c.gained}};
-}
-
-}  // namespace
-
 const char* name_of(StudyState state) {
   constexpr std::array<const char*, 6> kNames{"identical",  "same_values", "compared",
                                               "not_judged", "only_now",    "only_before"};
@@ -89,27 +41,21 @@ std::string not_judged_text(const GateReport& report) {
 }
 
 Json gate_json(const GateReport& report) {
-  Json json{{"format", "trilat.gate"},
-            {"version", 1},
-            {"time", report.time},
-            {"verdict", name_of(report.verdict())},
-            {"alarms", report.alarms()},
-            {"results", report.results},
-            {"baseline", report.baseline},
-            {"baseline_accepted", report.baseline_time},
-            {"baseline_reason", report.baseline_reason},
-            {"smallest_effect_percent", report.smallest_percent},
-            {"looked_at", report.looked_at},
-            {"studies", Json::array()},
-            {"findings", Json::array()},
-            {"cells", Json::array()},
-            {"notes", report.notes}};
-  for (const StudyVerdict& s : report.studies)
-    json["studies"].push_back(
-        {{"study", s.study}, {"kind", s.kind}, {"state", name_of(s.state)}, {"note", s.note}});
-  for (const GateFinding& f : report.findings) json["findings"].push_back(json_of(f));
-  for (const ComparedCell& c : report.cells) json["cells"].push_back(json_of(c));
-  return json;
+  return {{"format", "trilat.gate"},
+          {"version", 1},
+          {"time", report.time},
+          {"verdict", name_of(report.verdict())},
+          {"alarms", report.alarms()},
+          {"results", report.results},
+          {"baseline", report.baseline},
+          {"baseline_accepted", report.baseline_time},
+          {"baseline_reason", report.baseline_reason},
+          {"smallest_effect_percent", report.smallest_percent},
+          {"looked_at", report.looked_at},
+          {"studies", described::written(report.studies)},
+          {"findings", described::written(report.findings)},
+          {"cells", described::written(report.cells)},
+          {"notes", report.notes}};
 }
 
 std::string shell_word(const std::string& text) {
@@ -166,8 +112,9 @@ std::string name_of_case(const GateFinding& f) {
 std::string failure_text(const GateFinding& f) {
   const auto number = [](double x) { return std::isnan(x) ? "nothing" : fmt::format("{:.6g}", x); };
   std::string text = f.what;
-  if (!std::isnan(f.percent)) text += fmt::format(" {:+.2f} %", f.percent);
-  if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.2f} to {:+.2f})", f.percent_low, f.percent_high);
+  const Change& c = f.change;
+  if (!std::isnan(c.percent)) text += fmt::format(" {:+.2f} %", c.percent);
+  if (!std::isnan(c.low)) text += fmt::format(" ({:+.2f} to {:+.2f})", c.low, c.high);
   if (!std::isnan(f.before) || !std::isnan(f.now)) text += ": " + number(f.before) + " -> " + number(f.now);
   if (!f.note.empty()) text += "; " + f.note;
   if (!f.since.empty()) text += "; since " + f.since;

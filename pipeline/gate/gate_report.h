@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/described.h"
 
 namespace trilat {
 
@@ -23,46 +23,68 @@ const char* name_of(FindingKind kind);
 enum class Direction : std::uint8_t { worse, better, changed };
 const char* name_of(Direction direction);
 
-// One thing that is not as it was. Numbers that there are not are NaN.
-struct GateFinding {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+// Percent, its 95 % interval, and the probability that so much is chance; NaN where nobody can say.
+struct Change {
+  double percent = kNone, low = kNone, high = kNone, chance = kNone;
+};
+
+// A cell of a study's table; of a number of a deterministic study only the study.
+struct CellName {
+  std::string study, method, condition, group, alignment;
+};
+
+// A difference. Numbers that there are not are NaN.
+struct GateFinding : CellName {
   FindingKind kind = FindingKind::number;
   Direction direction = Direction::changed;
   bool alarm = false;
-  std::string study;
-  std::string method, condition, group, alignment;  // of a cell
   std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
   double before = kNone, now = kNone;
-  std::string unit;        // of before and now, when `what` names none they can be told in: "m" is told in cm
-  double percent = kNone;  // 100 (now - before) / before; NaN when that is 0
-  double percent_low = kNone, percent_high = kNone;  // its 95 % interval
-  double chance = kNone;  // that so much is chance, corrected for all that was looked at
+  std::string unit;  // of before and now, when `what` names none they can be told in: "m" is told in cm
+  Change change;     // of before; the chance is corrected for all that was looked at
   std::uint64_t n = 0, clusters = 0;
   std::string note;   // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
   std::string command;
+
+  static void fields(auto& self, auto&& field) {
+    field("kind", name_of(self.kind));
+    field("direction", name_of(self.direction));
+    TRILAT_EACH(alarm, study, method, condition, group, alignment, what, unit, before, now)
+    field("change_percent", self.change.percent);
+    field("change_low_percent", self.change.low);
+    field("change_high_percent", self.change.high);
+    field("chance", self.change.chance);
+    TRILAT_EACH(n, clusters, note, since, command)
+  }
 };
 
 // One cell that was compared and is not identical, whether or not it is a finding.
-struct ComparedCell {
-  std::string study, method, condition, group, alignment;
-  double before_m = GateFinding::kNone, now_m = GateFinding::kNone;  // on the samples that both answered
-  double percent = GateFinding::kNone, percent_low = GateFinding::kNone, percent_high = GateFinding::kNone;
+struct ComparedCell : CellName {
+  double before_m = kNone, now_m = kNone;  // on the samples that both answered
+  Change error;                            // of before_m. Chances are of the cell by itself, not corrected
+  Change lost;                             // 100 (lost - gained) / asked
+  Change clamped;                          // 100 (clamped now - clamped before) / both
   std::uint64_t both = 0, clusters = 0;
-  double chance = GateFinding::kNone;  // by itself, not corrected
-  std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost = 0, gained = 0;
-  double lost_percent = GateFinding::kNone;  // 100 (lost - gained) / asked, with its 95 % interval
-  double lost_low = GateFinding::kNone, lost_high = GateFinding::kNone;
-  double lost_chance = GateFinding::kNone;
+  std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost_samples = 0, gained_samples = 0;
   // The take that lost the largest share of its answers.
   std::string worst_take;
   std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;
-  // 100 (clamped now - clamped before) / both, with its 95 % interval.
-  double clamped_percent = GateFinding::kNone;
-  double clamped_low = GateFinding::kNone, clamped_high = GateFinding::kNone;
-  double clamped_chance = GateFinding::kNone;
   double moved_percent = 0.0;  // of the samples asked: how many must have another status, at least
   std::string status_changes;  // "converged 3000 -> 0, clamped 0 -> 3000"; empty when there are none
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study, method, condition, group, alignment, before_m, now_m)
+    field("change_percent", self.error.percent);
+    field("change_low_percent", self.error.low);
+    field("change_high_percent", self.error.high);
+    field("n", self.both);
+    TRILAT_EACH(clusters, asked, answered_before, answered_now)
+    field("lost", self.lost_samples);
+    field("gained", self.gained_samples);
+  }
 };
 
 // How one study stands against the baseline.
@@ -81,6 +103,12 @@ struct StudyVerdict {
   StudyState state = StudyState::compared;
   std::string note;              // what else is to be known of the comparison
   std::size_t participants = 0;  // of a study that is not judged
+
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(study, kind)
+    field("state", name_of(self.state));
+    TRILAT_EACH(note)
+  }
 };
 
 // A regression that was found counts, whatever was not judged beside it.

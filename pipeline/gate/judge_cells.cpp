@@ -37,7 +37,9 @@ double percent_of(double now, double before) {
   return before == 0.0 ? std::copysign(100.0, now) : 100.0 * (now - before) / std::abs(before);
 }
 
-double size_of(const GateFinding& f) { return std::isnan(f.percent) ? HUGE_VAL : std::abs(f.percent); }
+double size_of(const GateFinding& f) {
+  return std::isnan(f.change.percent) ? HUGE_VAL : std::abs(f.change.percent);
+}
 
 }  // namespace
 
@@ -54,13 +56,13 @@ NumberChanges judge_numbers(const std::string& study, const Json& now, const Jso
     finding.alarm = true;
     finding.study = study;
     finding.what = named(now, place);
-    finding.chance = 0.0;
+    finding.change.chance = 0.0;
     if (here.is_number()) finding.now = here.get<double>();
     if (there.is_number()) finding.before = there.get<double>();
     if (here.is_number() && there.is_number()) {
-      finding.percent = percent_of(finding.now, finding.before);
-      changes.largest_percent = std::max(changes.largest_percent, std::abs(finding.percent));
-      if (std::abs(finding.percent) <= limits.smallest_percent) continue;
+      const double percent = finding.change.percent = percent_of(finding.now, finding.before);
+      changes.largest_percent = std::max(changes.largest_percent, std::abs(percent));
+      if (std::abs(percent) <= limits.smallest_percent) continue;
     } else {
       finding.note = fmt::format("{} before, {} now", shortened(there), shortened(here));
     }
@@ -79,74 +81,47 @@ constexpr std::uint64_t kFewestLost = 15;
 // Of the night's chance; each is corrected by itself, so that what is looked at more hides nothing.
 constexpr double kAccuracyShare = 0.5, kCoverageShare = 0.05, kStatusShare = 0.05;
 
-GateFinding finding_of(const ComparedCell& cell, FindingKind kind, bool worse) {
-  GateFinding finding;
-  finding.kind = kind;
-  finding.direction = worse ? Direction::worse : Direction::better;
-  finding.alarm = worse;
-  finding.study = cell.study;
-  finding.method = cell.method;
-  finding.condition = cell.condition;
-  finding.group = cell.group;
-  finding.alignment = cell.alignment;
-  return finding;
-}
-
-// Whether an interval is on one side of no change.
-bool leaves_zero_out(double low, double high) { return low > 0.0 || high < 0.0; }
-
 // Few clusters: there is no interval. What changed by more than the smallest is an alarm all the same.
 constexpr const char* kCannotBeJudged =
     "cannot be judged, but it changed: one cluster says nothing of chance; longer or more takes do";
 
-GateFinding accuracy_finding(const ComparedCell& cell, double chance) {
-  GateFinding finding = finding_of(cell, FindingKind::accuracy, cell.percent > 0.0);
+GateFinding finding_of(const ComparedCell& cell, FindingKind kind, Direction direction,
+                       const Change& change) {
+  GateFinding finding;
+  static_cast<CellName&>(finding) = cell;
+  finding.kind = kind;
+  finding.direction = direction;
+  finding.alarm = direction == Direction::worse;
+  finding.change = change;
+  finding.clusters = cell.clusters;
+  finding.n = cell.both;
+  return finding;
+}
+
+GateFinding accuracy_finding(const ComparedCell& cell, const Change& change) {
+  GateFinding finding = finding_of(cell, FindingKind::accuracy,
+                                   change.percent > 0.0 ? Direction::worse : Direction::better, change);
   finding.what = "mean absolute error (m)";
   finding.unit = "m";
   finding.before = cell.before_m;
   finding.now = cell.now_m;
-  finding.percent = cell.percent;
-  finding.percent_low = cell.percent_low;
-  finding.percent_high = cell.percent_high;
-  finding.chance = chance;
-  finding.n = cell.both;
-  finding.clusters = cell.clusters;
-  if (std::isnan(chance)) finding.note = kCannotBeJudged;
+  if (std::isnan(change.chance)) finding.note = kCannotBeJudged;
   return finding;
 }
 
-GateFinding coverage_finding(const ComparedCell& cell, double chance) {
-  GateFinding finding = finding_of(cell, FindingKind::coverage, cell.answered_now < cell.answered_before);
+GateFinding coverage_finding(const ComparedCell& cell, Direction direction, double chance) {
+  const auto before = static_cast<double>(cell.answered_before), now = static_cast<double>(cell.answered_now);
+  const double percent = before > 0.0 ? 100.0 * (now - before) / before : kNone;
+  GateFinding finding = finding_of(cell, FindingKind::coverage, direction, {percent, kNone, kNone, chance});
   finding.what = "samples answered";
-  finding.before = static_cast<double>(cell.answered_before);
-  finding.now = static_cast<double>(cell.answered_now);
-  if (cell.answered_before > 0) finding.percent = 100.0 * (finding.now - finding.before) / finding.before;
-  finding.chance = chance;
+  finding.before = before;
+  finding.now = now;
   finding.n = cell.asked;
-  finding.clusters = cell.clusters;
   finding.note = fmt::format("of {} asked, {} are not answered any more and {} are new", cell.asked,
-                             cell.lost, cell.gained);
-  if (finding.direction == Direction::worse && !cell.worst_take.empty())
+                             cell.lost_samples, cell.gained_samples);
+  if (now < before && !cell.worst_take.empty())
     finding.note += fmt::format("; most in take {}: {} of {} left", cell.worst_take,
                                 cell.worst_take_answered_now, cell.worst_take_answered_before);
-  return finding;
-}
-
-GateFinding status_finding(const ComparedCell& cell, double chance, bool judged) {
-  GateFinding finding = finding_of(cell, FindingKind::status, cell.clamped_percent > 0.0);
-  if (!judged) finding.direction = Direction::changed;
-  finding.alarm = judged && finding.alarm;
-  finding.what = judged ? "share of the answers that are clamped (points)" : "statuses of the samples asked";
-  if (judged) {
-    finding.percent = cell.clamped_percent;
-    finding.percent_low = cell.clamped_low;
-    finding.percent_high = cell.clamped_high;
-    finding.chance = chance;
-    if (std::isnan(chance)) finding.note = std::string(kCannotBeJudged) + "; ";
-  }
-  finding.note += cell.status_changes;
-  finding.n = judged ? cell.both : cell.asked;
-  finding.clusters = cell.clusters;
   return finding;
 }
 
@@ -156,15 +131,11 @@ bool loses_a_take(const ComparedCell& cell, const GateLimits& limits) {
          100.0 * static_cast<double>(before - now) >= limits.take_loss_percent * static_cast<double>(before);
 }
 
-struct Change {
-  double percent, low, high;
-};
-
 // Whether a change is larger than the smallest and more than chance, or too large to pass where nothing is
 // known of chance.
-bool is_change(const Change& change, double smallest, double chance, double alpha) {
-  if (!(std::abs(change.percent) > smallest)) return false;
-  return std::isnan(chance) || (chance <= alpha && leaves_zero_out(change.low, change.high));
+bool is_change(const Change& c, double smallest, double alpha) {
+  if (!(std::abs(c.percent) > smallest)) return false;
+  return std::isnan(c.chance) || (c.chance <= alpha && (c.low > 0.0 || c.high < 0.0));
 }
 
 // One night's cells: which are judged for what, and the chances of all, corrected together.
@@ -174,9 +145,9 @@ class JudgedCells {
     for (const ComparedCell& cell : cells) first_alignment_.try_emplace(cell.study, cell.alignment);
     std::vector<double> accuracy, coverage, clamped;
     for (const ComparedCell& cell : cells) {
-      accuracy.push_back(cell.chance);
-      coverage.push_back(judges_coverage(cell) ? cell.lost_chance : GateFinding::kNone);
-      clamped.push_back(judges_statuses(cell) ? cell.clamped_chance : GateFinding::kNone);
+      accuracy.push_back(cell.error.chance);
+      coverage.push_back(judges_coverage(cell) ? cell.lost.chance : kNone);
+      clamped.push_back(judges_statuses(cell) ? cell.clamped.chance : kNone);
     }
     accuracy_ = holm_adjusted(accuracy);
     coverage_ = holm_adjusted(coverage);
@@ -185,42 +156,50 @@ class JudgedCells {
 
   void judge(const ComparedCell& cell, std::size_t c, bool same_inputs,
              std::vector<GateFinding>& findings) const {
-    judge_accuracy(cell, accuracy_[c], findings);
-    if (judges_coverage(cell)) judge_coverage(cell, coverage_[c], same_inputs, findings);
-    if (judges_statuses(cell)) judge_statuses(cell, clamped_[c], findings);
+    if (const Change error = corrected(cell.error, accuracy_[c]);
+        is_change(error, limits_.smallest_percent, kAccuracyShare * limits_.chance))
+      findings.push_back(accuracy_finding(cell, error));
+    if (judges_coverage(cell))
+      judge_coverage(cell, corrected(cell.lost, coverage_[c]), same_inputs, findings);
+    if (judges_statuses(cell)) judge_statuses(cell, corrected(cell.clamped, clamped_[c]), findings);
   }
 
  private:
-  void judge_accuracy(const ComparedCell& cell, double chance, std::vector<GateFinding>& findings) const {
-    if (is_change({cell.percent, cell.percent_low, cell.percent_high}, limits_.smallest_percent, chance,
-                  kAccuracyShare * limits_.chance))
-      findings.push_back(accuracy_finding(cell, chance));
+  static Change corrected(Change change, double chance) {
+    change.chance = chance;
+    return change;
   }
 
-  void judge_coverage(const ComparedCell& cell, double chance, bool same_inputs,
+  void judge_coverage(const ComparedCell& cell, const Change& lost, bool same_inputs,
                       std::vector<GateFinding>& findings) const {
-    if (is_change({cell.lost_percent, cell.lost_low, cell.lost_high}, limits_.smallest_loss_percent, chance,
-                  kCoverageShare * limits_.chance)) {
-      findings.push_back(coverage_finding(cell, chance));
-      if (std::isnan(chance)) findings.back().note += std::string("; ") + kCannotBeJudged;
+    if (is_change(lost, limits_.smallest_loss_percent, kCoverageShare * limits_.chance)) {
+      const bool fewer = cell.answered_now < cell.answered_before;
+      findings.push_back(coverage_finding(cell, fewer ? Direction::worse : Direction::better, lost.chance));
+      if (std::isnan(lost.chance)) findings.back().note += std::string("; ") + kCannotBeJudged;
     } else if (same_inputs && loses_a_take(cell, limits_)) {
-      findings.push_back(coverage_finding(cell, GateFinding::kNone));
-      findings.back().direction = Direction::worse;
-      findings.back().alarm = true;
+      findings.push_back(coverage_finding(cell, Direction::worse, kNone));
     }
   }
 
-  void judge_statuses(const ComparedCell& cell, double chance, std::vector<GateFinding>& findings) const {
-    if (is_change({cell.clamped_percent, cell.clamped_low, cell.clamped_high}, limits_.smallest_loss_percent,
-                  chance, kStatusShare * limits_.chance))
-      findings.push_back(status_finding(cell, chance, true));
-    else if (cell.moved_percent > limits_.smallest_percent)
-      findings.push_back(status_finding(cell, GateFinding::kNone, false));
+  void judge_statuses(const ComparedCell& cell, const Change& clamped,
+                      std::vector<GateFinding>& findings) const {
+    const bool judged = is_change(clamped, limits_.smallest_loss_percent, kStatusShare * limits_.chance);
+    if (!judged && cell.moved_percent <= limits_.smallest_percent) return;
+    GateFinding finding =
+        judged ? finding_of(cell, FindingKind::status,
+                            clamped.percent > 0.0 ? Direction::worse : Direction::better, clamped)
+               : finding_of(cell, FindingKind::status, Direction::changed, {});
+    finding.what =
+        judged ? "share of the answers that are clamped (points)" : "statuses of the samples asked";
+    if (judged && std::isnan(clamped.chance)) finding.note = std::string(kCannotBeJudged) + "; ";
+    finding.note += cell.status_changes;
+    if (!judged) finding.n = cell.asked;
+    findings.push_back(finding);
   }
 
   bool is_first(const ComparedCell& cell) const { return cell.alignment == first_alignment_.at(cell.study); }
   bool judges_coverage(const ComparedCell& cell) const {
-    return is_first(cell) && cell.lost + cell.gained > 0;
+    return is_first(cell) && cell.lost_samples + cell.gained_samples > 0;
   }
   bool judges_statuses(const ComparedCell& cell) const {
     return is_first(cell) && !cell.status_changes.empty();

@@ -27,12 +27,13 @@ std::string chance_text(double chance) {
 
 std::string size_text(const GateFinding& f) {
   std::string text;
-  if (!std::isnan(f.percent))
-    text = fmt::format("{:+.1f} {}", f.percent, f.kind == FindingKind::status ? "points" : "%");
-  if (!std::isnan(f.percent_low)) text += fmt::format(" ({:+.1f} to {:+.1f})", f.percent_low, f.percent_high);
+  const Change& c = f.change;
+  if (!std::isnan(c.percent))
+    text = fmt::format("{:+.1f} {}", c.percent, f.kind == FindingKind::status ? "points" : "%");
+  if (!std::isnan(c.low)) text += fmt::format(" ({:+.1f} to {:+.1f})", c.low, c.high);
   const std::string values = fmt::format("{} -> {}", value_text(f, f.before), value_text(f, f.now));
   if (!std::isnan(f.before) || !std::isnan(f.now)) text += (text.empty() ? "" : ", ") + values;
-  return text + chance_text(f.chance);
+  return text + chance_text(c.chance);
 }
 
 std::string place_text(const GateFinding& f) {
@@ -196,10 +197,10 @@ std::string cell_table(const GateReport& report, const std::string& method) {
       return std::isnan(x) ? "-" : fmt::format(fmt::runtime(how), x);
     };
     const std::string interval =
-        std::isnan(c.percent_low) ? "-" : fmt::format("{:+.2f} to {:+.2f}", c.percent_low, c.percent_high);
+        std::isnan(c.error.low) ? "-" : fmt::format("{:+.2f} to {:+.2f}", c.error.low, c.error.high);
     text += fmt::format("{:<20} {:<22} {:<10} {:<8} {:>9} {:>9} {:>8} {:>18} {:>15}\n", c.study, c.condition,
                         c.group, c.alignment, number("{:.3f}", 100.0 * c.before_m),
-                        number("{:.3f}", 100.0 * c.now_m), number("{:+.2f}", c.percent), interval,
+                        number("{:.3f}", 100.0 * c.now_m), number("{:+.2f}", c.error.percent), interval,
                         fmt::format("{} -> {}", c.answered_before, c.answered_now));
   }
   return any ? text : fmt::format("no cell of the method \"{}\" differs from the baseline\n", method);

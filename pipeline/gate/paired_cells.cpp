@@ -126,27 +126,22 @@ Wanted wanted_of(std::size_t cells) {
 
 double chance_of(const IntervalEstimate& e) {
   if (!std::isfinite(e.value) || e.value == 0.0) return 1.0;
-  if (e.clusters < 2 || std::isnan(e.standard_error)) return GateFinding::kNone;
+  if (e.clusters < 2 || std::isnan(e.standard_error)) return kNone;
   return student_two_sided(e.value / e.standard_error, e.clusters - 1);
+}
+
+Change change_of(const IntervalEstimate& e) {
+  return {100.0 * e.value, 100.0 * e.low, 100.0 * e.high, chance_of(e)};
 }
 
 void set_numbers(ComparedCell& cell, const IntervalEstimate* found) {
   const IntervalEstimate &share = found[0], &before = found[1], &lost = found[2], &clamped = found[3];
   cell.before_m = before.value;
   cell.now_m = before.value * (1.0 + share.value);
-  cell.percent = 100.0 * share.value;
-  cell.percent_low = 100.0 * share.low;
-  cell.percent_high = 100.0 * share.high;
   cell.clusters = share.clusters;
-  cell.chance = chance_of(share);
-  cell.lost_percent = 100.0 * lost.value;
-  cell.lost_low = 100.0 * lost.low;
-  cell.lost_high = 100.0 * lost.high;
-  cell.lost_chance = chance_of(lost);
-  cell.clamped_percent = 100.0 * clamped.value;
-  cell.clamped_low = 100.0 * clamped.low;
-  cell.clamped_high = 100.0 * clamped.high;
-  cell.clamped_chance = chance_of(clamped);
+  cell.error = change_of(share);
+  cell.lost = change_of(lost);
+  cell.clamped = change_of(clamped);
 }
 
 void set_statuses(ComparedCell& result, const PairedCounts& all) {
@@ -179,8 +174,8 @@ void set_counts(ComparedCell& result, const ConditionPairs& pairs, const std::ve
   }
   result.asked = all.asked;
   result.both = all.both;
-  result.lost = all.lost;
-  result.gained = all.gained;
+  result.lost_samples = all.lost;
+  result.gained_samples = all.gained;
   result.answered_before = all.answered_before();
   result.answered_now = all.answered_now();
   set_statuses(result, all);

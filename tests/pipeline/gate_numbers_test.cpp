@@ -22,7 +22,7 @@ TEST(GateNumbers, WhatDiffersByMoreThanTheSmallestEffectIsAnAlarm) {
   EXPECT_EQ(changes.differing, 1u);
   ASSERT_THAT(changes.findings, SizeIs(1));
   EXPECT_TRUE(changes.findings[0].alarm);
-  EXPECT_NEAR(changes.findings[0].percent, 10.0, 1e-9);
+  EXPECT_NEAR(changes.findings[0].change.percent, 10.0, 1e-9);
   EXPECT_EQ(changes.findings[0].what, "/cells/0/mae_m (a)");
   changes = judge_numbers("sweep", document_with(0.09, 8.0), document_with(0.1, 9.0), {});
   ASSERT_THAT(changes.findings, SizeIs(2));  // in either direction, the smaller change last

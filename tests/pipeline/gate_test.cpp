@@ -55,11 +55,11 @@ TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {
     EXPECT_EQ(f.method, "nonlinear");
   }
   EXPECT_EQ(alarms[0].group, "head");
-  EXPECT_NEAR(alarms[0].percent, 2.0, 1e-4);
+  EXPECT_NEAR(alarms[0].change.percent, 2.0, 1e-4);
   EXPECT_EQ(alarms[0].n, 3000u);
   EXPECT_EQ(alarms[0].clusters, 10u);
   EXPECT_EQ(alarms[1].group, "average");
-  EXPECT_NEAR(alarms[1].percent, 1.0, 0.05);
+  EXPECT_NEAR(alarms[1].change.percent, 1.0, 0.05);
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.err;
   EXPECT_THAT(ended.out, AllOf(HasSubstr("REGRESSION"), HasSubstr("nonlinear: larger errors"),

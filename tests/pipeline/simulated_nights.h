@@ -80,8 +80,8 @@ class SimulatedNights {
   }
 
   static PairedAnswer answer(bool none, double error_m, bool clamped) {
-    if (none) return {{GateFinding::kNone, GateFinding::kNone}, SolveStatus::iteration_limit};
-    return {{error_m, GateFinding::kNone}, clamped ? SolveStatus::clamped : SolveStatus::converged};
+    if (none) return {{kNone, kNone}, SolveStatus::iteration_limit};
+    return {{error_m, kNone}, clamped ? SolveStatus::clamped : SolveStatus::converged};
   }
 
   static Wander mixed(const Wander& old, const Wander& fresh, double redrawn) {
