@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 
 #include "datasets/base/error.h"
@@ -18,12 +19,11 @@ struct LogRatio {
 using LogRatios = std::vector<LogRatio>;
 
 template <class OfCell>
-LogRatios log_ratios(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation,
-                     const OfCell& of_cell) {
+LogRatios log_ratios(const SweepSummary& s, std::size_t interpretation, const OfCell& of_cell) {
   LogRatios ratios;
   for (std::size_t t = 0; t < s.thresholds.size(); ++t)
     for (std::size_t r = 0; r < s.ranges.size(); ++r)
-      ratios.push_back(of_cell(s.cell(interpretation, t, r), printed.rows[t], r));
+      ratios.push_back(of_cell(s.cell(interpretation, t, r), t, r));
   return ratios;
 }
 
@@ -83,30 +83,21 @@ bool is_ranked(const SweepSummary& s, std::size_t interpretation) {
   return coverage_of(s, interpretation) >= kLeastCoverage;
 }
 
-SweepFit distance_fit(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation) {
-  return fit_of(interpretation, "distance",
-                log_ratios(s, printed, interpretation,
-                           [](const SweepCell& cell, const PrintedTable1::Row& row, std::size_t r) {
-                             return LogRatio{std::log(cell.mae_m * 100.0 / row.error_cm[r]), false};
-                           }),
-                0.0);
-}
-
-SweepFit axis_fit(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation) {
-  return fit_of(
-      interpretation, "axis_mean",
-      log_ratios(s, printed, interpretation,
-                 [](const SweepCell& cell, const PrintedTable1::Row& row, std::size_t r) {
-                   return LogRatio{std::log(cell.axis_mean_mae_m() * 100.0 / row.error_cm[r]), false};
-                 }),
-      0.0);
+// `error_m`: which of a cell's errors the paper may have reported.
+SweepFit error_fit(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation,
+                   const char* reported, const std::function<double(const SweepCell&)>& error_m) {
+  const auto ratio = [&](const SweepCell& cell, std::size_t t, std::size_t r) {
+    return LogRatio{std::log(error_m(cell) * 100.0 / printed.rows[t].error_cm[r]), false};
+  };
+  return fit_of(interpretation, reported, log_ratios(s, interpretation, ratio), 0.0);
 }
 
 SweepFit time_fit(const SweepSummary& s, const PrintedTable1& printed, std::size_t interpretation) {
-  const LogRatios ratios = log_ratios(
-      s, printed, interpretation, [](const SweepCell& cell, const PrintedTable1::Row& row, std::size_t r) {
-        return LogRatio{std::log(cell.mean_iterations / row.time_us[r]), row.time_is_below};
-      });
+  const auto ratio = [&](const SweepCell& cell, std::size_t t, std::size_t r) {
+    const PrintedTable1::Row& row = printed.rows[t];
+    return LogRatio{std::log(cell.mean_iterations / row.time_us[r]), row.time_is_below};
+  };
+  const LogRatios ratios = log_ratios(s, interpretation, ratio);
   const double log_scale = best_log_scale(ratios);
   SweepFit fit = fit_of(interpretation, "iterations", ratios, log_scale);
   fit.us_per_iteration = std::exp(log_scale);
@@ -185,8 +176,8 @@ SweepSearch search_interpretations(const SweepSummary& summary, const PrintedTab
   std::vector<SweepFit> errors, times;
   for (std::size_t i = 0; i < summary.interpretations.size(); ++i) {
     if (!is_ranked(summary, i)) continue;
-    errors.push_back(distance_fit(summary, printed, i));
-    errors.push_back(axis_fit(summary, printed, i));
+    errors.push_back(error_fit(summary, printed, i, "distance", &SweepCell::mae_m));
+    errors.push_back(error_fit(summary, printed, i, "axis_mean", &SweepCell::axis_mean_mae_m));
     times.push_back(time_fit(summary, printed, i));
   }
   search.errors = ranking_of(std::move(errors));

@@ -362,22 +362,6 @@ void SweepBlock::add_digits(const SweepCellSolver& cell, std::size_t count, Swee
       sums.add_digits(digits_of(column(batch_.position_m, i), estimates_[i].position_m));
 }
 
-std::unique_ptr<SweepBlock> SweepBlocks::take(int sensors) {
-  const std::lock_guard lock(mutex_);
-  for (std::size_t i = blocks_.size(); i-- > 0;)
-    if (blocks_[i]->sensors() == sensors) {
-      std::unique_ptr<SweepBlock> block = std::move(blocks_[i]);
-      blocks_.erase(blocks_.begin() + static_cast<std::ptrdiff_t>(i));
-      return block;
-    }
-  return std::make_unique<SweepBlock>(sensors);
-}
-
-void SweepBlocks::give_back(std::unique_ptr<SweepBlock> block) {
-  const std::lock_guard lock(mutex_);
-  blocks_.push_back(std::move(block));
-}
-
 // Row i: 2 (s_i - s_0).(x - s_0) = |s_i - s_0|^2 - r_i^2 + r_0^2.
 LinearStart linear_start(const RangeProblem& problem) {
   const int rows = problem.count - 1;

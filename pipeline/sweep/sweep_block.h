@@ -4,8 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -139,17 +137,6 @@ class SweepBlock {
   std::vector<RangeProblem> problems_;
   std::vector<PointEstimate> estimates_;
   bool problems_are_made_ = false;
-};
-
-// Blocks for as many threads as there are, handed out again while they are warm.
-class SweepBlocks {
- public:
-  std::unique_ptr<SweepBlock> take(int sensors);
-  void give_back(std::unique_ptr<SweepBlock> block);
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<SweepBlock>> blocks_;
 };
 
 }  // namespace trilat

@@ -195,6 +195,13 @@ void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
   }
 }
 
+// As it was written: 7 cm are not 7.000000000000001.
+double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
+// The same length again from what is written.
+double as_written_m(double length_cm) {
+  return centimetres(length_cm * kMetresPerCentimetre) * kMetresPerCentimetre;
+}
+
 SweepSummary::ErrorRange read_range(const JsonObject& object, const char* key, std::size_t i,
                                     const Json& value) {
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
@@ -205,7 +212,7 @@ SweepSummary::ErrorRange read_range(const JsonObject& object, const char* key, s
     refuse_entry(object, key, i, fmt::format("must have the smaller error first, is {}", value.dump()));
   if (high_cm > kLargestError_cm)
     refuse_entry(object, key, i, fmt::format("must stay within {} cm", kLargestError_cm));
-  return {low_cm * kMetresPerCentimetre, high_cm * kMetresPerCentimetre};
+  return {as_written_m(low_cm), as_written_m(high_cm)};
 }
 
 void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& ranges) {
@@ -238,9 +245,6 @@ void check_search(const JsonObject& object, const SweepSpec& spec) {
         "compares with the printed Table I, so thresholds and error_ranges_cm must be its own; leave "
         "them out");
 }
-
-// As it was written: 7 cm are not 7.000000000000001.
-double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
 
 }  // namespace
 

@@ -46,12 +46,12 @@ class Stopwatch {
 
   Round time(std::size_t cell, std::uint64_t problems) {
     const SweepCellSolver solver = solver_of(plan_, place_of(plan_, cell));
-    const std::unique_ptr<SweepBlock> block = blocks_.take(solver.trials.sensors);
+    SweepBlock block(solver.trials.sensors);
     Round round;
     for (std::uint64_t first = 0; first < problems && !stopped(); first += kBlockTrials) {
-      block->make_trials(solver, first,
-                         static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, problems - first)));
-      const auto all = block->problems(solver);
+      block.make_trials(solver, first,
+                        static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, problems - first)));
+      const auto all = block.problems(solver);
       estimates_.resize(all.size());
       round.scalar_ns += scalar_ns(all, solver.options);
       const auto start = Clock::now();
@@ -72,7 +72,6 @@ class Stopwatch {
 
   const SweepPlan& plan_;
   const std::function<bool()>& stop_requested_;
-  SweepBlocks blocks_;
   std::vector<PointEstimate> estimates_;
 };
 
@@ -118,26 +117,24 @@ std::optional<SweepTimings> time_sweep(const SweepPlan& plan, const std::functio
 constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
 
 // Of the trials of one cell those of one chunk.
-SweepSums sums_of(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, SweepBlocks& blocks,
-                  const Watch& watch) {
+SweepSums sums_of(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
   const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
-  std::unique_ptr<SweepBlock> block = blocks.take(solver.trials.sensors);
+  SweepBlock block(solver.trials.sensors);
   const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, plan.spec.trials);
   SweepSums sums;
   for (std::uint64_t trial = chunk * kChunkTrials; trial < end; trial += kBlockTrials) {
     watch.check();
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, end - trial));
-    block->make_trials(solver, trial, count);
-    block->solve_into(solver, sums);
+    block.make_trials(solver, trial, count);
+    block.solve_into(solver, sums);
     if (trial < plan.spec.digits_trials)
-      block->add_digits(solver, static_cast<std::size_t>(plan.spec.digits_trials - trial), sums);
+      block.add_digits(solver, static_cast<std::size_t>(plan.spec.digits_trials - trial), sums);
   }
-  blocks.give_back(std::move(block));
   return sums;
 }
 
 // The statistics of each cell.
-Json compute(const SweepPlan& plan, const SweepItem& item, SweepBlocks& blocks, const Watch& watch) {
+Json compute(const SweepPlan& plan, const SweepItem& item, const Watch& watch) {
   const std::uint64_t per_cell = (plan.spec.trials + kChunkTrials - 1) / kChunkTrials;
   const std::uint64_t chunks = item.cells * per_cell;
   std::vector<SweepSums> of_cell(item.cells), sums(std::min(kChunksAtOnce, chunks));
@@ -145,8 +142,7 @@ Json compute(const SweepPlan& plan, const SweepItem& item, SweepBlocks& blocks, 
   for (std::uint64_t first = 0; first < chunks; first += sums.size()) {
     const std::size_t count = std::min<std::uint64_t>(sums.size(), chunks - first);
     parallel_for_index(count, 1, [&](std::size_t i) {
-      sums[i] =
-          sums_of(plan, item.first_cell + (first + i) / per_cell, (first + i) % per_cell, blocks, watch);
+      sums[i] = sums_of(plan, item.first_cell + (first + i) / per_cell, (first + i) % per_cell, watch);
       watch.tell(static_cast<double>(++done) / static_cast<double>(chunks));
     });
     watch.check();  // cancelled from outside, chunks are left out without a word
@@ -255,32 +251,17 @@ std::string key_of_item(const SweepPlan& plan, const SweepItem& item) {
                  {"digits_trials", plan.spec.digits_trials}});
 }
 
-// The study has its ranges rounded for people.
-Json sweep_work(const SweepPlan& plan) {
-  Json ranges_m = Json::array();
-  for (const auto& range : plan.spec.ranges) ranges_m.push_back({range.low_m, range.high_m});
-  return {{"study", resolved_json(plan.spec)}, {"ranges_m", ranges_m}};
-}
+Json sweep_work(const SweepPlan& plan) { return {{"study", resolved_json(plan.spec)}}; }
 
 SweepPlan plan_of_work(const Json& work, const std::string& place) {
   JsonObject object(work, place, "/work");
-  SweepSpec spec = parse_sweep(object.value("study"), place);
-  const Json& ranges_m = object.value("ranges_m");
-  if (!ranges_m.is_array() || ranges_m.size() != spec.ranges.size())
-    object.refuse("ranges_m", "must be one range for each of the study's");
-  for (std::size_t i = 0; i < spec.ranges.size(); ++i) {
-    const Json& range = ranges_m[i];
-    if (!range.is_array() || range.size() != 2 || !range[0].is_number() || !range[1].is_number())
-      object.refuse("ranges_m", "must be pairs of numbers");
-    spec.ranges[i] = {range[0].get<double>(), range[1].get<double>()};
-  }
+  const SweepSpec spec = parse_sweep(object.value("study"), place);
   object.finish();
   return make_sweep_plan(spec, place);
 }
 
 Study sweep_study(const SweepPlan& whole) {
   const auto plan = std::make_shared<const SweepPlan>(whole);
-  const auto blocks = std::make_shared<SweepBlocks>();
   Study study{.kind = name_of(StudyKind::threshold_sweep),
               .work = sweep_work(*plan),
               .reduce =
@@ -290,8 +271,8 @@ Study sweep_study(const SweepPlan& whole) {
               .manifest = [plan](const Outcomes&) { return manifest_of_sweep(*plan); }};
   for (const SweepItem& item : items_of(*plan))
     study.items.push_back({item.id, static_cast<double>(trials_in(*plan, item)),
-                           [plan, blocks, item](const std::filesystem::path&, const Watch& watch) {
-                             return compute(*plan, item, *blocks, watch);
+                           [plan, item](const std::filesystem::path&, const Watch& watch) {
+                             return compute(*plan, item, watch);
                            },
                            [plan, item](const Watch&) { return key_of_item(*plan, item); }});
   if (plan->spec.time_problems > 0)
