@@ -85,6 +85,8 @@ class TakeView {
   }
 
  private:
+  using Shares = std::array<double, kJointCount>;  // of which is visible
+
   bool has_truth() const { return take_.truth_kind != TruthKind::none; }
   bool is_exact() const { return take_.truth_kind == TruthKind::exact; }
   const Vector3d& truth(std::size_t instant, std::size_t joint) const {
@@ -186,7 +188,7 @@ class TakeView {
     if (!heading_rad) return;
     const std::size_t sensors = poses_.size();
     std::vector<double> azimuth_rad(sensors, kNaN);
-    std::vector<std::array<double, kJointCount>> visible(sensors);
+    std::vector<Shares> visible(sensors), agreed(sensors);
     for (std::size_t s = 0; s < sensors; ++s) {
       const auto seen_rad = facing(poses_[s]);
       if (!seen_rad || std::abs(wrapped(*seen_rad - *heading_rad)) > 0.5 * std::numbers::pi) continue;
@@ -195,6 +197,7 @@ class TakeView {
       sight_[s].set_persons(std::span(&pose, 1), take_.world_from_sensor[s]);
       for (std::size_t j = 0; j < kJointCount; ++j)
         visible[s][j] = pose.present[j] ? sight_[s].visible_share(0, static_cast<Joint>(j)) : 0.5;
+      agreed[s] = is_exact() ? visible[s] : agreed_shares(s, visible[s]);
     }
     const Eigen::Matrix3d body_from_world = world_from_body(*heading_rad).transpose();
     const auto start = [&](std::size_t a, std::size_t b, bool difference) {
@@ -217,7 +220,7 @@ class TakeView {
           if (!poses_[a].present[j] || !truth(instant, j).allFinite()) continue;
           note_state(instant, a, j, visible[a][j]);
           const Vector3d error_m = poses_[a].joint_in_world_m[j] - truth(instant, j);
-          if (is_exact()) note_share(visible[a][j], error_m.norm());
+          if (is_exact()) note_share(agreed[a][j], error_m.norm());
           keep(o, j, error_m, is_seen(instant, a, j, visible[a][j]), is_hidden(instant, a, j, visible[a][j]),
                a);
         }
@@ -234,14 +237,28 @@ class TakeView {
           const bool one_hidden = (is_hidden(instant, a, j, visible[a][j]) && b_seen) ||
                                   (is_hidden(instant, b, j, visible[b][j]) && a_seen);
           const double apart_m = (poses_[a].joint_in_world_m[j] - poses_[b].joint_in_world_m[j]).norm();
-          if (visible[b][j] >= 1.0) note_share(visible[a][j], apart_m);
-          if (visible[a][j] >= 1.0) note_share(visible[b][j], apart_m);
+          if (visible[b][j] >= 1.0) note_share(agreed[a][j], apart_m);
+          if (visible[a][j] >= 1.0) note_share(agreed[b][j], apart_m);
           keep(o, j, poses_[a].joint_in_world_m[j] - poses_[b].joint_in_world_m[j], a_seen && b_seen,
                one_hidden, a);
         }
         found.push_back(o);
       }
     }
+  }
+
+  // What a sensor sees of the joints where each of the others by itself puts them, NaN where they do not
+  // agree with their middle: errors of a few centimetres make a hidden joint a visible one.
+  Shares agreed_shares(std::size_t sensor, Shares shares) {
+    for (std::size_t other = 0; other < poses_.size(); ++other) {
+      if (other == sensor) continue;
+      sight_[sensor].set_persons(std::span(&poses_[other], 1), take_.world_from_sensor[sensor]);
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        if (!poses_[other].present[j] ||
+            std::abs(sight_[sensor].visible_share(0, static_cast<Joint>(j)) - shares[j]) > 0.5 / kRays)
+          shares[j] = kNaN;
+    }
+    return shares;
   }
 
   bool tracked(std::size_t instant, std::size_t sensor, std::size_t joint) const {
@@ -256,6 +273,7 @@ class TakeView {
   }
 
   void note_share(double visible, double error_m) {
+    if (std::isnan(visible)) return;
     auto& [gross, count] = sums_.gross_by_share[static_cast<std::size_t>(std::lround(visible * kRays))];
     gross += error_m > kHiddenError_m ? 1.0 : 0.0;
     count += 1.0;

@@ -139,10 +139,8 @@ void expect_coverage(TruthKind kind, double least, double within, const std::set
   EXPECT_LT(all.held / all.count, 0.985);
   for (const auto& [name, coverage] : of_parameter) {
     const double ratio = coverage.ratio / coverage.count;
-    // 0.5 is told in steps of 0.2: without a truth 0.3 to 0.7
-    const double most = kind == TruthKind::none && name == "least_visible_share" ? 1.25 : within;
-    EXPECT_GT(ratio, 1.0 / most) << name;
-    EXPECT_LT(ratio, known_high.contains(name) ? 1.35 : most) << name;
+    EXPECT_GT(ratio, 1.0 / within) << name;
+    EXPECT_LT(ratio, known_high.contains(name) ? 1.35 : within) << name;
   }
 }
 
