@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include <gmock/gmock.h>
 #include <hdf5.h>
@@ -16,11 +17,13 @@
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "datasets/session/session_writer.h"
+#include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 std::filesystem::path scratch(const std::string& name) {
   const auto folder =
@@ -70,13 +73,28 @@ std::vector<std::uint16_t> depth_of(std::uint16_t seed) {
   return depth;
 }
 
-std::string session_message(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
+using Change = std::function<bool(std::int64_t, BodyFrame&)>;  // false: without this frame
+
+// Frames of one body, seen by one sensor, and whatever `more` adds.
+std::filesystem::path written(const std::string& name, std::int64_t frames, const Change& change = {},
+                              const std::function<void(SessionWriter&)>& more = {}) {
+  const auto path = scratch(name);
+  SessionWriter writer(path, header_of(1));
+  for (std::int64_t i = 0; i < frames; ++i) {
+    BodyFrame frame = body_frame_of(i, 1);
+    if (!change || change(i, frame)) writer.add_body_frame(0, frame);
   }
-  return "no error";
+  if (more) more(writer);
+  writer.finish();
+  return path;
+}
+
+// "severity text | endangers", a line a finding.
+std::string said_of(const std::filesystem::path& path) {
+  std::string said;
+  for (const Finding& f : verify_session(SessionReader(path), {}))
+    said += std::string(name_of(f.severity)) + " " + f.text + " | " + f.endangers + "\n";
+  return said;
 }
 
 TEST(Session, WhatIsWrittenIsReadBack) {
@@ -157,8 +175,7 @@ TEST(Session, AChangedByteOfDepthIsFoundByVerify) {
   ASSERT_NE(at, std::string::npos);
   bytes[at + chunk.size() / 2] ^= 0x10;
   std::ofstream(path, std::ios::binary) << bytes;
-  const auto findings = verify_session(SessionReader(path), {});
-  EXPECT_THAT(findings, testing::Contains(testing::Field(&Finding::text, HasSubstr("1 frames are damaged"))));
+  EXPECT_THAT(said_of(path), HasSubstr("1 frames are damaged"));
 }
 
 TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
@@ -185,20 +202,20 @@ TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
 }
 
 TEST(Session, OtherFilesAreRefusedWithTheReason) {
-  EXPECT_THAT(session_message([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(message_of([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
   const auto text = scratch("text.h5");
   std::ofstream(text) << "not HDF5";
-  EXPECT_THAT(session_message([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
+  EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
   const auto other = scratch("other.h5");
   H5File::create(other).set_text("format", "something else");
-  EXPECT_THAT(session_message([&] { SessionReader reader(other); }), HasSubstr("not a session"));
+  EXPECT_THAT(message_of([&] { SessionReader reader(other); }), HasSubstr("not a session"));
   const auto newer = scratch("newer.h5");
   {
     H5File file = H5File::create(newer);
     file.set_text("format", "trilat.session");
     file.set_integer("version", 2);
   }
-  EXPECT_THAT(session_message([&] { SessionReader reader(newer); }), HasSubstr("format version 2"));
+  EXPECT_THAT(message_of([&] { SessionReader reader(newer); }), HasSubstr("format version 2"));
 }
 
 TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
@@ -210,7 +227,7 @@ TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
   const auto cut = scratch("cut.h5");
   for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 37) {
     std::ofstream(cut, std::ios::binary) << bytes.substr(0, size);
-    EXPECT_THAT(session_message([&] {
+    EXPECT_THAT(message_of([&] {
                   const SessionReader reader(cut);
                   reader.body_frames(0, 0, reader.counts(0).body_frames);
                 }),
@@ -219,122 +236,77 @@ TEST(Session, ATruncatedFileIsRefusedNotCrashedOn) {
 }
 
 TEST(Session, AskingBeyondTheEndIsRefused) {
-  const auto path = scratch("short.h5");
-  SessionWriter writer(path, header_of(1));
-  for (std::int64_t i = 0; i < 3; ++i) writer.add_body_frame(0, body_frame_of(i, 0));
-  writer.finish();
-  const SessionReader reader(path);
-  EXPECT_THAT(session_message([&] { reader.body_frames(0, 2, 2); }), HasSubstr("has 3 whole rows"));
-  EXPECT_THAT(session_message([&] { reader.body_frames(0, 1, ~std::uint64_t{0}); }),
+  const SessionReader reader(written("short.h5", 3));
+  EXPECT_THAT(message_of([&] { reader.body_frames(0, 2, 2); }), HasSubstr("has 3 whole rows"));
+  EXPECT_THAT(message_of([&] { reader.body_frames(0, 1, ~std::uint64_t{0}); }),
               HasSubstr("has 3 whole rows"));
-  EXPECT_THAT(session_message([&] { reader.sensor_index("k9"); }), HasSubstr("it has k0"));
+  EXPECT_THAT(message_of([&] { reader.sensor_index("k9"); }), HasSubstr("it has k0"));
 }
 
 TEST(Session, VerifySaysWhatIsOdd) {
-  const auto path = scratch("odd.h5");
-  SessionWriter writer(path, header_of(1));
-  for (std::int64_t i = 0; i < 60; ++i) {
-    if (i == 20 || i == 21) continue;
-    BodyFrame frame = body_frame_of(i, 1);
+  const std::string said = said_of(written("odd.h5", 60, [](std::int64_t i, BodyFrame& frame) {
     if (i == 30) frame.bodies[0].position_m[1][0] = std::numeric_limits<float>::quiet_NaN();
     if (i == 40) frame.bodies[0].tracking_state[5] = 9;
-    writer.add_body_frame(0, frame);
-  }
-  writer.finish();
-  const auto findings = verify_session(SessionReader(path), {});
-  const auto has = [&](const std::string& text) {
-    return std::any_of(findings.begin(), findings.end(),
-                       [&](const Finding& f) { return f.text.find(text) != std::string::npos; });
-  };
-  EXPECT_TRUE(has("2 frames are missing"));
-  EXPECT_TRUE(has("1 gaps in time, the longest 0.100 s"));
-  EXPECT_TRUE(has("1 tracked or inferred joints are not finite"));
-  EXPECT_TRUE(has("1 states are none of 0, 1, 2"));
-  EXPECT_FALSE(has("damaged"));
+    return i != 20 && i != 21;
+  }));
+  for (const char* odd : {"2 frames are missing", "1 gaps in time, the longest 0.100 s",
+                          "1 tracked or inferred joints are not finite", "1 states are none of 0, 1, 2"})
+    EXPECT_THAT(said, HasSubstr(odd));
+  EXPECT_THAT(said, Not(HasSubstr("damaged")));
 }
 
 TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
-  const auto path = scratch("endangered.h5");
-  {
-    SessionWriter writer(path, header_of(1));
-    BodyFrame frame = body_frame_of(0, 2);
-    frame.bodies[1].tracking_id = frame.bodies[0].tracking_id;
-    writer.add_body_frame(0, frame);
-    writer.add_body_frame(0, body_frame_of(2, 1));
+  const auto twin = [](std::int64_t i, BodyFrame& frame) {
+    if (i == 0) frame.bodies.push_back(frame.bodies[0]);
+    return i != 1;
+  };
+  const std::string said = said_of(written("endangered.h5", 3, twin, [](SessionWriter& writer) {
     writer.add_drop_count(0, {5, 1, 7});
     writer.add_notice(0, {6, "unplugged"});
-    writer.finish();
-  }
-  std::string said;
-  for (const Finding& f : verify_session(SessionReader(path), {}))
-    said += std::string(name_of(f.severity)) + " " + f.text + " | " + f.endangers + "\n";
-  EXPECT_THAT(
-      said,
-      HasSubstr("error 1 bodies have the id of another in the same frame | accuracy studies with several"));
-  EXPECT_THAT(said,
-              HasSubstr("warning 1 frames are missing by their sequence numbers | coverage of every study"));
-  EXPECT_THAT(said, HasSubstr("warning 1 frames were lost at the source and 7 for want of room"));
-  EXPECT_THAT(said, HasSubstr("note the recorder said: unplugged | \n"));
-}
-
-std::vector<std::string> said_of(const std::filesystem::path& path) {
-  std::vector<std::string> said;
-  for (const Finding& f : verify_session(SessionReader(path), {}))
-    said.push_back(std::string(name_of(f.severity)) + " " + f.text);
-  return said;
-}
-
-// The sequence begins anew after ten frames, and ticks go on from `ticks`.
-std::filesystem::path session_with_restart(const std::string& name, std::int64_t ticks) {
-  const auto path = scratch(name);
-  SessionWriter writer(path, header_of(1));
-  for (std::int64_t i = 0; i < 20; ++i) {
-    BodyFrame frame = body_frame_of(i + 1000, 1);
-    if (i >= 10) {
-      frame.stamp.sequence = i - 10;
-      frame.stamp.device_ticks = ticks + (i - 10) * 333'333;
-    }
-    writer.add_body_frame(0, frame);
-  }
-  writer.finish();
-  return path;
+  }));
+  for (const char* finding :
+       {"error 1 bodies have the id of another in the same frame | accuracy studies with several",
+        "warning 1 frames are missing by their sequence numbers | coverage of every study",
+        "warning 1 frames were lost at the source and 7 for want of room",
+        "note the recorder said: unplugged | \n"})
+    EXPECT_THAT(said, HasSubstr(finding));
 }
 
 TEST(Session, VerifyKnowsARestartFromDisorder) {
-  EXPECT_THAT(said_of(session_with_restart("restart.h5", 500)),
-              testing::Contains(HasSubstr("warning sequence numbers begin anew at 1 places")));
-  const auto disorder = said_of(session_with_restart("disorder.h5", 1000 + 1010 * 333'333));
-  EXPECT_THAT(disorder, testing::Contains("error sequence numbers do not rise at 1 places"));
-  EXPECT_THAT(disorder, testing::Not(testing::Contains(HasSubstr("begin anew"))));
+  // the sequence begins anew after ten frames, and ticks go on from `ticks`
+  const auto with_restart = [](const char* name, std::int64_t ticks) {
+    return said_of(written(name, 20, [=](std::int64_t i, BodyFrame& frame) {
+      frame = body_frame_of(i + 1000, 1);
+      if (i >= 10) frame.stamp.sequence = i - 10;
+      if (i >= 10) frame.stamp.device_ticks = ticks + (i - 10) * 333'333;
+      return true;
+    }));
+  };
+  EXPECT_THAT(with_restart("restart.h5", 500), HasSubstr("warning sequence numbers begin anew at 1 places"));
+  const std::string disorder = with_restart("disorder.h5", 1000 + 1010 * 333'333);
+  EXPECT_THAT(disorder, HasSubstr("error sequence numbers do not rise at 1 places"));
+  EXPECT_THAT(disorder, Not(HasSubstr("begin anew")));
 }
 
 TEST(Session, VerifySaysThatAComputerCouldNotKeepUp) {
-  const auto path = scratch("behind.h5");
-  {
-    SessionWriter writer(path, header_of(1));
-    for (std::int64_t i = 0; i < 600; ++i) {
-      BodyFrame frame = body_frame_of(i, 1);
-      frame.stamp.arrival_ns += i * 10'700'000;
-      writer.add_body_frame(0, frame);
-    }
-    writer.finish();
-  }
-  EXPECT_THAT(said_of(path), testing::Contains(HasSubstr("and whether the computer kept up")));
+  EXPECT_THAT(said_of(written("behind.h5", 600,
+                              [](std::int64_t i, BodyFrame& frame) {
+                                frame.stamp.arrival_ns += i * 10'700'000;
+                                return true;
+                              })),
+              HasSubstr("and whether the computer kept up"));
 }
 
 TEST(Session, VerifySaysHowFarFramesLieFromExchanges) {
-  const auto path = scratch("outside.h5");
-  {
-    SessionWriter writer(path, header_of(1));
-    for (std::int64_t i = 0; i < 900; ++i) writer.add_body_frame(0, body_frame_of(i, 1));
-    for (std::int64_t i = 0; i < 20; ++i) {
-      const std::int64_t t_ns = 5'000'000'000 + i * 250'000'000;
-      writer.add_clock_exchange(0, {t_ns, t_ns + 200'000, t_ns + 250'000, t_ns + 450'000});
-    }
-    writer.finish();
-  }
-  EXPECT_THAT(said_of(path),
-              testing::Contains(HasSubstr("warning frames lie up to 25.2 s from any exchange")));
+  EXPECT_THAT(said_of(written(
+                  "outside.h5", 900, {},
+                  [](SessionWriter& writer) {
+                    for (std::int64_t i = 0; i < 20; ++i) {
+                      const std::int64_t t_ns = 5'000'000'000 + i * 250'000'000;
+                      writer.add_clock_exchange(0, {t_ns, t_ns + 200'000, t_ns + 250'000, t_ns + 450'000});
+                    }
+                  })),
+              HasSubstr("warning frames lie up to 25.2 s from any exchange"));
 }
 
 // A flush that came half way: rows of some columns and depth without its chunk lie behind what was flushed.
@@ -383,14 +355,11 @@ TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
 
 // The library takes a wrong checksum for a writer at work and, left to itself, would wait for centuries.
 TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
-  const auto path = scratch("superblock.h5");
-  SessionWriter writer(path, header_of(1));
-  writer.add_body_frame(0, body_frame_of(0, 1));
-  writer.finish();
+  const auto path = written("superblock.h5", 1);
   std::string bytes = read_file(path);
   bytes.at(44) = static_cast<char>(bytes.at(44) ^ 0x5a);  // of the checksum
   write_file(path, bytes);
-  EXPECT_THAT(session_message([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
+  EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
 }
 
 // `pattern`, once in the file, with one bit changed.
@@ -421,7 +390,7 @@ TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
   }  // never finished
   flip_a_bit_of(partial_name(path), std::string(reinterpret_cast<const char*>(&kMark), sizeof kMark));
   // a read that also touches the last chunk must not believe the damaged one
-  EXPECT_THAT(session_message([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
+  EXPECT_THAT(message_of([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
               HasSubstr("position_m: cannot be read"));
   std::filesystem::remove(saved);
   const auto recoveries = recover_session(partial_name(path), saved);
