@@ -319,7 +319,7 @@ void print_summary(const CaptureSummary& summary, const std::filesystem::path& f
 std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDisplay& display) {
   ListenOptions options;
   options.address = parse_address(arguments.listen);
-  if (!arguments.keys.empty()) options.identity = std::make_shared<TlsIdentity>(arguments.keys);
+  if (!arguments.keys.empty()) options.keys = read_tls_keys(arguments.keys);
   options.allow_plain_text = arguments.plain_text;
   options.compression = compression_named(arguments.compression);
   options.on_refusal = [&display](const std::string& refusal) { display.say(refusal); };
@@ -425,7 +425,7 @@ void add_record(CLI::App& app, int& code) {
       ->check(CLI::PositiveNumber)
       ->needs(listen)
       ->capture_default_str();
-  verb.add_option("--keys", a.keys, "server.pem, as made by `trilat-agent keys`")->needs(listen);
+  verb.add_option("--keys", a.keys, "recorder.keys, as made by `trilat-agent keys`")->needs(listen);
   verb.add_flag("--plain-text", a.plain_text, "without keys: let everybody on the way read and write")
       ->needs(listen);
   verb.add_option("-o,--output", a.output, "session.h5")->required();
@@ -455,7 +455,7 @@ void add_record(CLI::App& app, int& code) {
   verb.footer(
       "Examples:\n"
       "  trilat record --source synthetic:4 --duration-s 20 -o session.h5\n"
-      "  trilat record --listen 0.0.0.0:7345 --agents 4 --keys keys/server.pem -o session.h5");
+      "  trilat record --listen 0.0.0.0:7345 --agents 4 --keys keys/recorder.keys -o session.h5");
 }
 
 }  // namespace trilat

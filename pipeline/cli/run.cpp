@@ -172,7 +172,7 @@ void add_merge(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<MergeArguments>(
       app, code, "merge", "the parts that --shard has written -> what one run would have", merge);
   verb.add_option("parts", a.parts, "folders of all parts, in any order")->required();
-  verb.add_option("-o,--output", a.output, "results, campaign, or calibration.json")->required();
+  verb.add_option("-o,--output", a.output, "results or campaign")->required();
   add_threads(verb, a.threads);
   add_force(verb, a.force);
   add_json(verb, a.json);

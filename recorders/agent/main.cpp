@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 struct RunArguments {
-  std::string server, keys, source, name;
+  std::string server, key, source, name;
   std::size_t buffer_mb = AgentOptions{}.ring_bytes >> 20;
   bool plain_text = false;
 };
@@ -30,16 +30,19 @@ int run(const RunArguments& arguments) {
   AgentOptions options;
   options.name = arguments.name;
   options.ring_bytes = arguments.buffer_mb << 20;
-  std::shared_ptr<const TlsIdentity> identity;
-  if (!arguments.keys.empty()) {
-    identity = std::make_shared<TlsIdentity>(arguments.keys);
-    if (options.name.empty()) options.name = identity->name();
-    if (options.name != identity->name())
-      throw InputError("--name", "must be \"" + identity->name() + "\", as the key says, or be left out");
+  TlsKeys keys;
+  if (!arguments.key.empty()) {
+    keys = read_tls_keys(arguments.key);
+    if (keys.size() != 1)
+      throw InputError(arguments.key,
+                       "holds the keys of several agents; here NAME.key of this one is needed");
+    const std::string& name = keys.begin()->first;
+    if (options.name.empty()) options.name = name;
+    if (options.name != name)
+      throw InputError("--name", "must be \"" + name + "\", as the key says, or be left out");
   }
-  if (options.name.empty()) throw InputError("--name", "is needed where no keys are given");
-  const ConnectLink connect =
-      connect_to_server(parse_address(arguments.server), identity, arguments.plain_text);
+  if (options.name.empty()) throw InputError("--name", "is needed where no key is given");
+  const ConnectLink connect = connect_to_server(parse_address(arguments.server), keys, arguments.plain_text);
   const auto source = open_source(arguments.source, "--source", SourceUse::agent);
   return run_agent(*source, options, connect);
 }
@@ -47,25 +50,24 @@ int run(const RunArguments& arguments) {
 int make_keys(const KeysArguments& arguments) {
   const auto made = make_tls_keys(arguments.folder, arguments.agents);
   for (const auto& path : made) std::printf("%s\n", path.c_str());
-  if (made.empty()) std::fprintf(stderr, "trilat-agent: nothing was missing\n");
   return kDone;
 }
 
 void add_run(CLI::App& app, RunArguments& arguments) {
   auto* verb = app.add_subcommand("run", "send what a source delivers to the recording machine");
   verb->add_option("--server", arguments.server, "HOST:PORT of `trilat record --listen`")->required();
-  verb->add_option("--keys", arguments.keys, "this agent's key file, as made by `trilat-agent keys`");
+  verb->add_option("--keys", arguments.key, "this agent's NAME.key, as made by `trilat-agent keys`");
   verb->add_option("--source", arguments.source, source_help() + "; at real speed only")->required();
-  verb->add_option("--name", arguments.name, "of this agent; with keys it is the key's");
+  verb->add_option("--name", arguments.name, "of this agent; with a key it is the key's");
   add_buffer_option(*verb, arguments.buffer_mb);
   verb->add_flag("--plain-text", arguments.plain_text,
-                 "without keys: let everybody on the way read and write");
+                 "without a key: let everybody on the way read and write");
 }
 
 void add_keys(CLI::App& app, KeysArguments& arguments) {
-  auto* verb = app.add_subcommand("keys", "make what is missing of a set of keys; nothing is overwritten");
-  verb->add_option("folder", arguments.folder, "of ca.pem, server.pem and NAME.pem")->required();
-  verb->add_option("names", arguments.agents, "of agents that need a key");
+  auto* verb = app.add_subcommand("keys", "make keys of agents; nothing is overwritten");
+  verb->add_option("folder", arguments.folder, "of recorder.keys and NAME.key")->required();
+  verb->add_option("names", arguments.agents, "of agents that need a key")->required();
 }
 
 int agent_main(int argc, char** argv) {
@@ -77,8 +79,8 @@ int agent_main(int argc, char** argv) {
   app.footer(
       "Example: on the recording machine\n"
       "  trilat-agent keys keys k1 k2\n"
-      "then copy keys/k1.pem to the first sensor's computer and there\n"
-      "  trilat-agent run --server 192.168.1.10:7345 --keys k1.pem --source synthetic:1");
+      "then copy keys/k1.key to the first sensor's computer and there\n"
+      "  trilat-agent run --server 192.168.1.10:7345 --keys k1.key --source synthetic:1");
   app.set_version_flag("--version", kProgramVersion);
   app.require_subcommand(1);
   RunArguments run_arguments;

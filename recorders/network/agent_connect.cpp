@@ -10,11 +10,10 @@ constexpr std::chrono::milliseconds kHandshakeLimit{5000};
 
 }  // namespace
 
-ConnectLink connect_to_server(const SocketAddress& address, std::shared_ptr<const TlsIdentity> identity,
-                              bool allow_plain_text) {
-  if (!identity) return connect_in_plain_text(address, allow_plain_text);
+ConnectLink connect_to_server(const SocketAddress& address, const TlsKeys& key, bool allow_plain_text) {
+  if (key.empty()) return connect_in_plain_text(address, allow_plain_text);
   return [=]() -> std::unique_ptr<ByteLink> {
-    return secure_link(connect_socket(address, kConnectLimit), *identity, TlsSide::agent, kHandshakeLimit);
+    return secure_link(connect_socket(address, kConnectLimit), key, TlsSide::agent, kHandshakeLimit);
   };
 }
 

@@ -8,13 +8,13 @@
 
 #include "datasets/hdf5/chunk_codec.h"
 #include "recorders/network/link/socket_link.h"
-#include "recorders/network/link/tls_link.h"
+#include "recorders/network/link/tls_keys.h"
 
 namespace trilat {
 
 struct ListenOptions {
   SocketAddress address;
-  std::shared_ptr<const TlsIdentity> identity;  // none: plain text, on loopback only unless allowed
+  TlsKeys keys;  // of the agents; none: plain text, on loopback only unless allowed
   bool allow_plain_text = false;
   ChunkCompression compression = ChunkCompression::blosc;  // of the frames delivered, whatever agents send
   std::size_t queue_bytes = std::size_t{64} << 20;         // received and not yet taken by next()

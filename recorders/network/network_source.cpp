@@ -42,7 +42,7 @@ void throw_if_broken(const std::vector<AgentBook::BrokenSource>& sources) {
 class NetworkSource::Listening {
  public:
   explicit Listening(ListenOptions options) : state(std::move(options)), listener_(state.options.address) {
-    if (!state.options.identity && !state.options.allow_plain_text && !is_loopback(state.options.address))
+    if (state.options.keys.empty() && !state.options.allow_plain_text && !is_loopback(state.options.address))
       throw InputError(state.options.address.host,
                        "plain text may only be spoken on this machine; give keys");
     state.recording = recording_number();

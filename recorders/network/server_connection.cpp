@@ -101,10 +101,10 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
 }
 
 std::unique_ptr<ByteLink> secure(ServerState& state, std::unique_ptr<ByteLink> link, const Pending& pending) {
-  if (!state.options.identity) return link;
+  if (state.options.keys.empty()) return link;
   try {
-    return secure_link(std::move(link), *state.options.identity, TlsSide::server,
-                       state.options.handshake_limit, [&] { return state.stop || pending.evicted(); });
+    return secure_link(std::move(link), state.options.keys, TlsSide::server, state.options.handshake_limit,
+                       [&] { return state.stop || pending.evicted(); });
   } catch (const LinkLost&) {
     must_not_be_evicted(pending);
     throw;

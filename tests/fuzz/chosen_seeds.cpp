@@ -84,7 +84,7 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
 void write_tls_seeds(const SeedPath& seed) {
   const FuzzFolder scratch("seeds");
   make_tls_keys(scratch.path(), {"k1"});
-  write_chosen(seed("tls", "keys"), 0, read_file(scratch.path() / "k1.pem"));
+  write_chosen(seed("tls", "keys"), 0, read_file(scratch.path() / "k1.key"));
   write_chosen(seed("tls", "address"), 3, "[::ffff:127.0.0.1]:7345");
 }
 

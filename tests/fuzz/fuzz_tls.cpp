@@ -34,8 +34,9 @@ class TalkingPeer : public ByteLink {
 
 void shake_hands(TlsSide side, std::span<const std::uint8_t> bytes) {
   static const FuzzFolder folder("tls");
-  static const auto keys = make_tls_keys(folder.path(), {"k1"});
-  static const TlsIdentity server(folder.path() / "server.pem"), agent(folder.path() / "k1.pem");
+  static const auto made = make_tls_keys(folder.path(), {"k1", "k2"});
+  static const TlsKeys server = read_tls_keys(folder.path() / "recorder.keys"),
+                       agent = read_tls_keys(made[0]);
   try {
     const auto link = secure_link(std::make_unique<TalkingPeer>(bytes),
                                   side == TlsSide::server ? server : agent, side, std::chrono::seconds(1));
@@ -50,7 +51,7 @@ void shake_hands(TlsSide side, std::span<const std::uint8_t> bytes) {
 void read_keys(std::span<const std::uint8_t> bytes) {
   const MemoryFile file(bytes);
   try {
-    const TlsIdentity identity(file.path());
+    read_tls_keys(file.path());
   } catch (const InputError&) {
   }
 }

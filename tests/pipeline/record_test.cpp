@@ -152,16 +152,16 @@ TEST(Record, SensorsOfTwoComputersArriveOverTls) {
                       in(folder, "before.h5")});
   const Process record(folder,
                        {"record", "--listen", "127.0.0.1:0", "--agents", "2", "--keys",
-                        in(folder, "keys/server.pem"), "-o", in(folder, "s.h5"), "--json"},
+                        in(folder, "keys/recorder.keys"), "-o", in(folder, "s.h5"), "--json"},
                        "record_");
   const std::string server = "127.0.0.1:" + port_of(folder);
   const Process stranger = agent({"run", "--server", server, "--name", "left", "--plain-text", "--source",
                                   "synthetic:1,depth=no,duration=1"},
                                  "stranger_");
   const Process left =
-      agent({"run", "--server", server, "--keys", in(folder, "keys/left.pem"), "--source", source}, "left_");
+      agent({"run", "--server", server, "--keys", in(folder, "keys/left.key"), "--source", source}, "left_");
   const Process right = agent(
-      {"run", "--server", server, "--keys", in(folder, "keys/right.pem"), "--source", source}, "right_");
+      {"run", "--server", server, "--keys", in(folder, "keys/right.key"), "--source", source}, "right_");
   EXPECT_EQ(left.wait().code, 0);
   EXPECT_EQ(right.wait().code, 0);
   const Ended ended = record.wait();

@@ -91,15 +91,13 @@ inline MadeSource::Make made_events(std::size_t count, std::size_t depth_every =
 struct TestKeys {
   ScratchFolder folder;
   TestKeys() { make_tls_keys(folder / "keys", {"k1", "k2", "k3"}); }
-  std::shared_ptr<const TlsIdentity> of(const std::string& name) const {
-    return std::make_shared<TlsIdentity>(folder / "keys" / (name + ".pem"));
-  }
+  TlsKeys of(const std::string& file) const { return read_tls_keys(folder / "keys" / file); }
 };
 
 inline ListenOptions listen_options(const TestKeys& keys) {
   ListenOptions options;
   options.address = {"127.0.0.1", 0};
-  options.identity = keys.of("server");
+  options.keys = keys.of("recorder.keys");
   options.silence_limit = options.handshake_limit = kGenerous;
   return options;
 }
@@ -133,7 +131,7 @@ class RunningAgent {
 };
 
 inline ConnectLink connect_as(const TestKeys& keys, const std::string& name, std::uint16_t port) {
-  return connect_to_server({"127.0.0.1", port}, keys.of(name), false);
+  return connect_to_server({"127.0.0.1", port}, keys.of(name + ".key"), false);
 }
 
 struct Received {

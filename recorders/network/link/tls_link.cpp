@@ -2,20 +2,15 @@
 #include "recorders/network/link/tls_link.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
-#include <sys/stat.h>
+#include <openssl/err.h>
+#include <openssl/ssl.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
-#include "recorders/network/link/openssl_handles.h"
 
 namespace trilat {
-
-struct TlsIdentity::Keys {
-  TlsContextHandle as_agent, as_server;
-};
-
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -24,65 +19,71 @@ constexpr std::chrono::milliseconds kTlsLookPeriod{100};
 constexpr std::size_t kBlockBytes = 32u << 10;
 constexpr int kBlocksATurn = 16;  // that may hold nothing for us; a record of TLS is shorter
 constexpr std::size_t kMaxUnsentBytes = 128u << 10;
-constexpr std::size_t kMaxPemBytes = 64u << 10;
 
-struct PemParts {
-  KeyHandle key;
-  CertificateHandle own, authority;
+template <auto release>
+struct OpensslRelease {
+  void operator()(auto* handle) const { release(handle); }
 };
 
-PemParts read_parts(const std::filesystem::path& pem) {
-  struct stat status {};
-  if (::stat(pem.c_str(), &status) == 0 && (status.st_mode & 077) != 0)
-    throw InputError(pem.string(), "holds a private key that others may read; chmod 600 is right");
-  const std::string text = read_file(pem, kMaxPemBytes);
-  const BioHandle bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
-  PemParts parts;
-  parts.key.reset(PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, const_cast<char*>("")));
-  parts.own.reset(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
-  parts.authority.reset(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));
-  ERR_clear_error();
-  if (!parts.key || !parts.own || !parts.authority)
-    throw InputError(
-        pem.string(),
-        "must hold a private key, its certificate and the authority's, as `trilat-agent keys` makes");
-  return parts;
+const TlsKeys& keys_of(const SSL* tls) {
+  return *static_cast<const TlsKeys*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(tls)));
 }
 
-TlsContextHandle context_of(const PemParts& parts, const SSL_METHOD* method, const std::string& place) {
-  TlsContextHandle context(SSL_CTX_new(method));
-  TRILAT_CHECK(context, "OpenSSL makes a context");
-  const bool taken = SSL_CTX_set_min_proto_version(context.get(), TLS1_3_VERSION) == 1 &&
-                     SSL_CTX_use_certificate(context.get(), parts.own.get()) == 1 &&
-                     SSL_CTX_use_PrivateKey(context.get(), parts.key.get()) == 1 &&
-                     SSL_CTX_check_private_key(context.get()) == 1 &&
-                     X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), parts.authority.get()) == 1;
-  ERR_clear_error();
-  if (!taken) throw InputError(place, "has a key and certificates that do not belong together");
-  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
-  SSL_CTX_set_options(context.get(), SSL_OP_IGNORE_UNEXPECTED_EOF);
-  SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
-  SSL_CTX_set_num_tickets(context.get(), 0);
+// The key of an agent and its name, which the recording machine looks up.
+unsigned own_key(SSL* tls, const char*, char* name, unsigned most_name, unsigned char* key,
+                 unsigned most_key) {
+  const auto& [own_name, own] = *keys_of(tls).begin();
+  if (own_name.size() >= most_name || own.size() > most_key) return 0;
+  std::memcpy(name, own_name.c_str(), own_name.size() + 1);
+  std::copy(own.begin(), own.end(), key);
+  return static_cast<unsigned>(own.size());
+}
+
+// 0: nobody of this name. Whose key it is stays with the connection, which comes about only with that key.
+unsigned key_of_agent(SSL* tls, const char* name, unsigned char* key, unsigned most_key) {
+  const auto found = keys_of(tls).find(name);
+  if (found == keys_of(tls).end() || found->second.size() > most_key) return 0;
+  SSL_set_app_data(tls, const_cast<std::string*>(&found->first));
+  std::copy(found->second.begin(), found->second.end(), key);
+  return static_cast<unsigned>(found->second.size());
+}
+
+// Without certificates there is no handshake but by a shared key.
+SSL_CTX* context_for(TlsSide side, const TlsKeys& keys) {
+  SSL_CTX* context = SSL_CTX_new(side == TlsSide::server ? TLS_server_method() : TLS_client_method());
+  TRILAT_CHECK(context && SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1 &&
+                   SSL_CTX_set_ciphersuites(context, "TLS_AES_128_GCM_SHA256") == 1,
+               "OpenSSL makes a context");
+  SSL_CTX_set_app_data(context, const_cast<TlsKeys*>(&keys));
+  SSL_CTX_set_verify(context, side == TlsSide::server ? SSL_VERIFY_NONE : SSL_VERIFY_PEER, nullptr);
+  if (side == TlsSide::server)
+    SSL_CTX_set_psk_server_callback(context, key_of_agent);
+  else
+    SSL_CTX_set_psk_client_callback(context, own_key);
+  SSL_CTX_set_options(context, SSL_OP_IGNORE_UNEXPECTED_EOF);
+  SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  SSL_CTX_set_num_tickets(context, 0);
   return context;
 }
 
 // The TLS machine works on memory; what it wants sent or has to be given goes through the inner link.
 class TlsLink : public ByteLink {
  public:
-  TlsLink(std::unique_ptr<ByteLink> inner, SSL_CTX* context, TlsSide side)
-      : inner_(std::move(inner)), tls_(SSL_new(context)), block_(kBlockBytes) {
-    BIO* in = BIO_new(BIO_s_mem());
+  TlsLink(std::unique_ptr<ByteLink> inner, const TlsKeys& keys, TlsSide side)
+      : inner_(std::move(inner)),
+        keys_(keys),
+        context_(context_for(side, keys_)),
+        tls_(SSL_new(context_.get())),
+        block_(kBlockBytes) {
+    in_ = BIO_new(BIO_s_mem());
     out_ = BIO_new(BIO_s_mem());
-    TRILAT_CHECK(tls_ && in && out_, "OpenSSL makes a connection");
-    BIO_set_mem_eof_return(in, -1);
-    SSL_set_bio(tls_.get(), in, out_);
-    in_ = in;
-    if (side == TlsSide::server) {
+    TRILAT_CHECK(tls_ && in_ && out_, "OpenSSL makes a connection");
+    BIO_set_mem_eof_return(in_, -1);
+    SSL_set_bio(tls_.get(), in_, out_);
+    if (side == TlsSide::server)
       SSL_set_accept_state(tls_.get());
-      return;
-    }
-    SSL_set_connect_state(tls_.get());
-    TRILAT_CHECK(SSL_set1_host(tls_.get(), kTlsServerName) == 1, "OpenSSL takes the server's name");
+    else
+      SSL_set_connect_state(tls_.get());
   }
   ~TlsLink() override {
     try {
@@ -136,8 +137,8 @@ class TlsLink : public ByteLink {
   }
   void wake() override { inner_->wake(); }
   std::string peer_name() const override {
-    const CertificateHandle peer(SSL_get1_peer_certificate(tls_.get()));
-    return peer ? common_name_of(*peer) : std::string();
+    const auto* name = static_cast<const std::string*>(SSL_get_app_data(tls_.get()));
+    return name ? *name : std::string();
   }
 
  private:
@@ -168,16 +169,15 @@ class TlsLink : public ByteLink {
     const int kind = SSL_get_error(tls_.get(), result);
     if (kind == SSL_ERROR_WANT_READ || kind == SSL_ERROR_WANT_WRITE) return;
     if (kind == SSL_ERROR_ZERO_RETURN) throw LinkLost("closed by the other side");
-    const long verdict = SSL_get_verify_result(tls_.get());
     const unsigned long code = ERR_peek_last_error();
-    const char* text = verdict != X509_V_OK ? X509_verify_cert_error_string(verdict)
-                       : code               ? ERR_reason_error_string(code)
-                                            : nullptr;
+    const char* text = code ? ERR_reason_error_string(code) : nullptr;
     throw LinkRefused(std::string("TLS: ") + (text ? text : "failed"));
   }
 
   std::unique_ptr<ByteLink> inner_;
-  TlsHandle tls_;
+  const TlsKeys keys_;
+  std::unique_ptr<SSL_CTX, OpensslRelease<SSL_CTX_free>> context_;
+  std::unique_ptr<SSL, OpensslRelease<SSL_free>> tls_;
   BIO* in_ = nullptr;  // both belong to tls_
   BIO* out_ = nullptr;
   std::vector<std::byte> block_, unsent_;
@@ -186,21 +186,11 @@ class TlsLink : public ByteLink {
 
 }  // namespace
 
-TlsIdentity::TlsIdentity(const std::filesystem::path& pem) {
-  const PemParts parts = read_parts(pem);
-  name_ = common_name_of(*parts.own);
-  keys_ = std::make_unique<Keys>(Keys{context_of(parts, TLS_client_method(), pem.string()),
-                                      context_of(parts, TLS_server_method(), pem.string())});
-}
-
-TlsIdentity::~TlsIdentity() = default;
-
-std::unique_ptr<ByteLink> secure_link(std::unique_ptr<ByteLink> inner, const TlsIdentity& identity,
-                                      TlsSide side, std::chrono::milliseconds at_most,
+std::unique_ptr<ByteLink> secure_link(std::unique_ptr<ByteLink> inner, const TlsKeys& keys, TlsSide side,
+                                      std::chrono::milliseconds at_most,
                                       const std::function<bool()>& give_up) {
-  const TlsContextHandle& context =
-      side == TlsSide::server ? identity.keys().as_server : identity.keys().as_agent;
-  auto link = std::make_unique<TlsLink>(std::move(inner), context.get(), side);
+  TRILAT_CHECK(!keys.empty(), "a secured link has a key");
+  auto link = std::make_unique<TlsLink>(std::move(inner), keys, side);
   link->handshake(at_most, give_up);
   return link;
 }
