@@ -19,7 +19,6 @@
 #include "datasets/synthetic/depth/room_scene.h"
 #include "recorders/frame_source.h"
 #include "recorders/freenect2/freenect2_source.h"
-#include "recorders/synthetic_depth_source.h"
 
 namespace trilat {
 
@@ -249,7 +248,7 @@ SyntheticRequest read_synthetic(SourceText text) {
 std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
   const SyntheticSetup setup = setup_of(request);
   const SyntheticTracker tracker{default_body_tracker(), {}, {}};
-  std::unique_ptr<FrameSource> source;
+  std::optional<SyntheticDepth> depth;
   if (request.depth) {
     const SceneMotion scene = [motion = setup.motion, room = setup.simulation.room](double time_s) {
       DepthScene result;
@@ -257,13 +256,11 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
       append_person(result, motion(time_s));
       return result;
     };
-    source = std::make_unique<SyntheticDepthSource>(
-        setup.simulation.sensor, setup.item, setup.motion, setup.sensors, request.duration_s,
-        SyntheticDepth{scene, setup.simulation.depth.noise, {}}, tracker);
-  } else {
-    source = std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion,
-                                               setup.sensors, request.duration_s, tracker);
+    depth = SyntheticDepth{scene, setup.simulation.depth.noise, {}};
   }
+  auto source =
+      std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion, setup.sensors,
+                                        request.duration_s, tracker, std::move(depth));
   constexpr std::size_t kEventsAhead = 128;  // 28 MB of depth, half a second of four sensors
   return std::make_unique<LiveSource>(std::make_unique<PrefetchSource>(std::move(source), kEventsAhead),
                                       request.live);

@@ -89,15 +89,13 @@ void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, cons
                            [&](std::size_t sensor, const TrackerTruth& t) { truth.append(sensor, t); }};
   RecordOptions options;
   options.stop_requested = watch.stop_requested;
-  if (spec.depth.takes) {
-    SyntheticDepthSource source =
-        watched_depth_source(spec, plan.item, plan.motion, sensors, plan.duration_s,
-                             scene_of(spec, plan, bystanders, rig.centre_m), watch, std::move(tracker));
-    record(source, session, options);
-  } else {
-    SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker));
-    record(source, session, options);
-  }
+  std::optional<SyntheticDepth> depth;
+  if (spec.depth.takes)
+    depth = watched_depth(spec, sensors.size(), plan.duration_s,
+                          scene_of(spec, plan, bystanders, rig.centre_m), watch);
+  SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker),
+                         std::move(depth));
+  record(source, session, options);
   truth.finish();
 }
 

@@ -88,8 +88,8 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
     append_wand(seen, instant.ball_in_world_m, instant.stick_direction, spec.wand->shape);
     return seen;
   };
-  SyntheticDepthSource source =
-      watched_depth_source(spec, item, motion, sensors, wand.duration_s(), scene, watch, {spec.body_tracker});
+  SyntheticSource source(spec.sensor, item, motion, sensors, wand.duration_s(), {spec.body_tracker},
+                         watched_depth(spec, sensors.size(), wand.duration_s(), scene, watch));
   RecordOptions options;
   options.stop_requested = watch.stop_requested;
   record(source, folder / "session.h5", options);
@@ -97,12 +97,9 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
   write_wand_truth(spec, wand, sensors, folder / "truth.json");
 }
 
-SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
-                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene, const Watch& watch,
-                                          SyntheticTracker tracker) {
-  const double expected =
-      std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors.size()));
+SyntheticDepth watched_depth(const SimulationSpec& spec, std::size_t sensors, double duration_s,
+                             SceneMotion scene, const Watch& watch) {
+  const double expected = std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors));
   const ForEach for_each = [watch, expected, done = 0.0](
                                std::size_t count, const std::function<void(std::size_t)>& body) mutable {
     parallel_for_index(count, 1, [&](std::size_t i) {
@@ -112,9 +109,7 @@ SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const Simu
     done += static_cast<double>(count);
     watch.tell(std::min(1.0, done / expected));
   };
-  return {spec.sensor,       item,       motion,
-          sensors,           duration_s, {std::move(scene), spec.depth.noise, for_each},
-          std::move(tracker)};
+  return {std::move(scene), spec.depth.noise, for_each};
 }
 
 }  // namespace trilat

@@ -6,15 +6,13 @@
 
 #include "datasets/synthetic/simulated_sensor.h"
 #include "pipeline/study/watch.h"
-#include "recorders/synthetic_depth_source.h"
+#include "recorders/synthetic_source.h"
 
 namespace trilat {
 
-// A source with depth that renders on all processors, tells how far it is and ends by Interrupted.
-SyntheticDepthSource watched_depth_source(const SimulationSpec& spec, const SimulatedItem& item,
-                                          const Motion& motion, const std::vector<SimulatedSensor>& sensors,
-                                          double duration_s, SceneMotion scene, const Watch& watch,
-                                          SyntheticTracker tracker);
+// Depth that is rendered on all processors, tells how far it is and ends by Interrupted.
+SyntheticDepth watched_depth(const SimulationSpec& spec, std::size_t sensors, double duration_s,
+                             SceneMotion scene, const Watch& watch);
 
 double wand_duration_s(const WandSpec& wand);
 // The wand recording's place among the campaign's random numbers: behind all takes.

@@ -4,7 +4,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
 #include "recorders/network/network_source.h"
-#include "recorders/synthetic_depth_source.h"
+#include "recorders/synthetic_source.h"
 #include "tests/recorders/cutting_proxy.h"
 #include "tests/recorders/network_rig.h"
 
@@ -20,7 +20,7 @@ void expect_made_frames(const Received& received, std::size_t count, std::size_t
     ASSERT_TRUE(same_frame(received.frames[i], made_event(i, depth_every))) << "frame " << i;
 }
 
-SyntheticDepthSource two_virtual_sensors() {
+SyntheticSource two_virtual_sensors() {
   const SensorSpec spec;
   const SimulatedItem item{7, 0, 0};
   std::vector<SimulatedSensor> sensors;
@@ -32,12 +32,12 @@ SyntheticDepthSource two_virtual_sensors() {
           generated_motion(Person{}, Activity::walking),
           sensors,
           0.5,
-          {empty_room, {}, {}},
-          {default_body_tracker()}};
+          {default_body_tracker()},
+          SyntheticDepth{empty_room, {}, {}}};
 }
 
 TEST(NetworkLink, DeliversOverTlsWhatADirectRecordingWouldHold) {
-  SyntheticDepthSource direct = two_virtual_sensors(), sent = two_virtual_sensors();
+  SyntheticSource direct = two_virtual_sensors(), sent = two_virtual_sensors();
   const Received expected = receive_all(direct);
   const TestKeys keys;
   NetworkSource network(listen_options(keys));

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/synthetic_depth_source.h"
-
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -9,6 +7,7 @@
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
 #include "recorders/recorder.h"
+#include "recorders/synthetic_source.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -35,15 +34,19 @@ DepthScene moving_ball(double time_s) {
   return scene;
 }
 
-SyntheticDepthSource source_of(const ForEach& for_each = {}) {
-  return {sensor_spec(),         kItem, generated_motion(Person{}, Activity::standing),
-          two_sensors(),         1.0,   {moving_ball, {}, for_each},
-          {exact_body_tracker()}};
+SyntheticSource source_of(const ForEach& for_each = {}) {
+  return {sensor_spec(),
+          kItem,
+          generated_motion(Person{}, Activity::standing),
+          two_sensors(),
+          1.0,
+          {exact_body_tracker()},
+          SyntheticDepth{moving_ball, {}, for_each}};
 }
 
 TEST(SyntheticDepthSource, EveryBodyFrameHasItsDepthWithTheSameStamps) {
   const ScratchFolder folder;
-  SyntheticDepthSource source = source_of();
+  SyntheticSource source = source_of();
   const RecordSummary summary = record(source, folder / "session.h5", {});
   EXPECT_EQ(summary.depth_frames, summary.body_frames);
   const SessionReader session(folder / "session.h5");
@@ -66,7 +69,7 @@ TEST(SyntheticDepthSource, EveryBodyFrameHasItsDepthWithTheSameStamps) {
 
 TEST(SyntheticDepthSource, AFrameShowsTheSceneAtItsExposure) {
   const ScratchFolder folder;
-  SyntheticDepthSource source = source_of();
+  SyntheticSource source = source_of();
   record(source, folder / "session.h5", {});
   const SessionReader session(folder / "session.h5");
   const auto sensors = two_sensors();
@@ -85,7 +88,7 @@ TEST(SyntheticDepthSource, AFrameShowsTheSceneAtItsExposure) {
   }
 }
 
-std::vector<SourceEvent> all_events(SyntheticDepthSource source) {
+std::vector<SourceEvent> all_events(SyntheticSource source) {
   std::vector<SourceEvent> events;
   while (auto event = source.next()) events.push_back(std::move(*event));
   return events;
@@ -172,8 +175,8 @@ TEST(SyntheticSource, AFrameThatIsLostDoesNotChangeWhatTheTrackerSaysLater) {
 TEST(SyntheticDepthSource, BodiesOfATrackerAreThoseWithoutDepth) {
   const Delivered plain = delivered_bodies(0.1);
   Delivered with_depth;
-  SyntheticDepthSource source(sensor_spec(), kItem, generated_motion(Person{}, Activity::walking),
-                              two_sensors(), 2.0, {moving_ball, {}, {}}, tracker_into(with_depth));
+  SyntheticSource source(sensor_spec(), kItem, generated_motion(Person{}, Activity::walking), two_sensors(),
+                         2.0, tracker_into(with_depth), SyntheticDepth{moving_ball, {}, {}});
   deliver(source, with_depth);
   for (std::size_t s = 0; s < 2; ++s) {
     ASSERT_EQ(with_depth.frames[s].size(), plain.frames[s].size());
@@ -185,7 +188,7 @@ TEST(SyntheticDepthSource, BodiesOfATrackerAreThoseWithoutDepth) {
 
 TEST(SyntheticDepthSource, WhatStopsTheRenderingEndsTheRecording) {
   const ScratchFolder folder;
-  SyntheticDepthSource source =
+  SyntheticSource source =
       source_of([](std::size_t, const std::function<void(std::size_t)>&) { throw Interrupted(); });
   EXPECT_THROW(record(source, folder / "session.h5", {}), Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "session.h5"));
