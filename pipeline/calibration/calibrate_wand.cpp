@@ -10,16 +10,16 @@ namespace trilat {
 
 namespace {
 
-WandCalibration calibrate_by_two(const WandRecording& first, WandMethod method,
+WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
                                  const CalibrateWandOptions& options, WandViews views) {
   const bool corrected = method == WandMethod::two_positions;
   const TwoPositionOptions two{
       options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
       corrected, Eigen::Vector3d::UnitY()};
-  std::vector<std::optional<FloorPlane>> floors;
-  for (const RecordedSensor& sensor : first.sensors) floors.push_back(sensor.floor);
+  std::vector<std::optional<FloorPlane>> floors(views.evidence.size());
+  for (std::size_t s = 0; corrected && s < floors.size(); ++s) floors[s] = floor_seen_by(first, s);
   WandCalibration result;
-  result.calibration = calibrate_two_positions(views, first.place, two, options.movement_m, floors);
+  result.calibration = calibrate_two_positions(views, first.path().string(), two, options.movement_m, floors);
   result.views = std::move(views);
   return result;
 }
@@ -44,17 +44,12 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
   WatchedFiles watched(files);
   for (const std::filesystem::path& file : others) watched.add(file);
   const std::vector<SessionReader> sessions(files.begin(), files.end());
-  const std::vector<WandRecording> recordings =
-      read_wand_recordings(sessions, options.intrinsics, method == WandMethod::two_positions);
   // before minutes of work
   if (options.world) options.world->track = read_wand_track(options.world->mocap, options.world->asset);
-  WandViews views;
-  for (std::size_t r = 0; r < sessions.size(); ++r)
-    add_recording(views, recordings[r],
-                  search_wand(sessions[r], intrinsics_of(recordings[r]), options.search), options.positions);
+  WandViews views = view_wand(sessions, options);
   WandCalibration result = method == WandMethod::wand
-                               ? calibrate_views(std::move(views), recordings.front().place, options)
-                               : calibrate_by_two(recordings.front(), method, options, std::move(views));
+                               ? calibrate_views(std::move(views), sessions.front().path().string(), options)
+                               : calibrate_by_two(sessions.front(), method, options, std::move(views));
   std::vector<std::filesystem::path> sources = files;
   sources.insert(sources.end(), others.begin(), others.end());
   for (const std::filesystem::path& file : sources)

@@ -17,10 +17,12 @@ namespace {
 
 constexpr std::uint64_t kBlock = 60;  // frames that are searched one after the other, apart from all others
 
-// Neighbouring depth frames of one sensor.
-struct FrameRun {
+// What neighbouring depth frames of one sensor show.
+struct SearchedBlock {
   std::size_t sensor = 0;
   std::uint64_t first = 0, count = 0;
+  std::vector<TimedSighting> found;  // in the order of time
+  std::map<std::string, std::uint64_t> statuses;
 };
 
 // What all frames of a sensor need.
@@ -29,9 +31,8 @@ struct SearchedSensor {
   SensorClockMap host_from_sensor;
 };
 
-SensorSearch search_block(const SessionReader& session, const SearchedSensor& sensor, const FrameRun& block,
-                          const WandSearchOptions& options) {
-  SensorSearch result;
+void search(const SessionReader& session, const SearchedSensor& sensor, const WandSearchOptions& options,
+            SearchedBlock& block) {
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   const std::vector<FrameStamp> stamps =
       session.stamps(block.sensor, FrameStream::depth, block.first, block.count);
@@ -42,59 +43,64 @@ SensorSearch search_block(const SessionReader& session, const SearchedSensor& se
     if (i % options.whole_image_every == 0) before_m.reset();
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
     const WandSighting sighting = follow_wand(image, sensor.rays, options.find, before_m);
-    SensorSearch frame{{}, {{name_of(sighting.status), 1}}, 1};
+    ++block.statuses[name_of(sighting.status)];
     if (sighting.status == WandStatus::found)
-      frame.found.push_back({sensor.host_from_sensor(stamps[i]), sighting});
-    append(result, frame);
+      block.found.push_back({sensor.host_from_sensor(stamps[i]), sighting});
   }
-  return result;
 }
 
-}  // namespace
-
-void append(SensorSearch& search, const SensorSearch& next) {
-  search.frames += next.frames;
-  for (const auto& [status, count] : next.statuses) search.statuses[status] += count;
-  for (const TimedSighting& sighting : next.found)
-    if (search.found.empty() || search.found.back().time < sighting.time) search.found.push_back(sighting);
-}
-
-std::vector<SensorSearch> search_wand(const SessionReader& session,
+// Of all depth frames, sensor by sensor in their order.
+std::vector<SearchedBlock> search_all(const SessionReader& session,
                                       const std::vector<DepthIntrinsics>& intrinsics,
                                       const WandSearchOptions& options) {
   std::vector<SearchedSensor> sensors(session.header().sensors.size());
-  std::vector<FrameRun> blocks;
+  std::vector<SearchedBlock> blocks;
   std::uint64_t all = 0;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const std::uint64_t frames = session.counts(s).depth_frames;
     sensors[s] = {depth_rays(intrinsics[s]), fit_sensor_clock(session, s)};
     for (std::uint64_t first = 0; first < frames; first += kBlock)
-      blocks.push_back({s, first, std::min(kBlock, frames - first)});
+      blocks.push_back({s, first, std::min(kBlock, frames - first), {}, {}});
     all += frames;
   }
-  std::vector<SensorSearch> results(blocks.size());
   std::atomic<std::uint64_t> done{0};
   parallel_for_index(blocks.size(), 1, [&](std::size_t b) {
-    results[b] = search_block(session, sensors[blocks[b].sensor], blocks[b], options);
+    search(session, sensors[blocks[b].sensor], options, blocks[b]);
     options.watch.tell(static_cast<double>(done += blocks[b].count) / static_cast<double>(all));
   });
-  std::vector<SensorSearch> searches(sensors.size());
-  for (std::size_t b = 0; b < blocks.size(); ++b) append(searches[blocks[b].sensor], results[b]);
-  return searches;
+  return blocks;
 }
 
-namespace {
-
-void add_evidence(SensorEvidence& evidence, const SensorSearch& search,
-                  const std::vector<RestingBall>& rests) {
-  evidence.frames += search.frames;
-  for (const auto& [name, count] : search.statuses) evidence.statuses[name] += count;
+void add_rests(SensorEvidence& evidence, const std::vector<RestingBall>& rests) {
   for (const RestingBall& ball : rests) {
     const double distance_m = ball.centre_in_sensor_m.norm();
     evidence.nearest_m = evidence.rests == 0 ? distance_m : std::min(evidence.nearest_m, distance_m);
     evidence.farthest_m = std::max(evidence.farthest_m, distance_m);
     ++evidence.rests;
   }
+}
+
+void add_recording(WandViews& views, const SessionReader& session,
+                   const std::vector<DepthIntrinsics>& intrinsics, const ViewWandOptions& options) {
+  std::vector<std::vector<TimedSighting>> found(views.evidence.size());
+  for (const SearchedBlock& block : search_all(session, intrinsics, options.search)) {
+    SensorEvidence& evidence = views.evidence[block.sensor];
+    evidence.frames += block.count;
+    for (const auto& [status, count] : block.statuses) evidence.statuses[status] += count;
+    for (const TimedSighting& sighting : block.found)  // only what rises in time
+      if (auto& all = found[block.sensor]; all.empty() || all.back().time < sighting.time)
+        all.push_back(sighting);
+  }
+  std::vector<RestingBall> rests;
+  for (std::size_t s = 0; s < found.size(); ++s) {
+    const std::vector<RestingBall> more = find_rests(found[s], s, options.positions);
+    add_rests(views.evidence[s], more);
+    rests.insert(rests.end(), more.begin(), more.end());
+  }
+  // One recording at a time: the host clocks of two need not be the same.
+  auto positions = find_wand_positions(std::move(rests), options.positions);
+  views.positions.insert(views.positions.end(), positions.begin(), positions.end());
+  views.simulated = views.simulated || session.header().simulated;
 }
 
 // Whether a sensor that saw both saw the ball in one place.
@@ -120,37 +126,47 @@ void check_depth(const SessionReader& session) {
   }
 }
 
-void take_intrinsics(WandRecording& recording, const SessionReader& session, const std::string& name,
-                     const std::filesystem::path& file) {
-  const std::size_t sensor = session.sensor_index(name);
-  for (std::size_t other = 0; other < recording.sensors.size(); ++other)
-    if (other != sensor && file.parent_path().filename() == session.header().sensors[other].serial)
-      throw InputError(file.string(), "lies in the folder of serial " +
-                                          session.header().sensors[other].serial + ", which is sensor \"" +
-                                          session.header().sensors[other].name + "\", not \"" + name + '"');
-  DepthIntrinsics& intrinsics = recording.sensors[sensor].intrinsics;
-  intrinsics = read_opencv_intrinsics(file, intrinsics.width_px, intrinsics.height_px);
+// The session's own, but for the sensors that have a file.
+std::vector<DepthIntrinsics> intrinsics_of(const SessionReader& session, const ViewWandOptions& options) {
+  std::vector<DepthIntrinsics> intrinsics;
+  const std::vector<SensorDescription>& sensors = session.header().sensors;
+  for (const SensorDescription& sensor : sensors) intrinsics.push_back(sensor.intrinsics);
+  for (const auto& [name, file] : options.intrinsics) {
+    const std::size_t sensor = session.sensor_index(name);
+    for (const SensorDescription& other : sensors)
+      if (other.name != name && file.parent_path().filename() == other.serial)
+        throw InputError(file.string(), "lies in the folder of serial " + other.serial +
+                                            ", which is sensor \"" + other.name + "\", not \"" + name + '"');
+    intrinsics[sensor] =
+        read_opencv_intrinsics(file, intrinsics[sensor].width_px, intrinsics[sensor].height_px);
+  }
+  return intrinsics;
+}
+
+bool are_of_one_rig(const SessionReader& a, const SessionReader& b) {
+  return std::ranges::equal(a.header().sensors, b.header().sensors, {}, &SensorDescription::name,
+                            &SensorDescription::name);
 }
 
 }  // namespace
 
-void add_recording(WandViews& views, const WandRecording& recording, std::span<const SensorSearch> searches,
-                   const WandPositionOptions& options) {
-  const bool first = views.evidence.empty();
-  if (first)
-    for (const RecordedSensor& sensor : recording.sensors)
-      views.evidence.push_back({.name = sensor.name, .statuses = {}});
-  std::vector<RestingBall> rests;
-  for (std::size_t s = 0; s < searches.size(); ++s) {
-    const std::vector<RestingBall> more = find_rests(searches[s].found, s, options);
-    add_evidence(views.evidence[s], searches[s], more);
-    rests.insert(rests.end(), more.begin(), more.end());
+WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options) {
+  std::vector<std::vector<DepthIntrinsics>> intrinsics;  // of all, before minutes of work
+  for (const SessionReader& session : sessions) {
+    check_depth(session);
+    if (!are_of_one_rig(sessions.front(), session))
+      throw InputError(session.path().string(),
+                       "has other sensors than the first session; all recordings must be of one rig");
+    intrinsics.push_back(intrinsics_of(session, options));
   }
-  // One recording at a time: the host clocks of two need not be the same.
-  auto positions = find_wand_positions(std::move(rests), options);
-  views.positions.insert(views.positions.end(), positions.begin(), positions.end());
-  views.simulated = views.simulated || recording.simulated;
-  if (first) views.positions_of_first = views.positions.size();
+  WandViews views;
+  for (const SensorDescription& sensor : sessions.front().header().sensors)
+    views.evidence.push_back({.name = sensor.name, .statuses = {}});
+  for (std::size_t r = 0; r < sessions.size(); ++r) {
+    add_recording(views, sessions[r], intrinsics[r], options);
+    if (r == 0) views.positions_of_first = views.positions.size();
+  }
+  return views;
 }
 
 std::vector<bool> sensors_that_saw(const WandViews& views) {
@@ -187,37 +203,6 @@ std::optional<double> seen_movement_m(const WandViews& views) {
       }
   if (count == 0.0) return std::nullopt;
   return sum_m / count;
-}
-
-bool are_of_one_rig(const WandRecording& a, const WandRecording& b) {
-  return std::equal(a.sensors.begin(), a.sensors.end(), b.sensors.begin(), b.sensors.end(),
-                    [](const RecordedSensor& x, const RecordedSensor& y) { return x.name == y.name; });
-}
-
-std::vector<DepthIntrinsics> intrinsics_of(const WandRecording& recording) {
-  std::vector<DepthIntrinsics> intrinsics;
-  for (const RecordedSensor& sensor : recording.sensors) intrinsics.push_back(sensor.intrinsics);
-  return intrinsics;
-}
-
-std::vector<WandRecording> read_wand_recordings(std::span<const SessionReader> sessions,
-                                                const NamedIntrinsics& intrinsics, bool floors) {
-  std::vector<WandRecording> recordings;
-  for (const SessionReader& session : sessions) {
-    check_depth(session);
-    WandRecording recording{.place = session.path().string(), .simulated = session.header().simulated};
-    for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
-      const SensorDescription& sensor = session.header().sensors[s];
-      recording.sensors.push_back({sensor.name, session.counts(s).depth_frames, sensor.intrinsics});
-      if (floors) recording.sensors.back().floor = floor_seen_by(session, s);
-    }
-    if (!recordings.empty() && !are_of_one_rig(recordings.front(), recording))
-      throw InputError(recording.place,
-                       "has other sensors than the first session; all recordings must be of one rig");
-    for (const auto& [name, file] : intrinsics) take_intrinsics(recording, session, name, file);
-    recordings.push_back(std::move(recording));
-  }
-  return recordings;
 }
 
 }  // namespace trilat

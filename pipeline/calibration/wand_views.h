@@ -27,46 +27,6 @@ struct WandSearchOptions {
   Watch watch = {};
 };
 
-// What one sensor's depth frames show of the wand.
-struct SensorSearch {
-  std::vector<TimedSighting> found;               // in the order of time
-  std::map<std::string, std::uint64_t> statuses;  // of all frames, by name; sums to frames
-  std::uint64_t frames = 0;
-};
-
-// Adds what the frames that follow show. Found is only what rises in time.
-void append(SensorSearch& search, const SensorSearch& next);
-
-// All depth frames of a session, one entry a sensor. The result does not depend on the number of threads.
-std::vector<SensorSearch> search_wand(const SessionReader& session,
-                                      const std::vector<DepthIntrinsics>& intrinsics,
-                                      const WandSearchOptions& options);
-
-struct RecordedSensor {
-  std::string name;
-  std::uint64_t frames = 0;  // with depth
-  DepthIntrinsics intrinsics;
-  std::optional<FloorPlane> floor = std::nullopt;
-};
-
-// What a calibration needs to know of a recording of the wand besides what its depth frames show.
-struct WandRecording {
-  std::string place;  // the file, for errors
-  bool simulated = false;
-  std::vector<RecordedSensor> sensors = {};
-};
-
-using NamedIntrinsics = std::vector<std::pair<std::string, std::filesystem::path>>;  // sensor, OpenCV file
-
-// Of recordings of one rig, without hashes. `intrinsics`: instead of the sessions' own; `floors`: whether
-// they are looked for. InputError names the sensor that has no depth or other images, the recording with
-// other sensors than the first, or the intrinsics file that cannot be this sensor's.
-std::vector<WandRecording> read_wand_recordings(std::span<const SessionReader> sessions,
-                                                const NamedIntrinsics& intrinsics, bool floors);
-
-bool are_of_one_rig(const WandRecording& a, const WandRecording& b);
-std::vector<DepthIntrinsics> intrinsics_of(const WandRecording& recording);
-
 // What a calibration rests on, for the text a person judges it by.
 struct SensorEvidence {
   std::string name;
@@ -87,12 +47,14 @@ struct WandViews {
 struct ViewWandOptions {
   WandSearchOptions search;
   WandPositionOptions positions;
-  NamedIntrinsics intrinsics = {};  // instead of the sessions' own
+  std::vector<std::pair<std::string, std::filesystem::path>> intrinsics =
+      {};  // of a sensor, instead of its own
 };
 
-// Adds where the wand was held in a recording. `searches`: one a sensor.
-void add_recording(WandViews& views, const WandRecording& recording, std::span<const SensorSearch> searches,
-                   const WandPositionOptions& options);
+// Where the wand was held in recordings of one rig, by all their depth frames. The result does not depend on
+// the number of threads. InputError names the sensor that has no depth or other images, the recording with
+// other sensors than the first, or the intrinsics file that cannot be this sensor's.
+WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
 
 // One entry a sensor.
 std::vector<bool> sensors_that_saw(const WandViews& views);

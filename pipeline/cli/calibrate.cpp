@@ -146,8 +146,9 @@ void print_calibration(const Calibration& calibration, const std::vector<SensorE
   fmt::print("{}\n", json_text(document, 2));
 }
 
-NamedIntrinsics named_files(const std::vector<std::string>& entries) {
-  NamedIntrinsics result;
+std::vector<std::pair<std::string, std::filesystem::path>> named_files(
+    const std::vector<std::string>& entries) {
+  std::vector<std::pair<std::string, std::filesystem::path>> result;
   for (const std::string& entry : entries) {
     const std::size_t equals = entry.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
