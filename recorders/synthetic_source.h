@@ -12,8 +12,8 @@
 
 namespace trilat {
 
-// The body tracker of virtual Kinects, who else is there, and who gets the truth: called for every
-// frame that is delivered, a sensor's in their order.
+// The body tracker of virtual Kinects, who else is there, and who gets the truth: called for every frame that
+// is delivered, a sensor's in their order.
 struct SyntheticTracker {
   BodyTrackerSpec spec;
   std::vector<Motion> bystanders = {};

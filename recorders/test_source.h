@@ -7,8 +7,8 @@
 
 namespace trilat {
 
-// A sensor that is none, to try the way from an agent to a recording: 30 frames a second of a moving
-// slope with one body before it, stamped with this machine's steady clock. It is marked as simulated.
+// A sensor that is none, to try the way from an agent to a recording: 30 frames a second of a moving slope
+// with one body before it, stamped with this machine's steady clock. It is marked as simulated.
 class TestSource : public FrameSource {
  public:
   explicit TestSource(double duration_s);

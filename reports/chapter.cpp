@@ -100,8 +100,8 @@ Chapter calibration_chapter(const std::filesystem::path& path, bool) {
   const CalibrationSummary s = read_results<CalibrationSummary>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
-      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and "
-      "sensors, except those that are called the paper's.",
+      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and sensors, "
+      "except those that are called the paper's.",
       s.seed);
   chapter.sentences = calibration_sentences(s);
   append(chapter, calibration_tables(s));

@@ -41,9 +41,9 @@ struct ReportContent {
   std::vector<const Table*> other_tables() const;
 };
 
-// Reads results folders in this order and draws their figures. `paper`: what they say about
-// the paper, as far as that was asked; `changes`: between two of them; `history`: of the nights, whose
-// verdict leads. `progress` is told the share that is done.
+// Reads results folders in this order and draws their figures. `paper`: what they say about the paper, as far
+// as that was asked; `changes`: between two of them; `history`: of the nights, whose verdict leads.
+// `progress` is told the share that is done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
                           const std::optional<ErrorChanges>& changes = {}, const History& history = {},

@@ -38,8 +38,8 @@ namespace trilat {
 //   static void fields(auto& self, auto&& field) { field("take", self.id); TRILAT_EACH(method) }
 // The order is that of the file. A field that is computed from others is written, and not read. Members that
 // are there only together follow `if (field.has("hidden", self.truth_known))`, whose key is one of them. A
-// struct with `static constexpr bool as_list = true;` is the list of its values. A
-// struct may have `void check(const JsonObject& object) const`, which refuses what its users could not bear.
+// struct with `static constexpr bool as_list = true;` is the list of its values. A struct may have
+// `void check(const JsonObject& object) const`, which refuses what its users could not bear.
 template <class T>
 concept Described = requires(T& value) {
   T::fields(value, [](auto&&...) {});

@@ -14,8 +14,8 @@
 namespace trilat {
 
 // The outside world is wrong: a file, a setting, a device. `place` is where a person has to look
-// (`take.csv:17`, `/methods/0/name`, `session.h5:/sensors/k1`), `problem` what is there and what
-// would be right. Caught per work item by the runner and in main, where it becomes exit code 2.
+// (`take.csv:17`, `/methods/0/name`, `session.h5:/sensors/k1`), `problem` what is there and what would be
+// right. Caught per work item by the runner and in main, where it becomes exit code 2.
 class InputError : public std::runtime_error {
  public:
   InputError(std::string place, std::string problem);

@@ -10,12 +10,11 @@
 
 namespace trilat {
 
-// Writes text beside `path`, syncs it and renames it into place: the final name never shows half a
-// file. InputError with the path when the disk or the folder does not let us.
+// Writes text beside `path`, syncs it and renames it into place: the final name never shows half a file.
+// InputError with the path when the disk or the folder does not let us.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-// The whole file as text; InputError with the path when it cannot be read or is larger than
-// `limit_bytes`.
+// The whole file as text; InputError with the path when it cannot be read or is larger than `limit_bytes`.
 std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes = 64u << 20);
 
 // `path` with ".partial" behind: the name of an output that is not finished.

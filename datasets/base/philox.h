@@ -6,14 +6,12 @@
 
 namespace trilat {
 
-// Philox4x32-10 of Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3" (SC
-// 2011).
+// Philox4x32-10 of Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
 std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
                                            std::array<std::uint32_t, 2> key);
 
-// What a random number is for. A new use gets a new entry at the end: the value is part of the key,
-// so the order must not change. The evaluated method is never part of a key: all methods see the
-// same noise.
+// What a random number is for. A new use gets a new entry at the end: the value is part of the key, so the
+// order must not change. The evaluated method is never part of a key: all methods see the same noise.
 enum class Purpose : std::uint32_t {
   test = 0,
   participant = 1,
@@ -65,8 +63,8 @@ struct RandomStream {
   std::array<double, 2> normal_pair(std::uint32_t index) const;
 };
 
-// Packs small counters into one item number: take, unit (sensor, marker), part (joint, axis), step
-// (frame). Bounds: take < 2^14, unit < 2^10, part < 2^8, step < 2^32; beyond is our bug.
+// Packs small counters into one item number: take, unit (sensor, marker), part (joint, axis), step (frame).
+// Bounds: take < 2^14, unit < 2^10, part < 2^8, step < 2^32; beyond is our bug.
 std::uint64_t random_item(std::uint64_t take, std::uint64_t unit, std::uint64_t part, std::uint64_t step);
 
 }  // namespace trilat

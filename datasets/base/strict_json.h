@@ -21,8 +21,8 @@ namespace trilat {
 // Keys keep the order in which they were written.
 using Json = nlohmann::ordered_json;
 
-// Parses text and refuses what plain JSON parsers let pass: duplicate keys, NaN, trailing text,
-// nesting beyond 64. `place` is the file name; errors read `place:line: …` or `place /pointer: …`.
+// Parses text and refuses what plain JSON parsers let pass: duplicate keys, NaN, trailing text, nesting
+// beyond 64. `place` is the file name; errors read `place:line: …` or `place /pointer: …`.
 Json parse_json(std::string_view text, const std::string& place);
 Json read_json(const std::filesystem::path& path);
 
@@ -44,9 +44,9 @@ class JsonNotes {
   JsonNotes& operator=(const JsonNotes&) = delete;
 };
 
-// Walks one JSON object strictly: every key has to be asked for, of the right type, or finish()
-// names it and lists the known ones; but a document may name its "$schema". A number 1.7 is no integer, -1 is
-// not unsigned, infinity is not a number.
+// Walks one JSON object strictly: every key has to be asked for, of the right type, or finish() names it and
+// lists the known ones; but a document may name its "$schema". A number 1.7 is no integer, -1 is not
+// unsigned, infinity is not a number.
 class JsonObject {
  public:
   // `place` and `pointer` say where `value` stands; it must outlive the reader.

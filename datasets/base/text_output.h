@@ -18,8 +18,8 @@ std::string csv_field(std::string_view text);
 // The same, always between quotes.
 std::string csv_quoted(std::string_view text);
 
-// A file of any length that is written aside and gets its name by publish(); without that nothing is
-// left. OutputError with the path when the disk does not let us.
+// A file of any length that is written aside and gets its name by publish(); without that nothing is left.
+// OutputError with the path when the disk does not let us.
 class TextOutput {
  public:
   explicit TextOutput(const std::filesystem::path& path);

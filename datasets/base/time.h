@@ -24,15 +24,15 @@ inline Duration duration_from_s(double seconds) {
   return {static_cast<std::int64_t>(std::llround(seconds * 1e9))};
 }
 
-// The clocks a recording knows. A sensor's clock starts at an arbitrary origin and drifts; the host
-// clock is the monotonic clock of the recording machine; the mocap clock is zero at the first frame
-// of the OptiTrack take.
+// The clocks a recording knows. A sensor's clock starts at an arbitrary origin and drifts; the host clock is
+// the monotonic clock of the recording machine; the mocap clock is zero at the first frame of the OptiTrack
+// take.
 struct SensorClock {};
 struct HostClock {};
 struct MocapClock {};
 
-// An instant on one clock. Instants of two clocks can be neither compared nor subtracted: that does
-// not compile.
+// An instant on one clock. Instants of two clocks can be neither compared nor subtracted: that does not
+// compile.
 template <class Clock>
 struct Instant {
   std::int64_t ns = 0;
@@ -46,8 +46,8 @@ using SensorTime = Instant<SensorClock>;
 using HostTime = Instant<HostClock>;
 using MocapTime = Instant<MocapClock>;
 
-// to = origin_to + (1 + drift) (from - origin_from). Origins are kept as integers, so that a
-// nanosecond survives however long the machine has been up.
+// to = origin_to + (1 + drift) (from - origin_from). Origins are kept as integers, so that a nanosecond
+// survives however long the machine has been up.
 template <class To, class From>
 struct ClockMap {
   Instant<From> origin_from;

@@ -12,8 +12,7 @@
 
 namespace trilat {
 
-// Where a sensor stands: its pose in the world, and how sure that is (one standard deviation; 0
-// when exact).
+// Where a sensor stands: its pose in the world, and how sure that is (one standard deviation; 0 when exact).
 struct SensorPose {
   std::string name;
   RigidTransform world_from_sensor;

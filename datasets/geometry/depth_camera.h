@@ -28,18 +28,18 @@ struct DepthIntrinsics {
 std::string implausibility_of(const DepthIntrinsics& intrinsics);
 
 // The pixel that sees a point of the sensor frame (frames.h: +x is to the image's right, +y up).
-// Nothing when the point is not in front of the lens or so far aside (normalised radius above 1.2)
-// that the distortion model has left its range. The pixel may lie outside the image.
+// Nothing when the point is not in front of the lens or so far aside (normalised radius above 1.2) that the
+// distortion model has left its range. The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const DepthIntrinsics& intrinsics,
                                        const Eigen::Vector3d& point_in_sensor_m);
 
-// The ray of a pixel, scaled to z = 1: point = depth * ray. Undistorts by Newton's method; nothing
-// where the model cannot be inverted (far outside the image).
+// The ray of a pixel, scaled to z = 1: point = depth * ray. Undistorts by Newton's method; nothing where the
+// model cannot be inverted (far outside the image).
 std::optional<Eigen::Vector2d> ray_through(const DepthIntrinsics& intrinsics,
                                            const Eigen::Vector2d& pixel_px);
 
-// Equation 4 as printed (erratum E2): angles linear in the pixel, 70 by 60 degrees about (256,
-// 212), and y counted downwards. Point of the paper's client frame (x right, y down, z depth).
+// Equation 4 as printed (erratum E2): angles linear in the pixel, 70 by 60 degrees about (256, 212), and y
+// counted downwards. Point of the paper's client frame (x right, y down, z depth).
 Eigen::Vector3d printed_linear_angle_point(const Eigen::Vector2d& pixel_px, double depth_m);
 
 }  // namespace trilat

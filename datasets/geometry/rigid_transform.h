@@ -6,8 +6,8 @@
 
 namespace trilat {
 
-// A rotation followed by a translation, named by the frames it connects: `world_from_sensor` turns
-// a point given in the sensor's frame into the same point given in the world's. Metres.
+// A rotation followed by a translation, named by the frames it connects: `world_from_sensor` turns a point
+// given in the sensor's frame into the same point given in the world's. Metres.
 struct RigidTransform {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
@@ -37,9 +37,8 @@ struct RigidTransform {
   }
 };
 
-// A sensor at `position_m` that looks at `target_m` with its y axis as near to world up (+y) as can
-// be. World and sensor frames as in frames.h. InternalError when the view is vertical or the points
-// coincide.
+// A sensor at `position_m` that looks at `target_m` with its y axis as near to world up (+y) as can be. World
+// and sensor frames as in frames.h. InternalError when the view is vertical or the points coincide.
 RigidTransform world_from_sensor_looking_at(const Eigen::Vector3d& position_m,
                                             const Eigen::Vector3d& target_m);
 

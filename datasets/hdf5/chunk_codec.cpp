@@ -11,8 +11,7 @@
 namespace trilat {
 namespace {
 
-// The checksum that HDF5's fletcher32 filter expects: big-endian 16-bit words, sums folded to 16
-// bits.
+// The checksum that HDF5's fletcher32 filter expects: big-endian 16-bit words, sums folded to 16 bits.
 std::uint32_t fletcher32(std::span<const std::byte> data) {
   std::uint32_t low = 0, high = 0;
   const auto fold = [](std::uint32_t sum) { return (sum & 0xffff) + (sum >> 16); };

@@ -17,9 +17,8 @@ inline constexpr int kChunkLevel = 1;  // of either compression
 // The quickest compression that this build has: Blosc, or else deflate.
 ChunkCompression quickest_compression();
 
-// One chunk as it goes to the file: compressed, with HDF5's fletcher32 checksum behind. Pure: any
-// thread may call it. Blosc is Zstandard level 1 with bit shuffle; deflate is level 1. `none` only
-// adds the checksum.
+// One chunk as it goes to the file: compressed, with HDF5's fletcher32 checksum behind. Pure: any thread may
+// call it. Blosc is Zstandard level 1 with bit shuffle; deflate is level 1. `none` only adds the checksum.
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_bytes,
                                     ChunkCompression compression);
 

@@ -150,8 +150,7 @@ class H5Node {
   std::vector<std::string> texts(const std::string& name) const;
   bool has_attribute(const std::string& name) const;
 
-  // An empty table that grows by appending (layout.chunk_rows > 0), or one of `rows` rows filled
-  // with zeros.
+  // An empty table that grows by appending (layout.chunk_rows > 0), or one of `rows` rows filled with zeros.
   H5Table create_table(const std::string& name, H5Type type, const std::vector<std::uint64_t>& row_shape,
                        const H5Layout& layout, std::uint64_t rows = 0);
   // Opens a table and refuses any other element kind (integer or floating) or row shape.
@@ -164,13 +163,12 @@ class H5Node {
   std::shared_ptr<bool> rows_lost_;  // of the file: a table that was written could not be closed
 };
 
-// A file opened for one purpose. Files are written in the latest format, so that SWMR writing is
-// possible.
+// A file opened for one purpose. Files are written in the latest format, so that SWMR writing is possible.
 class H5File : public H5Node {
  public:
   static H5File create(const std::filesystem::path& path);
-  // For reading. A file whose writer is at work, or was killed, is opened as an SWMR reader: what
-  // was flushed is there.
+  // For reading. A file whose writer is at work, or was killed, is opened as an SWMR reader: what was flushed
+  // is there.
   static H5File open(const std::filesystem::path& path);
 
   // From now on nothing new can be created, and a reader may follow.

@@ -19,12 +19,12 @@ bool is_trc(std::string_view first_line);
 // OpenSim's TRC: lengths in the unit that the header states.
 ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line);
 
-// Data rows of the formats with a frame a row and a number a column: Motive and TRC. Time is the
-// frame index times the export rate; only when the header states no rate it is the printed one.
+// Data rows of the formats with a frame a row and a number a column: Motive and TRC. Time is the frame index
+// times the export rate; only when the header states no rate it is the printed one.
 class ColumnRows : public RowSource {
  public:
-  // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and
-  // `header` must outlive the rows.
+  // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and `header` must
+  // outlive the rows.
   ColumnRows(LineReader& lines, MocapHeader& header, ColumnLayout layout);
   void read_only(const std::vector<std::size_t>& assets) override;
   bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;

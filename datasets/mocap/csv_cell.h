@@ -20,8 +20,8 @@ std::vector<std::string> split_csv(std::string_view line);
 
 enum class CellKind { number, empty, not_finite, unreadable };
 
-// A data cell with all its spellings: blanks, quotes, NAN, -1.#IND0000, infinity. Anything but a
-// number leaves `value` undefined.
+// A data cell with all its spellings: blanks, quotes, NAN, -1.#IND0000, infinity. Anything but a number
+// leaves `value` undefined.
 CellKind parse_cell(std::string_view text, double& value);
 
 // An integer cell; false when it is anything else.
@@ -33,9 +33,8 @@ const char* end_of_cell(const char* p, const char* end);
 inline constexpr std::array<double, 16> kPowersOfTen{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                      1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
-// A plain decimal such as -12.345678 of at most 15 digits up to a comma or `end`; returns its end,
-// or nullptr for any other text. Exact: an integer below 2^53 divided by an exact power of ten is
-// rounded once.
+// A plain decimal such as -12.345678 of at most 15 digits up to a comma or `end`; returns its end, or nullptr
+// for any other text. Exact: an integer below 2^53 divided by an exact power of ten is rounded once.
 inline const char* parse_plain_decimal(const char* p, const char* end, double& value) {
   const bool negative = p != end && *p == '-';
   if (negative) ++p;

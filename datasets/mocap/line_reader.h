@@ -12,8 +12,8 @@
 
 namespace trilat {
 
-// Lines of a text file of any length, read in blocks. Memory is bounded by one block and the
-// longest line allowed, 16 MiB.
+// Lines of a text file of any length, read in blocks. Memory is bounded by one block and the longest line
+// allowed, 16 MiB.
 class LineReader {
  public:
   // InputError when the file cannot be opened.
@@ -47,8 +47,8 @@ class LineReader {
   std::int64_t line_ = 0;
 };
 
-// Beyond 100 m no position of a room-sized tracking system makes sense: most often the header states
-// another unit than the numbers have.
+// Beyond 100 m no position of a room-sized tracking system makes sense: most often the header states another
+// unit than the numbers have.
 inline constexpr double kFarthest_m = 100.0;
 inline constexpr const char* kTooFar =
     "is more than 100 m; have the numbers another unit than the header says?";
@@ -66,12 +66,12 @@ class RowSource {
   virtual bool next(MocapFrame& frame, MocapAnomalies& anomalies) = 0;
 };
 
-// `x, y, z, w` as printed, normalised; NaN when the length is not 1 within what six decimals and
-// single precision explain.
+// `x, y, z, w` as printed, normalised; NaN when the length is not 1 within what six decimals and single
+// precision explain.
 Eigen::Quaterniond rotation_from_printed(double x, double y, double z, double w);
 
-// Degrees about x, y, z, applied in `order` ("XYZ": about x, then the new y, then the new z), as
-// Motive has it since 1.6 (help.naturalpoint.com, "Changes in Motive's reported Euler angles").
+// Degrees about x, y, z, applied in `order` ("XYZ": about x, then the new y, then the new z), as Motive has
+// it since 1.6 (help.naturalpoint.com, "Changes in Motive's reported Euler angles").
 Eigen::Quaterniond rotation_from_euler(double x_deg, double y_deg, double z_deg, std::string_view order);
 bool is_euler_order(std::string_view text);
 

@@ -31,11 +31,10 @@ bool is_numbers_only(std::string_view line) {
 
 [[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
   if (is_numbers_only(line))
-    throw InputError(
-        place,
-        "the file begins with data and has no header, so that unit, rate and names are "
-        "unknown; when it is Motive's, export it again with the header switched on. Bodies of a Kinect are a "
-        "session's: `trilat import` reads them");
+    throw InputError(place,
+                     "the file begins with data and has no header, so that unit, rate and names are unknown; "
+                     "when it is Motive's, export it again with the header switched on. Bodies of a Kinect "
+                     "are a session's: `trilat import` reads them");
   if (line.starts_with("NO_OF_") || line.starts_with("FILE_VERSION"))
     throw InputError(place,
                      "Qualisys' TSV is not read any more; export C3D from Qualisys Track Manager instead");
@@ -43,10 +42,10 @@ bool is_numbers_only(std::string_view line) {
     throw InputError(place, "the cells are separated by semicolons; save the file with commas");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
-  throw InputError(place,
-                   "this is no motion capture that can be read; known are Motive's CSV, which begins with "
-                   "\"Format Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\"), TRC "
-                   "(\"PathFileType\") and C3D");
+  throw InputError(
+      place,
+      "this is no motion capture that can be read; known are Motive's CSV, which begins with \"Format "
+      "Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\"), TRC (\"PathFileType\") and C3D");
 }
 
 }  // namespace

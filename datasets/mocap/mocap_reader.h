@@ -19,12 +19,11 @@ struct MocapReadOptions {
   std::size_t block_bytes = 1 << 20;  // read from the disk at once
 };
 
-// Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column
-// format 1.2 to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC and C3D
-// files; the content says which. Poses come out right-handed in metres: units are
-// converted, Euler angles become quaternions, and a left-handed file is mirrored in z. Lost bodies
-// that an export writes as a frozen pose or a sentinel are delivered as they stand; the summary
-// and the frozen filter find them.
+// Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column format 1.2
+// to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC and C3D files; the content says which.
+// Poses come out right-handed in metres: units are converted, Euler angles become quaternions, and a
+// left-handed file is mirrored in z. Lost bodies that an export writes as a frozen pose or a sentinel are
+// delivered as they stand; the summary and the frozen filter find them.
 class MocapReader {
  public:
   // Reads the header. InputError when the file cannot be opened or is in none of these formats.
@@ -38,9 +37,9 @@ class MocapReader {
   // From now on the poses of the other assets stay missing; their columns are skipped unread.
   void read_only(const std::vector<std::size_t>& assets);
 
-  // The next frame; times strictly increase. False at the end. InputError with the place and the
-  // asset when a number makes no sense, and when the file of a format that promises a count ends early. Reuse
-  // one frame for all calls: then nothing is allocated.
+  // The next frame; times strictly increase. False at the end. InputError with the place and the asset when a
+  // number makes no sense, and when the file of a format that promises a count ends early. Reuse one frame
+  // for all calls: then nothing is allocated.
   bool next(MocapFrame& frame);
 
   // Counted so far.
@@ -53,8 +52,8 @@ class MocapReader {
   MocapAnomalies anomalies_;
 };
 
-// Some exports repeat the last pose of a lost body instead of leaving it out. The noise of a body
-// that is truly still shows in the last digits, so a pose that stays the same to the bit is lost.
+// Some exports repeat the last pose of a lost body instead of leaving it out. The noise of a body that is
+// truly still shows in the last digits, so a pose that stays the same to the bit is lost.
 struct FrozenOptions {
   double min_s = 0.095;         // from the first to the last frame of the stretch
   std::int64_t min_frames = 5;  // and at least so many

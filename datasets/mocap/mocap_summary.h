@@ -25,8 +25,8 @@ struct AssetSummary {
   std::int64_t sentinels = 0;  // samples that say "lost": exactly at zero, or unmoving without a rotation
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();  // of its positions, less the mean of all in the frame
   std::int64_t jumps = 0;                           // steps from one sample to the next faster than the limit
-  // Longest time between two neighbouring samples with a frame missing between them; what is
-  // missing before the first and after the last sample does not count.
+  // Longest time between two neighbouring samples with a frame missing between them; what is missing before
+  // the first and after the last sample does not count.
   double longest_gap_s = 0.0;
 };
 

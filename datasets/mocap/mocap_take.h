@@ -19,17 +19,17 @@ namespace trilat {
 
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-// What OptiTrack calls a column's type. A rigid body marker is the solved position, present while
-// the marker is hidden; a marker is the measured one, missing while hidden. `other` is a type that
-// is none of these and yet has a position or a rotation.
+// What OptiTrack calls a column's type. A rigid body marker is the solved position, present while the marker
+// is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of these and
+// yet has a position or a rotation.
 enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
 
 std::string_view name_of(AssetType type);                 // "rigid_body", …
 std::string_view motive_name_of(AssetType type);          // "Rigid Body", …
 AssetType asset_type_from_motive(std::string_view text);  // any case; else `other`
 
-// One name may stand under several types, and even twice under one: then only the ID tells them
-// apart. The ID is opaque text.
+// One name may stand under several types, and even twice under one: then only the ID tells them apart. The ID
+// is opaque text.
 struct MocapAsset {
   AssetType type = AssetType::other;
   std::string name;
@@ -98,8 +98,7 @@ struct MocapTake {
 std::string key_of(const MocapHeader& header, std::size_t asset);
 
 // The asset a person means by "Wand", "rigid_body:Wand", "Wand#ID" or "rigid_body:Wand#ID".
-// InputError at `place` when no asset has that key (lists those there are) or several have it
-// (lists them).
+// InputError at `place` when no asset has that key (lists those there are) or several have it (lists them).
 std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place);
 
 }  // namespace trilat

@@ -102,9 +102,9 @@ HeadingRows identify(const std::vector<Cells>& rows, const std::string& place) {
   if (labelled) return rows_by_label(rows);
   if (rows.empty()) return {};
   if (rows.size() != 4)
-    throw InputError(place, "there are " + std::to_string(rows.size()) +
-                                " unlabelled rows above this one; it takes four: type, name, ID "
-                                "and Rotation/Position");
+    throw InputError(
+        place, "there are " + std::to_string(rows.size()) +
+                   " unlabelled rows above this one; it takes four: type, name, ID and Rotation/Position");
   return {rows[0], rows[1], rows[2], {}, rows[3]};
 }
 
@@ -122,8 +122,8 @@ std::size_t width_of(const HeadingRows& rows, const Cells& axes) {
   return width;
 }
 
-// The place of a column among an asset's numbers; kSlotsPerAsset for what is neither a position
-// nor a rotation, such as a marker's quality.
+// The place of a column among an asset's numbers; kSlotsPerAsset for what is neither a position nor a
+// rotation, such as a marker's quality.
 std::size_t slot_of(const std::string& kind, const std::string& axis) {
   if (axis.size() != 1 || (kind != "Position" && kind != "Rotation")) return kSlotsPerAsset;
   const auto number = std::string_view("XYZW").find(axis[0]);

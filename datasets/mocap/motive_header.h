@@ -33,14 +33,14 @@ struct ColumnHeader {
   ColumnLayout layout;
 };
 
-// Reads the header rows of Motive's column format (1.2 to 1.25), of which `first_line` has been
-// read already; the next line is the first of the data. Rows are known by what they say, never by
-// their number. InputError with the line where something is missing or contradictory.
+// Reads the header rows of Motive's column format (1.2 to 1.25), of which `first_line` has been read already;
+// the next line is the first of the data. Rows are known by what they say, never by their number. InputError
+// with the line where something is missing or contradictory.
 ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line);
 
-// Fills the assets of `header` from the rows between the keys and the row of axes ("Frame,Time,X,
-// …"), which stands at `place`. Rows are known by the label in their second cell, or, without
-// labels, by their order: type, name, ID, kind.
+// Fills the assets of `header` from the rows between the keys and the row of axes ("Frame,Time,X, …"), which
+// stands at `place`. Rows are known by the label in their second cell, or, without labels, by their order:
+// type, name, ID, kind.
 ColumnLayout read_motive_columns(const std::vector<std::vector<std::string>>& rows,
                                  const std::vector<std::string>& axes, const std::string& place,
                                  MocapHeader& header);

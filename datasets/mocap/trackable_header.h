@@ -16,8 +16,8 @@ namespace trilat {
 
 // The first cell of a row, which says what the row is.
 std::string_view row_type(std::string_view line);
-// "trackable" or "rigidbody": before the first frame it defines a body, behind a frame row it
-// tells more about one.
+// "trackable" or "rigidbody": before the first frame it defines a body, behind a frame row it tells more
+// about one.
 bool is_body_row(std::string_view line);
 // One of the row types of Arena, Tracking Tools and early Motive ("1.0", "1.1").
 bool is_known_row(std::string_view line);
@@ -39,14 +39,14 @@ struct TrackableHeader {
   std::string first_frame_line;              // read ahead; empty when there is none
 };
 
-// Reads the rows before the first frame, `first_line` being read already, and that frame, whose
-// line is then the last one read. InputError when there is neither a frame nor a body. Markers are
-// among the assets when extended rows follow the frame.
+// Reads the rows before the first frame, `first_line` being read already, and that frame, whose line is then
+// the last one read. InputError when there is neither a frame nor a body. Markers are among the assets when
+// extended rows follow the frame.
 TrackableHeader read_trackable_header(LineReader& lines, std::string_view first_line);
 
-// Walks the cells of one row of which every cell has its meaning from its position. A row that
-// ends too early makes complete() false and yields zeros; a cell that is not what it has to be is
-// an InputError at `place`, naming the column.
+// Walks the cells of one row of which every cell has its meaning from its position. A row that ends too early
+// makes complete() false and yields zeros; a cell that is not what it has to be is an InputError at `place`,
+// naming the column.
 class RowCells {
  public:
   RowCells(std::string_view line, std::string place) : line_(line), place_(std::move(place)) {}

@@ -12,10 +12,10 @@
 
 namespace trilat {
 
-// Frames of the row formats. Time is the printed stamp, since no rate is stated and the stamps of
-// version 1.0 are irregular. Bodies come from the frame rows; their markers, solved and measured,
-// from the extended rows. A body that the file calls untracked, and with it its solved markers, is
-// missing. Markers that belong to no body are not delivered.
+// Frames of the row formats. Time is the printed stamp, since no rate is stated and the stamps of version 1.0
+// are irregular. Bodies come from the frame rows; their markers, solved and measured, from the extended rows.
+// A body that the file calls untracked, and with it its solved markers, is missing. Markers that belong to no
+// body are not delivered.
 class TrackableRows : public RowSource {
  public:
   // `lines` must outlive the rows.

@@ -48,13 +48,12 @@ struct SampleBlock {
   void reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods);
 };
 
-// Which columns of a block to read: positions are time, heading, truth, occluded,
-// estimate and status; the others are empty then.
+// Which columns of a block to read: positions are time, heading, truth, occluded, estimate and status; the
+// others are empty then.
 enum class SampleColumns { positions, all };
 
-// samples.h5 (version 2). Written slot by slot: blocks may come in any order and from any thread, the
-// bytes are the same. All space is laid out when the file is made; what is never written must be written
-// empty.
+// samples.h5 (version 2). Written slot by slot: blocks may come in any order and from any thread, the bytes
+// are the same. All space is laid out when the file is made; what is never written must be written empty.
 class SamplesFile {
  public:
   static SamplesFile create(const std::filesystem::path& path, const SamplesHeader& header);

@@ -5,8 +5,8 @@
 
 #include "datasets/session/session_types.h"
 
-// The layout of session.h5, format 1, stated once for writer and reader. FORMATS.md describes it for
-// other programs.
+// The layout of session.h5, format 1, stated once for writer and reader. FORMATS.md describes it for other
+// programs.
 namespace trilat::session_layout {
 
 inline constexpr const char* kFormat = "trilat.session";

@@ -22,8 +22,7 @@ struct SensorCounts {
   std::uint64_t notices = 0;
   std::optional<ChunkCompression> depth_compression =
       std::nullopt;  // none where chunks are not as we write them
-  // Rows that stand in some columns of a table but not in all: what a killed writer was in the
-  // middle of.
+  // Rows that stand in some columns of a table but not in all: what a killed writer was in the middle of.
   std::uint64_t torn_rows = 0;
   // Of an unfinished session: frames from the first on whose number of bodies cannot be read.
   std::uint64_t unreadable_body_frames = 0;
@@ -40,10 +39,10 @@ void decode_depth_frame(const StoredDepthFrame& frame, std::span<std::uint16_t> 
 
 enum class FrameStream { bodies, depth };
 
-// Reads session.h5 in blocks, so that memory does not depend on the recording's length. Opens a
-// file that is being written, or whose writer was killed: then up to the last flush. Counts are what all
-// columns of a table hold in common; nothing is read on the word of a stored length. InputError with
-// `file.h5:/path` for whatever is not as this format version has it. Any number of threads may read from one.
+// Reads session.h5 in blocks, so that memory does not depend on the recording's length. Opens a file that is
+// being written, or whose writer was killed: then up to the last flush. Counts are what all columns of a
+// table hold in common; nothing is read on the word of a stored length. InputError with `file.h5:/path` for
+// whatever is not as this format version has it. Any number of threads may read from one.
 class SessionReader {
  public:
   explicit SessionReader(const std::filesystem::path& path);

@@ -107,11 +107,10 @@ SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkC
   recovery.saved.clock_exchanges -= recovery.damaged_exchanges;
   recovery.saved.torn_rows = 0;
   to.add_notice(
-      sensor,
-      {0, fmt::format("recovered from a recording that was not closed; left out as damaged: {} "
-                      "body frames, {} depth frames, {} clock exchanges, {} lists of notices or drops",
-                      recovery.damaged_body_frames, recovery.damaged_depth_frames, recovery.damaged_exchanges,
-                      recovery.damaged_lists)});
+      sensor, {0, fmt::format("recovered from a recording that was not closed; left out as damaged: {} body "
+                              "frames, {} depth frames, {} clock exchanges, {} lists of notices or drops",
+                              recovery.damaged_body_frames, recovery.damaged_depth_frames,
+                              recovery.damaged_exchanges, recovery.damaged_lists)});
   to.flush();
   return recovery;
 }

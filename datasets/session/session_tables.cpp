@@ -82,8 +82,8 @@ std::uint64_t read_until_damaged(const H5Table& table, std::uint64_t first, std:
   return counts.size();
 }
 
-// Follows the body counts through all frames: how many frames have all their bodies, and where
-// bodies start. Without `complete`, counts that cannot be read are the end.
+// Follows the body counts through all frames: how many frames have all their bodies, and where bodies start.
+// Without `complete`, counts that cannot be read are the end.
 void index_bodies(SensorTables& t, std::uint64_t frames, std::uint64_t body_rows, bool complete) {
   const H5Table& body_count = t.frames.body_count.table;
   std::vector<std::uint8_t> block(kBodyCheckpoint);

@@ -19,8 +19,8 @@ inline constexpr std::size_t kDepthPixels = std::size_t{kDepthWidth} * kDepthHei
 inline constexpr int kMaxBodies = 6;           // slots of the Kinect SDK
 inline constexpr int kMaxSessionSensors = 64;  // a session with more is not believed
 
-// One sensor of a session. `name` is the key that calibration files use; `tick_ns` the length of a
-// device tick (100 for the Kinect SDK, 125000 for libfreenect2).
+// One sensor of a session. `name` is the key that calibration files use; `tick_ns` the length of a device
+// tick (100 for the Kinect SDK, 125000 for libfreenect2).
 struct SensorDescription {
   std::string name;
   std::string serial;
@@ -33,8 +33,8 @@ struct SensorDescription {
   bool has_depth = false;
 };
 
-// When a frame was made and when it came: device ticks as the sensor gave them, arrival on the
-// monotonic clock of the machine it arrived at.
+// When a frame was made and when it came: device ticks as the sensor gave them, arrival on the monotonic
+// clock of the machine it arrived at.
 struct FrameStamp {
   std::int64_t sequence = 0;
   std::int64_t device_ticks = 0;
@@ -57,9 +57,9 @@ struct BodyFrame {
   std::vector<Body> bodies;
 };
 
-// The four stamps of a clock exchange: server sends (t1), agent receives (t2) and answers (t3),
-// server receives (t4). t1 and t4 on the host clock of the recording, t2 and t3 on the clock that
-// stamps this sensor's arrivals.
+// The four stamps of a clock exchange: server sends (t1), agent receives (t2) and answers (t3), server
+// receives (t4). t1 and t4 on the host clock of the recording, t2 and t3 on the clock that stamps this
+// sensor's arrivals.
 struct ClockExchange {
   std::int64_t t1_ns = 0;
   std::int64_t t2_ns = 0;

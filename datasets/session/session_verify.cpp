@@ -70,12 +70,11 @@ struct StampCounts {
       place.say(Severity::error, part,
                 fmt::format("sequence numbers do not rise at {} places", sequence_backward), kTimes);
     if (ticks_backward > 0)
-      place.say(
-          Severity::warning, part,
-          fmt::format("device ticks do not rise at {} places: the sensor's clock was restarted, jumped or "
-                      "wrapped; times behind are fitted anew",
-                      ticks_backward),
-          kTimes);
+      place.say(Severity::warning, part,
+                fmt::format("device ticks do not rise at {} places: the sensor's clock was restarted, jumped "
+                            "or wrapped; times behind are fitted anew",
+                            ticks_backward),
+                kTimes);
     if (arrival_backward > 0)
       place.say(Severity::warning, part, fmt::format("arrival times go back at {} places", arrival_backward),
                 kTimes);
@@ -223,19 +222,18 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
   const double bound_ms = 1e-6 * static_cast<double>(clock.offset_bound_ns);
   constexpr double kNear_s = 10.0;
   if (clock.outside_exchanges_s > kNear_s)
-    place.say(Severity::warning, "/clock_exchanges_ns",
-              fmt::format("frames lie up to {:.1f} s from any exchange; there the clock of the sensor's "
-                          "computer is known to {:.1f} ms (one standard deviation), and unlike delays could "
-                          "add {:.1f} ms",
-                          clock.outside_exchanges_s, sigma_ms, bound_ms),
-              kTimes);
-  else if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
     place.say(
         Severity::warning, "/clock_exchanges_ns",
-        fmt::format("the clock of the sensor's computer is known to {:.1f} ms (one standard deviation), and "
-                    "unlike delays could add {:.1f} ms",
-                    sigma_ms, bound_ms),
+        fmt::format("frames lie up to {:.1f} s from any exchange; there the clock of the sensor's computer "
+                    "is known to {:.1f} ms (one standard deviation), and unlike delays could add {:.1f} ms",
+                    clock.outside_exchanges_s, sigma_ms, bound_ms),
         kTimes);
+  else if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
+    place.say(Severity::warning, "/clock_exchanges_ns",
+              fmt::format("the clock of the sensor's computer is known to {:.1f} ms (one standard "
+                          "deviation), and unlike delays could add {:.1f} ms",
+                          sigma_ms, bound_ms),
+              kTimes);
   if (clock.drift_left_out_ppm != 0.0)
     place.say(Severity::warning, "",
               fmt::format("ticks drift by {:.0f} ppm against arrivals, which no clock does; taken as none, "
@@ -267,8 +265,7 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
     findings.push_back(
         {Severity::warning,
          session.path().string(),
-         "was not closed by its recorder; what was flushed is readable, and `trilat recover` makes "
-         "it whole",
+         "was not closed by its recorder; what was flushed is readable, and `trilat recover` makes it whole",
          {}});
   constexpr std::uint64_t kDepthWeight = 20;  // a depth frame costs about as much as this many body frames
   std::uint64_t total = 1, done = 0;

@@ -26,8 +26,8 @@ struct VerifyOptions {
   double gap_periods = 1.5;  // a step between frames longer than this many periods is a gap
 };
 
-// Reads everything in the session once, in blocks, and says what is odd. An unreadable row is a
-// finding, not an exception. `progress` is called with the share done, in [0, 1].
+// Reads everything in the session once, in blocks, and says what is odd. An unreadable row is a finding, not
+// an exception. `progress` is called with the share done, in [0, 1].
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress = {});
 

@@ -11,8 +11,8 @@ namespace trilat {
 
 // Writes session.h5 (format 1), append-only. The file is `path`.partial until finish() renames it;
 // all that was flushed is readable if the process dies (see docs/how-to/record.md: a killed file is opened as
-// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are OutputError and
-// leave what was flushed; after one, nothing more is written.
+// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are OutputError and leave
+// what was flushed; after one, nothing more is written.
 class SessionWriter {
  public:
   SessionWriter(const std::filesystem::path& path, const SessionHeader& header,

@@ -11,8 +11,8 @@
 
 namespace trilat {
 
-// The 25 joints of the Kinect SDK 2.0, with its numbers. SpineShoulder comes after the legs: a
-// parent may have a larger number than its child, so walk the tree in kJointsRootFirst order.
+// The 25 joints of the Kinect SDK 2.0, with its numbers. SpineShoulder comes after the legs: a parent may
+// have a larger number than its child, so walk the tree in kJointsRootFirst order.
 enum class Joint : std::uint8_t {
   spine_base = 0,
   spine_mid = 1,

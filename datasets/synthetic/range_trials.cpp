@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One source, compiled once for each instruction set. Sums and products are written out and never fused,
-// functions are polynomials of our own and nothing is summed across lanes: so every set and every width
-// gives the same bits.
+// functions are polynomials of our own and nothing is summed across lanes: so every set and every width gives
+// the same bits.
 #include "datasets/synthetic/range_trials.h"
 
 #include <numbers>

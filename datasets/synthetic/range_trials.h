@@ -49,8 +49,8 @@ inline constexpr double kPreviousStep_m = 1.0 / 30.0;  // 1 m/s at 30 Hz
 // Columns are written in blocks: rows must have room for `count` rounded up to this.
 inline constexpr std::size_t kTrialBlock = 8;
 
-// Makes the trials first_trial … first_trial + count - 1 by the widest vectors of this processor; every
-// width gives the same bits.
+// Makes the trials first_trial … first_trial + count - 1 by the widest vectors of this processor; every width
+// gives the same bits.
 void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, std::size_t count,
                        const RangeTrialRows& rows);
 

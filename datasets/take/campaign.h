@@ -42,9 +42,9 @@ class StandingAxis {
   std::array<Level, kLevels> levels_;
 };
 
-// Which OptiTrack assets are which joint: the joint is the mean of the assets' positions. An asset
-// is written as "name" or, where a name stands under two types, "type:name" (types: rigid_body,
-// rigid_body_marker, marker, bone, bone_marker).
+// Which OptiTrack assets are which joint: the joint is the mean of the assets' positions. An asset is written
+// as "name" or, where a name stands under two types, "type:name" (types: rigid_body, rigid_body_marker,
+// marker, bone, bone_marker).
 struct JointMapping {
   struct Entry {
     Joint joint;
@@ -53,16 +53,16 @@ struct JointMapping {
   std::vector<Entry> joints;
 };
 
-// mapping.json, format 1: {"joints": {"head": ["head_1", …], …}}. Unknown joints are refused with
-// those known.
+// mapping.json, format 1: {"joints": {"head": ["head_1", …], …}}. Unknown joints are refused with those
+// known.
 JointMapping read_mapping(const std::filesystem::path& path);
 JointMapping parse_mapping(const Json& json, const std::string& place);
 std::string mapping_text(const JointMapping& mapping);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
-// One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is
-// what in it; `mocap` and `mapping` are empty where there is no export. Paths are absolute or relative to the
-// current directory once read.
+// One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is what in it;
+// `mocap` and `mapping` are empty where there is no export. Paths are absolute or relative to the current
+// directory once read.
 struct Take {
   std::string id;
   std::string participant;
@@ -71,8 +71,7 @@ struct Take {
   std::filesystem::path calibration;
   std::filesystem::path mocap;
   std::filesystem::path mapping;
-  // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first
-  // frame, in ns.
+  // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
   // What the simulator knows about the body tracker; empty when there is none.
   std::filesystem::path tracker_truth{};
@@ -82,8 +81,7 @@ struct Take {
   std::string left_out{};
 };
 
-// A folder of takes, described by its campaign.json (format 1), where paths are relative to the
-// folder.
+// A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.
 struct Campaign {
   std::string name;
   bool simulated = false;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kDegenerateRatio = 1e-9;
 
-// Horn 1987: the unit quaternion of the largest eigenvalue of N, made of S = cross. N's eigenvalues
-// are sums of S's singular values, and the gap of the two largest is 2 (s_2 + sign(det) s_3).
+// Horn 1987: the unit quaternion of the largest eigenvalue of N, made of S = cross. N's eigenvalues are sums
+// of S's singular values, and the gap of the two largest is 2 (s_2 + sign(det) s_3).
 Eigen::Matrix4d horn_matrix(const Eigen::Matrix3d& s) {
   const Eigen::Vector3d twist{s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0)};
   Eigen::Matrix4d n;

@@ -14,8 +14,8 @@
 
 namespace trilat {
 
-// How estimates are laid over the truth before errors are taken. first and mean are kept for each
-// joint by itself; rigid is one transform for all joints of a method in a take.
+// How estimates are laid over the truth before errors are taken. first and mean are kept for each joint by
+// itself; rigid is one transform for all joints of a method in a take.
 enum class AlignmentKind : std::uint8_t {
   none,
   first,  // movement relative to the first pair
@@ -23,8 +23,8 @@ enum class AlignmentKind : std::uint8_t {
   rigid,  // rotation and translation of least squares, no scale (Horn 1987)
   // Of the part of a take that joint_offset does not learn from: as none, to compare with.
   held_out,
-  // Each joint less what its mean error in the body's own frame was in the training part: what is left when
-  // a tracker's joint and the markers' are different points of the body.
+  // Each joint less what its mean error in the body's own frame was in the training part: what is left when a
+  // tracker's joint and the markers' are different points of the body.
   joint_offset,
 };
 // Whether the alignment leaves the training part of a take out.
@@ -37,17 +37,17 @@ enum class AlignmentStatus : std::uint8_t {
   aligned = 1,
   no_pairs = 2,    // nothing was added
   not_finite = 3,  // a point that was added, or a sum, is NaN or infinite
-  // rigid: 2 (s_2 + sign(det) s_3) <= 1e-9 (s_1 + s_2 + sign(det) s_3), s the singular values of
-  // the cross-covariance: all points on one line, or one point; the rotation is not determined.
+  // rigid: 2 (s_2 + sign(det) s_3) <= 1e-9 (s_1 + s_2 + sign(det) s_3), s the singular values of the
+  // cross-covariance: all points on one line, or one point; the rotation is not determined.
   degenerate = 4,
 };
 std::string_view name_of(AlignmentKind kind);
 std::optional<AlignmentKind> alignment_from_name(std::string_view name);
 std::string_view name_of(AlignmentStatus status);
 
-// All that any alignment needs to know of a stream of pairs. Deviations are taken from running
-// means (Welford), so that metres far from the origin lose nothing. The result depends on the order
-// of the pairs only by rounding; for equal bytes add and merge in a fixed order.
+// All that any alignment needs to know of a stream of pairs. Deviations are taken from running means
+// (Welford), so that metres far from the origin lose nothing. The result depends on the order of the pairs
+// only by rounding; for equal bytes add and merge in a fixed order.
 class AlignmentSums {
  public:
   void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m);

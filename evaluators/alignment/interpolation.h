@@ -28,9 +28,9 @@ struct LocalMotion {
 std::optional<LocalMotion> local_motion(const PointPath& path, double time_s, double sigma_s,
                                         double longest_gap_s);
 
-// Linear in time between two samples at a.time <= t <= b.time that are no farther apart than
-// `max_gap`; exactly on a sample, that sample, however far the other one is. Nothing outside of the
-// two: a truth is never extrapolated.
+// Linear in time between two samples at a.time <= t <= b.time that are no farther apart than `max_gap`;
+// exactly on a sample, that sample, however far the other one is. Nothing outside of the two: a truth is
+// never extrapolated.
 template <class Clock>
 std::optional<Eigen::Vector3d> interpolate(Instant<Clock> t, Instant<Clock> time_a,
                                            const Eigen::Vector3d& a_m, Instant<Clock> time_b,

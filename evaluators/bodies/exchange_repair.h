@@ -40,8 +40,8 @@ struct ExchangeRepair {
 };
 
 // The most likely course of exchanges over the take, all sensors at once (Viterbi over the 2^sensors states).
-// Weighs that sensors agree on left and right, that left and right do not jump in time, that toes, knees
-// and hands are before the body's parts they belong to and elbows behind, that people walk forwards, and that
+// Weighs that sensors agree on left and right, that left and right do not jump in time, that toes, knees and
+// hands are before the body's parts they belong to and elbows behind, that people walk forwards, and that
 // only sensors that see the back exchange. The world is y up; instants follow each other at equal times. A
 // sensor without a body is never exchanged. InternalError unless every sensor has one pose and the rig is
 // within kMaxSensors.

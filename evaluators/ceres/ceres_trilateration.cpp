@@ -45,8 +45,8 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
   result.gradient_tolerance = options.gradient_tolerance;
   result.parameter_tolerance = options.parameter_tolerance;
   result.max_num_iterations = options.max_iterations;
-  // Damping by a multiple of the identity, as in nonlinear.cpp. The default scales it by the
-  // diagonal of J^T J, which vanishes across the sensors' plane, where it is needed most.
+  // Damping by a multiple of the identity, as in nonlinear.cpp. The default scales it by the diagonal of J^T
+  // J, which vanishes across the sensors' plane, where it is needed most.
   result.jacobi_scaling = false;
   result.min_lm_diagonal = 1.0;
   result.max_lm_diagonal = 1.0;

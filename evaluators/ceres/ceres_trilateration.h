@@ -19,9 +19,8 @@ struct CeresOptions {
   double range_sigma_m = kUsualRangeSigma_m;
 };
 
-// The cost, starts, choice between two solutions and statuses of solve_nonlinear() with lm, but
-// minimised by Ceres (Levenberg-Marquardt, dense QR, analytic derivatives, one thread): an
-// independent second opinion.
+// The cost, starts, choice between two solutions and statuses of solve_nonlinear() with lm, but minimised by
+// Ceres (Levenberg-Marquardt, dense QR, analytic derivatives, one thread): an independent second opinion.
 [[nodiscard]] PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options);
 
 // One descent of it from one start. The start of the options does not count.

@@ -97,8 +97,8 @@ std::vector<TimeWindow> windows_of(std::span<const std::int64_t> time_ns, double
 
 constexpr double kFirstRadius = 1e8;  // the start is good: nearly Gauss-Newton
 
-// Per axis, of a step driven by white acceleration of spectral density q, whose covariance is
-// Q = q [dt^3/3 dt^2/2; dt^2/2 dt]: the error (later - F before), F = [1 dt; 0 1], weighs by Q^-1.
+// Per axis, of a step driven by white acceleration of spectral density q, whose covariance is Q = q [dt^3/3
+// dt^2/2; dt^2/2 dt]: the error (later - F before), F = [1 dt; 0 1], weighs by Q^-1.
 struct Step {
   Eigen::Matrix2d information, later_before, before;  // Q^-1, -Q^-1 F, F^T Q^-1 F
   Step(double dt_s, double density_m2_s3) {
@@ -293,8 +293,8 @@ class Window {
     across_.col(i).segment<3>(at) += factor * Eigen::Array3d(v.y() * v.z(), v.x() * v.z(), v.x() * v.y());
   }
 
-  // What the equations say without bones and across the axes: every coordinate a chain in time of its own,
-  // a tridiagonal system of 2 x 2 blocks. Its inverse is the preconditioner.
+  // What the equations say without bones and across the axes: every coordinate a chain in time of its own, a
+  // tridiagonal system of 2 x 2 blocks. Its inverse is the preconditioner.
   void factorise(double radius) {
     damped_ = curvature_ + curvature_.max(1e-6) / radius;
     inverse_ = zero_course();

@@ -73,8 +73,8 @@ struct BoneWindows {
 // InternalError when lengths do not fit, times do not rise or a joint stands twice.
 [[nodiscard]] BoneWindows plan_bone_windows(const BodyPath& path, const BoneWindowOptions& options);
 
-// Minimises one window's cost (Levenberg-Marquardt, its steps by conjugate gradients) and fills the slots
-// of the instants it answers (`estimates`: instants x joints of the whole path): converged, iteration_limit,
+// Minimises one window's cost (Levenberg-Marquardt, its steps by conjugate gradients) and fills the slots of
+// the instants it answers (`estimates`: instants x joints of the whole path): converged, iteration_limit,
 // diverged, or no_observation where the smoother has no path. Windows do not depend on each other and may be
 // solved at the same time. Covariances stay NaN.
 void solve_bone_window(const BodyPath& path, const BoneWindows& windows, std::size_t window,

@@ -13,8 +13,8 @@
 
 namespace trilat {
 
-// One joint as one sensor sees it at one instant. Lists of observations have one entry for each
-// sensor of the rig, in its order, whether it sees the joint or not.
+// One joint as one sensor sees it at one instant. Lists of observations have one entry for each sensor of the
+// rig, in its order, whether it sees the joint or not.
 struct JointObservation {
   bool seen = false;
   TrackingState state = TrackingState::not_tracked;
@@ -30,8 +30,8 @@ JointObservation observe(const Eigen::Vector3d& point_in_sensor_m, TrackingState
 using SensorMask = std::bitset<kMaxSensors>;
 inline constexpr SensorMask kAllSensors{(1u << kMaxSensors) - 1u};
 
-// The ranges of the allowed sensors that see the joint, with weight 1, and as hint the mean of
-// their points. InternalError when the two lists differ in length or exceed kMaxSensors.
+// The ranges of the allowed sensors that see the joint, with weight 1, and as hint the mean of their points.
+// InternalError when the two lists differ in length or exceed kMaxSensors.
 RangeProblem ranges_of(std::span<const JointObservation> observations,
                        std::span<const RigidTransform> world_from_sensor, SensorMask allowed = kAllSensors);
 

@@ -61,9 +61,9 @@ CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size
 // instant. Lambda has two parts. The rig's mean keeps the stated priors: what turns, shifts or lengthens all
 // sensors together shows in little disagreement, and errors of the tracker would pass for it. How sensors
 // differ from that mean has priors that are estimated again from the third round on (empirical Bayes), those
-// of shift and range offset only downwards, because narrow rigs would drift away; in the
-// covariance the stated ones count beside them as eight parameters. One sensor, or sensors that never see the
-// same joint, tell nothing: `problem`. `observations`: rows times sensors of the rig; `joint`: of each row.
+// of shift and range offset only downwards, because narrow rigs would drift away; in the covariance the
+// stated ones count beside them as eight parameters. One sensor, or sensors that never see the same joint,
+// tell nothing: `problem`. `observations`: rows times sensors of the rig; `joint`: of each row.
 // InternalError when the sizes do not fit or a prior is not positive.
 [[nodiscard]] SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                                              std::span<const RigidTransform> world_from_sensor,

@@ -61,8 +61,8 @@ struct IntervalEstimate {
 // The standard error is that between clusters, by linearisation: u_k is what cluster k pulls the quantity by,
 // se^2 = n / (n - 1) sum u_k^2 (Cochran, Sampling Techniques, 1977, section 6.4). The interval is, on each
 // side, the wider of Student's t times se and of the bootstrap-t of Efron and Tibshirani (1993, section
-// 12.5): value - se times the quantiles of (value* - value) / se* over the resamples. How often each kind
-// by itself covered the truth, of 1000 simulated campaigns with 35 blocks a cluster and errors of clusters,
+// 12.5): value - se times the quantiles of (value* - value) / se* over the resamples. How often each kind by
+// itself covered the truth, of 1000 simulated campaigns with 35 blocks a cluster and errors of clusters,
 // blocks and samples; last two columns: gamma-distributed errors, and clusters that do not differ:
 //
 //   clusters                          16     8     4   | 16     8     4   | 16, clusters equal

@@ -11,8 +11,8 @@
 
 namespace trilat {
 
-// A sum whose rounding error does not grow with the number of terms (Neumaier 1974). Depends on the
-// order of its terms in the last bits: add and merge in a fixed order.
+// A sum whose rounding error does not grow with the number of terms (Neumaier 1974). Depends on the order of
+// its terms in the last bits: add and merge in a fixed order.
 class CompensatedSum {
  public:
   void add(double value);
@@ -24,12 +24,12 @@ class CompensatedSum {
   double lost_ = 0.0;
 };
 
-// One cell of a table, fed one item at a time. An item is asked when there is a truth to compare
-// with, and answered when its status is usable.
+// One cell of a table, fed one item at a time. An item is asked when there is a truth to compare with, and
+// answered when its status is usable.
 class ErrorSums {
  public:
-  // `error_m` is estimate - truth after alignment; read only when the status is usable, and then
-  // finite (InternalError).
+  // `error_m` is estimate - truth after alignment; read only when the status is usable, and then finite
+  // (InternalError).
   void add(SolveStatus status, const Eigen::Vector3d& error_m);
   // As if `later`'s items had been added after what is here.
   void merge(const ErrorSums& later);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One source, compiled once for each instruction set. Additions and products are written out and
-// never fused, each lane goes its own way and nothing is summed across lanes: so every set and every
-// width gives the same bits.
+// One source, compiled once for each instruction set. Additions and products are written out and never fused,
+// each lane goes its own way and nothing is summed across lanes: so every set and every width gives the same
+// bits.
 #include "evaluators/solvers/descent.h"
 
 #include <algorithm>
@@ -123,9 +123,8 @@ struct LaneEquations {
   hn::Vec<D> grain;        // sum of w v |f| d: F's rounding error is some 1e-16 of it
 };
 
-// The factors v that a robust loss puts on the weights: loss = sum of v f^2 majorises it at the
-// point where v was taken, so a step that lowers the sum lowers the loss (iteratively reweighted
-// least squares).
+// The factors v that a robust loss puts on the weights: loss = sum of v f^2 majorises it at the point where v
+// was taken, so a step that lowers the sum lowers the loss (iteratively reweighted least squares).
 template <class D>
 struct LossFactors {
   hn::Vec<D> of_sensor[kMaxSensors];
@@ -192,8 +191,8 @@ struct Problems {
   }
 };
 
-// What one sensor adds. The sums are made in a second loop: one loop for all would need more registers
-// than there are.
+// What one sensor adds. The sums are made in a second loop: one loop for all would need more registers than
+// there are.
 template <class D>
 struct SensorTerms {
   hn::Vec<D> x, y, z;  // from the sensor
@@ -343,8 +342,8 @@ class UndampedDescent {
   Ends<D> ends_;
 };
 
-// Damping as a share of the trace of J^T W J. It falls fast while the linearisation predicts the
-// cost well, stays while it just does, and grows faster and faster while steps are taken back.
+// Damping as a share of the trace of J^T W J. It falls fast while the linearisation predicts the cost well,
+// stays while it just does, and grows faster and faster while steps are taken back.
 template <class D>
 struct LaneDamping {
   hn::Vec<D> share, growth;
@@ -374,9 +373,9 @@ HWY_INLINE hn::Mask<D> PositiveDefinite(D d, const Symmetric<D>& m, const Symmet
   return hn::And(hn::And(m.xx > zero, adjugate.zz > zero), determinant > zero);
 }
 
-// (J^T W J + lambda I) step = -J^T W f, or with the Hessian in its place. A step that raises F, or
-// a matrix that is not positive definite, is taken back and tried again with more damping: F never
-// rises by more than rounding. The last step, below the tolerance, is taken unseen.
+// (J^T W J + lambda I) step = -J^T W f, or with the Hessian in its place. A step that raises F, or a matrix
+// that is not positive definite, is taken back and tried again with more damping: F never rises by more than
+// rounding. The last step, below the tolerance, is taken unseen.
 template <class Kind, class P>
 class DampedDescent {
  public:

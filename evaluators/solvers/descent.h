@@ -12,8 +12,8 @@
 namespace trilat {
 
 enum class Gradient : std::uint8_t {
-  // eq. 17 as printed, erratum E7: the step shrinks by about unit / distance, and unless the
-  // distances are equal it ends where sum(u f / d) = 0, which is not the minimum of F.
+  // eq. 17 as printed, erratum E7: the step shrinks by about unit / distance, and unless the distances are
+  // equal it ends where sum(u f / d) = 0, which is not the minimum of F.
   printed,
   corrected,  // J^T W f
 };
@@ -52,8 +52,8 @@ struct DescentOptions {
   double threshold_m2 = 1e-8;       // of printed and objective; the paper's C is in cm^2
   double step_tolerance_m = 1e-10;  // of step
   int max_iterations = 1000;
-  // The length in which the printed gradient counts distances. The paper's figures are in
-  // centimetres; in metres its step would be 100 times as long.
+  // The length in which the printed gradient counts distances. The paper's figures are in centimetres; in
+  // metres its step would be 100 times as long.
   double printed_unit_m = 0.01;
   double loss_scale_m = 0.05;
 };
@@ -61,8 +61,8 @@ struct DescentOptions {
 // What is wrong with these options together, as a sentence; empty when nothing is.
 std::string contradiction_in(const DescentOptions& options);
 
-// Rows of doubles, one lane a problem, each row starting on a boundary of 64 bytes and filled up to
-// a multiple of kLaneBlock lanes. Zero at first.
+// Rows of doubles, one lane a problem, each row starting on a boundary of 64 bytes and filled up to a
+// multiple of kLaneBlock lanes. Zero at first.
 class LaneRows {
  public:
   LaneRows() = default;

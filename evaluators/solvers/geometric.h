@@ -17,8 +17,8 @@ struct GeometricOptions {
 // without a decision the status is mirror_ambiguous. With h the height above the sensors' plane:
 //   h^2 < -1e-10 r^2   the spheres do not meet: the nearest point of the plane, clamped
 //   h^2 <= 1e-10 r^2   the joint is in the plane and h is rounding: rank_deficient
-// and rank_deficient too when the three are within 1e-6 of their distance of one line. Cost, gdop
-// and covariance are those of the three. Weights are not used for the position.
+// and rank_deficient too when the three are within 1e-6 of their distance of one line. Cost, gdop and
+// covariance are those of the three. Weights are not used for the position.
 [[nodiscard]] PointEstimate solve_geometric(const RangeProblem& problem, const GeometricOptions& options);
 
 }  // namespace trilat

@@ -30,8 +30,8 @@ int reference_entry(const RangeProblem& problem, int reference_sensor) {
   return next < 0 ? lowest : next;
 }
 
-// Row i: 2 (s_i - o).x' = |s_i - o|^2 - r_i^2, minus the same of the reference, with x' = x - o
-// relative to the origin o. Centred on the mean row, the least squares are those of all pairs:
+// Row i: 2 (s_i - o).x' = |s_i - o|^2 - r_i^2, minus the same of the reference, with x' = x - o relative to
+// the origin o. Centred on the mean row, the least squares are those of all pairs:
 // sum over i < j of (a_i - a_j)(a_i - a_j)^T is n times the sum of (a_i - mean)(a_i - mean)^T.
 LinearSystem differences(const RangeProblem& problem, const Eigen::Vector3d& origin_m, int reference) {
   std::array<std::array<double, 4>, kMaxSensors> row;
@@ -77,8 +77,8 @@ double pivot_to(LinearSystem& system, UpperRows& r, std::array<int, 3>& order, i
   return std::sqrt(largest);
 }
 
-// Least squares by modified Gram-Schmidt on [A | b] with column pivoting (Bjorck 1967: backward
-// stable). Nothing when the system is rank deficient.
+// Least squares by modified Gram-Schmidt on [A | b] with column pivoting (Bjorck 1967: backward stable).
+// Nothing when the system is rank deficient.
 std::optional<Eigen::Vector3d> least_squares(LinearSystem system, double rank_ratio) {
   std::array<int, 3> order{0, 1, 2};
   UpperRows r{};

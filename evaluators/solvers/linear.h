@@ -19,12 +19,12 @@ enum class LinearReference : std::uint8_t {
 
 struct LinearOptions {
   LinearReference reference = LinearReference::one_sensor;
-  // For one_sensor: the rig's number of the reference. When it does not see the joint, the next
-  // higher number that does, then the lowest.
+  // For one_sensor: the rig's number of the reference. When it does not see the joint, the next higher number
+  // that does, then the lowest.
   int reference_sensor = 0;
-  // rank_deficient with fewer than four ranges, or when the smallest pivot of the QR factors is <=
-  // rank_ratio times the largest: sensors within about rank_ratio of their spread of a common
-  // plane. Then ranges differ in two directions only, whatever the joint, and the position is NaN.
+  // rank_deficient with fewer than four ranges, or when the smallest pivot of the QR factors is <= rank_ratio
+  // times the largest: sensors within about rank_ratio of their spread of a common plane. Then ranges differ
+  // in two directions only, whatever the joint, and the position is NaN.
   // Rounding errors of a position stay below about 1e-16 / rank_ratio of the distances.
   double rank_ratio = 1e-6;
   // Of a range. The equations tell the distance from the sensors' plane with a standard error of about
@@ -34,10 +34,9 @@ struct LinearOptions {
 };
 
 // Linear least squares on differences of spheres, 2 (s_i - s_j).x = r_j^2 - r_i^2 + |s_i|^2 -
-// |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends
-// on the reference whenever the ranges do not agree. When the sensors are nearly in one
-// plane, choose_mirror() decides between the answer and its mirror image. Ends with closed_form,
-// mirror_ambiguous or rank_deficient.
+// |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends on the
+// reference whenever the ranges do not agree. When the sensors are nearly in one plane, choose_mirror()
+// decides between the answer and its mirror image. Ends with closed_form, mirror_ambiguous or rank_deficient.
 [[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);
 
 // Only the position, of a problem that refusal_of() does not refuse; nothing when rank deficient.

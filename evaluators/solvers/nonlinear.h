@@ -30,10 +30,10 @@ struct NonlinearOptions : DescentOptions {
   double range_sigma_m = kUsualRangeSigma_m;
 };
 
-// Minimises F = sum w (|x - s| - r)^2 (eq. 10), or a robust loss of the same residuals, by Gauss-Newton
-// or the full Hessian. With lm, starts that are implausible are replaced as in safe_start(), the descent
-// also goes down from the mirror image of its start and, when the sensors are nearly in one plane and
-// both ended on one side of it, of the minimum; the best wins as in choose_minimum();
+// Minimises F = sum w (|x - s| - r)^2 (eq. 10), or a robust loss of the same residuals, by Gauss-Newton or
+// the full Hessian. With lm, starts that are implausible are replaced as in safe_start(), the descent also
+// goes down from the mirror image of its start and, when the sensors are nearly in one plane and both ended
+// on one side of it, of the minimum; the best wins as in choose_minimum();
 // without damping there is one descent, as the paper prints it, and its mirror image counts only when the
 // sensors are exactly in one plane. Ends with
 //   converged        the stop rule held

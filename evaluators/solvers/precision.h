@@ -45,8 +45,8 @@ inline Precision precision_of(const Symmetric3& directions, const Symmetric3& in
 
 // The same when sensor i stands where the problem says only up to a normal error of the i-th covariance,
 // independent of the others and of the ranges. Sensor positions are then unknowns with a normal prior; since
-// each enters one range only, through -u, eliminating it leaves that range with the variance
-// sigma^2 + u^T Sigma u. A range may be exact when its sensor is uncertain along u.
+// each enters one range only, through -u, eliminating it leaves that range with the variance sigma^2 + u^T
+// Sigma u. A range may be exact when its sensor is uncertain along u.
 [[nodiscard]] Precision precision_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
                                      std::span<const double> range_variance_m2,
                                      std::span<const Eigen::Matrix3d> sensor_covariance_m2);

@@ -10,9 +10,9 @@
 
 namespace trilat {
 
-// How a problem's sensors stand: their middle, the plane that fits them best, and their scatter along
-// and across it. A point and its mirror image in a plane that holds every sensor have the same ranges,
-// so no method can tell them apart.
+// How a problem's sensors stand: their middle, the plane that fits them best, and their scatter along and
+// across it. A point and its mirror image in a plane that holds every sensor have the same ranges, so no
+// method can tell them apart.
 struct SensorPlane {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
   // Columns: the eigenvectors of sum (s - centroid)(s - centroid)^T, and its eigenvalues, ascending.
@@ -46,9 +46,9 @@ inline bool ranges_decide(double cost_difference_m2, double range_sigma_m) {
   return cost_difference_m2 > kTwiceLogOdds * range_sigma_m * range_sigma_m;
 }
 
-// Two solutions that fit equally well, and which of them is meant. A hint decides when it is less
-// than half as far from one as from the other; otherwise the choice is ambiguous, and `first` tells
-// the nearer one (the first, without a hint).
+// Two solutions that fit equally well, and which of them is meant. A hint decides when it is less than half
+// as far from one as from the other; otherwise the choice is ambiguous, and `first` tells the nearer one (the
+// first, without a hint).
 struct MirrorChoice {
   bool first = true;
   bool decided = false;
@@ -62,8 +62,7 @@ inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::V
   return {to_first_m <= to_second_m, to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
 }
 
-// Where one descent from one start has ended: converged, iteration_limit, rank_deficient or
-// diverged.
+// Where one descent from one start has ended: converged, iteration_limit, rank_deficient or diverged.
 struct Descent {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;
@@ -74,16 +73,16 @@ struct Descent {
 // Minima nearer than this are one.
 inline constexpr double kSameMinimum_m = 1e-6;
 
-// A start for a descent of full rank: finite and no farther from the sensors' middle than twice their
-// mean range and spread, else squared_range_position_m(); and at least a tenth of the mean range off the
-// plane, where the derivative across it vanishes.
+// A start for a descent of full rank: finite and no farther from the sensors' middle than twice their mean
+// range and spread, else squared_range_position_m(); and at least a tenth of the mean range off the plane,
+// where the derivative across it vanishes.
 Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
                            const Eigen::Vector3d& wanted_m);
 
-// Chooses between two descents. When ranges_decide(), or both ended on one side of the sensors' plane,
-// the lower cost wins, else choose_mirror() decides, and without a decision the status is
-// mirror_ambiguous, of the lower one. A range_sigma_m of 0 leaves to the hint only costs that are equal but
-// for rounding. The iterations of both are added.
+// Chooses between two descents. When ranges_decide(), or both ended on one side of the sensors' plane, the
+// lower cost wins, else choose_mirror() decides, and without a decision the status is mirror_ambiguous, of
+// the lower one. A range_sigma_m of 0 leaves to the hint only costs that are equal but for rounding. The
+// iterations of both are added.
 Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
                        const Descent& second, double range_sigma_m);
 

@@ -25,8 +25,8 @@ struct Symmetric3 {
     zz += value;
   }
   double trace() const { return xx + yy + zz; }
-  // The inverse is adjugate / determinant; the sum of the adjugate's diagonal is the sum of the
-  // products of two eigenvalues.
+  // The inverse is adjugate / determinant; the sum of the adjugate's diagonal is the sum of the products of
+  // two eigenvalues.
   Symmetric3 adjugate() const {
     return {yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
             xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy};

@@ -19,8 +19,8 @@ struct FindWandOptions {
 
 // The centre of a ball of known radius: segments the image at depth steps, keeps what has the ball's size and
 // outline, fits a sphere in 3-D by least squares along the rays with weights from the noise model, and
-// refuses what is not round. `near_in_sensor_m`, when given, is where the ball was a moment ago: only
-// the surroundings are searched, and a ball elsewhere is not noticed.
+// refuses what is not round. `near_in_sensor_m`, when given, is where the ball was a moment ago: only the
+// surroundings are searched, and a ball elsewhere is not noticed.
 [[nodiscard]] WandSighting find_wand(const DepthImageView& image, const DepthRays& rays,
                                      const FindWandOptions& options,
                                      const std::optional<Eigen::Vector3d>& near_in_sensor_m = std::nullopt);

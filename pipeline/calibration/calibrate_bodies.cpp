@@ -120,17 +120,15 @@ void check_placement(const RigStart& start, const SessionReader& session) {
                            "has one sensor; poses need two or more that track a person at the same time");
         throw InputError(place, who + "tracks nobody at a time when another sensor does");
       case SensorPlacement::no_common_view:
-        throw InputError(place,
-                         who +
-                             "tracks the person together with no other sensor; let the person walk where "
-                             "two see them");
+        throw InputError(
+            place,
+            who + "tracks the person together with no other sensor; let the person walk where two see them");
       case SensorPlacement::points_on_line:
         throw InputError(place, who + "is undetermined: the person hardly moves while two sensors see them");
       case SensorPlacement::disagrees:
-        throw InputError(place,
-                         who +
-                             "tracks a person whom no pose brings together with the others'; is it the "
-                             "same person, and are the clocks right?");
+        throw InputError(place, who +
+                                    "tracks a person whom no pose brings together with the others'; is it "
+                                    "the same person, and are the clocks right?");
     }
   }
 }
@@ -223,10 +221,11 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
     if (known) steps.col(column++) = rest.solve(equations.gradient - sum.gradient);
   }
   if (!known)
-    throw InputError(place,
-                     fmt::format("shows too few joints to say how sure the poses are: {} that two sensors "
-                                 "track at the same time",
-                                 of_joint.size()));
+    throw InputError(
+        place,
+        fmt::format(
+            "shows too few joints to say how sure the poses are: {} that two sensors track at the same time",
+            of_joint.size()));
   const double n = static_cast<double>(steps.cols());
   const Eigen::MatrixXd about_mean = steps.colwise() - steps.rowwise().mean();
   std::vector<Covariance> result(problem.sensors, Covariance::Zero());

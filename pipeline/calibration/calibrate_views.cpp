@@ -99,15 +99,15 @@ RigGauge gauge_of(const WandViews& views, const CalibrateWandOptions& options) {
 void check_refined(const RigRefinement& refined, const WandViews& views, const std::string& place) {
   if (refined.status == RigStatus::gauge_undetermined)
     throw InputError(place,
-                     "does not fix the world: the first three wand positions lie on a line or were not "
-                     "seen well; begin with an origin, a second place along x and a third one above");
+                     "does not fix the world: the first three wand positions lie on a line or were not seen "
+                     "well; begin with an origin, a second place along x and a third one above");
   if (refined.status == RigStatus::sensor_undetermined)
     for (std::size_t s = 0; s < refined.sensors.size(); ++s)
       if (refined.sensors[s].used < 3)
-        throw InputError(place,
-                         "sensor \"" + views.evidence[s].name +
-                             "\" is undetermined: fewer than three of its wand positions agree with the "
-                             "other sensors'");
+        throw InputError(
+            place,
+            "sensor \"" + views.evidence[s].name +
+                "\" is undetermined: fewer than three of its wand positions agree with the other sensors'");
   bool stated = true;
   for (const RefinedSensor& sensor : refined.sensors) stated = stated && sensor.covariance.allFinite();
   if (refined.status == RigStatus::converged && !stated)
@@ -152,16 +152,16 @@ void check_movement(const WandViews& views, const CalibrateWandOptions& options,
   const std::optional<double> seen_m = seen_movement_m(views);
   if (options.world || !seen_m) return;
   if (*seen_m < kLeast_m)
-    throw InputError(
-        place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x axis and "
-                           "should be a metre apart, {} m at least",
-                           *seen_m, kLeast_m));
+    throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
+                                        "axis and should be a metre apart, {} m at least",
+                                        *seen_m, kLeast_m));
   if (options.movement_m &&
       std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
-    throw InputError("--movement-m",
-                     fmt::format("is {:.3f}, but the sensors saw the ball move by {:.3f} m from its "
-                                 "first place to its second",
-                                 *options.movement_m, *seen_m));
+    throw InputError(
+        "--movement-m",
+        fmt::format(
+            "is {:.3f}, but the sensors saw the ball move by {:.3f} m from its first place to its second",
+            *options.movement_m, *seen_m));
 }
 
 // One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
@@ -172,8 +172,8 @@ void check_agreement(const RigRefinement& refined, const WandViews& views, const
   for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
     if (refined.sensors[s].depth_chi2 > kMostDepth)
       throw InputError(
-          place, fmt::format("sensor \"{}\" agrees with the others only if its depth is off by more "
-                             "than a sensor's is; are the intrinsics its own, and was the rig left alone?",
+          place, fmt::format("sensor \"{}\" agrees with the others only if its depth is off by more than a "
+                             "sensor's is; are the intrinsics its own, and was the rig left alone?",
                              views.evidence[s].name));
     const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
     if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))

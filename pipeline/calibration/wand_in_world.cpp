@@ -81,11 +81,10 @@ std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<cons
       known.push_back(
           {p, means[p].mean_m(), std::sqrt(world.sigma_m * world.sigma_m + means[p].variance_m2())});
   if (known.size() < 3)
-    throw InputError(
-        world.mocap.string(),
-        fmt::format("shows \"{}\" at rest at {} of the {} wand positions; three are needed. Is the "
-                    "start of the export on the host clock right?",
-                    world.asset, known.size(), positions.size()));
+    throw InputError(world.mocap.string(),
+                     fmt::format("shows \"{}\" at rest at {} of the {} wand positions; three are needed. Is "
+                                 "the start of the export on the host clock right?",
+                                 world.asset, known.size(), positions.size()));
   return known;
 }
 

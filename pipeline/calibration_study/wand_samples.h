@@ -16,8 +16,8 @@ struct WandSampleResults {
 };
 
 // The paper's calibration figure: the error of one wand position, the mean of a few frames, against distance
-// and angle; as the paper prints it, with each erratum alone as printed, and ours; the ball alone
-// before a far wall, and in a room with the person who holds it. An item a unit.
+// and angle; as the paper prints it, with each erratum alone as printed, and ours; the ball alone before a
+// far wall, and in a room with the person who holds it. An item a unit.
 std::vector<Item> wand_items(const CalibrationSpec& spec);
 WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcomes);
 

@@ -102,8 +102,8 @@ std::vector<std::string> doubts_about(const Calibration& calibration) {
           fmt::format("{} saw only {} positions; {} and more are good", pose.name, pose.used, kFewPositions));
     if (pose.left_out * 5 > pose.used)
       doubts.push_back(
-          fmt::format("{} disagrees with the others at {} positions; was it moved, or are its "
-                      "intrinsics another sensor's?",
+          fmt::format("{} disagrees with the others at {} positions; was it moved, or are its intrinsics "
+                      "another sensor's?",
                       pose.name, pose.left_out));
   }
   if (calibration.method == "wand" && calibration.reduced_chi2 > 4.0)
@@ -274,10 +274,9 @@ void add_calibrate(CLI::App& app, int& code) {
   verb.add_option("--movement-sigma-m", a.movement_sigma_m, "how sure that is, one standard deviation")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  verb.add_option(
-          "--trajectory-axis", a.trajectory_axis,
-          "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the paper's "
-          "y of eq. 6; without it y as printed, z (a horizontal axis) corrected")
+  verb.add_option("--trajectory-axis", a.trajectory_axis,
+                  "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the "
+                  "paper's y of eq. 6; without it y as printed, z (a horizontal axis) corrected")
       ->check(CLI::IsMember({"x", "y", "z"}));
   verb.add_flag("--no-depth-correction", a.no_depth_correction,
                 "do not estimate each sensor's depth offset and wiggle beside its pose");

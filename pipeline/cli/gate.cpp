@@ -161,8 +161,7 @@ void add_gate(CLI::App& app, int& code) {
   add_json(verb, a.json);
   verb.footer(
       "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: too "
-      "few "
-      "participants to tell a change from chance.");
+      "few participants to tell a change from chance.");
 }
 
 }  // namespace trilat

@@ -124,18 +124,17 @@ Found look_around(const InitArguments& arguments) {
       found.notes.push_back(fmt::format("left out, no recording: {}", error.what()));
     }
   if (sessions.empty())
-    throw InputError(
-        arguments.folder.string(),
-        "holds no recording (session.h5); `trilat record` makes one, and python3 -m trilat.convert "
-        "one of somebody else's");
+    throw InputError(arguments.folder.string(),
+                     "holds no recording (session.h5); `trilat record` makes one, and python3 -m "
+                     "trilat.convert one of somebody else's");
   for (const fs::path& session : sessions) {
     Take& take = takes.at(session).take;
     take.calibration = nearest_file("calibration.json", session.parent_path(), arguments.folder);
     if (take.calibration.empty())
       throw InputError(
           session.string(),
-          fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method "
-                      "bodies -o {}` makes one from a walk, docs/how-to/calibrate.md has better ones",
+          fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method bodies "
+                      "-o {}` makes one from a walk, docs/how-to/calibrate.md has better ones",
                       session.string(), (session.parent_path() / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
     if (!take.mocap.empty()) take.mapping = arguments.folder / "mapping.json";
@@ -315,8 +314,8 @@ int init(const InitArguments& given) {
   if (!found.mapping.joints.empty()) {
     for (const std::string& row : drawn_joints(found.mapped, found.mapping)) fmt::print("{}\n", row);
     fmt::print(
-        "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its "
-        "upper joint, a marker lies on the skin\n",
+        "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its upper "
+        "joint, a marker lies on the skin\n",
         found.mapping.joints.size());
   }
   if (std::ranges::any_of(found.takes, [](const FoundTake& f) { return !f.start.empty(); }))

@@ -289,8 +289,7 @@ void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::fi
                r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows, lost_rows(r));
   fmt::print(
       "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
-      "you "
-      "have looked at what was saved\n",
+      "you have looked at what was saved\n",
       damaged.string());
 }
 

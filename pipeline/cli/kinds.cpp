@@ -143,8 +143,7 @@ const std::vector<Kind>& kinds() {
        recording_schema},
       {StudyKind::sensitivity, "rows of campaigns",
        "a sensitivity study simulates its own campaigns; say in the study, as \"simulation\", what they have "
-       "in "
-       "common",
+       "in common",
        false, open_sensitivity,
        [](const Json& work, const std::string& place) {
          return sensitivity_study(parse_sensitivity(work, place, {}, {}));

@@ -58,8 +58,7 @@ std::string man_page(const CLI::App& program) {
   }
   return text +
          ".SH EXIT STATUS\n0 done; 1 done, but items failed or the gate found a regression; 2 bad input or "
-         "usage; "
-         "70 a bug.\n";
+         "usage; 70 a bug.\n";
 }
 
 // "-o --output": as a shell wants them.
@@ -82,17 +81,14 @@ std::vector<std::string> names_of(const CLI::App& program) {
 std::string bash_completion(const CLI::App& program) {
   std::string text = fmt::format(
       "# Made by `trilat manual bash`.\n_trilat() {{\n  local word=${{COMP_WORDS[COMP_CWORD]}} words=\n  if "
-      "[[ "
-      "$COMP_CWORD -eq 1 ]]; then\n    words=\"{} --help --version\"\n  elif [[ $word == -* ]]; then\n    "
-      "case "
-      "${{COMP_WORDS[1]}} in\n",
+      "[[ $COMP_CWORD -eq 1 ]]; then\n    words=\"{} --help --version\"\n  elif [[ $word == -* ]]; then\n    "
+      "case ${{COMP_WORDS[1]}} in\n",
       fmt::join(names_of(program), " "));
   for (const CLI::App* verb : verbs_of(program))
     text += fmt::format("      {}) words=\"{}\" ;;\n", verb->get_name(), flags_of(*verb));
   return text +
          "    esac\n  fi\n  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n}\ncomplete -o "
-         "default -F "
-         "_trilat trilat\n";
+         "default -F _trilat trilat\n";
 }
 
 std::string quoted(const std::string& text) { return "'" + replaced(text, '\'', "'\\''") + "'"; }

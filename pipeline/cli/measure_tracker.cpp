@@ -123,8 +123,7 @@ void add_measure_tracker(CLI::App& app, int& code) {
   add_json(verb, a.json);
   verb.footer(
       "What the takes do not tell stays as declared and is named. Intervals are over participants; fewer "
-      "than "
-      "three give none.\nExample: trilat measure-tracker ui-prmd kinectmultitrack -o body_tracker.json");
+      "than three give none.\nExample: trilat measure-tracker ui-prmd kinectmultitrack -o body_tracker.json");
 }
 
 }  // namespace trilat

@@ -245,13 +245,11 @@ OutputClaim::OutputClaim(const std::filesystem::path& output) : partial_(partial
   }
   if (errno != EEXIST)
     throw OutputError(partial_.string(), std::string("cannot be created: ") + std::strerror(errno));
-  throw InputError(
-      partial_.string(),
-      has_no_bytes(partial_)
-          ? "exists and is empty: another recorder waits with this name, or was killed while it "
-            "waited; then remove it"
-          : "exists; another recorder writes it, or was killed: then `trilat recover` it, or take "
-            "another name");
+  throw InputError(partial_.string(), has_no_bytes(partial_)
+                                          ? "exists and is empty: another recorder waits with this name, or "
+                                            "was killed while it waited; then remove it"
+                                          : "exists; another recorder writes it, or was killed: then `trilat "
+                                            "recover` it, or take another name");
 }
 
 OutputClaim::~OutputClaim() {
@@ -345,10 +343,10 @@ void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
   const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
   if (free_mb < reserve_mb)
-    throw OutputError(folder.string(),
-                      fmt::format("has only {} MB left, and --reserve-mb is {}; four Kinects write "
-                                  "some 1300 MB a minute",
-                                  free_mb, reserve_mb));
+    throw OutputError(
+        folder.string(),
+        fmt::format("has only {} MB left, and --reserve-mb is {}; four Kinects write some 1300 MB a minute",
+                    free_mb, reserve_mb));
 }
 
 int record_session(const RecordArguments& arguments) {

@@ -40,8 +40,8 @@ void print_cell(const SweepSummary& s, const SweepCell& cell) {
   const std::string digits =
       cell.digits_trials > 0 ? fmt::format("{:4.1f} digits, ", cell.mean_digits) : std::string();
   fmt::print(
-      "  C {:<6g} error {:>4g} to {:>2g} cm: {:8.3f} cm (axes {:.3f}), start {:.3f} cm, {:8.1f} "
-      "iterations, {}{:.2f} % answered\n",
+      "  C {:<6g} error {:>4g} to {:>2g} cm: {:8.3f} cm (axes {:.3f}), start {:.3f} cm, {:8.1f} iterations, "
+      "{}{:.2f} % answered\n",
       s.thresholds[cell.threshold], 100.0 * range.low_m, 100.0 * range.high_m, 100.0 * cell.mae_m,
       100.0 * cell.axis_mean_mae_m(), 100.0 * cell.start_mae_m, cell.mean_iterations, digits,
       100.0 * static_cast<double>(cell.answered) / static_cast<double>(cell.asked));
@@ -78,8 +78,8 @@ int print_sweep_plan(const SweepPlan& plan, const Shard& shard, bool json) {
     return kDone;
   }
   fmt::print(
-      "study {} (simulated): {} interpretations x {} thresholds x {} error ranges = {} cells x {} "
-      "trials = {} trials; {} combinations are skipped\n",
+      "study {} (simulated): {} interpretations x {} thresholds x {} error ranges = {} cells x {} trials = "
+      "{} trials; {} combinations are skipped\n",
       plan.spec.name, plan.readings.size(), plan.spec.thresholds.size(), plan.spec.ranges.size(),
       plan.cells(), plan.spec.trials, trials, plan.skipped);
   for (const SweepRig& rig : plan.spec.rigs) {

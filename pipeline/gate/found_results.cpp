@@ -170,10 +170,9 @@ void check_same_configuration(const ResultsPair& pair) {
   std::string differences =
       differences_of(configuration_of(pair.now.manifest), configuration_of(pair.before.manifest));
   if (!differences.empty())
-    throw InputError(place,
-                     fmt::format("is a baseline of another configuration than {}: {}. Compare like with "
-                                 "like, or make tonight the baseline with --accept",
-                                 pair.now.folder.string(), differences));
+    throw InputError(place, fmt::format("is a baseline of another configuration than {}: {}. Compare like "
+                                        "with like, or make tonight the baseline with --accept",
+                                        pair.now.folder.string(), differences));
   if (pair.now.manifest.value("simulated", Json(false)) == true) return;
   differences = differences_of({{"inputs", pair.now.manifest.value("inputs", Json::array())}},
                                {{"inputs", pair.before.manifest.value("inputs", Json::array())}});

@@ -27,8 +27,8 @@ struct ResultsSet {
 };
 
 // A results folder, or all that are directly inside a folder, in the order of their names. InputError, with
-// the place, for results that are not finished (NAME.partial), of another version, empty or
-// damaged, and when there are none.
+// the place, for results that are not finished (NAME.partial), of another version, empty or damaged, and when
+// there are none.
 ResultsSet find_results(const std::filesystem::path& folder);
 
 struct ResultsPair {

@@ -22,8 +22,7 @@ struct HashedFile {
 // last two seconds before it was hashed is not remembered: it could change again without a later time.
 class HashCache {
  public:
-  // Adds what an earlier output remembers (hashes.json); nothing where it has no such file
-  // or a damaged one.
+  // Adds what an earlier output remembers (hashes.json); nothing where it has no such file or a damaged one.
   void load(const std::filesystem::path& folder);
   // From any thread. Interrupted when asked to stop.
   HashedFile hash(const std::filesystem::path& file, const std::function<bool()>& stop_requested);

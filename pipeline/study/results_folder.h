@@ -14,9 +14,9 @@ namespace trilat {
 // The name under which an output is put in place: what a link leads to, without a slash at the end.
 std::filesystem::path output_name(const std::filesystem::path& folder);
 
-// A results folder, or a part of one, that is filled beside its name and put in place at the end. What
-// stands under the name is replaced, whatever it is: the verb has asked whether it may be. What is not put
-// in place stays as `output`.partial.
+// A results folder, or a part of one, that is filled beside its name and put in place at the end. What stands
+// under the name is replaced, whatever it is: the verb has asked whether it may be. What is not put in place
+// stays as `output`.partial.
 class ResultsFolder {
  public:
   // Of a folder that was left unfinished the items stay, if asked, all else is removed. InputError when

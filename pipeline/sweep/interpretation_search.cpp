@@ -32,8 +32,8 @@ double miss(const LogRatio& ratio, double log_scale) {
   return ratio.censored ? std::max(value, 0.0) : value;
 }
 
-// The scale that makes the sum of squares least: a convex function whose slope is linear between the
-// points where a censored cell comes in.
+// The scale that makes the sum of squares least: a convex function whose slope is linear between the points
+// where a censored cell comes in.
 double best_log_scale(const LogRatios& ratios) {
   double log_scale = 0.0;
   for (std::size_t round = 0; round <= ratios.size(); ++round) {

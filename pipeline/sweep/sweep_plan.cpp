@@ -136,12 +136,12 @@ std::string emptying_choice(const SweepSpec& spec) {
 
 void check_size(const SweepPlan& plan, const std::string& place) {
   if (plan.readings.empty())
-    throw InputError(place + " " + emptying_choice(plan.spec),
-                     fmt::format("leaves nothing to compute: each of the {} combinations of its choices "
-                                 "contradicts itself (printed gradient with damping lm, newton without lm, a "
-                                 "linear start for sensors in one plane or fewer than four); name another "
-                                 "choice, or a rig that has it",
-                                 plan.skipped));
+    throw InputError(
+        place + " " + emptying_choice(plan.spec),
+        fmt::format("leaves nothing to compute: each of the {} combinations of its choices contradicts "
+                    "itself (printed gradient with damping lm, newton without lm, a linear start for sensors "
+                    "in one plane or fewer than four); name another choice, or a rig that has it",
+                    plan.skipped));
   if (plan.cells() > kMostCells)
     throw InputError(place + " /rigs",
                      fmt::format("and the other lists ask for {} cells in all; at most {} can be kept",

@@ -26,8 +26,8 @@ class ResendRing {
   // Without `may_drop` the limit is one that whoever pushes has to mind, by full().
   ResendRing(std::size_t sensors, std::size_t limit_bytes, bool may_drop);
 
-  // Drops from the front what there is no room for; what was added last always stays. A depth frame that
-  // came in pieces is left out and counted as lost at the source.
+  // Drops from the front what there is no room for; what was added last always stays. A depth frame that came
+  // in pieces is left out and counted as lost at the source.
   void push(SourceEvent event);
   // Nothing more will be pushed: the last message says so, and why the source broke where it did.
   void push_bye(std::string problem = {}) {

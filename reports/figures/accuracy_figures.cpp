@@ -63,11 +63,9 @@ Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary) {
                              summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
       "How many times the error of a range a trilaterated position is off: the root of the sum of the "
-      "variances "
-      "along the three axes, for ranges of variance 1. Geometry alone, of the sensors (with their heights) "
-      "that have the point in "
-      "view (70.6 x 60 degrees, 0.5 to 4.5 m). White: fewer than three have. {} and more are one colour. "
-      "Calibration of take {}{}.",
+      "variances along the three axes, for ranges of variance 1. Geometry alone, of the sensors (with their "
+      "heights) that have the point in view (70.6 x 60 degrees, 0.5 to 4.5 m). White: fewer than three have. "
+      "{} and more are one colour. Calibration of take {}{}.",
       kWorst, map.take, summary.simulated ? "; simulated" : "");
   figure.x_label = "x (m)";
   figure.y_label = "z (m)";
@@ -118,8 +116,7 @@ Figure histogram(const RecordingSummary& s, const std::string& network) {
   figure.title = fmt::format("Table IV: clock errors, {} (simulated)", network);
   figure.caption = fmt::format(
       "Simulated: {} frames x {} sensors x {} runs, seed {}; the paper's: its own samples. Shares below {:g} "
-      "% "
-      "cannot be seen.",
+      "% cannot be seen.",
       s.frames, s.sensors, s.runs, s.seed, kLeastPercent);
   figure.x_label = "error of the clock (ms)";
   figure.y_label = "share of the frames (%)";

@@ -24,8 +24,7 @@ Figure stacked(const BudgetSummary& s, const Rows& rows) {
   figure.title = fmt::format("Error budget of {}, {} (simulated)", first.method, first.condition);
   figure.caption = fmt::format(
       "Simulated: mean square errors of independent sources add. Each part is what its source alone adds; "
-      "the dot is "
-      "what is observed with all together. Alignment: {}; {} participants, seed {}.",
+      "the dot is what is observed with all together. Alignment: {}; {} participants, seed {}.",
       first.alignment, s.participants, s.seed);
   figure.x_label = "joint";
   figure.y_label = "mean square error (cm²)";
@@ -51,8 +50,7 @@ Figure stacked(const BudgetSummary& s, const Rows& rows) {
   }
   if (!below_zero.empty())
     figure.caption +=
-        " What a source takes away cannot be stacked and is left out, though the table's sum "
-        "counts it: " +
+        " What a source takes away cannot be stacked and is left out, though the table's sum counts it: " +
         below_zero + ".";
   FigureSeries observed{kObserved, FigureSeries::Style::dots, {}, {}, "truth"};
   for (std::size_t g = 0; g < rows.size(); ++g)

@@ -154,12 +154,11 @@ Figure wand_map_figure(const CalibrationSummary& s, const WandRow& row) {
   figure.id = usable_id("map-" + row.method);
   figure.title = fmt::format("Error of a wand position's distance, {} {}: {} (simulated)",
                              row.scene == "room" ? "in the" : "before a", row.scene, row.method);
-  figure.caption =
-      wand_caption(s, paper, "against distance and angle") +
-      fmt::format(
-          " Colours are medians of bins of {:g} m and {:g} degrees; {:g} cm and more are one colour. "
-          "White: no sample; marked: no sample of the bin got an answer.",
-          kDistanceBin_m, kAngleBin_deg, kWorst_cm);
+  figure.caption = wand_caption(s, paper, "against distance and angle") +
+                   fmt::format(
+                       " Colours are medians of bins of {:g} m and {:g} degrees; {:g} cm and more are one "
+                       "colour. White: no sample; marked: no sample of the bin got an answer.",
+                       kDistanceBin_m, kAngleBin_deg, kWorst_cm);
   figure.x_label = "distance from the sensor (m)";
   figure.y_label = "angle from the central line (degrees)";
   fill_map(figure, s.wand_samples, static_cast<std::size_t>(&row - s.wand.data()));

@@ -86,8 +86,7 @@ std::string drawing_of(const Figure& figure, const Pictures& pictures) {
   const std::string script = gnuplot_script(figure);
   return fmt::format(
              "reset session\nset terminal svg noenhanced size {:.0f},{:.0f} fixed font 'Helvetica,10.7' "
-             "background "
-             "'#ffffff'\nset output '/dev/null'\nplot 0\n",
+             "background '#ffffff'\nset output '/dev/null'\nplot 0\n",
              kPixelsPerMm * size.width_mm, kPixelsPerMm * size.height_mm) +
          output(pictures.svg) + script +
          fmt::format(

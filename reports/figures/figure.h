@@ -73,9 +73,9 @@ struct Figure {
 // Under which name a series stands in the legend.
 const std::string& group_of(const FigureSeries& series);
 
-// The series, x and y under the labels of their axes and, where any point has them, low and high; of a
-// map its value too. Full precision (RFC 4180); what is not a number is an empty field, and x is
-// the name that stands there where there are names.
+// The series, x and y under the labels of their axes and, where any point has them, low and high; of a map
+// its value too. Full precision (RFC 4180); what is not a number is an empty field, and x is the name that
+// stands there where there are names.
 std::string csv_of(const Figure& figure);
 
 }  // namespace trilat

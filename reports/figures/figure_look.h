@@ -18,8 +18,8 @@ struct FigureLook {
 };
 
 // The look of a method is the same in every figure: its family has a colour (all of "nonlinear", "nonlinear
-// as printed" and "nonlinear, 4 sensors" have one), its variant a dash. What the others are
-// held against is black: the truth, or the paper's.
+// as printed" and "nonlinear, 4 sensors" have one), its variant a dash. What the others are held against is
+// black: the truth, or the paper's.
 FigureLook look_of_method(const std::string& method);
 
 // Of every series of a figure, those of one group alike. What is no method gets the colours that the figure's

@@ -212,8 +212,7 @@ class Script {
         "set encoding utf8\nset xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 lc rgb "
         "'#333333' lw 0.6\n"
         "set tics nomirror noenhanced scale 0.5\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.4 dt 1\nset "
-        "boxwidth "
-        "0.8\nset key outside above left Left reverse noenhanced samplen 2 width 1\n",
+        "boxwidth 0.8\nset key outside above left Left reverse noenhanced samplen 2 width 1\n",
         gnuplot_text(figure_.x_label), gnuplot_text(figure_.y_label));
     if (direct_) text += "unset key\n";
     if (figure_.log_x)
@@ -318,8 +317,7 @@ class Script {
     const bool lowest = row + 1 == rows || panel + columns >= panels_of(figure_);
     text_ += fmt::format(
         "set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\nset tmargin at screen {:.4f}\nset "
-        "bmargin at "
-        "screen {:.4f}\nset title {} noenhanced offset 0,-0.8\n",
+        "bmargin at screen {:.4f}\nset title {} noenhanced offset 0,-0.8\n",
         x_mm / size_.width_mm, (x_mm + width_mm) / size_.width_mm, 1.0 - top_mm / size_.height_mm,
         1.0 - (top_mm + height_mm) / size_.height_mm, gnuplot_text(figure_.panels[panel]));
     if (figure_.y_names.empty())
@@ -504,10 +502,9 @@ class Script {
     }
     end_block();
     if (intervals && entry.series.front()->style == Style::band)
-      plots_.push_back(
-          fmt::format("{} using 1:3:4 with filledcurves lc rgb '{}' fillstyle transparent solid 0.2 "
-                      "noborder notitle",
-                      name, entry.look.colour));
+      plots_.push_back(fmt::format(
+          "{} using 1:3:4 with filledcurves lc rgb '{}' fillstyle transparent solid 0.2 noborder notitle",
+          name, entry.look.colour));
     else if (intervals)
       plots_.push_back(
           fmt::format("{} using {} with vectors heads size screen 0.004,90 lw 0.8 lc rgb '{}' notitle", name,

@@ -42,8 +42,7 @@ std::optional<Figure> history_figure(const History& history) {
   figure.title = "Mean error by night";
   figure.caption = fmt::format(
       "Of {} nights, the averages over the joint groups that moved most; shaded: nights whose change was "
-      "accepted as the "
-      "new baseline. No intervals: the gate judges night by night.",
+      "accepted as the new baseline. No intervals: the gate judges night by night.",
       nights.size());
   figure.y_label = "mean error (cm)";
   for (const HistoryEntry& night : nights) figure.x_names.push_back(night.time.substr(0, 10));

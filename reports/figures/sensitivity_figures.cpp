@@ -56,8 +56,7 @@ Figure factors_figure(const SensitivityClaim& claim) {
   figure.title = fmt::format("{}, by factor (simulated)", claim.name);
   figure.caption =
       "Simulated: mean difference over the whole space but for one factor, with 95 % intervals. Below the "
-      "line the "
-      "claim holds on average.";
+      "line the claim holds on average.";
   figure.x_label = "position in the factor's range (0: its low end, 1: its high end)";
   figure.y_label = "difference (%)";
   figure.lines.push_back({0.0, "equal"});

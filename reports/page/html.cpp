@@ -97,8 +97,7 @@ std::string bar_html(const Table& table, const std::string& commands) {
   else if (table.rows.size() >= kFewRows)
     html += fmt::format(
         "<input class=\"script\" type=\"search\" placeholder=\"Filter rows\" aria-label=\"Filter rows of "
-        "this "
-        "table\"><span class=\"shown\" role=\"status\">{} rows</span>",
+        "this table\"><span class=\"shown\" role=\"status\">{} rows</span>",
         table.rows.size());
   html += fmt::format(
       "<a href=\"tables/{0}.csv\">CSV</a><a href=\"tables/{0}.tex\">LaTeX</a><button type=\"button\" "
@@ -127,8 +126,7 @@ std::string html_of(const Table& table, const std::string& commands) {
   const std::string id = html_text(table.id);
   std::string html = fmt::format(
       "<div class=\"table{}{}\" id=\"table-{}\">\n<p class=\"title\">{}</p>\n{}<div class=\"scroll\" "
-      "tabindex=\"0\" "
-      "role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n",
+      "tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n",
       table.id == "paper/claims" ? " claims" : "", table.columns.size() > kMany ? " many" : "", id,
       html_title(table.title), bar_html(table, commands), html_text(table.title), html_text(table.title));
   html += head_html(table) + body_html(table) + "</table></div>\n";

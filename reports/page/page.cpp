@@ -54,22 +54,21 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
   }
   if (three_js.empty()) {
     section.html =
-        "<p>There is no replay: three.js was not found. Install the Debian package "
-        "<code>libjs-three</code> and write the report again.</p>\n";
+        "<p>There is no replay: three.js was not found. Install the Debian package <code>libjs-three</code> "
+        "and write the report again.</p>\n";
     return section;
   }
   section.html = fmt::format(
       "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker gave "
       "(thin, faint where a joint is inferred), each method’s estimate, the truth (thick), and lines from "
-      "truth "
-      "to estimate coloured by their length. Positions are as estimated, before any alignment, to a "
+      "truth to estimate coloured by their length. Positions are as estimated, before any alignment, to a "
       "millimetre.</p>\n",
       simulated ? ", <strong>simulated</strong>" : "");
   if (!left_out.empty())
     section.html += "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
   section.html +=
-      "<div class=\"replay\" id=\"replay-view\"><p class=\"soft\">The replay needs a browser with "
-      "JavaScript and WebGL.</p></div>\n" +
+      "<div class=\"replay\" id=\"replay-view\"><p class=\"soft\">The replay needs a browser with JavaScript "
+      "and WebGL.</p></div>\n" +
       data + "<script type=\"text/plain\" id=\"three-js\">" + base64_of(deflated(three_js)) +
       "</script>\n<script>\n" + embedded::replay_js + "</script>\n";
   return section;
@@ -182,10 +181,9 @@ std::string page_of(const ReportContent& content, const PageOptions& options) {
 std::string all_tables_of(const ReportContent& content, const PageOptions& options) {
   std::vector<PageSection> sections = other_sections(content);
   sections.push_back({"back", "Back", "<p><a href=\"report.html\">report.html</a></p>\n"});
-  return document(
-      content, options, std::move(sections),
-      "<h1>All other tables and figures</h1>\n<p>What <a href=\"report.html\">report.html</a> does not "
-      "show. A table opens at a click.</p>\n");
+  return document(content, options, std::move(sections),
+                  "<h1>All other tables and figures</h1>\n<p>What <a href=\"report.html\">report.html</a> "
+                  "does not show. A table opens at a click.</p>\n");
 }
 
 }  // namespace trilat

@@ -75,8 +75,8 @@ std::string chapter_html(const ReportContent& content, std::size_t number) {
     if (!is_in_headline(content, number, f)) html += figure_html(chapter.figures[f]);
   if (others > 0)
     html += fmt::format(
-        "<p class=\"more\"><a href=\"all-tables.html#{}\">{} more tables and figures</a> of this "
-        "study are in all-tables.html, beside this page.</p>\n",
+        "<p class=\"more\"><a href=\"all-tables.html#{}\">{} more tables and figures</a> of this study are "
+        "in all-tables.html, beside this page.</p>\n",
         chapter_id(number), others);
   return html;
 }
@@ -100,11 +100,10 @@ std::string inputs_html(const Provenance& p) {
                         file.sha256.empty() ? "could not be read" : html_text(file.sha256));
   return fmt::format(
       "<details class=\"plain\"><summary>SHA-256 of the {} input files</summary>\n<div class=\"scroll\" "
-      "tabindex=\"0\" "
-      "role=\"region\" aria-label=\"Input files\"><table><caption>Input files of {}</caption><thead><tr><th "
-      "scope=\"col\">take</th><th scope=\"col\">role</th><th scope=\"col\">file</th><th "
-      "scope=\"col\">SHA-256</th>"
-      "</tr></thead><tbody>\n{}</tbody></table></div></details>\n",
+      "tabindex=\"0\" role=\"region\" aria-label=\"Input files\"><table><caption>Input files of "
+      "{}</caption><thead><tr><th scope=\"col\">take</th><th scope=\"col\">role</th><th "
+      "scope=\"col\">file</th><th "
+      "scope=\"col\">SHA-256</th></tr></thead><tbody>\n{}</tbody></table></div></details>\n",
       p.inputs.size(), html_text(p.folder), rows);
 }
 
@@ -145,8 +144,7 @@ std::string figure_html(const DrawnFigure& drawn, bool linked) {
       "<figure class=\"picture{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
       "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src=\"{2}\"></div>\n"
       "<figcaption><strong>{1}.</strong> {3} <a href=\"figures/{0}.svg\">SVG</a> <a "
-      "href=\"figures/{0}.pdf\">PDF</a> "
-      "<a href=\"figures/{0}.csv\">CSV</a></figcaption>\n</figure>\n",
+      "href=\"figures/{0}.pdf\">PDF</a> <a href=\"figures/{0}.csv\">CSV</a></figcaption>\n</figure>\n",
       id, title, source, html_text(figure.caption), figure.width == FigureWidth::column ? " column" : "");
 }
 

@@ -235,8 +235,7 @@ std::vector<ArticleNumber> article_numbers(const std::vector<Table>& tables) {
 std::string latex_of(const std::vector<ArticleNumber>& numbers) {
   std::string text =
       "% The numbers of the report's main tables as macros, so that prose never goes stale: \\input{numbers} "
-      "before it "
-      "is used.\n"
+      "before it is used.\n"
       "% \\trilat + table + row + column, digits written out; ...Interval is the 95 % interval of the number "
       "before it.\n"
       "% A macro is followed by {} where a space is to stay.\n";

@@ -163,8 +163,7 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
         fmt::format("Number of sensors, {}, {}{}", s.campaign, condition, s.simulated ? ", simulated" : "");
     figure.caption = fmt::format(
         "{}Mean absolute error over sets of so many sensors, with its interval over participants, average "
-        "over the "
-        "joint groups, alignment {}; over what the methods answer.",
+        "over the joint groups, alignment {}; over what the methods answer.",
         s.simulated ? "Simulated. " : "", s.alignments.front());
     figure.x_label = "sensors";
     figure.y_label = "mean absolute error (cm)";

@@ -36,8 +36,7 @@ std::string interval_note(const ResultsSummary& s) {
   return fmt::format(
       "Beside a number stands its 95 % interval: the wider of Student's t and of a bootstrap-t with "
       "participants as clusters and blocks of {:g} s within them, {} resamples; of fewer than six "
-      "participants "
-      "Student's t. A single participant has none.",
+      "participants Student's t. A single participant has none.",
       s.block_s, s.resamples);
 }
 

@@ -167,8 +167,7 @@ std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
   const std::array<std::array<std::string, 2>, 5> errata{
       {{"corrected, but eq. 1 as printed",
         "E17: eq. 1 as printed lifts pixels without a depth to the nearest depth of all, where the wand is "
-        "looked "
-        "for"},
+        "looked for"},
        {"corrected, but E1 as printed",
         "E1: eq. 3 as printed stops when the smallest depth, made smaller still, reaches the largest, which "
         "never happens"},

@@ -71,10 +71,9 @@ Table calibration_wand_table(const CalibrationSummary& s) {
   const auto number = [](double value, int decimals) { return TableValue::of(value, decimals); };
   Table table = table_of<R>(
       "wand",
-      fmt::format(
-          "Finding the wand, simulated: {} units with {} samples each, the mean of {} frames a sample, "
-          "ball of {:g} cm radius, seed {}",
-          s.units, s.samples, s.frames, s.ball_radius_m * kCentimetresPerMetre, s.seed),
+      fmt::format("Finding the wand, simulated: {} units with {} samples each, the mean of {} frames a "
+                  "sample, ball of {:g} cm radius, seed {}",
+                  s.units, s.samples, s.frames, s.ball_radius_m * kCentimetresPerMetre, s.seed),
       s.wand,
       {{"method", "method", as_text(&R::method)},
        {"scene", "scene", as_text(&R::scene)},
@@ -195,12 +194,10 @@ Table calibration_distortion_table(const CalibrationSummary& s) {
   const auto lens = [](const R& r) { return mean_and_max(r.lens_error_m); };
   Table table = table_of<R>(
       "distortion",
-      s.distortion.empty()
-          ? "A flat wall, simulated: not measured"
-          : fmt::format(
-                "A flat wall at {:g} m, simulated: mean absolute errors in the middle row, {} frames a "
-                "unit, seed {}",
-                s.distortion.front().wall_m, s.distortion.front().frames, s.seed),
+      s.distortion.empty() ? "A flat wall, simulated: not measured"
+                           : fmt::format("A flat wall at {:g} m, simulated: mean absolute errors in the "
+                                         "middle row, {} frames a unit, seed {}",
+                                         s.distortion.front().wall_m, s.distortion.front().frames, s.seed),
       s.distortion,
       {{"unit", "unit", as_text([](const R& r) { return fmt::format("unit {}", r.unit); })},
        {"offset (mm)", "unit_offset_mm", in_mm(&R::unit_offset_m)},

@@ -50,8 +50,8 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
     if (!errors) table.rows.back().push_back(TableValue::of(fit.us_per_iteration, 3));
   }
   table.notes = {fmt::format(
-      "The typical factor between ours and the printed numbers is exp of the root mean square of "
-      "their log ratios over the twelve cells. Over all readings: best {:.2f}, median {:.2f}, worst {:.2f}.",
+      "The typical factor between ours and the printed numbers is exp of the root mean square of their log "
+      "ratios over the twelve cells. Over all readings: best {:.2f}, median {:.2f}, worst {:.2f}.",
       std::exp(ranking.best_rms), std::exp(ranking.median_rms), std::exp(ranking.worst_rms))};
   if (!errors)
     table.notes.push_back(
@@ -61,8 +61,7 @@ Table ranking_table(const SweepSummary& s, const SweepRanking& ranking, bool err
     table.notes.push_back(
         fmt::format("The mean error of a cell is known to within {:.1f} % (95 %, the worst cell of the first "
                     "reading): neighbours in this list are ties. A search fits what it can: it shows which "
-                    "reading explains the "
-                    "table, not that the paper used it.",
+                    "reading explains the table, not that the paper used it.",
                     100.0 * worst_half_interval(s, ranking.best.front().interpretation)));
   return table;
 }
@@ -81,11 +80,10 @@ Table compromise_table(const SweepSummary& s) {
   };
   Table table = table_of<Row>(
       "search-compromise",
-      fmt::format(
-          "What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), with "
-          "either gradient, simulated ({} trials a cell)",
-          *std::min_element(s.thresholds.begin(), s.thresholds.end()),
-          *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials),
+      fmt::format("What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), "
+                  "with either gradient, simulated ({} trials a cell)",
+                  *std::min_element(s.thresholds.begin(), s.thresholds.end()),
+                  *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials),
       rows,
       {{"best for", "best_for", as_text([](const Row& r) { return r.c->best_for; })},
        {"printed reading", "reading",
@@ -149,8 +147,7 @@ std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c)
   return fmt::format(
       "In the reading that fits the printed {} best, the smallest threshold takes {} times the steps of the "
       "largest with the printed gradient and {} times with the corrected one (damping {}), for {} and {} "
-      "times the "
-      "error: {}.",
+      "times the error: {}.",
       c.best_for, span_text(c.printed_iterations_factor), span_text(c.corrected_iterations_factor),
       s.interpretations[c.corrected].damping, span_text(c.printed_error_factor),
       span_text(c.corrected_error_factor), verdict_on(c));

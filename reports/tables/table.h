@@ -16,8 +16,8 @@
 
 namespace trilat {
 
-// One cell: a number with the decimals it is printed with (negative: as many as it needs, up to six
-// digits), or a text. CSV gets the number unrounded.
+// One cell: a number with the decimals it is printed with (negative: as many as it needs, up to six digits),
+// or a text. CSV gets the number unrounded.
 struct TableValue {
   // How it stands in its row or column, where a table says so.
   enum class Mark { none, best, like_best };

@@ -97,11 +97,10 @@ Table empty_table1(const SweepSummary& s, const Table1Readings& readings) {
                    {"corrected", "corrected_iterations", false},
                    {"answered, E7 (%)", "printed_answered_percent", false},
                    {"corrected (%)", "corrected_answered_percent", false}};
-  add_notes(
-      table, "table1",
-      {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is the "
-                                      "metric of the best-fitting reading"
-                                    : "mean distance to the true joint"}});
+  add_notes(table, "table1",
+            {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is "
+                                            "the metric of the best-fitting reading"
+                                          : "mean distance to the true joint"}});
   return table;
 }
 

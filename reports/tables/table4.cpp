@@ -113,10 +113,9 @@ Table table4_queue(const RecordingSummary& s, const std::optional<StageTimings>&
   const auto taken = [](const R& r) { return share_of(r.counts.taken, r.counts.came); };
   Table table = table_of<R>(
       "queue",
-      fmt::format(
-          "Table IV, frames in real time, simulated: {} frames x {} sensors x {} runs of each network, "
-          "seed {}, limit of the queue {:.1f} ms",
-          s.frames, s.sensors, s.runs, s.seed, s.late_s * kMsPerS),
+      fmt::format("Table IV, frames in real time, simulated: {} frames x {} sensors x {} runs of each "
+                  "network, seed {}, limit of the queue {:.1f} ms",
+                  s.frames, s.sensors, s.runs, s.seed, s.late_s * kMsPerS),
       s.queues,
       {{"network", "network", as_text(&R::network)},
        {"method", "method", as_text(&R::method)},

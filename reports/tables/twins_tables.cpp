@@ -42,8 +42,7 @@ Table table_of(const TwinsSummary& s, const std::string& set) {
   table.id = usable_id(set);
   table.title = fmt::format(
       "Two sensors on one person, recorded / simulated twins: the median, then the 90 % point, of the "
-      "distance in cm "
-      "between their joints ({} participants; {} simulated, seed {})",
+      "distance in cm between their joints ({} participants; {} simulated, seed {})",
       set, s.participants, s.seed);
   table.columns = {{"sensors", "pair", true}, {"activity", "activity", true}};
   const std::vector<std::string> groups = once(s, &TwinsRow::group);
@@ -82,8 +81,7 @@ std::vector<std::string> twins_sentences(const TwinsSummary& s) {
   for (const std::string& set : once(s, &TwinsRow::set))
     sentences.push_back(
         fmt::format("Simulated twins beside two real sensors, {} participants: medians agree within {:.0f} % "
-                    "{}, 90 % points within "
-                    "{:.0f} % {}.",
+                    "{}, 90 % points within {:.0f} % {}.",
                     set, 100.0 * kMedianWithin,
                     agreement(s, set, &TwinsRow::recorded_q50_m, &TwinsRow::simulated_q50_m, kMedianWithin),
                     100.0 * kTailWithin,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes an OptiTrack export of about 100 MB, reads it with the streaming reader and with the
-// line-by-line reader one would write first, and prints both speeds. The two sums must agree.
+// Writes an OptiTrack export of about 100 MB, reads it with the streaming reader and with the line-by-line
+// reader one would write first, and prints both speeds. The two sums must agree.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

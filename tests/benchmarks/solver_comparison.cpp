@@ -347,8 +347,8 @@ void compare(double wanted_m) {
   for (int repetition = 0; repetition < kRepetitions; ++repetition)
     for (Entry& entry : entries) entry.time(1);
   fmt::print(
-      "\nTo {:.0e} m:\n\n| solver | stop rule | ns/solve | worst error (m) | not reached | x ceres::Solve "
-      "| x TinySolver |\n|---|---|---:|---:|---:|---:|---:|\n",
+      "\nTo {:.0e} m:\n\n| solver | stop rule | ns/solve | worst error (m) | not reached | x ceres::Solve | "
+      "x TinySolver |\n|---|---|---:|---:|---:|---:|---:|\n",
       wanted_m);
   for (const Entry& e : entries)
     fmt::print("| {} | {} {:.0e} | {:.1f} | {:.1e} | {} | {:.1f} | {:.2f} |\n", e.contestant.name,

@@ -24,8 +24,7 @@ TEST(RigidTransform, ComposesAndInverts) {
   EXPECT_LT((b_from_a.inverse() * (b_from_a * p) - p).norm(), kTight);
 }
 
-// A sensor in front of the world's origin, on the +z side, looking back at it: its left is the
-// world's -x.
+// A sensor in front of the world's origin, on the +z side, looking back at it: its left is the world's -x.
 TEST(Frames, AVerticalViewIsRefused) {
   EXPECT_THROW(world_from_sensor_looking_at({0, 2, 0}, {0, 0, 0}), InternalError);
 }
@@ -73,8 +72,7 @@ TEST(DepthCamera, APointBehindTheLensHasNoPixel) {
   EXPECT_FALSE(project(DepthIntrinsics{}, {9, 0, 1}));
 }
 
-// Erratum E2: at 2 m the printed model differs from a pinhole of the same 70 degree field by up
-// to 7.6 cm.
+// Erratum E2: at 2 m the printed model differs from a pinhole of the same 70 degree field by up to 7.6 cm.
 TEST(DepthCamera, PrintedAnglesAreUpToSevenCentimetresOffAPinhole) {
   EXPECT_NEAR(printed_linear_angle_point({256, 212}, 2.0).norm(), 2.0, kTight);
   const double edge = std::tan(35.0 * std::numbers::pi / 180.0);

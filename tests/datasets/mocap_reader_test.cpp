@@ -23,9 +23,9 @@ using testing::Not;
 std::string keys(const std::string& version, const std::string& unit = "Meters",
                  const std::string& rotation = "Quaternion") {
   return "Format Version," + version +
-         ",Take Name,walk,Take Notes,,Capture Frame Rate,100.000000,Export Frame Rate,100.000000,"
-         "Capture Start Time,2024-05-01 10.00.00.000 DU.,Total Frames in Take,9,"
-         "Total Exported Frames,9,Rotation Type," +
+         ",Take Name,walk,Take Notes,,Capture Frame Rate,100.000000,Export Frame Rate,100.000000,Capture "
+         "Start Time,2024-05-01 10.00.00.000 DU.,Total Frames in Take,9,Total Exported Frames,9,Rotation "
+         "Type," +
          rotation + ",Length Units," + unit + ",Coordinate Space,Global\n";
 }
 
@@ -112,22 +112,21 @@ TEST(MocapReader, KeepsWhatTheHeaderSays) {
 TEST(MocapReader, ReadsVersionsWhoseRowsHaveNoLabels) {
   for (const char* version : {"1.2", "1.21"}) {
     const std::string rows =
-        "\n,,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
-        "Body,Rigid Body,Rigid Body,Marker,Marker,Marker\n," +
+        "\n,,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
+        "Body,Marker,Marker,Marker\n," +
         repeat(",Wand", 11) + "\n," + repeat(",\"1F\"", 11) +
-        "\n,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,"
-        "Error Per Marker,Position,Position,Position\n"
+        "\n,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Error Per "
+        "Marker,Position,Position,Position\n"
         "Frame,Time,X,Y,Z,W,X,Y,Z,,X,Y,Z\n";
     expect_wand(read(keys(version) + rows + kRows));
   }
 }
 
 TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
-  const MocapTake take =
-      read(keys("1.24") +
-           "\n,Type,,Marker,Marker,Marker\n,Name,,a,a,a\n,ID,,\"1\",\"1\",\"1\"\n,,,Position,"
-           "Position,Position\nFrame,Time (Seconds),TimeCode,X,Y,Z\n"
-           "7,0.07,15:26:46:12.02,1,2,3\n");
+  const MocapTake take = read(keys("1.24") +
+                              "\n,Type,,Marker,Marker,Marker\n,Name,,a,a,a\n,ID,,\"1\",\"1\",\"1\"\n,,,"
+                              "Position,Position,Position\nFrame,Time (Seconds),TimeCode,X,Y,Z\n"
+                              "7,0.07,15:26:46:12.02,1,2,3\n");
   EXPECT_EQ(take.frames.at(0).poses.at(0).position_m, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(take.frames[0].printed_time_s, 0.07);
 }
@@ -135,8 +134,8 @@ TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
 TEST(MocapReader, KeepsTheParentsOfBones) {
   const MocapTake take =
       read(keys("1.25") +
-           "\n,Type,Bone,Bone,Bone\n,Name,P:Head,P:Head,P:Head\n,ID,1,1,1\n,Parent,P:Neck,P:Neck,"
-           "P:Neck\n,,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
+           "\n,Type,Bone,Bone,Bone\n,Name,P:Head,P:Head,P:Head\n,ID,1,1,1\n,Parent,P:Neck,P:Neck,P:Neck\n,,"
+           "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
   EXPECT_EQ(take.header.assets.at(0).type, AssetType::bone);
   EXPECT_EQ(take.header.assets[0].parent, "P:Neck");
 }
@@ -379,9 +378,9 @@ TEST(MocapReader, SaysWhichHeaderValueIsWrong) {
 }
 
 TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
-  const Refusal refusal = csv_refusal(keys("1.23") +
-                                      "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,"
-                                      "Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
+  const Refusal refusal = csv_refusal(
+      keys("1.23") +
+      "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
   EXPECT_EQ(refusal.place, "F:7");
   EXPECT_THAT(refusal.problem, HasSubstr("marker \"a\""));
 }

@@ -164,9 +164,9 @@ TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
 
 std::string take_of(const std::vector<int>& x_mm) {
   std::string text =
-      "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type,Marker,Marker,"
-      "Marker,Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,"
-      "Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
+      "Format Version,1.23,Export Frame Rate,100,Length "
+      "Units,Millimeters\n\n,Type,Marker,Marker,Marker,Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,"
+      "2,2\n,,Position,Position,Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
   for (std::size_t i = 0; i < x_mm.size(); ++i)
     text += std::to_string(i) + "," + std::to_string(0.01 * static_cast<double>(i)) + "," +
             std::to_string(x_mm[i]) + ",5,0," + std::to_string(i) + ",5,0\n";

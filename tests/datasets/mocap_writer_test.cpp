@@ -53,25 +53,22 @@ TEST(MocapWriter, WritesTheLayoutOfMotive) {
   writer.write(written_frame(12));
   writer.write(written_frame(13));
   writer.finish();
-  EXPECT_EQ(read_file(file.path()),
-            "Format Version,1.25,Take Name,\"walk, \"\"slow\"\"\",Take Notes,\"first second\","
-            "Capture Frame Rate,240.000000,Export Frame Rate,120.000000,Capture Start Time,"
-            "2024-05-01 10.00.00.000 AM,Capture Start Frame,77,Total Exported Frames,2,"
-            "Rotation Type,Quaternion,Length Units,Millimeters,Coordinate Space,Global\n"
-            "\n"
-            ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,"
-            "Marker,Marker,Marker\n"
-            ",Name,Wand,Wand,Wand,Wand,Wand,Wand,Wand,\"Wand:Marker, 1\",\"Wand:Marker, 1\","
-            "\"Wand:Marker, 1\"\n"
-            ",ID,\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"9F:D8\",\"9F:D8\",\"9F:D8\"\n"
-            ",Parent,Root,Root,Root,Root,Root,Root,Root,,,\n"
-            ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Position,Position,"
-            "Position\n"
-            "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,X,Y,Z\n"
-            "12,0.100000,-0.500000,0.500000,-0.500000,0.500000,1234.567800,-500.000000,0.000400,"
-            ",,\n"
-            "13,0.108333,-0.500000,0.500000,-0.500000,0.500000,1234.567800,-500.000000,0.000400,"
-            ",,\n");
+  EXPECT_EQ(
+      read_file(file.path()),
+      "Format Version,1.25,Take Name,\"walk, \"\"slow\"\"\",Take Notes,\"first second\",Capture Frame "
+      "Rate,240.000000,Export Frame Rate,120.000000,Capture Start Time,2024-05-01 10.00.00.000 AM,Capture "
+      "Start Frame,77,Total Exported Frames,2,Rotation Type,Quaternion,Length Units,Millimeters,Coordinate "
+      "Space,Global\n"
+      "\n"
+      ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
+      "Body,Marker,Marker,Marker\n"
+      ",Name,Wand,Wand,Wand,Wand,Wand,Wand,Wand,\"Wand:Marker, 1\",\"Wand:Marker, 1\",\"Wand:Marker, 1\"\n"
+      ",ID,\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"1F\",\"9F:D8\",\"9F:D8\",\"9F:D8\"\n"
+      ",Parent,Root,Root,Root,Root,Root,Root,Root,,,\n"
+      ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Position,Position,Position\n"
+      "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,X,Y,Z\n"
+      "12,0.100000,-0.500000,0.500000,-0.500000,0.500000,1234.567800,-500.000000,0.000400,,,\n"
+      "13,0.108333,-0.500000,0.500000,-0.500000,0.500000,1234.567800,-500.000000,0.000400,,,\n");
 }
 
 TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {

@@ -49,8 +49,7 @@ TEST(Alignment, RigidFindsTheMotionExactly) {
   EXPECT_LT((found.truth_from_estimate * p - kMove * p).norm(), 1e-10);
 }
 
-// Three points are in a plane: the reflection through it fits as well as the rotation, and must not
-// be taken.
+// Three points are in a plane: the reflection through it fits as well as the rotation, and must not be taken.
 TEST(Alignment, RigidNeverReflects) {
   const std::vector<Pair> triangle = moved_pairs(kMove, 3, 0.0);
   const Alignment flat = solve_alignment(sums_of(triangle), AlignmentKind::rigid);

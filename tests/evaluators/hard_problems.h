@@ -23,8 +23,8 @@ struct Draws {
   Eigen::Vector3d direction() { return Eigen::Vector3d(normal(), normal(), normal()).normalized(); }
 };
 
-// 3 to 8 sensors, on a ring with jitter or anywhere in the room, at heights that are equal, nearly so
-// (1 mm to 5 cm apart) or spread over two metres.
+// 3 to 8 sensors, on a ring with jitter or anywhere in the room, at heights that are equal, nearly so (1 mm
+// to 5 cm apart) or spread over two metres.
 inline void place_sensors(RangeProblem& problem, Draws& draws) {
   problem.count = 3 + static_cast<int>(draws.uniform(0.0, 6.0));
   const double heights = draws.uniform(0.0, 1.0);

@@ -121,8 +121,8 @@ TEST(Nonlinear, PrintedStopRuleEndsAfterOneStepWheneverTheCostFalls) {
   EXPECT_GT(fell, 60);
 }
 
-// Eq. 17 as printed does not only shorten the step: it vanishes where the sum of u f / d does,
-// which is not the minimum of F unless the joint is as far from every sensor.
+// Eq. 17 as printed does not only shorten the step: it vanishes where the sum of u f / d does, which is not
+// the minimum of F unless the joint is as far from every sensor.
 TEST(Nonlinear, PrintedGradientEndsAtAnotherPointThanTheMinimum) {
   const RangeProblem problem = noisy_problem(3, 0.05);
   auto options = undamped(Gradient::printed, StopRule::step, 0);
@@ -310,8 +310,8 @@ TEST(Nonlinear, AnAmbiguityAsLargeAsTheNoiseIsSaidToBeOne) {
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
 }
 
-// Costs of 0.02 and 0.04 m^2 with a range sigma of 0.05 m: a likelihood ratio of exp(0.02 / (2 * 0.0025))
-// = 55.
+// Costs of 0.02 and 0.04 m^2 with a range sigma of 0.05 m: a likelihood ratio of
+// exp(0.02 / (2 * 0.0025)) = 55.
 TEST(MirrorChoice, RangesDecideFromALikelihoodRatioOfAHundredOn) {
   EXPECT_FALSE(ranges_decide(0.02, 0.05));
   EXPECT_FALSE(ranges_decide(2.0 * 0.0025 * std::log(99.0), 0.05));

@@ -32,8 +32,8 @@ TEST(SolveStatus, NamesAreUniqueAndOnlyAnswersAreUsable) {
   EXPECT_FALSE(is_usable(PointEstimate{}.status));
 }
 
-// Sensors at the origin and one metre along each axis. Ranges 1, 1, 1, 1 + e from the origin's
-// point of view: 2 x_k = 1 + r_0^2 - r_k^2.
+// Sensors at the origin and one metre along each axis. Ranges 1, 1, 1, 1 + e from the origin's point of view:
+// 2 x_k = 1 + r_0^2 - r_k^2.
 TEST(Linear, GivesTheHandSolutionOfACornerOfACube) {
   RangeProblem problem = problem_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0.25, 0.5, 0.75});
   PointEstimate estimate = solve_linear(problem, {});

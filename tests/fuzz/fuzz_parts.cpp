@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A file of a part of a study among sound ones: the first byte chooses which, its text
-// follows. The part is merged.
+// A file of a part of a study among sound ones: the first byte chooses which, its text follows. The part is
+// merged.
 #include <cstdlib>
 #include <fstream>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which room may include which: the table is the architecture, and this test holds every file
-// against it.
+// Which room may include which: the table is the architecture, and this test holds every file against it.
 #include <filesystem>
 #include <fstream>
 #include <string>

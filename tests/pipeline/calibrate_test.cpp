@@ -376,8 +376,8 @@ TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
   for (std::size_t s = 0; s < 3; ++s) expect_pose(result.calibration.sensors[s], rig[s], 1e-4, 0.01);
 }
 
-// Four samples 0.3 mm to one side and the other along x: squares of 0.36 mm2 in all, of the mean an axis
-// 0.36 / (3 axes * 3 * 4 samples) = 0.01 mm2.
+// Four samples 0.3 mm to one side and the other along x: squares of 0.36 mm2 in all, of the mean an axis 0.36
+// / (3 axes * 3 * 4 samples) = 0.01 mm2.
 TEST(CalibrateViews, AKnownPlaceIsAsSureAsItsSamplesAndOptiTracksCalibration) {
   WandInWorld world{"wand.csv", "Wand", 0, 0.0002, WandTrack{}};
   std::vector<WandPosition> positions;

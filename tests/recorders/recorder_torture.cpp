@@ -221,8 +221,7 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
   }
   fmt::print(
       "{} kills, {} full disks; a whole recording takes {:.3f} s: {} files lost anything that was flushed; "
-      "{} "
-      "had been finished before, {} had flushed nothing yet\n",
+      "{} had been finished before, {} had flushed nothing yet\n",
       kills, full_disks, whole_s, lost, complete, empty);
   return lost == 0 ? 0 : 1;
 }

@@ -319,9 +319,9 @@ TEST(AccuracyTables, NotesSayHowExactlyTheTruthIsKnownAndWhyThereIsNoInterval) {
   summary.truth_floor = {{"walking", "head", 2e-4, 1.25, 0.005}};
   const Table table = accuracy_tables(summary).at(0);
   EXPECT_THAT(table.notes,
-              testing::Contains(HasSubstr("Truth of head: noise of at most 0.02 cm; at its mean speed "
-                                          "of 1.25 m/s a clock error of 5 ms makes 0.62 cm; one "
-                                          "instant early or late would change MAE by up to 0.40 cm")));
+              testing::Contains(HasSubstr(
+                  "Truth of head: noise of at most 0.02 cm; at its mean speed of 1.25 m/s a clock error of 5 "
+                  "ms makes 0.62 cm; one instant early or late would change MAE by up to 0.40 cm")));
   EXPECT_THAT(table.notes, testing::Contains(HasSubstr("There are no intervals")));
 }
 

@@ -79,8 +79,7 @@ TEST(Errata, TheEffectIsPrintedBesideCorrected) {
       {"printed stop against nonlinear", "%", {33.3, 30.0, 36.0, 4}, ClaimEstimate{20.0}, ""}};
   EXPECT_EQ(errata_table(findings).rows[7][5].text,
             "printed stop against nonlinear: 33.3 % (30.0 to 36.0); over what any of the two answers printed "
-            "stop against "
-            "nonlinear: 20.0 %");
+            "stop against nonlinear: 20.0 %");
 }
 
 }  // namespace

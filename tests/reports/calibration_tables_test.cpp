@@ -67,9 +67,10 @@ TEST(CalibrationTables, AWandRowIsInCentimetresWithItsCoverage) {
 TEST(CalibrationTables, AnErratumsNoteHasTheStudysOwnNumbers) {
   EXPECT_THAT(
       calibration_wand_table(hand_made_calibration()).notes,
-      Contains(AllOf(HasSubstr("E2: "), HasSubstr("up to 8.00 cm sideways"),
-                     HasSubstr("3 of 4 answered, mean error 6.00 cm (corrected: 3 of 4 answered, mean "
-                               "error 4.00 cm)"))));
+      Contains(AllOf(
+          HasSubstr("E2: "), HasSubstr("up to 8.00 cm sideways"),
+          HasSubstr(
+              "3 of 4 answered, mean error 6.00 cm (corrected: 3 of 4 answered, mean error 4.00 cm)"))));
   EXPECT_THAT(calibration_wand_table(hand_made_calibration()).notes, Not(Contains(HasSubstr("E3: "))));
 }
 

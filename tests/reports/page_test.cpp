@@ -88,10 +88,11 @@ TEST(Headline, WithoutIntervalsAndDifferencesSaysTheErrorsAlone) {
   PaperFindings findings;
   findings.evidence.walking = summary;
   const Headline headline = headline_of({}, findings, {});
-  EXPECT_THAT(headline.answers,
-              testing::ElementsAre("**Trilateration** of 1 walker, simulated: mean error `nonlinear` 3.0 cm. "
-                                   "The paper prints 8.7 cm.",
-                                   "**The plain mean** of the same sensors errs by 5.0 cm."));
+  EXPECT_THAT(
+      headline.answers,
+      testing::ElementsAre(
+          "**Trilateration** of 1 walker, simulated: mean error `nonlinear` 3.0 cm. The paper prints 8.7 cm.",
+          "**The plain mean** of the same sensors errs by 5.0 cm."));
 }
 
 TEST(Page, SaysFirstWhetherItsNumbersAreSimulated) {
@@ -130,8 +131,8 @@ TEST(Page, SaysOnItsFirstScreenWhatWasFound) {
   const std::string page = page_with(folder, s);
   const std::size_t at = page.find(
       "<strong>walking</strong>, simulated: of 3 methods <code>mean</code> errs least, by 4.1 cm (3.9 to "
-      "4.5), -7 % (-9 "
-      "to -5) against <code>nonlinear</code>; 1 other is not told apart from it (<code>geometric</code>).");
+      "4.5), -7 % (-9 to -5) against <code>nonlinear</code>; 1 other is not told apart from it "
+      "(<code>geometric</code>).");
   EXPECT_LT(at, page.find("<section"));
 }
 

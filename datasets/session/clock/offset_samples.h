@@ -29,8 +29,8 @@ struct OffsetLine {
 };
 std::vector<double> residuals_of(const std::vector<OffsetSample>& samples, const OffsetLine& line);
 
-// Median of the slopes between samples at least a third of the span apart; bounded work for long
-// recordings. Samples by time.
+// Median of the slopes between samples at least a third of the span apart; bounded work for long recordings.
+// Samples by time.
 double median_slope(const std::vector<OffsetSample>& samples);
 
 // Standard deviation of normal values with this median absolute deviation from `middle`.

@@ -43,10 +43,9 @@ AgentClock checked_agent_clock(std::span<const ClockExchange> exchanges, const s
 const ClockMap<HostClock, SensorClock>& checked(const ClockMap<HostClock, SensorClock>& line,
                                                 const std::string& place) {
   if (std::abs(line.drift) > kMaxDrift)
-    throw InputError(place,
-                     fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check tick_ns "
-                                 "and arrival_ns, and whether the computer kept up",
-                                 line.drift * kPpm));
+    throw InputError(place, fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check "
+                                        "tick_ns and arrival_ns, and whether the computer kept up",
+                                        line.drift * kPpm));
   return line;
 }
 

@@ -18,8 +18,8 @@ struct ArrivalStamp {
   Duration lateness() const { return {arrival.ns - device.ns}; }
 };
 
-// A sensor's clock against arrival times: the lower envelope of (device, arrival), since a frame
-// can be late but not early; its segment under the middle gives offset and drift.
+// A sensor's clock against arrival times: the lower envelope of (device, arrival), since a frame can be late
+// but not early; its segment under the middle gives offset and drift.
 // Gathers points one by one and keeps only the hull.
 class ArrivalEnvelope {
  public:
@@ -94,8 +94,8 @@ double drift_left_out(const TickEpoch& epoch);
 ClockMap<HostClock, SensorClock> envelope_line(const TickEpoch& epoch, double drift_of_short);
 
 // The line, or straight pieces along the least late frames of 10 s each where one of these leaves the line by
-// more than 0.3 ms. Frames that lie above what a clock's drift can change by from the windows beside them
-// are late, not wander.
+// more than 0.3 ms. Frames that lie above what a clock's drift can change by from the windows beside them are
+// late, not wander.
 PiecewiseClock<HostClock, SensorClock> envelope_pieces(const TickEpoch& epoch,
                                                        const ClockMap<HostClock, SensorClock>& line);
 

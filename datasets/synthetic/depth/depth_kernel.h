@@ -12,8 +12,8 @@ namespace trilat {
 
 // What the depth renderer hands to its vector code.
 
-// Where pixels lie in a padded image: a row above and below and a few columns on either side, so that
-// vectors and neighbours need no special case at the border.
+// Where pixels lie in a padded image: a row above and below and a few columns on either side, so that vectors
+// and neighbours need no special case at the border.
 struct DepthLayout {
   static constexpr int kPad = 16;  // columns; the widest vector of floats
   int width_px = 0, height_px = 0;
@@ -43,9 +43,9 @@ struct DepthNoiseNumbers {
   float nearest_m, farthest_m;
 };
 
-// Casts jittered rays and makes of them what the sensor would give, millimetres. `exact_m`: what
-// cast_depth() gave, with its border filled. `boxes` must have room for the jitter. `noise_factor`, padded,
-// scales the axial noise of a pixel; below 0 the pixel is invalid.
+// Casts jittered rays and makes of them what the sensor would give, millimetres. `exact_m`: what cast_depth()
+// gave, with its border filled. `boxes` must have room for the jitter. `noise_factor`, padded, scales the
+// axial noise of a pixel; below 0 the pixel is invalid.
 void render_depth(const DepthLayout& layout, const DepthView& view, const ViewBoxes& boxes,
                   const DepthNoiseNumbers& noise, const RandomStream& frame_key, const float* ray_x,
                   const float* ray_y, const float* noise_factor, const float* exact_m,

@@ -53,8 +53,8 @@ class DepthRenderer {
   DepthRenderer(DepthRenderer&&) noexcept;
 
   // Millimetres, 0 invalid, into width x height values. The noise of a pixel is a function of `frame_key`
-  // (its seed, purpose and item) and the pixel only. The same bits on every processor. An edge pixel is
-  // mixed with the neighbour that differs most; next to nothing it keeps its depth when it is not lost.
+  // (its seed, purpose and item) and the pixel only. The same bits on every processor. An edge pixel is mixed
+  // with the neighbour that differs most; next to nothing it keeps its depth when it is not lost.
   void render(const DepthScene& scene, const RigidTransform& world_from_sensor, const RandomStream& frame_key,
               std::span<std::uint16_t> depth_mm) const;
   // The same geometry without noise, offset, losses or rounding: metres along z, NaN where nothing is seen.

@@ -72,10 +72,9 @@ void range_bearing_settings(Settings& s, MethodSpec& m) {
     m.sigma_is_estimated = true;
     o.loss = Loss::cauchy;
   }
-  s.choice(
-      "sigma", m.sigma_is_estimated, stated_or_estimated(),
-      "stated: the next two; estimated: from the disagreement of the sensors in the other half of the take, "
-      "and stated where that tells nothing");
+  s.choice("sigma", m.sigma_is_estimated, stated_or_estimated(),
+           "stated: the next two; estimated: from the disagreement of the sensors in the other half of the "
+           "take, and stated where that tells nothing");
   s("range_sigma_m", o.sigma.range_m, {1e-6, 1e3}, "standard deviation of a sensor's position along its ray");
   s("bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3}, "and across it, in each of both directions");
   s("inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},

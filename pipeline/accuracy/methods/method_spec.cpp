@@ -44,10 +44,9 @@ void tell(Settings& s, MethodSpec& m) {
       object->refuse("each", fmt::format("must be {}: {} uses so many sensors", used, m.kind->name));
   }
   if (m.kind->settings) m.kind->settings(s, m);
-  s.choice(
-      "calibration", m.calibration_is_estimated, stated_or_estimated(),
-      "stated: as calibration.json has it; estimated: each sensor's turn, shift and range offset, found from "
-      "the bodies of the take without truth, are taken away first");
+  s.choice("calibration", m.calibration_is_estimated, stated_or_estimated(),
+           "stated: as calibration.json has it; estimated: each sensor's turn, shift and range offset, found "
+           "from the bodies of the take without truth, are taken away first");
   s.choice("occlusion", m.occlusion, occlusion_rule_names(),
            "how sensors are found that see the joint occluded, which are then left out: by crossing limbs as "
            "printed (eq. 8) or in the image, or by depth");

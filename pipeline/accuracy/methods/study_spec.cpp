@@ -58,10 +58,9 @@ void tell(Settings& s, StudySpec& spec) {
   s.texts("conditions", spec.conditions, "activities whose takes are evaluated; empty: all");
   s("occluded_apart", spec.occluded_apart,
     "samples that a sensor sees occluded make conditions of their own");
-  s.choice(
-      "truth", spec.truth, kTruths,
-      "what estimates are held against: mocap, or what each sensor in turn sees, left out of every method; "
-      "auto: mocap where any take has it");
+  s.choice("truth", spec.truth, kTruths,
+           "what estimates are held against: mocap, or what each sensor in turn sees, left out of every "
+           "method; auto: mocap where any take has it");
   s("reference", spec.reference,
     "the method that the others are compared with; empty: the first; when it answers nothing, the first that "
     "does");

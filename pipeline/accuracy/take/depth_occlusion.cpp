@@ -22,9 +22,9 @@ std::vector<std::size_t> nearest_frames(const PlannedTake& planned, const Sessio
   const SensorDescription& description = session.header().sensors[number];
   const std::uint64_t frames = session.counts(number).depth_frames;
   if (frames == 0)
-    throw InputError(session.path().string() + ":/sensors/" + description.name,
-                     "holds no depth frames, by which occlusion \"depth\" would see what is hidden; use "
-                     "\"corrected\"");
+    throw InputError(
+        session.path().string() + ":/sensors/" + description.name,
+        "holds no depth frames, by which occlusion \"depth\" would see what is hidden; use \"corrected\"");
   std::vector<std::pair<HostTime, std::size_t>> exposures;
   for (const FrameStamp& stamp : session.stamps(number, FrameStream::depth, 0, frames))
     exposures.emplace_back(planned.host_from_sensor[sensor](stamp), exposures.size());

@@ -67,9 +67,9 @@ void leave_out(const Plan& plan, const PlannedTake& planned, TakeData& data) {
     body = {};
   }
   if (!any)
-    throw InputError(planned.take.session.string(), "sensor \"" + planned.take.left_out +
-                                                        "\" never tracks a joint that is asked for, so that "
-                                                        "there is nothing to predict");
+    throw InputError(planned.take.session.string(),
+                     "sensor \"" + planned.take.left_out +
+                         "\" never tracks a joint that is asked for, so that there is nothing to predict");
 }
 
 Predictions::Predictions(const Plan& plan, const PlannedTake& planned) : plan_(plan) {

@@ -108,8 +108,8 @@ bool are_together(const Tracklets& tracklets, const std::vector<std::size_t>& on
   return false;
 }
 
-// The nearest, and those who are about as near and whom no sensor sees beside one that was taken: whoever
-// was out of sight for long is matched as somebody else.
+// The nearest, and those who are about as near and whom no sensor sees beside one that was taken: whoever was
+// out of sight for long is matched as somebody else.
 std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::vector<std::size_t>& persons,
                                        const std::vector<double>& distance_m) {
   std::vector<std::vector<std::size_t>> tracklets_of(distance_m.size());
@@ -142,8 +142,7 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
       choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
   choice.sees_several = tracklets.frames_with_several > 0;
   choice.note = fmt::format(
-      "matched across sensors, its bodies are {} persons, of whom the one with the most "
-      "frames was taken",
+      "matched across sensors, its bodies are {} persons, of whom the one with the most frames was taken",
       match.persons);
   return choice;
 }
@@ -175,18 +174,16 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
   for (std::size_t k = 0; k < persons.size(); ++k)
     if (is_taken(persons[k])) choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
   choice.sees_several = tracklets.frames_with_several > 0;
-  choice.note =
-      choice.sees_several
-          ? fmt::format("{} frames hold several bodies; matched across sensors they are {} persons",
-                        tracklets.frames_with_several, match.persons)
-          : fmt::format(
-                "no sensor sees two bodies at once, but those of different sensors or times lie as far apart "
-                "as {} persons do",
-                match.persons);
+  choice.note = choice.sees_several
+                    ? fmt::format("{} frames hold several bodies; matched across sensors they are {} persons",
+                                  tracklets.frames_with_several, match.persons)
+                    : fmt::format(
+                          "no sensor sees two bodies at once, but those of different sensors or times lie as "
+                          "far apart as {} persons do",
+                          match.persons);
   choice.note += fmt::format(
       ", of whom the one nearest to the ground truth was taken (in the median {:.2f} m from the middle of "
-      "the "
-      "markers)",
+      "the markers)",
       nearest_m);
   if (taken.size() > 1)
     choice.note += fmt::format(", and {} about as near whom no sensor sees beside it", taken.size() - 1);

@@ -67,10 +67,10 @@ void plan_instants(PlannedTake& planned, const std::vector<std::string>& rig,
 void check_world(const Calibration& calibration, const StudySpec& study, const std::string& place) {
   for (AlignmentKind kind : study.alignments)
     if (calibration.world != "optitrack" && kind != AlignmentKind::rigid)
-      throw InputError(place + " /world", "is \"" + calibration.world +
-                                              "\", but the ground truth is in OptiTrack's world; calibrate "
-                                              "with --mocap, or evaluate with \"alignments\": "
-                                              "[\"rigid\"] alone");
+      throw InputError(place + " /world",
+                       "is \"" + calibration.world +
+                           "\", but the ground truth is in OptiTrack's world; calibrate with --mocap, or "
+                           "evaluate with \"alignments\": [\"rigid\"] alone");
 }
 
 // Of a take without truth: nothing limits the joints.
@@ -221,9 +221,9 @@ void keep_conditions(const StudySpec& study, Campaign& campaign) {
 void leave_each_out(const StudySpec& study, Campaign& campaign) {
   const std::vector<std::string> rig = rig_of(study, campaign);
   if (rig.size() < 2)
-    throw InputError("study \"" + study.name + '"',
-                     "has takes without \"mocap\" and one sensor: left out, it leaves nothing to predict "
-                     "what it sees");
+    throw InputError(
+        "study \"" + study.name + '"',
+        "has takes without \"mocap\" and one sensor: left out, it leaves nothing to predict what it sees");
   std::vector<Take> takes;
   for (const Take& take : campaign.takes)
     for (const std::string& sensor : rig) {

@@ -121,8 +121,8 @@ class SensorChecks {
       for (std::size_t a = 0; a < b; ++a) {
         if (!(raw_distance_m(a, b) < kSameStream_m)) continue;
         note_session(
-            fmt::format("{} and {} hold the same bodies: one stream was recorded twice; leave one "
-                        "out with \"sensors\" in the study, and record again",
+            fmt::format("{} and {} hold the same bodies: one stream was recorded twice; leave one out with "
+                        "\"sensors\" in the study, and record again",
                         name(a), name(b)));
         leave_out(b);
         break;
@@ -190,8 +190,8 @@ class SensorChecks {
     if (one == other) return false;
     const double pairs = static_cast<double>(sound_.size() * (sound_.size() - 1));
     note_calibration(
-        fmt::format("has the poses of {} and {} exchanged, it seems: the sensors' views lie "
-                    "{:.2f} m apart, and {:.2f} m with both exchanged; mend it",
+        fmt::format("has the poses of {} and {} exchanged, it seems: the sensors' views lie {:.2f} m apart, "
+                    "and {:.2f} m with both exchanged; mend it",
                     name(one), name(other), as_stated_m.sum() / pairs, least_m / pairs));
     return true;
   }
@@ -230,8 +230,8 @@ class SensorChecks {
       if (apart_m(centre, s) >= kApart_m) far.push_back(sound_[static_cast<std::size_t>(s)]);
     if (sound_.size() == 2) {
       note_calibration(
-          fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one of them "
-                      "is wrong; calibrate again",
+          fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one of them is wrong; "
+                      "calibrate again",
                       name(sound_[0]), name(sound_[1]), apart_m(0, 1)));
       sound_.clear();
       return;
@@ -274,11 +274,10 @@ class SensorChecks {
       who = s;
     }
     if (who == sensors_) return;
-    note_session(
-        fmt::format("{} moved during the take: its view shifts by {:.2f} m against the others' from "
-                    "the first third to the last; was it pushed? Record again, or leave it out with "
-                    "\"sensors\" in the study",
-                    sound_.size() == 2 ? "a sensor" : name(who), most_m));
+    note_session(fmt::format(
+        "{} moved during the take: its view shifts by {:.2f} m against the others' from the first third to "
+        "the last; was it pushed? Record again, or leave it out with \"sensors\" in the study",
+        sound_.size() == 2 ? "a sensor" : name(who), most_m));
     leave_out(who);
   }
 
@@ -348,8 +347,8 @@ class SensorChecks {
         }
       if (!(std::abs(most_s) > kClock_s)) return;
       note_session(fmt::format(
-          "{} shows movements {:.2f} s {} than {}: is its clock the recording host's? "
-          "Record again, or leave it out with \"sensors\" in the study",
+          "{} shows movements {:.2f} s {} than {}: is its clock the recording host's? Record again, or leave "
+          "it out with \"sensors\" in the study",
           name(who), std::abs(most_s), most_s > 0.0 ? "later" : "earlier",
           sound_.size() == 2 ? name(sound_[0] == who ? sound_[1] : sound_[0]) : std::string("the others")));
       leave_out(who);
@@ -405,8 +404,8 @@ class SensorChecks {
       const double usual = median_of(others), off = ratio[s] / usual;
       if (std::abs(off - 1.0) > std::max(kOneRange, kSigmas * spread_of(others, usual)))
         note_session(
-            fmt::format("{} measures {}, by where the sensors' rays meet: are its depths in metres, and "
-                        "its joints unscaled? Leave it out with \"sensors\" in the study",
+            fmt::format("{} measures {}, by where the sensors' rays meet: are its depths in metres, and its "
+                        "joints unscaled? Leave it out with \"sensors\" in the study",
                         name(s), size_of(off)));
     }
     const std::vector<double> all = ratios_without(sensors_);

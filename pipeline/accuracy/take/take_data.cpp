@@ -32,9 +32,8 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
   throw InputError(
       planned.take.mocap.string(),
-      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session "
-                  "runs from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s "
-                  "(mocap_start_host_ns is {})",
+      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session runs "
+                  "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {})",
                   start_s, start_s + plan.instant(planned.instants - 1).seconds(),
                   static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
@@ -59,8 +58,7 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
   if (planned.truth_has_z_up && planned.take.up_axis == UpAxis::automatic)
     note(
         "has its z axis up: the person stands along it. It was turned so that y is up, as everywhere here; "
-        "say "
-        "\"up_axis\": \"y\" in the take if that is wrong");
+        "say \"up_axis\": \"y\" in the take if that is wrong");
   if (const double share = truth.repeated_share(); share > kMostRepeated)
     note(fmt::format(
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
@@ -68,8 +66,8 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
         100.0 * share, 100.0 * (1.0 - share)));
   if (truth.samples_frozen() > 0)
     note(
-        fmt::format("{} samples stand still to the last digit or lie exactly at the origin and were not "
-                    "used as ground truth",
+        fmt::format("{} samples stand still to the last digit or lie exactly at the origin and were not used "
+                    "as ground truth",
                     truth.samples_frozen()));
   const MocapAnomalies& odd = truth.anomalies();
   if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
@@ -116,10 +114,9 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
     for (std::size_t s = 0; s < sensors; ++s)
       for (const Joint joint : plan.joints) any_seen |= data.bodies.at(i, s).has(joint);
   if (!any_seen)
-    throw InputError(
-        planned.take.session.string(),
-        "no sensor ever sees a joint that is asked for: there are no bodies, or all positions are "
-        "untracked or not finite");
+    throw InputError(planned.take.session.string(),
+                     "no sensor ever sees a joint that is asked for: there are no bodies, or all positions "
+                     "are untracked or not finite");
 }
 
 void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {

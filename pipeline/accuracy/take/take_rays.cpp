@@ -139,8 +139,7 @@ std::vector<TakeNote> correction_notes(const PlannedTake& planned, const std::ve
     };
     if (is_beyond(row.turned_low_rad, kNoticedTurn_rad, row.stated_turn_rad))
       note(fmt::format(
-          "{} stands turned by {:.1f} degrees ({:.1f} to {:.1f}) by the bodies; the calibration "
-          "states {}",
+          "{} stands turned by {:.1f} degrees ({:.1f} to {:.1f}) by the bodies; the calibration states {}",
           row.sensor, row.turned_rad / kRadPerDegree, row.turned_low_rad / kRadPerDegree,
           row.turned_high_rad / kRadPerDegree, said(row.stated_turn_rad / kRadPerDegree, "degrees")));
     if (is_beyond(row.shifted_low_m, kNoticed_m, row.stated_shift_m))

@@ -147,11 +147,9 @@ class TruthChecks {
     if (!std::isfinite(fit.scale)) return {};
     const bool is_scaled = is_beyond_doubt(fit.scale);
     if (is_scaled)
-      note(planned_.take.mocap,
-           fmt::format(
-               "shows movements and a body {:.3f} times as large as the sensors do{}; is the export's unit "
-               "right?",
-               fit.scale, unit_text(fit.scale)));
+      note(planned_.take.mocap, fmt::format("shows movements and a body {:.3f} times as large as the sensors "
+                                            "do{}; is the export's unit right?",
+                                            fit.scale, unit_text(fit.scale)));
     lay_over(fit, is_scaled ? fit.scale : 1.0);
     find_exchanged();
     find_far();
@@ -197,10 +195,9 @@ class TruthChecks {
         const double back_m = median_distance_m(both_.seen[k], both_.truth[j]);
         if (!(there_m < kExchangedShare * off_m_[j] && back_m < kExchangedShare * off_m_[k])) continue;
         note(planned_.take.mapping,
-             fmt::format(
-                 "has {} and {} exchanged, it seems: they lie {:.2f} and {:.2f} m from where the sensors see "
-                 "them, and {:.2f} and {:.2f} m the other way round; mend the mapping",
-                 name(j), name(k), off_m_[j], off_m_[k], there_m, back_m));
+             fmt::format("has {} and {} exchanged, it seems: they lie {:.2f} and {:.2f} m from where the "
+                         "sensors see them, and {:.2f} and {:.2f} m the other way round; mend the mapping",
+                         name(j), name(k), off_m_[j], off_m_[k], there_m, back_m));
         off_m_[j] = off_m_[k] = kNaN;
       }
   }
@@ -222,10 +219,9 @@ class TruthChecks {
                  name(j), times, unit_text(times)));
       else
         note(planned_.take.mapping,
-             fmt::format(
-                 "maps {} to what lies {:.2f} m from where the sensors see it, other joints {:.2f} m in the "
-                 "median; is it the right asset?",
-                 name(j), off_m_[j], usual_m));
+             fmt::format("maps {} to what lies {:.2f} m from where the sensors see it, other joints {:.2f} m "
+                         "in the median; is it the right asset?",
+                         name(j), off_m_[j], usual_m));
     }
   }
 

@@ -80,13 +80,12 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
   if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.misfit_m))
     return fmt::format(
         "lies {:.1f} m from where the sensors see the joints, at every start within {:g} s of the stated one "
-        "that fits "
-        "their speeds; is the calibration in its world, and mocap_start_host_ns right?",
+        "that fits their speeds; is the calibration in its world, and mocap_start_host_ns right?",
         found.misfit_m, study.clock_search_s);
   if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
     return fmt::format(
-        "does not move as the sensors see the person move, at any start within {:g} s of the stated "
-        "one; is it the same take, and mocap_start_host_ns right?",
+        "does not move as the sensors see the person move, at any start within {:g} s of the stated one; is "
+        "it the same take, and mocap_start_host_ns right?",
         study.clock_search_s);
   if (found.status != ClockOffsetStatus::found) return {};
   const double lowest_s = -(kLongestLag_s + study.clock_error_s), highest_s = study.clock_error_s;
