@@ -23,7 +23,6 @@
 #include "recorders/frame_source.h"
 
 namespace trilat {
-
 namespace {
 
 // The writing side of a recording: stores events and knows how each sensor is. One thread.

@@ -10,7 +10,6 @@
 #include "datasets/session/session_types.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kRoomForSmall_bytes = std::size_t{64} << 20;

@@ -21,7 +21,6 @@
 #include "recorders/freenect2/freenect2_source.h"
 
 namespace trilat {
-
 namespace {
 
 // Frames and clock exchanges of a session once more, sensor against sensor in the order of arrival since each

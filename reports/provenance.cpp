@@ -9,7 +9,6 @@
 #include "reports/tables/table.h"
 
 namespace trilat {
-
 namespace {
 
 std::string scalar_text(const Json& json, const std::string& key) {

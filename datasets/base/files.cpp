@@ -15,7 +15,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
 namespace {
 
 struct Descriptor {

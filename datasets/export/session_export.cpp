@@ -10,7 +10,6 @@
 #include "datasets/markers/joint_files.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::uint64_t kBlockFrames = 1024;

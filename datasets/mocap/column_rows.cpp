@@ -12,7 +12,6 @@
 #include "datasets/mocap/csv_cell.h"
 
 namespace trilat {
-
 namespace {
 
 using Cells = std::vector<std::string>;

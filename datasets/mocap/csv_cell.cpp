@@ -9,7 +9,6 @@
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
-
 namespace {
 
 std::string_view trimmed(std::string_view text) {

@@ -15,7 +15,6 @@
 #include "datasets/base/units.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kLongestLine = 16u << 20;

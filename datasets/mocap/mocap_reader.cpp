@@ -15,7 +15,6 @@
 #include "datasets/mocap/trackable_rows.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

@@ -13,7 +13,6 @@
 #include "datasets/mocap/line_reader.h"
 
 namespace trilat {
-
 namespace {
 
 using Cells = std::vector<std::string>;

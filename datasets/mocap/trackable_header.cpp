@@ -9,7 +9,6 @@
 #include "datasets/mocap/csv_cell.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::array<std::string_view, 7> kRowTypes{"comment",   "info",      "righthanded", "lefthanded",

@@ -9,7 +9,6 @@
 #include "datasets/results/results_file.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr const char* kHistoryFormat = "trilat.history";

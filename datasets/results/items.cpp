@@ -15,7 +15,6 @@
 #include "datasets/results/results_file.h"
 
 namespace trilat {
-
 namespace {
 
 namespace fs = std::filesystem;

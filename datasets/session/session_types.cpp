@@ -4,7 +4,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::int64_t kMostStamp_ns = std::int64_t{1} << 59;

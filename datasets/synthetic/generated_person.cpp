@@ -11,7 +11,6 @@
 #include "datasets/base/units.h"
 
 namespace trilat {
-
 namespace {
 
 using Eigen::Vector3d;

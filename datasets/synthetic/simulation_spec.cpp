@@ -17,7 +17,6 @@
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr const char* kPaper = "Yang, Dong, El Saddik, arXiv 2212.14771";

@@ -15,7 +15,6 @@
 #include "datasets/base/strict_json.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kShortest_m = 0.1;  // from the lowest level to the highest

@@ -11,7 +11,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kDegenerateRatio = 1e-9;

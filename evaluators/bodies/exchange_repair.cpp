@@ -18,7 +18,6 @@
 #include "evaluators/solvers/range_problem.h"
 
 namespace trilat {
-
 namespace {
 
 // What one instant says about left and right, as logarithms of odds, one entry a sensor; 0 where it says

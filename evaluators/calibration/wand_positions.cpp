@@ -8,7 +8,6 @@
 #include "datasets/base/median.h"
 
 namespace trilat {
-
 namespace {
 
 using Sightings = std::span<const TimedSighting>;

@@ -25,7 +25,6 @@
 #include "evaluators/calibration/wand_positions.h"
 
 namespace trilat {
-
 namespace {
 
 // What a unit's depth may be off by: a constant, and waves of some lengths, each as cosine and sine.

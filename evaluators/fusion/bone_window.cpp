@@ -13,7 +13,6 @@
 #include "evaluators/fusion/kalman.h"
 
 namespace trilat {
-
 namespace {
 
 bool is_seen(const JointObservation& o) { return o.seen && o.point_in_world_m.allFinite(); }

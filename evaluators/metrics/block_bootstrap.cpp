@@ -11,7 +11,6 @@
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
-
 namespace {
 
 using Eigen::Index;

@@ -8,7 +8,6 @@
 #include "evaluators/metrics/student.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr int kMeanResamples = 2000;

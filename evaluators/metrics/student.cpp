@@ -9,7 +9,6 @@
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
-
 namespace {
 
 // The tests, the smallest probability first.

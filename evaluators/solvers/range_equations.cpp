@@ -7,7 +7,6 @@
 #include "evaluators/solvers/precision.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr int kMostSteps = 60;

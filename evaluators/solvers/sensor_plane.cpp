@@ -9,7 +9,6 @@
 #include "evaluators/solvers/range_equations.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kCollinearRatio = 1e-12;

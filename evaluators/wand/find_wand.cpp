@@ -19,7 +19,6 @@
 #include "evaluators/wand/ball_fit.h"
 
 namespace trilat {
-
 namespace {
 
 // Part of an image, seen at every `stride`-th pixel.

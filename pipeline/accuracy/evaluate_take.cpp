@@ -18,7 +18,6 @@
 #include "pipeline/study/study.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::uint64_t kBlock = 256;  // instants gathered before they are solved together

@@ -10,7 +10,6 @@
 #include "pipeline/study/study.h"
 
 namespace trilat {
-
 namespace {
 
 Json parameters_json(const Campaign& campaign) {

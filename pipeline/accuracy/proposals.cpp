@@ -14,7 +14,6 @@
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
-
 namespace {
 
 // One way to tell where a joint is: all of these names, lower case and without signs; `@` is l or r. The

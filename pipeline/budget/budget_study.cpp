@@ -23,7 +23,6 @@
 #include "pipeline/simulate/simulate_take.h"
 
 namespace trilat {
-
 namespace {
 
 void check_known(JsonObject& object, const std::string& key, const std::vector<std::string>& asked,

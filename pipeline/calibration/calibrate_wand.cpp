@@ -7,7 +7,6 @@
 #include "pipeline/study/hash_cache.h"
 
 namespace trilat {
-
 namespace {
 
 WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,

@@ -12,7 +12,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::uint64_t kBlock = 60;  // frames that are searched one after the other, apart from all others

@@ -24,7 +24,6 @@
 #include "pipeline/study/study.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr const char* kFormat = "trilat.study";

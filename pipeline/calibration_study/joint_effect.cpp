@@ -18,7 +18,6 @@
 #include "evaluators/solvers/precision.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kBlocks = 50;  // of assumed sensor errors: clusters of the interval, each with its own

@@ -14,7 +14,6 @@
 #include "pipeline/claims/measures.h"
 
 namespace trilat {
-
 namespace {
 
 // A claim with the numbers that it is decided by.

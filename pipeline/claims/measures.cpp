@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 namespace trilat {
-
 namespace {
 
 // The audit of the paper has the numbers that contradict each other.

@@ -23,7 +23,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 struct CalibrateArguments {

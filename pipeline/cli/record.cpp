@@ -33,7 +33,6 @@
 #include "recorders/open_source.h"
 
 namespace trilat {
-
 namespace {
 
 struct RecordArguments {

@@ -18,7 +18,6 @@
 #include "reports/write_report.h"
 
 namespace trilat {
-
 namespace {
 
 struct ReportArguments {

@@ -26,7 +26,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 struct PairedSamples {

@@ -10,7 +10,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
 namespace {
 
 namespace fs = std::filesystem;

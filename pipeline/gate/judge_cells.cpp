@@ -12,7 +12,6 @@
 #include "pipeline/gate/found_results.h"
 
 namespace trilat {
-
 namespace {
 
 Json value_at(const Json& document, const Json::json_pointer& place) {

@@ -13,7 +13,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 using Eigen::Index;

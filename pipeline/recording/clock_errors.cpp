@@ -16,7 +16,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kSigmas = 4.0;

@@ -12,7 +12,6 @@
 #include "datasets/base/philox.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kRecentExchanges = 8;

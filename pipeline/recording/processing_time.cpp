@@ -13,7 +13,6 @@
 #include "pipeline/accuracy/methods/method.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::uint64_t kWarmUpFrames = 30;

@@ -16,7 +16,6 @@
 #include "pipeline/study/results_folder.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr const char* kFormat = "trilat.study";

@@ -17,7 +17,6 @@
 #include "recorders/synthetic_source.h"
 
 namespace trilat {
-
 namespace {
 
 void copy_recorded(const std::filesystem::path& from, const std::filesystem::path& to) {

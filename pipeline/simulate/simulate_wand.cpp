@@ -14,7 +14,6 @@
 #include "recorders/recorder.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::uint64_t kWandTake = (1u << 14) - 1;  // the last that random numbers have room for

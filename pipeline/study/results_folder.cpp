@@ -17,7 +17,6 @@
 #include "datasets/results/items.h"
 
 namespace trilat {
-
 namespace {
 
 namespace fs = std::filesystem;

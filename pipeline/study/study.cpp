@@ -12,7 +12,6 @@
 #include "datasets/results/items.h"
 
 namespace trilat {
-
 namespace {
 
 // Reads digits up to `end`; 0 when there is anything else.

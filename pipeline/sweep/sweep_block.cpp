@@ -12,7 +12,6 @@
 #include "evaluators/solvers/range_equations.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr int kBinBits = 6;                        // of the mantissa

@@ -19,7 +19,6 @@
 #include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
-
 namespace {
 
 // 1 to 60 characters that fit into a heading and a cell of a table.

@@ -21,7 +21,6 @@
 #include "pipeline/sweep/sweep_plan.h"
 
 namespace trilat {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;

@@ -4,7 +4,6 @@
 #include "recorders/network/agent_state.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::chrono::milliseconds kLookPeriod{200};

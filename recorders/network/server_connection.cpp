@@ -3,7 +3,6 @@
 #include "recorders/network/server_state.h"
 
 namespace trilat {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;

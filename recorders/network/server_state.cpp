@@ -2,7 +2,6 @@
 #include "recorders/network/server_state.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kMaxSmallEvents = 100'000;

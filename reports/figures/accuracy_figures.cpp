@@ -12,7 +12,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kBest = 1.0, kWorst = 5.0;  // what lies beyond has the colour of the end

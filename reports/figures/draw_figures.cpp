@@ -19,7 +19,6 @@
 extern char** environ;
 
 namespace trilat {
-
 namespace {
 
 constexpr const char* kNoGnuplot =

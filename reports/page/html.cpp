@@ -12,7 +12,6 @@
 #include "reports/render/render.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kFewRows = 9;  // of a table that needs no filter

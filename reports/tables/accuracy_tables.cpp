@@ -14,7 +14,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 // How exactly the truth is known: one sentence a joint group.

@@ -11,7 +11,6 @@
 #include "datasets/paper/printed_tables.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kNoticeable = 1.1;  // a tenth worse

@@ -12,7 +12,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 // Answers that are farther off than the ball is wide: something else was taken for it.

@@ -11,7 +11,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 // A compromise worth the name: the smallest threshold costs this many times the steps of the largest.

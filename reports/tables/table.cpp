@@ -9,7 +9,6 @@
 #include "reports/tables/embedded_notes.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::pair<const char*, const char*> kUnits[] = {

@@ -11,7 +11,6 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr double kMillisecondsPerSecond = 1e3;

@@ -6,7 +6,6 @@
 
 #include "datasets/base/median.h"
 namespace trilat {
-
 namespace {
 
 constexpr std::int64_t kWindow_ns = 10'000'000'000;

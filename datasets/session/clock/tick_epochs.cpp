@@ -9,7 +9,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr Duration kSlack{100'000'000};

@@ -13,7 +13,6 @@
 #include "pipeline/accuracy/methods/method_kinds.h"
 
 namespace trilat {
-
 namespace {
 
 using Sets = std::vector<std::vector<std::size_t>>;

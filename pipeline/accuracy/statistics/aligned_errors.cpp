@@ -9,7 +9,6 @@
 #include "pipeline/accuracy/statistics/take_statistics.h"
 
 namespace trilat {
-
 namespace {
 
 // What the alignments of one joint and method are made from.

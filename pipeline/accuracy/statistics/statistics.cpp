@@ -17,7 +17,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 // The takes of one activity that were evaluated, those of one participant together.

@@ -11,7 +11,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 // Instants that Ceres solves again: it takes a hundred times as long.

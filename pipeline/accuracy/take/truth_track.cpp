@@ -15,7 +15,6 @@
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
-
 namespace {
 
 std::vector<std::size_t> resolve(const JointMapping::Entry& entry, const MocapHeader& header,

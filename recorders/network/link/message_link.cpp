@@ -4,7 +4,6 @@
 #include "recorders/network/link/wire.h"
 
 namespace trilat {
-
 namespace {
 
 constexpr std::size_t kBlockBytes = 64u << 10;
