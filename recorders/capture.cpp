@@ -29,19 +29,85 @@ namespace {
 class CaptureStore {
  public:
   using Clock = std::chrono::steady_clock;
-  CaptureStore(SessionWriter& writer, const SessionHeader& header, const CaptureOptions& options);
+  CaptureStore(SessionWriter& writer, const SessionHeader& header, const CaptureOptions& options)
+      : writer_(writer),
+        options_(options),
+        heard_(header.sensors.size(), Clock::now()),
+        silent_(header.sensors.size(), false),
+        lost_on_the_way_(header.sensors.size(), 0),
+        at_last_status_(header.sensors.size(), 0) {
+    for (const SensorDescription& sensor : header.sensors) status_.push_back({.name = sensor.name});
+  }
 
-  void add(const SourceEvent& event);
-  void notice(std::size_t sensor, const std::string& text);
+  void add(const SourceEvent& event) {
+    const std::size_t s = event.sensor;
+    SensorStatus& status = status_.at(s);
+    if (const auto* frame = std::get_if<BodyFrame>(&event.data)) {
+      heard(s);
+      writer_.add_body_frame(s, *frame);
+      ++status.body_frames;
+      if (options_.on_bodies) options_.on_bodies(status.name, *frame);
+    } else if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) {
+      heard(s);
+      writer_.add_depth_frame(s, *depth);
+      ++status.depth_frames;
+      if (options_.on_depth_stored) options_.on_depth_stored(depth->stamp);
+    } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
+      writer_.add_clock_exchange(s, *exchange);
+    } else if (const auto* count = std::get_if<DropCount>(&event.data)) {
+      status.lost_at_source = count->at_source;
+      status.lost_in_queue += count->in_queue - lost_on_the_way_[s];
+      lost_on_the_way_[s] = count->in_queue;
+      writer_.add_drop_count(s, {count->host_ns, count->at_source, status.lost_in_queue});
+    } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
+      notice(s, text->text);
+    } else {
+      TRILAT_CHECK(false, "depth leaves the queue compressed");
+    }
+  }
+
+  void notice(std::size_t sensor, const std::string& text) {
+    writer_.add_notice(sensor, {steady_now_ns(), text});
+    if (options_.on_notice) options_.on_notice(status_.at(sensor).name, text);
+  }
+
   // Says which sensors have sent no frame for too long.
-  void look_for_silence(Clock::time_point now);
+  void look_for_silence(Clock::time_point now) {
+    const std::chrono::duration<double> limit(options_.silence_s);
+    for (std::size_t s = 0; s < status_.size(); ++s)
+      if (!silent_[s] && now - heard_[s] > limit) {
+        silent_[s] = true;
+        notice(s, fmt::format("no frame for {:.1f} s", options_.silence_s));
+      }
+  }
+
   // Stores how many frames found no room in the queue, where that has changed.
-  void note_drops(const CaptureQueue& queue);
+  void note_drops(const CaptureQueue& queue) {
+    for (std::size_t s = 0; s < status_.size(); ++s) {
+      const std::int64_t dropped = queue.dropped(s) + lost_on_the_way_[s];
+      if (dropped == status_[s].lost_in_queue) continue;
+      status_[s].lost_in_queue = dropped;
+      writer_.add_drop_count(s, {steady_now_ns(), status_[s].lost_at_source, dropped});
+    }
+  }
+
   // `period_s`: since it was last asked.
-  std::vector<SensorStatus> status(double period_s);
+  std::vector<SensorStatus> status(double period_s) {
+    for (std::size_t s = 0; s < status_.size(); ++s) {
+      const std::uint64_t frames = std::max(status_[s].body_frames, status_[s].depth_frames);
+      status_[s].rate_hz = static_cast<double>(frames - at_last_status_[s]) / period_s;
+      at_last_status_[s] = frames;
+    }
+    return status_;
+  }
 
  private:
-  void heard(std::size_t sensor);
+  void heard(std::size_t sensor) {
+    heard_[sensor] = Clock::now();
+    if (!silent_[sensor]) return;
+    silent_[sensor] = false;
+    notice(sensor, "frames again");
+  }
 
   SessionWriter& writer_;
   const CaptureOptions& options_;
@@ -52,88 +118,30 @@ class CaptureStore {
   std::vector<std::uint64_t> at_last_status_;
 };
 
-CaptureStore::CaptureStore(SessionWriter& writer, const SessionHeader& header, const CaptureOptions& options)
-    : writer_(writer),
-      options_(options),
-      heard_(header.sensors.size(), Clock::now()),
-      silent_(header.sensors.size(), false),
-      lost_on_the_way_(header.sensors.size(), 0),
-      at_last_status_(header.sensors.size(), 0) {
-  for (const SensorDescription& sensor : header.sensors) status_.push_back({.name = sensor.name});
-}
-
-void CaptureStore::add(const SourceEvent& event) {
-  const std::size_t s = event.sensor;
-  SensorStatus& status = status_.at(s);
-  if (const auto* frame = std::get_if<BodyFrame>(&event.data)) {
-    heard(s);
-    writer_.add_body_frame(s, *frame);
-    ++status.body_frames;
-    if (options_.on_bodies) options_.on_bodies(status.name, *frame);
-  } else if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) {
-    heard(s);
-    writer_.add_depth_frame(s, *depth);
-    ++status.depth_frames;
-    if (options_.on_depth_stored) options_.on_depth_stored(depth->stamp);
-  } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
-    writer_.add_clock_exchange(s, *exchange);
-  } else if (const auto* count = std::get_if<DropCount>(&event.data)) {
-    status.lost_at_source = count->at_source;
-    status.lost_in_queue += count->in_queue - lost_on_the_way_[s];
-    lost_on_the_way_[s] = count->in_queue;
-    writer_.add_drop_count(s, {count->host_ns, count->at_source, status.lost_in_queue});
-  } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
-    notice(s, text->text);
-  } else {
-    TRILAT_CHECK(false, "depth leaves the queue compressed");
-  }
-}
-
-void CaptureStore::notice(std::size_t sensor, const std::string& text) {
-  writer_.add_notice(sensor, {steady_now_ns(), text});
-  if (options_.on_notice) options_.on_notice(status_.at(sensor).name, text);
-}
-
-void CaptureStore::heard(std::size_t sensor) {
-  heard_[sensor] = Clock::now();
-  if (!silent_[sensor]) return;
-  silent_[sensor] = false;
-  notice(sensor, "frames again");
-}
-
-void CaptureStore::look_for_silence(Clock::time_point now) {
-  const std::chrono::duration<double> limit(options_.silence_s);
-  for (std::size_t s = 0; s < status_.size(); ++s)
-    if (!silent_[s] && now - heard_[s] > limit) {
-      silent_[s] = true;
-      notice(s, fmt::format("no frame for {:.1f} s", options_.silence_s));
-    }
-}
-
-void CaptureStore::note_drops(const CaptureQueue& queue) {
-  for (std::size_t s = 0; s < status_.size(); ++s) {
-    const std::int64_t dropped = queue.dropped(s) + lost_on_the_way_[s];
-    if (dropped == status_[s].lost_in_queue) continue;
-    status_[s].lost_in_queue = dropped;
-    writer_.add_drop_count(s, {steady_now_ns(), status_[s].lost_at_source, dropped});
-  }
-}
-
-std::vector<SensorStatus> CaptureStore::status(double period_s) {
-  for (std::size_t s = 0; s < status_.size(); ++s) {
-    const std::uint64_t frames = std::max(status_[s].body_frames, status_[s].depth_frames);
-    status_[s].rate_hz = static_cast<double>(frames - at_last_status_[s]) / period_s;
-    at_last_status_[s] = frames;
-  }
-  return status_;
-}
-
 // Asks the system now and then, on a thread of its own, to put what has been written of a file on the disk,
 // so that a power cut costs little more than a kill.
 class CaptureSync {
  public:
-  CaptureSync(const std::filesystem::path& file, std::chrono::milliseconds period);
-  ~CaptureSync();
+  CaptureSync(const std::filesystem::path& file, std::chrono::milliseconds period)
+      : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)), thread_([this, period] {
+          std::unique_lock lock(mutex_);
+          while (!ended_changed_.wait_for(lock, period, [&] { return ended_; })) {
+            lock.unlock();
+            if (file_ >= 0) (void)::fdatasync(file_);  // a disk that fails tells the writer, too
+            lock.lock();
+          }
+        }) {}
+
+  ~CaptureSync() {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    ended_changed_.notify_all();
+    thread_.join();
+    if (file_ >= 0) ::close(file_);
+  }
+
   CaptureSync(const CaptureSync&) = delete;
   CaptureSync& operator=(const CaptureSync&) = delete;
 
@@ -144,26 +152,6 @@ class CaptureSync {
   bool ended_ = false;
   std::thread thread_;  // the last: it uses all of the above
 };
-
-CaptureSync::CaptureSync(const std::filesystem::path& file, std::chrono::milliseconds period)
-    : file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)), thread_([this, period] {
-        std::unique_lock lock(mutex_);
-        while (!ended_changed_.wait_for(lock, period, [&] { return ended_; })) {
-          lock.unlock();
-          if (file_ >= 0) (void)::fdatasync(file_);  // a disk that fails tells the writer, too
-          lock.lock();
-        }
-      }) {}
-
-CaptureSync::~CaptureSync() {
-  {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-  }
-  ended_changed_.notify_all();
-  thread_.join();
-  if (file_ >= 0) ::close(file_);
-}
 
 using Clock = std::chrono::steady_clock;
 
@@ -286,8 +274,8 @@ class Recording {
 }  // namespace
 
 bool CaptureSummary::lost_frames() const {
-  return std::any_of(last.sensors.begin(), last.sensors.end(),
-                     [](const SensorStatus& s) { return s.lost_at_source + s.lost_in_queue > 0; });
+  return std::ranges::any_of(last.sensors,
+                             [](const SensorStatus& s) { return s.lost_at_source + s.lost_in_queue > 0; });
 }
 
 CaptureSummary capture(const std::vector<std::unique_ptr<FrameSource>>& sources,

@@ -44,11 +44,6 @@ void make_ready(SourceEvent& event, ChunkCompression compression) {
   }
 }
 
-bool is_torn(const SourceEvent& event) {
-  const auto* depth = std::get_if<DepthFrame>(&event.data);
-  return depth && depth->depth_mm.size() != kDepthPixels;
-}
-
 // False for what would make the whole session unreadable: a time that no clock shows.
 bool is_believable(const SourceEvent& event, const SensorDescription& sensor) {
   if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) return is_plausible(*exchange);

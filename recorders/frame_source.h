@@ -30,6 +30,12 @@ struct SourceEvent {
   std::variant<BodyFrame, DepthFrame, EncodedDepthFrame, ClockExchange, DropCount, SourceNotice> data;
 };
 
+// True for a depth frame that is not whole.
+inline bool is_torn(const SourceEvent& event) {
+  const auto* depth = std::get_if<DepthFrame>(&event.data);
+  return depth && depth->depth_mm.size() != kDepthPixels;
+}
+
 // Where frames come from. The one place for a virtual interface: devices, the network, files and the
 // simulator all look the same to the recorder, which stamps, counts and stores without looking inside.
 class FrameSource {

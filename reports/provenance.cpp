@@ -43,16 +43,7 @@ void read_manifest(const std::filesystem::path& path, const std::string& campaig
   JsonObject manifest(json, path.string(), "");
   check_format(manifest, "trilat.manifest", 1);
   p.program = manifest.text("program");
-  JsonObject study = manifest.object("study");
-  const auto same = [&](JsonObject& object, const std::string& key, const std::string& wanted) {
-    if (const std::string found = object.text(key); found != wanted)
-      object.refuse(key, fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
-                                     "parts of two runs; run the study again",
-                                     found, wanted));
-  };
-  same(study, "kind", name_of(p.kind == StudyKind::error_budget ? StudyKind::accuracy : p.kind));
-  same(study, "name", p.study);
-  if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
+  check_same_run(manifest, p.kind, p.study, campaign);
   p.campaign = campaign;
   const Json again = runnable_study(json, p.kind);
   p.config = json_text(again, 1);
@@ -116,9 +107,8 @@ Table parameters_table(const std::vector<DeclaredParameter>& parameters, const s
        {"value", "value", as_text(&R::value)},
        {"unit", "unit", as_text(&R::unit)},
        {"source", "source", as_text(&R::source)}});
-  const bool any_set = std::any_of(parameters.begin(), parameters.end(), [](const DeclaredParameter& p) {
-    return p.source == kSetInTheSimulation;
-  });
+  const bool any_set = std::ranges::any_of(
+      parameters, [](const DeclaredParameter& p) { return p.source == kSetInTheSimulation; });
   if (!any_set) add_notes(table, "parameters");
   return table;
 }

@@ -37,7 +37,7 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& resu
   std::set<std::string> ids;
   for (const auto& folder : results) {
     const auto shared = [&](std::size_t parts) {
-      return std::count_if(results.begin(), results.end(), [&](const auto& other) {
+      return std::ranges::count_if(results, [&](const auto& other) {
                return whole_path(other) != whole_path(folder) &&
                       usable_id(last_parts(other, parts)) == usable_id(last_parts(folder, parts));
              }) > 0;
@@ -61,7 +61,7 @@ std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& re
     const std::vector<DeclaredParameter> parameters = read_declared_parameters(results[r]);
     if (parameters.empty()) continue;
     const auto same =
-        std::find_if(seen.begin(), seen.end(), [&](const auto& other) { return other.first == parameters; });
+        std::ranges::find_if(seen, [&](const auto& other) { return other.first == parameters; });
     if (same == seen.end())
       seen.emplace_back(parameters, names[r]);
     else

@@ -114,7 +114,7 @@ class Writer {
     for (std::string name; std::getline(list, name);) {
       const std::filesystem::path path(name);
       const bool inside = !name.empty() && path.is_relative() && name.find("..") == std::string::npos;
-      if (!inside || std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
+      if (!inside || std::ranges::find(names_, name) != names_.end()) continue;
       std::error_code ignored;
       std::filesystem::remove(folder_ / path, ignored);
     }

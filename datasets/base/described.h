@@ -48,10 +48,14 @@ concept Described = requires(T& value) {
 // Numbers that are not finite are null, an empty optional is left out.
 template <Described T>
 Json json_of(const T& value);
+template <Described T>
+Json json_of(const std::vector<T>& values);
 
 // Strict: every key and no other, of the type that the member has. InputError with the pointer.
 template <Described T>
 T read_as(JsonObject object);
+template <Described T>
+std::vector<T> read_list(JsonObject& object, const std::string& key);
 // Of an object whose head has been read.
 template <Described T>
 void read_fields(JsonObject& object, T& value);
@@ -69,7 +73,8 @@ Json written(const T& value) {
     return json;
   } else if constexpr (Described<T>) {
     return json_of(value);
-  } else if constexpr (std::is_arithmetic_v<T> || std::convertible_to<T, std::string>) {
+  } else if constexpr (std::is_same_v<T, Json> || std::is_arithmetic_v<T> ||
+                       std::convertible_to<T, std::string>) {
     return value;
   } else if constexpr (requires { typename T::mapped_type; }) {
     Json json = Json::object();
@@ -132,6 +137,8 @@ struct Reader {
     } else if constexpr (Described<T>) {
       want(json.is_object(), "an object");
       into = read_as<T>(object.below(path, json));
+    } else if constexpr (std::is_same_v<T, Json>) {
+      into = json;
     } else if constexpr (std::is_same_v<T, double>) {
       want(json.is_number() || json.is_null(), "a number or null");
       into = json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
@@ -177,6 +184,11 @@ Json json_of(const T& value) {
 }
 
 template <Described T>
+Json json_of(const std::vector<T>& values) {
+  return described::written(values);
+}
+
+template <Described T>
 void read_fields(JsonObject& object, T& value) {
   T::fields(value, described::Reader{object});
   object.finish();
@@ -188,6 +200,13 @@ T read_as(JsonObject object) {
   T value;
   read_fields(object, value);
   return value;
+}
+
+template <Described T>
+std::vector<T> read_list(JsonObject& object, const std::string& key) {
+  std::vector<T> values;
+  for (JsonObject& entry : object.objects(key)) values.push_back(read_as<T>(std::move(entry)));
+  return values;
 }
 
 }  // namespace trilat

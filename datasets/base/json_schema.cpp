@@ -83,7 +83,7 @@ void add_rows(const Json& schema, const std::string& prefix, std::string& rows,
     if (key == "$schema") continue;
     const bool is_list = value.contains("items");
     const std::string name = prefix + key + (is_list && value["items"].contains("properties") ? "[]" : "");
-    const bool needed = std::find(required.begin(), required.end(), Json(key)) != required.end();
+    const bool needed = std::ranges::find(required, Json(key)) != required.end();
     const Json& members = is_list ? value["items"] : value;
     const bool has_branches = members.contains("oneOf");
     rows +=

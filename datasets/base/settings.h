@@ -24,13 +24,15 @@ struct Limits {
 };
 
 // One setting that a person writes: reads it where it is given, and says what it means in the schema.
-// InputError with the pointer when it is of another type or out of its limits.
+// InputError with the pointer when it is of another type or out of its limits. `unit`: what one of the
+// document's is in the struct.
 inline void setting(JsonObject& object, const char* key, double& value, Limits<double> limits,
-                    const char* meaning) {
-  value = object.number(key, value);
+                    const char* meaning, double unit = 1.0) {
+  const double given = object.number(key, value / unit);
+  value = given * unit;
   object.range(key, limits.low, limits.high);
   object.about({{key, meaning}});
-  if (value >= limits.low && value <= limits.high) return;
+  if (given >= limits.low && given <= limits.high) return;
   if (limits.high == kUnlimited) object.refuse(key, fmt::format("must not be less than {:g}", limits.low));
   object.refuse(key, fmt::format("must lie between {:g} and {:g}", limits.low, limits.high));
 }
@@ -38,9 +40,12 @@ inline void setting(JsonObject& object, const char* key, double& value, Limits<d
 template <std::integral Count>
 void setting(JsonObject& object, const char* key, Count& value, Limits<std::uint64_t> limits,
              const char* meaning) {
-  value = static_cast<Count>(
-      within(object, key, object.count(key, static_cast<std::uint64_t>(value)), limits.low, limits.high));
+  const std::uint64_t count = object.count(key, static_cast<std::uint64_t>(value));
+  object.range(key, static_cast<double>(limits.low), static_cast<double>(limits.high));
   object.about({{key, meaning}});
+  if (count < limits.low || count > limits.high)
+    object.refuse(key, fmt::format("must be {} to {}, is {}", limits.low, limits.high, count));
+  value = static_cast<Count>(count);
 }
 
 inline void setting(JsonObject& object, const char* key, std::uint64_t& value, const char* meaning) {

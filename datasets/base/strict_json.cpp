@@ -321,7 +321,7 @@ std::string JsonObject::text(const std::string& key, std::string fallback) {
 std::size_t JsonObject::choice(const std::string& key, const std::vector<std::string>& known) {
   const std::string word = text(key);
   words(key, known);
-  const auto found = std::find(known.begin(), known.end(), word);
+  const auto found = std::ranges::find(known, word);
   if (found == known.end()) refuse(key, "is \"" + word + "\", which is unknown; " + known_names(word, known));
   return static_cast<std::size_t>(found - known.begin());
 }

@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/settings.h"
 
 namespace trilat {
@@ -20,11 +21,7 @@ constexpr double kFarthest_m = 100.0;
 constexpr double kSamePlace_m = 0.01;           // two sensors cannot stand so close
 constexpr std::size_t kCovarianceNumbers = 21;  // of the lower triangle, row by row
 
-double not_negative(JsonObject& entry, const std::string& key) {
-  const double value = entry.number(key, 0.0);
-  if (value < 0.0) entry.refuse(key, "must not be negative");
-  return value;
-}
+constexpr Limits<double> kNotNegative{0.0, kUnlimited};
 
 Eigen::Matrix<double, 6, 6> read_covariance(JsonObject& entry) {
   const auto numbers = entry.numbers("covariance", kCovarianceNumbers);
@@ -59,28 +56,22 @@ SensorPose read_pose(JsonObject& entry) {
     entry.refuse("rotation_xyzw",
                  "must be a unit quaternion (x, y, z, w); its length is " + std::to_string(rotation.norm()));
   pose.world_from_sensor = {rotation.normalized(), {position[0], position[1], position[2]}};
-  pose.position_sigma_m = not_negative(entry, "position_sigma_m");
-  pose.rotation_sigma_rad = not_negative(entry, "rotation_sigma_rad");
+  setting(entry, "position_sigma_m", pose.position_sigma_m, kNotNegative, "one standard deviation");
+  setting(entry, "rotation_sigma_rad", pose.rotation_sigma_rad, kNotNegative, "one standard deviation");
   if (entry.has("covariance")) pose.covariance = read_covariance(entry);
   pose.depth_offset_m = entry.number("depth_offset_m", 0.0);
   if (std::abs(pose.depth_offset_m) > 0.5)
     entry.refuse("depth_offset_m", "is beyond half a metre; is the unit metres?");
-  pose.depth_offset_sigma_m = not_negative(entry, "depth_offset_sigma_m");
-  pose.residual_rms_m = not_negative(entry, "residual_rms_m");
-  pose.used = entry.count("used", 0);
-  pose.left_out = entry.count("left_out", 0);
+  setting(entry, "depth_offset_sigma_m", pose.depth_offset_sigma_m, kNotNegative, "one standard deviation");
+  setting(entry, "residual_rms_m", pose.residual_rms_m, kNotNegative, "of the sightings used");
+  setting(entry, "used", pose.used, "sightings");
+  setting(entry, "left_out", pose.left_out, "sightings");
   entry.about(
       {{"name", "of the sensor"},
        {"position_m", "in the world"},
        {"rotation_xyzw", "world from sensor, unit quaternion"},
-       {"position_sigma_m", "one standard deviation"},
-       {"rotation_sigma_rad", "one standard deviation"},
        {"covariance", "lower triangle, row by row, of (rotation vector in world axes, rad; position, m)"},
-       {"depth_offset_m", "of the unit, subtracted from depth"},
-       {"depth_offset_sigma_m", "one standard deviation"},
-       {"residual_rms_m", "of the sightings used"},
-       {"used", "sightings"},
-       {"left_out", "sightings"}});
+       {"depth_offset_m", "of the unit, subtracted from depth"}});
   entry.finish();
   return pose;
 }
@@ -95,12 +86,10 @@ void check_places(JsonObject& object, const std::vector<SensorPose>& sensors) {
 }
 
 RejectedSighting read_rejected(JsonObject& entry) {
-  const RejectedSighting result{entry.text("sensor"), entry.count("position"), entry.number("time_s"),
-                                not_negative(entry, "off_by_m")};
-  entry.about({{"sensor", "that saw the wand"},
-               {"position", "number of the place"},
-               {"time_s", "in the session"},
-               {"off_by_m", "from where the others put it"}});
+  RejectedSighting result{entry.text("sensor"), entry.count("position"), entry.number("time_s")};
+  setting(entry, "off_by_m", result.off_by_m, kNotNegative, "from where the others put it");
+  entry.about(
+      {{"sensor", "that saw the wand"}, {"position", "number of the place"}, {"time_s", "in the session"}});
   entry.finish();
   return result;
 }
@@ -142,10 +131,10 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   Calibration calibration;
   calibration.method = object.text("method");
   setting(object, "world", calibration.world, "whose frame the positions are in");
-  calibration.simulated = object.boolean("simulated", false);
-  calibration.positions = object.count("positions", 0);
-  calibration.reduced_chi2 = not_negative(object, "reduced_chi2");
-  calibration.program = object.text("program", "");
+  setting(object, "simulated", calibration.simulated, "every table says so");
+  setting(object, "positions", calibration.positions, "of the wand");
+  setting(object, "reduced_chi2", calibration.reduced_chi2, kNotNegative, "of the refinement");
+  setting(object, "program", calibration.program, "version that wrote it");
   std::set<std::string> names;
   for (JsonObject& entry : object.objects("sensors")) {
     calibration.sensors.push_back(read_pose(entry));
@@ -158,10 +147,6 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   if (object.has("sources"))
     for (JsonObject& entry : object.objects("sources")) calibration.sources.push_back(read_source(entry));
   object.about({{"method", "how the sensors were calibrated"},
-                {"simulated", "every table says so"},
-                {"positions", "of the wand"},
-                {"reduced_chi2", "of the refinement"},
-                {"program", "version that wrote it"},
                 {"sensors", "with their poses"},
                 {"rejected", "sightings"},
                 {"sources", "what it was computed from"}});
@@ -196,12 +181,12 @@ void write_calibration(const std::filesystem::path& path, const Calibration& cal
 }
 
 const SensorPose& pose_of(const Calibration& calibration, const std::string& name, const std::string& place) {
-  std::string known;
+  std::vector<std::string> known;
   for (const SensorPose& pose : calibration.sensors) {
     if (pose.name == name) return pose;
-    known += (known.empty() ? "" : ", ") + pose.name;
+    known.push_back(pose.name);
   }
-  throw InputError(place, "has no pose for sensor \"" + name + "\"; it has " + known);
+  throw InputError(place, "has no pose for sensor \"" + name + "\"; it has " + listed(known));
 }
 
 }  // namespace trilat

@@ -48,7 +48,7 @@ class IntrinsicsFile {
     std::vector<std::string> keys;
     for (const auto& [key, text] : entries_) {
       keys.push_back(key);
-      if (std::find(names.begin(), names.end(), key) != names.end()) return in_brackets(key, text);
+      if (std::ranges::find(names, key) != names.end()) return in_brackets(key, text);
     }
     refuse(keys.empty() ? fmt::format("holds no {}; {}", what, kWanted)
                         : fmt::format("holds {} but no {}; {}", fmt::join(keys, ", "), what, kWanted));

@@ -256,7 +256,7 @@ std::vector<std::string> H5Node::children(std::size_t limit) const {
       refuse(place_, "cannot be listed");
     names.emplace_back(name);
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

@@ -108,7 +108,7 @@ namespace {
 bool is_blank(std::string_view line) { return line.find_first_not_of(", \t\"") == std::string_view::npos; }
 
 std::size_t count_fields(std::string_view line) {
-  return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+  return static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
 }
 
 }  // namespace

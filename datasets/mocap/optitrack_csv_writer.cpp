@@ -2,23 +2,17 @@
 #include "datasets/mocap/optitrack_csv_writer.h"
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/files.h"
-#include "datasets/base/text_output.h"
 
 namespace trilat {
 namespace {
-
-constexpr std::size_t kFlushBytes = 1 << 20;
 
 std::string_view motive_unit(LengthUnit unit) {
   static constexpr std::array<std::string_view, 5> kNames{"Meters", "Centimeters", "Millimeters", "Inches",
@@ -58,43 +52,34 @@ std::size_t columns_of(const MocapAsset& asset) {
 
 }  // namespace
 
-OptitrackCsvWriter::OptitrackCsvWriter(std::filesystem::path path, MocapHeader header)
-    : path_(std::move(path)), header_(std::move(header)), per_metre_(1.0 / metres_per(header_.length_unit)) {
+OptitrackCsvWriter::OptitrackCsvWriter(const std::filesystem::path& path, MocapHeader header)
+    : file_(path), header_(std::move(header)), per_metre_(1.0 / metres_per(header_.length_unit)) {
   TRILAT_CHECK(header_.export_rate_hz > 0.0, "the export rate is stated");
-  file_ = std::fopen(partial_name(path_).c_str(), "wb");
-  if (!file_) throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
   write_header();
-}
-
-OptitrackCsvWriter::~OptitrackCsvWriter() {
-  if (!file_) return;
-  std::fclose(file_);
-  std::error_code ignored;
-  std::filesystem::remove(partial_name(path_), ignored);
 }
 
 void OptitrackCsvWriter::write_header() {
   const double capture_hz =
       std::isnan(header_.capture_rate_hz) ? header_.export_rate_hz : header_.capture_rate_hz;
-  text_ += fmt::format(
+  std::string text = fmt::format(
       "Format Version,1.25,Take Name,{},Take Notes,{},Capture Frame Rate,{:.6f},Export Frame "
       "Rate,{:.6f},Capture Start Time,{}",
       cell(header_.take_name), cell(header_.take_notes), capture_hz, header_.export_rate_hz,
       cell(header_.capture_start_text));
   const auto count = [&](const char* key, std::optional<std::int64_t> value) {
-    if (value) text_ += fmt::format(",{},{}", key, *value);
+    if (value) text += fmt::format(",{},{}", key, *value);
   };
   count("Capture Start Frame", header_.capture_start_frame);
   count("Total Frames in Take", header_.total_frames_in_take);
   count("Total Exported Frames", header_.total_exported_frames);
-  text_ += fmt::format(",Rotation Type,Quaternion,Length Units,{},Coordinate Space,{}\n\n",
-                       motive_unit(header_.length_unit), cell(header_.coordinate_space));
+  text += fmt::format(",Rotation Type,Quaternion,Length Units,{},Coordinate Space,{}\n\n",
+                      motive_unit(header_.length_unit), cell(header_.coordinate_space));
 
   const auto row = [&](const char* label, const auto& text_of) {
-    text_ += label;
+    text += label;
     for (const MocapAsset& asset : header_.assets)
-      for (std::size_t i = 0; i < columns_of(asset); ++i) (text_ += ',') += text_of(asset);
-    text_ += '\n';
+      for (std::size_t i = 0; i < columns_of(asset); ++i) (text += ',') += text_of(asset);
+    text += '\n';
   };
   row(",Type", [](const MocapAsset& asset) { return motive_name_of(asset.type); });
   row(",Name", [](const MocapAsset& asset) { return cell(asset.name); });
@@ -108,42 +93,28 @@ void OptitrackCsvWriter::write_header() {
     if (asset.has_position) kinds += ",Position,Position,Position";
     if (asset.has_position) axes += ",X,Y,Z";
   }
-  text_ += kinds + "\n" + axes + "\n";
+  file_.add_bytes(text + kinds + "\n" + axes + "\n");
 }
 
 void OptitrackCsvWriter::write(const MocapFrame& frame) {
-  TRILAT_CHECK(file_, "the file is not finished");
   TRILAT_CHECK(frame.poses.size() == header_.assets.size(), "a frame has a pose for each asset");
-  text_ += std::to_string(frame.index);
-  append_number(text_, static_cast<double>(frame.index) / header_.export_rate_hz);
-  for (std::size_t i = 0; i < header_.assets.size(); ++i) write_pose(header_.assets[i], frame.poses[i]);
-  text_ += '\n';
+  row_ = std::to_string(frame.index);
+  append_number(row_, static_cast<double>(frame.index) / header_.export_rate_hz);
+  for (std::size_t i = 0; i < header_.assets.size(); ++i) {
+    const Eigen::Quaterniond& q = frame.poses[i].rotation;
+    if (header_.assets[i].has_rotation)
+      for (const double component : {q.x(), q.y(), q.z(), q.w()}) append_number(row_, component);
+    if (header_.assets[i].has_position)
+      for (const double component : frame.poses[i].position_m) append_number(row_, component * per_metre_);
+  }
+  file_.add_bytes(row_ += '\n');
   ++frames_;
-  if (text_.size() >= kFlushBytes) flush();
-}
-
-void OptitrackCsvWriter::write_pose(const MocapAsset& asset, const MocapPose& pose) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  if (asset.has_rotation)
-    for (const double component : {q.x(), q.y(), q.z(), q.w()}) append_number(text_, component);
-  if (asset.has_position)
-    for (const double component : pose.position_m) append_number(text_, component * per_metre_);
-}
-
-void OptitrackCsvWriter::flush() {
-  if (std::fwrite(text_.data(), 1, text_.size(), file_) != text_.size())
-    throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  text_.clear();
 }
 
 void OptitrackCsvWriter::finish() {
-  TRILAT_CHECK(file_, "the file is finished once");
   TRILAT_CHECK(frames_ == header_.total_exported_frames.value_or(frames_),
                "as many frames were written as the header states");
-  flush();
-  const int failed = std::fclose(std::exchange(file_, nullptr));
-  if (failed) throw InputError(path_.string(), std::string("cannot be written: ") + std::strerror(errno));
-  publish_file(partial_name(path_), path_);
+  file_.publish();
 }
 
 }  // namespace trilat

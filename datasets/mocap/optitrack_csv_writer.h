@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 
+#include "datasets/base/text_output.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
@@ -16,11 +16,8 @@ namespace trilat {
 class OptitrackCsvWriter {
  public:
   // Uses of `header` the names, rates, counts, length unit and assets. Rates must be stated.
-  // InputError when the file cannot be written.
-  OptitrackCsvWriter(std::filesystem::path path, MocapHeader header);
-  ~OptitrackCsvWriter();
-  OptitrackCsvWriter(const OptitrackCsvWriter&) = delete;
-  OptitrackCsvWriter& operator=(const OptitrackCsvWriter&) = delete;
+  // OutputError when the file cannot be written.
+  OptitrackCsvWriter(const std::filesystem::path& path, MocapHeader header);
 
   // One pose for each asset of the header. The printed time is index / export rate.
   void write(const MocapFrame& frame);
@@ -29,14 +26,11 @@ class OptitrackCsvWriter {
 
  private:
   void write_header();
-  void write_pose(const MocapAsset& asset, const MocapPose& pose);
-  void flush();
 
-  std::filesystem::path path_;
+  TextOutput file_;
   MocapHeader header_;
   double per_metre_;
-  std::FILE* file_ = nullptr;
-  std::string text_;
+  std::string row_;
   std::int64_t frames_ = 0;
 };
 

@@ -3,12 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "datasets/base/strict_json.h"
+#include "datasets/base/described.h"
 
 namespace trilat {
 
@@ -19,10 +18,12 @@ struct PrintedTable1 {
     std::vector<double> error_cm;  // by range
     std::vector<double> time_us;   // by range
     bool time_is_below = false;    // printed as "<" that time
+    TRILAT_FIELDS(threshold, error_cm, time_us, time_is_below)
   };
-  std::string source;
+  std::string source, metric;
   std::vector<std::array<double, 2>> ranges_cm;
   std::vector<Row> rows;
+  TRILAT_FIELDS(source, metric, ranges_cm, rows)
 };
 
 PrintedTable1 printed_table1();
@@ -33,10 +34,12 @@ struct PrintedTable3 {
   struct Row {
     std::string group;           // head, shoulder, elbow, wrist, average
     std::vector<double> mae_cm;  // by method
+    TRILAT_FIELDS(group, mae_cm)
   };
-  std::string source;
+  std::string source, metric;
   std::vector<std::string> methods;  // linear, geometric, nonlinear
   std::vector<Row> rows;
+  TRILAT_FIELDS(source, metric, methods, rows)
 };
 
 PrintedTable3 printed_table3();
@@ -44,7 +47,7 @@ PrintedTable3 printed_table3();
 // What the paper states about its calibration. It prints no table of it, and the data of its two figures are
 // not available.
 struct PrintedCalibration {
-  std::string source;
+  std::string source, metric;
   int samples = 0;
   std::array<double, 2> recommended_m{};
   double recommended_below_deg = 0.0;
@@ -57,6 +60,9 @@ struct PrintedCalibration {
   int wall_frames = 0;
   std::vector<std::array<double, 2>> worse_columns;  // as printed: the last ends beyond the image
   std::string worse;                                 // how the paper calls the error there
+  TRILAT_FIELDS(source, metric, samples, recommended_m, recommended_below_deg, recommended_samples,
+                recommended_mean_cm, recommended_spread_cm, near_m, near_valid_percent, wall_m, wall_frames,
+                worse_columns, worse)
 };
 
 PrintedCalibration printed_calibration();
@@ -68,9 +74,11 @@ struct PrintedTable2 {
     std::string condition;  // our activity
     std::vector<std::string> groups;
     double with_cm = 0.0, without_cm = 0.0;
+    TRILAT_FIELDS(part, condition, groups, with_cm, without_cm)
   };
-  std::string source;
+  std::string source, metric;
   std::vector<Row> rows;
+  TRILAT_FIELDS(source, metric, rows)
 };
 
 PrintedTable2 printed_table2();
@@ -79,15 +87,17 @@ PrintedTable2 printed_table2();
 // the sum of its samples contradict it (erratum E14).
 struct PrintedTable4 {
   struct Row {
-    double from_ms = 0.0, to_ms = 0.0;  // infinity in the first
+    double from_ms = 0.0, to_ms = 0.0;  // the first has no end: NaN
     std::uint64_t frames = 0;           // by processing time
     std::uint64_t clock_samples = 0;    // by clock error
+    TRILAT_FIELDS(from_ms, to_ms, frames, clock_samples)
   };
   std::string source;
   std::uint64_t frames = 0, clients = 0;
   std::vector<Row> rows;
   std::uint64_t lost_frames = 0;
   double real_time_percent = 0.0, below_2ms_percent = 0.0;  // of the text
+  TRILAT_FIELDS(source, frames, clients, rows, lost_frames, real_time_percent, below_2ms_percent)
 };
 
 PrintedTable4 printed_table4();
@@ -102,11 +112,13 @@ struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;
     bool changes_results = true;  // false: of the text or of a printed table alone
-    Json effect = nullptr;        // how what it does to errors is measured, as a part of a claim
+    std::optional<Json> effect;   // how what it does to errors is measured, as a part of a claim
+    TRILAT_FIELDS(id, where, printed, problem, corrected, changes_results, effect)
   };
   struct Improvement {
     std::string where, method;  // of the abstract or the text; better than which method
     double percent = 0.0;
+    TRILAT_FIELDS(where, method, percent)
   };
   std::string source;
   std::vector<Erratum> errata;
@@ -114,6 +126,8 @@ struct PrintedErrata {
   double largest_wrist_deviation_cm = 0.0;
   std::array<double, 2> gait_cycles{};
   double systems_named = 0.0, systems_shown = 0.0;
+  TRILAT_FIELDS(source, errata, improvements, largest_wrist_deviation_cm, gait_cycles, systems_named,
+                systems_shown)
 };
 
 PrintedErrata printed_errata();

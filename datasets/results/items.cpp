@@ -11,7 +11,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/version.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -20,14 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostItemsBytes = std::size_t{1} << 30;
-
-Json json_of(const DoneItem& item) { return {{"id", item.id}, {"key", item.key}, {"outcome", item.outcome}}; }
-
-DoneItem read_item(JsonObject& object) {
-  DoneItem item{object.text("id"), object.text("key"), object.value("outcome")};
-  object.finish();
-  return item;
-}
 
 // There may be very many items. What a power failure tears does not parse or has another size.
 void write_unsynced(const fs::path& path, const std::string& text) {
@@ -120,11 +111,11 @@ void check_complete(const std::vector<FoundPart>& parts) {
 fs::path item_folder(const fs::path& output, const std::string& id) { return output / kItemsFolder / id; }
 
 void put_item(const fs::path& made, const fs::path& output, const DoneItem& item) {
-  std::map<std::string, std::uintmax_t> bytes;
+  StoredItem stored{item, {}};
   for (const fs::directory_entry& entry : fs::directory_iterator(made))
-    bytes[entry.path().filename().string()] = entry.file_size();
-  const Json json{{"format", "trilat.item"}, {"version", 1},   {"id", item.id},
-                  {"key", item.key},         {"files", bytes}, {"outcome", item.outcome}};
+    stored.bytes[entry.path().filename().string()] = entry.file_size();
+  Json json{{"format", "trilat.item"}, {"version", 1}};
+  json.update(json_of(stored));
   write_unsynced(made / kItemFile, json_text(json, -1) + '\n');
   const fs::path folder = item_folder(output, item.id);
   make_folder(folder.parent_path());
@@ -140,15 +131,14 @@ std::optional<StoredItem> stored_item(const fs::path& folder) {
   const Json json = parse_json(read_file(path, kMostItemsBytes), path.string());
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.item", 1);
-  object.text("id");
-  StoredItem item{object.text("key"), object.value("outcome"), {}};
-  JsonObject files = object.object("files");
-  for (const std::string& name : files.keys()) {
-    if (!is_plain_name(name)) files.refuse(name, "is no name of a file");
-    item.bytes[name] = files.count(name);
-  }
-  object.finish();
+  std::optional<StoredItem> item(std::in_place);
+  read_fields(object, *item);
   return item;
+}
+
+void StoredItem::check(const JsonObject& object) const {
+  for (const auto& [name, size] : bytes)
+    if (!is_plain_name(name)) object.refuse_below("files/" + name, "is no name of a file");
 }
 
 fs::path damaged_file(const StoredItem& item, const fs::path& folder) {
@@ -187,12 +177,11 @@ ItemsHead read_items_head(const fs::path& results) {
 }
 
 bool has_all_files(const fs::path& results, const ItemsHead& head) {
-  return std::all_of(head.bytes.begin(), head.bytes.end(),
-                     [&](const auto& file) { return fs::exists(results / file.first); });
+  return std::ranges::all_of(head.bytes, [&](const auto& file) { return fs::exists(results / file.first); });
 }
 
 bool is_damaged(const fs::path& results, const ItemsHead& head) {
-  return std::any_of(head.bytes.begin(), head.bytes.end(), [&](const auto& file) {
+  return std::ranges::any_of(head.bytes, [&](const auto& file) {
     std::error_code missing;
     const std::uintmax_t bytes = fs::file_size(results / file.first, missing);
     return !missing && file.second.value_or(bytes) != bytes;
@@ -206,18 +195,14 @@ std::vector<DoneItem> read_items(const fs::path& results) {
   const Json json = parse_json(read_file(path, kMostItemsBytes), path.string());
   JsonObject object(json, path.string(), "");
   read_items_head(object);
-  for (JsonObject& entry : object.objects("items")) items.push_back(read_item(entry));
+  items = read_list<DoneItem>(object, "items");
   object.finish();
   return items;
 }
 
 void write_part(const std::filesystem::path& folder, const WorkPart& part) {
-  Json items = Json::array();
-  for (const PartItem& item : part.items)
-    items.push_back({{"id", item.id}, {"cost", item.cost}, {"shard", item.shard}});
-  const Json json{{"format", "trilat.part"}, {"version", 1},        {"program", kProgramVersion},
-                  {"kind", part.kind},       {"build", part.build}, {"shard", part.number},
-                  {"shards", part.of},       {"work", part.work},   {"items", items}};
+  Json json{{"format", "trilat.part"}, {"version", 1}};
+  json.update(json_of(part));
   write_file(folder / "part.json", json_text(json, 1) + "\n");
 }
 
@@ -231,26 +216,21 @@ WorkPart read_part(const std::filesystem::path& folder) {
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.part", 1);
   WorkPart part;
-  object.text("program");
-  part.kind = object.text("kind");
-  part.build = object.text("build");
-  part.number = object.count("shard");
-  part.of = object.count("shards");
-  if (part.of == 0 || part.of > kMostShards)
-    object.refuse("shards", fmt::format("must be 1 to {}", kMostShards));
-  if (part.number == 0 || part.number > part.of) object.refuse("shard", "must be 1 to the number of shards");
-  part.work = object.value("work");
-  for (JsonObject& entry : object.objects("items")) {
-    part.items.push_back({entry.text("id"), entry.number("cost"), entry.count("shard")});
-    entry.finish();
-    const PartItem& item = part.items.back();
-    if (item.shard == 0 || item.shard > part.of) entry.refuse("shard", "must be 1 to the number of shards");
-    if (!is_item_id(item.id))
-      entry.refuse("id",
-                   "is no name of an item: letters, digits, '-', '_' or '.', parts of it divided by '/'");
-  }
-  object.finish();
+  read_fields(object, part);
   return part;
+}
+
+void WorkPart::check(const JsonObject& object) const {
+  if (of == 0 || of > kMostShards) object.refuse("shards", fmt::format("must be 1 to {}", kMostShards));
+  if (number == 0 || number > of) object.refuse("shard", "must be 1 to the number of shards");
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].shard == 0 || items[i].shard > of)
+      object.refuse_below(fmt::format("items/{}/shard", i), "must be 1 to the number of shards");
+    if (!is_item_id(items[i].id))
+      object.refuse_below(
+          fmt::format("items/{}/id", i),
+          "is no name of an item: letters, digits, '-', '_' or '.', parts of it divided by '/'");
+  }
 }
 
 std::vector<FoundPart> read_parts(std::span<const std::filesystem::path> folders) {
@@ -260,8 +240,8 @@ std::vector<FoundPart> read_parts(std::span<const std::filesystem::path> folders
     check_belongs(parts.front(), parts.back());
   }
   if (parts.empty()) throw InputError("merge", "needs the folders of the parts");
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const FoundPart& a, const FoundPart& b) { return a.part.number < b.part.number; });
+  std::ranges::stable_sort(
+      parts, [](const FoundPart& a, const FoundPart& b) { return a.part.number < b.part.number; });
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (parts[i].part.number == parts[i - 1].part.number)
       throw InputError(

@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "datasets/base/strict_json.h"
+#include "datasets/base/described.h"
+#include "datasets/base/version.h"
 
 namespace trilat {
 
@@ -22,6 +21,7 @@ namespace trilat {
 struct DoneItem {
   std::string id, key;
   Json outcome;
+  TRILAT_FIELDS(id, key, outcome)
 };
 
 // Items of an unfinished output, and of a part, have a folder each: item.json (trilat.item, version 1) and
@@ -35,10 +35,13 @@ std::filesystem::path item_folder(const std::filesystem::path& output, const std
 void put_item(const std::filesystem::path& made, const std::filesystem::path& output, const DoneItem& item);
 
 // What an item's folder says of it.
-struct StoredItem {
-  std::string key;
-  Json outcome;
-  std::map<std::string, std::uintmax_t> bytes;  // by the name of its files
+struct StoredItem : DoneItem {
+  std::map<std::string, std::uint64_t> bytes;  // by the name of its files
+  void check(const JsonObject& object) const;
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(id, key) field("files", self.bytes);
+    TRILAT_EACH(outcome)
+  }
 };
 // Nothing when there is none; InputError when item.json is not one.
 std::optional<StoredItem> stored_item(const std::filesystem::path& folder);
@@ -70,6 +73,7 @@ struct PartItem {
   std::string id;           // plain names with '/' between them
   double cost = 1.0;        // estimated, in any unit that all items share
   std::uint64_t shard = 1;  // whose it is, from 1
+  TRILAT_FIELDS(id, cost, shard)
 };
 
 // part.json (trilat.part, version 1): which share of a work a folder holds. What all parts of one work have
@@ -80,6 +84,13 @@ struct WorkPart {
   std::uint64_t number = 1, of = 1;  // shard number/of
   Json work = Json::object();        // settings and plan
   std::vector<PartItem> items;       // of all shards, in the order of the work
+  void check(const JsonObject& object) const;
+  static void fields(auto& self, auto&& field) {
+    field("program", std::string(kProgramVersion));
+    TRILAT_EACH(kind, build) field("shard", self.number);
+    field("shards", self.of);
+    TRILAT_EACH(work, items)
+  }
 };
 
 void write_part(const std::filesystem::path& folder, const WorkPart& part);

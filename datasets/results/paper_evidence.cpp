@@ -9,7 +9,7 @@ namespace trilat {
 namespace {
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 }  // namespace
@@ -27,9 +27,8 @@ void PaperEvidence::add(const ResultsSummary& s) {
 
 bool PaperEvidence::any_simulated() const {
   return (walking && walking->simulated) || (occluded && occluded->simulated) ||
-         std::any_of(sensor_counts.begin(), sensor_counts.end(),
-                     [](const ResultsSummary& s) { return s.simulated; }) ||
-         sweep || calibration || recording;
+         std::ranges::any_of(sensor_counts, [](const ResultsSummary& s) { return s.simulated; }) || sweep ||
+         calibration || recording;
 }
 
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {

@@ -77,6 +77,20 @@ void check_results_head(JsonObject& object, StudyKind wanted) {
         "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");
 }
 
+void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& study,
+                    const std::string& campaign) {
+  const auto same = [](JsonObject& object, const char* key, const std::string& wanted) {
+    if (const std::string found = object.text(key); !wanted.empty() && found != wanted)
+      object.refuse(key, fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
+                                     "parts of two runs; run the study again",
+                                     found, wanted));
+  };
+  JsonObject of_study = manifest.object("study");
+  same(of_study, "kind", name_of(kind == StudyKind::error_budget ? StudyKind::accuracy : kind));
+  same(of_study, "name", study);
+  if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
+}
+
 void check_format(JsonObject& object, const std::string& format, int version) {
   if (object.text("format") != format) object.refuse("format", "must be \"" + format + '"');
   if (object.integer("version") != version)

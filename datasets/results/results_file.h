@@ -35,6 +35,11 @@ Json results_head(StudyKind kind);                            // its first keys
 // Refuses other formats, versions and kinds. A summary without a kind is one of accuracy.
 void check_results_head(JsonObject& object, StudyKind wanted);
 
+// InputError where manifest.json and the summary beside it, of this kind, study and campaign, are of
+// different runs. An empty name is not compared.
+void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& study,
+                    const std::string& campaign);
+
 // Refuses other formats and versions of a file that stands beside the summary.
 void check_format(JsonObject& object, const std::string& format, int version);
 

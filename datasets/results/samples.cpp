@@ -47,7 +47,7 @@ void check_block(const SampleBlock& block, const TakeTables& t, std::size_t stat
   const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
   if (first != block.time_ns.end() && (*first < -kMostNs || *last > kMostNs))
     throw InputError(t.time_ns.place(), "holds a time beyond 73 years, which no clock shows");
-  const auto status = std::max_element(block.status.begin(), block.status.end());
+  const auto status = std::ranges::max_element(block.status);
   if (status != block.status.end() && *status >= statuses)
     throw InputError(t.status.place(), fmt::format("holds the status {}, which has no name", *status));
 }

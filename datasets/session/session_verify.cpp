@@ -172,7 +172,7 @@ void verify_depth(const SessionReader& session, std::size_t sensor, const Place&
   for (std::uint64_t i = 0; i < session.counts(sensor).depth_frames; ++i) {
     try {
       session.depth_frame(sensor, i, depth_mm);
-      if (std::all_of(depth_mm.begin(), depth_mm.end(), [](std::uint16_t d) { return d == 0; })) ++empty;
+      if (std::ranges::all_of(depth_mm, [](std::uint16_t d) { return d == 0; })) ++empty;
     } catch (const InputError&) {
       if (unreadable++ == 0) first_unreadable = i;
     }
@@ -205,7 +205,7 @@ void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, 
 
 void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
   const auto exchanges = session.clock_exchanges(sensor);
-  const auto broken = std::count_if(exchanges.begin(), exchanges.end(), [](const ClockExchange& e) {
+  const auto broken = std::ranges::count_if(exchanges, [](const ClockExchange& e) {
     return e.t4_ns < e.t1_ns || e.t3_ns < e.t2_ns || (e.t4_ns - e.t1_ns) < (e.t3_ns - e.t2_ns);
   });
   if (broken > 0)

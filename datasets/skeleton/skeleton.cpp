@@ -101,7 +101,7 @@ std::span<const JointGroup> joint_groups() { return kGroups; }
 
 std::optional<std::string_view> group_of(Joint joint) {
   for (const JointGroup& group : kGroups)
-    if (std::find(group.joints.begin(), group.joints.end(), joint) != group.joints.end()) return group.name;
+    if (std::ranges::find(group.joints, joint) != group.joints.end()) return group.name;
   return std::nullopt;
 }
 

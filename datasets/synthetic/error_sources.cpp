@@ -39,50 +39,20 @@ constexpr double kHardlyAny_m = 1e-6;
 const Named& named(ErrorSource source) { return kSources.at(static_cast<std::size_t>(source)); }
 
 void copy_tracker(const BodyTrackerSpec& from, ErrorSource source, BodyTrackerSpec& to) {
+  using T = BodyTrackerSpec;
   to.ray_ratio = from.ray_ratio;  // says nothing of the size
-  switch (source) {
-    case ErrorSource::jitter:
-      to.jitter_sigma_m = from.jitter_sigma_m;
-      break;
-    case ErrorSource::wander:
-      to.wander_sigma_m = from.wander_sigma_m;
-      to.view_wander_sigma_m = from.view_wander_sigma_m;
-      to.own_wander_sigma_m = from.own_wander_sigma_m;
-      to.wander_path_m = from.wander_path_m;
-      break;
-    case ErrorSource::jumps:
-      to.jump_rate_per_minute = from.jump_rate_per_minute;
-      to.jump_size_m = from.jump_size_m;
-      to.jump_duration_s = from.jump_duration_s;
-      break;
-    case ErrorSource::bias:
-      to.bias_sigma_m = from.bias_sigma_m;
-      to.view_bias_sigma_m = from.view_bias_sigma_m;
-      to.own_bias_sigma_m = from.own_bias_sigma_m;
-      break;
-    case ErrorSource::unit_depth:
-      to.unit_depth_share = from.unit_depth_share;
-      break;
-    case ErrorSource::lag:
-      to.lag_s = from.lag_s;
-      break;
-    case ErrorSource::hidden:
-      to.least_visible_share = from.least_visible_share;
-      to.inferred_error_sigma_m = from.inferred_error_sigma_m;
-      to.hidden_as_tracked_share = from.hidden_as_tracked_share;
-      break;
-    case ErrorSource::exchange:
-      to.back_view_angle_rad = from.back_view_angle_rad;
-      to.exchanged_share = from.exchanged_share;
-      break;
-    case ErrorSource::none:
-    case ErrorSource::dropped:
-    case ErrorSource::clocks:
-    case ErrorSource::mocap:
-    case ErrorSource::calibration:
-    case ErrorSource::all:
-      break;
-  }
+  const auto copy = [&](ErrorSource of, auto... settings) {
+    if (source == of) ((to.*settings = from.*settings), ...);
+  };
+  copy(ErrorSource::jitter, &T::jitter_sigma_m);
+  copy(ErrorSource::wander, &T::wander_sigma_m, &T::view_wander_sigma_m, &T::own_wander_sigma_m,
+       &T::wander_path_m);
+  copy(ErrorSource::jumps, &T::jump_rate_per_minute, &T::jump_size_m, &T::jump_duration_s);
+  copy(ErrorSource::bias, &T::bias_sigma_m, &T::view_bias_sigma_m, &T::own_bias_sigma_m);
+  copy(ErrorSource::unit_depth, &T::unit_depth_share);
+  copy(ErrorSource::lag, &T::lag_s);
+  copy(ErrorSource::hidden, &T::least_visible_share, &T::inferred_error_sigma_m, &T::hidden_as_tracked_share);
+  copy(ErrorSource::exchange, &T::back_view_angle_rad, &T::exchanged_share);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ Eigen::Vector3d mean_of(const MocapFrame& frame, const std::vector<std::size_t>&
 
 Eigen::Vector3d point_at(const JointTrack& track, double t) {
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const auto later = std::lower_bound(track.time_s.begin(), track.time_s.end(), t);
+  const auto later = std::ranges::lower_bound(track.time_s, t);
   if (later == track.time_s.end()) return none;
   const auto b = static_cast<std::size_t>(later - track.time_s.begin());
   if (track.time_s[b] == t) return track.point_m[b];

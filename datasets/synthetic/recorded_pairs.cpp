@@ -27,10 +27,9 @@ RecordedPairs read() {
     entry.finish();
   }
   for (JsonObject& entry : object.objects("sets")) {
-    RecordedPairs::Set set{entry.text("name"), entry.count("participants"), {}};
-    for (JsonObject& row : entry.objects("rows")) set.rows.push_back(read_as<PairQuantiles>(std::move(row)));
+    recorded.sets.push_back(
+        {entry.text("name"), entry.count("participants"), read_list<PairQuantiles>(entry, "rows")});
     entry.finish();
-    recorded.sets.push_back(std::move(set));
   }
   object.finish();
   return recorded;

@@ -27,7 +27,7 @@ constexpr const char* kSensor = "Kinect for Windows SDK 2.0 documentation";
 std::string text(double value) { return fmt::format("{:g}", value); }
 std::string between(double half) { return fmt::format("+-{:g}", half); }
 
-void add_persons(const SimulationSpec& s, std::vector<TrackerParameter>& list) {
+void add_persons(const SimulationSpec& s, std::vector<DeclaredParameter>& list) {
   list.push_back({"participants", std::to_string(s.participants), "", kPaper});
   if (s.recorded) {
     list.push_back({"motion", "recorded take", "", s.recorded->mocap.filename().string()});
@@ -39,7 +39,7 @@ void add_persons(const SimulationSpec& s, std::vector<TrackerParameter>& list) {
   if (s.bystanders > 0) list.push_back({"bystanders", std::to_string(s.bystanders), "", kAssumption});
 }
 
-void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
+void add_rig(const RigSpec& rig, std::vector<DeclaredParameter>& list) {
   std::string heights;
   for (double height_m : rig.heights_m) heights += (heights.empty() ? "" : ", ") + text(height_m);
   list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
@@ -52,7 +52,7 @@ void add_rig(const RigSpec& rig, std::vector<TrackerParameter>& list) {
        "sigma an axis", kAssumption});
 }
 
-void add_sensor(const SensorSpec& s, std::vector<TrackerParameter>& list) {
+void add_sensor(const SensorSpec& s, std::vector<DeclaredParameter>& list) {
   list.push_back({"frame rate", text(s.rate_hz), "Hz", kSensor});
   list.push_back({"range", text(s.nearest_m) + " to " + text(s.farthest_m), "m", kSensor});
   list.push_back({"focal length between units", between(s.focal_spread_px), "px", kCalibrations});
@@ -67,7 +67,7 @@ void add_sensor(const SensorSpec& s, std::vector<TrackerParameter>& list) {
   list.push_back({"exchange jitter", text(s.exchange_jitter_s), "s, mean of exponential", kAssumption});
 }
 
-void add_mocap(const MocapSpec& m, std::vector<TrackerParameter>& list) {
+void add_mocap(const MocapSpec& m, std::vector<DeclaredParameter>& list) {
   list.push_back({"mocap rate", text(m.rate_hz), "Hz", "OptiTrack V100:R2 of the paper"});
   list.push_back({"marker noise", text(m.marker_noise_sigma_m), "m, sigma an axis", kAssumption});
   list.push_back({"marker gaps", text(m.gap_share), "of 0.2 s stretches", kAssumption});
@@ -76,12 +76,12 @@ void add_mocap(const MocapSpec& m, std::vector<TrackerParameter>& list) {
 
 }  // namespace
 
-std::vector<TrackerParameter> simulation_parameters(const SimulationSpec& spec) {
-  std::vector<TrackerParameter> list;
+std::vector<DeclaredParameter> simulation_parameters(const SimulationSpec& spec) {
+  std::vector<DeclaredParameter> list;
   add_persons(spec, list);
   add_rig(spec.rig, list);
   add_sensor(spec.sensor, list);
-  for (TrackerParameter& parameter : tracker_parameters(spec.body_tracker))
+  for (DeclaredParameter& parameter : tracker_parameters(spec.body_tracker))
     list.push_back(std::move(parameter));
   if (!spec.recorded) add_mocap(spec.mocap, list);
   return list;
@@ -107,14 +107,13 @@ std::vector<std::size_t> permutation_at(double share, std::size_t n) {
 
 // Heights at equal steps, in one of their orders around the circle.
 std::vector<double> read_height_range(JsonObject object) {
-  const std::uint64_t sensors = count_within(object, "sensors", 4, 1, 8);
-  const double mean_m = number_within(object, "mean_m", 1.4, 0.1, 5.0);
-  const double spread_m = number_within(object, "spread_m", 1.6, 0.0, 5.0);
-  const double order = share_within(object, "order", 0.0);
-  object.about({{"sensors", "how many"},
-                {"mean_m", "height"},
-                {"spread_m", "between the lowest and the highest"},
-                {"order", "share of all orders around the circle, from rising to falling heights"}});
+  std::uint64_t sensors = 4;
+  double mean_m = 1.4, spread_m = 1.6, order = 0.0;
+  setting(object, "sensors", sensors, {1, 8}, "how many");
+  setting(object, "mean_m", mean_m, {0.1, 5.0}, "height");
+  setting(object, "spread_m", spread_m, {0.0, 5.0}, "between the lowest and the highest");
+  setting(object, "order", order, {0.0, 1.0},
+          "share of all orders around the circle, from rising to falling heights");
   object.finish();
   std::vector<double> heights_m;
   for (const std::size_t k : permutation_at(order, sensors)) {
@@ -136,21 +135,19 @@ RigSpec read_rig(JsonObject object) {
       rig.heights_m = object.numbers("heights_m", sensors);
     }
   }
-  rig.arc_rad = kRadPerDegree * number_within(object, "arc_deg", rig.arc_rad / kRadPerDegree, 1.0, 360.0);
-  rig.arc_start_rad = kRadPerDegree * number_within(object, "arc_start_deg",
-                                                    rig.arc_start_rad / kRadPerDegree, -360.0, 360.0);
+  setting(object, "arc_deg", rig.arc_rad, {1.0, 360.0},
+          "of the circle, in equal parts: a sensor stands in the middle of each", kRadPerDegree);
+  setting(object, "arc_start_deg", rig.arc_start_rad, {-360.0, 360.0},
+          "where the arc begins, from +z towards +x; a person who stands faces +z", kRadPerDegree);
   setting(object, "position_sigma_m", rig.position_sigma_m, {0.0, 1.0},
           "error of the calibration that is written, an axis");
-  rig.rotation_sigma_rad = kRadPerDegree * number_within(object, "rotation_sigma_deg",
-                                                         rig.rotation_sigma_rad / kRadPerDegree, 0.0, 45.0);
+  setting(object, "rotation_sigma_deg", rig.rotation_sigma_rad, {0.0, 45.0}, "and of its rotations",
+          kRadPerDegree);
   if (object.has("centre_m")) {
     const auto c = object.numbers("centre_m", 3);
     rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
   }
   object.about({{"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
-                {"arc_deg", "of the circle, in equal parts: a sensor stands in the middle of each"},
-                {"arc_start_deg", "where the arc begins, from +z towards +x; a person who stands faces +z"},
-                {"rotation_sigma_deg", "and of its rotations"},
                 {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
   object.finish();
   return rig;

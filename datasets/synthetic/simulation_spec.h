@@ -107,6 +107,6 @@ std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& def
 
 // Everything that a simulated campaign assumes of persons, rig, sensors, tracker and mocap, with what each
 // value rests on: what a reader of its results has to know.
-std::vector<TrackerParameter> simulation_parameters(const SimulationSpec& spec);
+std::vector<DeclaredParameter> simulation_parameters(const SimulationSpec& spec);
 
 }  // namespace trilat

@@ -155,7 +155,7 @@ class SpeedCurve {
     for (const ComparedJoint& joint : joints)
       moving_.push_back(correlation(joint, 0.0).spread_m_s >= options.least_speed_m_s);
   }
-  bool moves() const { return std::count(moving_.begin(), moving_.end(), true) > 0; }
+  bool moves() const { return std::ranges::count(moving_, true) > 0; }
   double at(int step) const {
     double sum = 0.0, count = 0.0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -202,8 +202,7 @@ std::vector<Peak> peaks_of(const SpeedCurve& curve, int steps, const ClockOffset
     for (int k = middle - stride; k <= middle + stride; ++k)
       if (const double value = curve.at(k); value > peak.value) peak = {k, value, false};
   }
-  std::stable_sort(peaks.begin(), peaks.end(),
-                   [](const Peak& a, const Peak& b) { return a.value > b.value; });
+  std::ranges::stable_sort(peaks, [](const Peak& a, const Peak& b) { return a.value > b.value; });
   return peaks;
 }
 

@@ -35,7 +35,7 @@ std::optional<LocalMotion> local_motion(const PointPath& path, double time_s, do
   static const GaussTable gauss;
   const double per_square = 1.0 / (sigma_s * sigma_s);
   const double reach_s = kReach * sigma_s, widest_s = std::max(longest_gap_s, 1.5 * sigma_s);
-  const auto from = std::lower_bound(path.time_s.begin(), path.time_s.end(), time_s - reach_s);
+  const auto from = std::ranges::lower_bound(path.time_s, time_s - reach_s);
   double weights = 0.0, first_moment = 0.0, second_moment = 0.0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
   int before = 0, after = 0;

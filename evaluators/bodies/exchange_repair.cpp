@@ -33,38 +33,6 @@ struct ExchangeEvidence {
   std::array<std::array<double, kMaxSensors>, kMaxSensors> alike{};
 };
 
-// Gives the evidence of the instants of a take, one after the other from the first.
-class ExchangeEvidenceSource {
- public:
-  // Keeps references to its arguments.
-  ExchangeEvidenceSource(const BodyTracks& tracks, std::span<const RigidTransform> world_from_sensor,
-                         const ExchangeOptions& options);
-  ExchangeEvidence next();
-
- private:
-  static constexpr std::size_t kPairs = 8;
-  // Left minus right of every mirrored pair, in the world, with the pair's weight: 0 when an end is missing.
-  struct Sides {
-    std::array<Eigen::Vector3d, kPairs> left_from_right_m;
-    std::array<double, kPairs> weight{};
-  };
-  struct LastSides {
-    Sides sides;
-    std::array<std::size_t, kPairs> instant{};
-  };
-
-  Sides sides_of(std::size_t sensor) const;
-  double as_before(std::size_t sensor, const Sides& now);
-  double labels_right(std::size_t sensor, const Sides& now, const Eigen::Vector3d& walking) const;
-  Eigen::Vector3d walking_direction() const;
-
-  const BodyTracks& tracks_;
-  std::span<const RigidTransform> world_from_sensor_;
-  const ExchangeOptions& options_;
-  std::size_t instant_ = 0;
-  std::vector<LastSides> last_;
-};
-
 using Eigen::Vector3d;
 using enum Joint;
 
@@ -168,121 +136,143 @@ std::size_t instants_in(double time_s, const ExchangeOptions& options) {
   return static_cast<std::size_t>(std::max(1.0, std::round(time_s / options.instant_s)));
 }
 
-ExchangeEvidenceSource::ExchangeEvidenceSource(const BodyTracks& tracks,
-                                               std::span<const RigidTransform> world_from_sensor,
-                                               const ExchangeOptions& options)
-    : tracks_(tracks), world_from_sensor_(world_from_sensor), options_(options), last_(tracks.sensors()) {}
+// Gives the evidence of the instants of a take, one after the other from the first.
+class ExchangeEvidenceSource {
+ public:
+  // Keeps references to its arguments.
+  ExchangeEvidenceSource(const BodyTracks& tracks, std::span<const RigidTransform> world_from_sensor,
+                         const ExchangeOptions& options)
+      : tracks_(tracks), world_from_sensor_(world_from_sensor), options_(options), last_(tracks.sensors()) {}
 
-ExchangeEvidence ExchangeEvidenceSource::next() {
-  ExchangeEvidence evidence;
-  std::array<Sides, kMaxSensors> sides;
-  const Vector3d walking = walking_direction();
-  for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
-    const ObservedBody& body = tracks_.at(instant_, a);
-    evidence.seen[a] = std::any_of(body.state.begin(), body.state.end(),
-                                   [](TrackingState state) { return state != TrackingState::not_tracked; });
-    if (!evidence.seen[a]) continue;
-    sides[a] = sides_of(a);
-    evidence.labels_right[a] = labels_right(a, sides[a], walking);
-    evidence.as_before[a] = as_before(a, sides[a]);
-    for (std::size_t b = 0; b < a; ++b) {
-      double sum = 0.0;
-      for (std::size_t p = 0; p < kPairs; ++p)
-        if (const double weight = sides[a].weight[p] * sides[b].weight[p]; weight > 0.0)
-          sum += clamped(
-              weight / kAlikeScale_m2 * sides[a].left_from_right_m[p].dot(sides[b].left_from_right_m[p]),
-              kAlikeMost);
-      evidence.alike[a][b] = evidence.alike[b][a] = sum;
+  ExchangeEvidence next() {
+    ExchangeEvidence evidence;
+    std::array<Sides, kMaxSensors> sides;
+    const Vector3d walking = walking_direction();
+    for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
+      const ObservedBody& body = tracks_.at(instant_, a);
+      evidence.seen[a] = std::ranges::any_of(
+          body.state, [](TrackingState state) { return state != TrackingState::not_tracked; });
+      if (!evidence.seen[a]) continue;
+      sides[a] = sides_of(a);
+      evidence.labels_right[a] = labels_right(a, sides[a], walking);
+      evidence.as_before[a] = as_before(a, sides[a]);
+      for (std::size_t b = 0; b < a; ++b) {
+        double sum = 0.0;
+        for (std::size_t p = 0; p < kPairs; ++p)
+          if (const double weight = sides[a].weight[p] * sides[b].weight[p]; weight > 0.0)
+            sum += clamped(
+                weight / kAlikeScale_m2 * sides[a].left_from_right_m[p].dot(sides[b].left_from_right_m[p]),
+                kAlikeMost);
+        evidence.alike[a][b] = evidence.alike[b][a] = sum;
+      }
     }
+    ++instant_;
+    return evidence;
   }
-  ++instant_;
-  return evidence;
-}
 
-ExchangeEvidenceSource::Sides ExchangeEvidenceSource::sides_of(std::size_t sensor) const {
-  const ObservedBody& body = tracks_.at(instant_, sensor);
-  const Eigen::Matrix3d rotation = world_from_sensor_[sensor].rotation.toRotationMatrix();
-  Sides sides;
-  for (std::size_t p = 0; p < kPairs; ++p) {
-    sides.weight[p] = weight_of(body, kLeft[p]) * weight_of(body, mirror_of(kLeft[p]));
-    if (sides.weight[p] > 0.0)
-      sides.left_from_right_m[p] = rotation * (body.at(kLeft[p]) - body.at(mirror_of(kLeft[p])));
-  }
-  return sides;
-}
+ private:
+  static constexpr std::size_t kPairs = 8;
+  // Left minus right of every mirrored pair, in the world, with the pair's weight: 0 when an end is missing.
+  struct Sides {
+    std::array<Eigen::Vector3d, kPairs> left_from_right_m;
+    std::array<double, kPairs> weight{};
+  };
+  struct LastSides {
+    Sides sides;
+    std::array<std::size_t, kPairs> instant{};
+  };
 
-double ExchangeEvidenceSource::as_before(std::size_t sensor, const Sides& now) {
-  LastSides& last = last_[sensor];
-  const std::size_t longest = instants_in(kLongestMemory_s, options_);
-  double sum = 0.0;
-  for (std::size_t p = 0; p < kPairs; ++p) {
-    if (now.weight[p] == 0.0) continue;
-    const std::size_t age = instant_ - last.instant[p];
-    if (const double weight = now.weight[p] * last.sides.weight[p]; weight > 0.0 && age <= longest)
-      sum += clamped(weight / kBeforeScale_m2 * now.left_from_right_m[p].dot(last.sides.left_from_right_m[p]),
-                     kBeforeMost) /
-             static_cast<double>(age);
-    last.sides.left_from_right_m[p] = now.left_from_right_m[p];
-    last.sides.weight[p] = now.weight[p];
-    last.instant[p] = instant_;
-  }
-  return sum;
-}
-
-double ExchangeEvidenceSource::labels_right(std::size_t sensor, const Sides& now,
-                                            const Vector3d& walking) const {
-  Vector3d left_m = Vector3d::Zero();
-  double weight = 0.0;
-  for (std::size_t p = 0; p < kTrunkPairs; ++p) {
-    if (now.weight[p] == 0.0) continue;
-    left_m += now.weight[p] * now.left_from_right_m[p];
-    weight += now.weight[p];
-  }
-  const Vector3d forward_m = level(left_m.cross(Vector3d::UnitY()));
-  constexpr double kNarrowest_m = 0.08;
-  if (weight == 0.0 || forward_m.norm() < kNarrowest_m * weight) return 0.0;
-  const Vector3d forward = forward_m.normalized();
-
-  const ObservedBody& body = tracks_.at(instant_, sensor);
-  const Eigen::Quaterniond& rotation = world_from_sensor_[sensor].rotation;
-  double sum = clamped(forward.dot(level(rotation * forward_of_shape(body))), kShapeMost);
-  sum += kWalkWeight * forward.dot(walking);
-
-  const bool has_shoulders = now.weight[0] > 0.0;
-  const Joint left = has_shoulders ? shoulder_left : hip_left;
-  const Vector3d to_sensor = -level(rotation * (body.at(left) + body.at(mirror_of(left))));
-  if (to_sensor.norm() > 0.0)
-    sum += std::min(weight, 1.0) * kBehindWeight *
-           ramp(-forward.dot(to_sensor.normalized()), -kMaybeBehind, -kSurelyBehind);
-  return sum * options_.instant_s / options_.evidence_time_s;
-}
-
-// Level, in the world; its length rises from 0 to 1 with the speed of the spine's and the head's joints.
-Vector3d ExchangeEvidenceSource::walking_direction() const {
-  const std::size_t half = instants_in(kWalkHalfWindow_s, options_);
-  const std::size_t first = instant_ - std::min(instant_, half);
-  const std::size_t last = std::min(instant_ + half, tracks_.instants() - 1);
-  if (last - first < half) return Vector3d::Zero();
-  Vector3d sum_m = Vector3d::Zero();
-  int count = 0;
-  for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
-    const ObservedBody &before = tracks_.at(first, a), &after = tracks_.at(last, a);
-    Vector3d moved_m = Vector3d::Zero();
-    for (const Joint joint : kMiddle) {
-      if (!before.has(joint) || !after.has(joint)) continue;
-      moved_m += after.at(joint) - before.at(joint);
-      ++count;
+  Sides sides_of(std::size_t sensor) const {
+    const ObservedBody& body = tracks_.at(instant_, sensor);
+    const Eigen::Matrix3d rotation = world_from_sensor_[sensor].rotation.toRotationMatrix();
+    Sides sides;
+    for (std::size_t p = 0; p < kPairs; ++p) {
+      sides.weight[p] = weight_of(body, kLeft[p]) * weight_of(body, mirror_of(kLeft[p]));
+      if (sides.weight[p] > 0.0)
+        sides.left_from_right_m[p] = rotation * (body.at(kLeft[p]) - body.at(mirror_of(kLeft[p])));
     }
-    sum_m += world_from_sensor_[a].rotation * moved_m;
+    return sides;
   }
-  if (count == 0) return Vector3d::Zero();
-  const Vector3d velocity_m_s =
-      level(sum_m) / (count * static_cast<double>(last - first) * options_.instant_s);
-  const double speed_m_s = velocity_m_s.norm();
-  return speed_m_s > kNoWalk_m_s
-             ? Vector3d(velocity_m_s / speed_m_s * ramp(speed_m_s, kNoWalk_m_s, kWalk_m_s))
-             : Vector3d(Vector3d::Zero());
-}
+
+  double as_before(std::size_t sensor, const Sides& now) {
+    LastSides& last = last_[sensor];
+    const std::size_t longest = instants_in(kLongestMemory_s, options_);
+    double sum = 0.0;
+    for (std::size_t p = 0; p < kPairs; ++p) {
+      if (now.weight[p] == 0.0) continue;
+      const std::size_t age = instant_ - last.instant[p];
+      if (const double weight = now.weight[p] * last.sides.weight[p]; weight > 0.0 && age <= longest)
+        sum +=
+            clamped(weight / kBeforeScale_m2 * now.left_from_right_m[p].dot(last.sides.left_from_right_m[p]),
+                    kBeforeMost) /
+            static_cast<double>(age);
+      last.sides.left_from_right_m[p] = now.left_from_right_m[p];
+      last.sides.weight[p] = now.weight[p];
+      last.instant[p] = instant_;
+    }
+    return sum;
+  }
+
+  double labels_right(std::size_t sensor, const Sides& now, const Vector3d& walking) const {
+    Vector3d left_m = Vector3d::Zero();
+    double weight = 0.0;
+    for (std::size_t p = 0; p < kTrunkPairs; ++p) {
+      if (now.weight[p] == 0.0) continue;
+      left_m += now.weight[p] * now.left_from_right_m[p];
+      weight += now.weight[p];
+    }
+    const Vector3d forward_m = level(left_m.cross(Vector3d::UnitY()));
+    constexpr double kNarrowest_m = 0.08;
+    if (weight == 0.0 || forward_m.norm() < kNarrowest_m * weight) return 0.0;
+    const Vector3d forward = forward_m.normalized();
+
+    const ObservedBody& body = tracks_.at(instant_, sensor);
+    const Eigen::Quaterniond& rotation = world_from_sensor_[sensor].rotation;
+    double sum = clamped(forward.dot(level(rotation * forward_of_shape(body))), kShapeMost);
+    sum += kWalkWeight * forward.dot(walking);
+
+    const bool has_shoulders = now.weight[0] > 0.0;
+    const Joint left = has_shoulders ? shoulder_left : hip_left;
+    const Vector3d to_sensor = -level(rotation * (body.at(left) + body.at(mirror_of(left))));
+    if (to_sensor.norm() > 0.0)
+      sum += std::min(weight, 1.0) * kBehindWeight *
+             ramp(-forward.dot(to_sensor.normalized()), -kMaybeBehind, -kSurelyBehind);
+    return sum * options_.instant_s / options_.evidence_time_s;
+  }
+
+  // Level, in the world; its length rises from 0 to 1 with the speed of the spine's and the head's joints.
+  Vector3d walking_direction() const {
+    const std::size_t half = instants_in(kWalkHalfWindow_s, options_);
+    const std::size_t first = instant_ - std::min(instant_, half);
+    const std::size_t last = std::min(instant_ + half, tracks_.instants() - 1);
+    if (last - first < half) return Vector3d::Zero();
+    Vector3d sum_m = Vector3d::Zero();
+    int count = 0;
+    for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
+      const ObservedBody &before = tracks_.at(first, a), &after = tracks_.at(last, a);
+      Vector3d moved_m = Vector3d::Zero();
+      for (const Joint joint : kMiddle) {
+        if (!before.has(joint) || !after.has(joint)) continue;
+        moved_m += after.at(joint) - before.at(joint);
+        ++count;
+      }
+      sum_m += world_from_sensor_[a].rotation * moved_m;
+    }
+    if (count == 0) return Vector3d::Zero();
+    const Vector3d velocity_m_s =
+        level(sum_m) / (count * static_cast<double>(last - first) * options_.instant_s);
+    const double speed_m_s = velocity_m_s.norm();
+    return speed_m_s > kNoWalk_m_s
+               ? Vector3d(velocity_m_s / speed_m_s * ramp(speed_m_s, kNoWalk_m_s, kWalk_m_s))
+               : Vector3d(Vector3d::Zero());
+  }
+
+  const BodyTracks& tracks_;
+  std::span<const RigidTransform> world_from_sensor_;
+  const ExchangeOptions& options_;
+  std::size_t instant_ = 0;
+  std::vector<LastSides> last_;
+};
 
 // A state is a set of exchanged sensors, one bit a sensor.
 constexpr std::size_t kMaxStates = std::size_t{1} << kMaxSensors;
@@ -329,8 +319,8 @@ void step(const ExchangeEvidence& evidence, std::size_t sensors, double switchin
 }
 
 bool has_any(const ObservedBody& body) {
-  return std::any_of(body.state.begin(), body.state.end(),
-                     [](TrackingState state) { return state != TrackingState::not_tracked; });
+  return std::ranges::any_of(body.state,
+                             [](TrackingState state) { return state != TrackingState::not_tracked; });
 }
 
 // What speaks for this course of exchanges against its opposite, in which each sensor is exchanged where it
@@ -384,7 +374,7 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
     for (std::size_t a = 0; a < sensors; ++a)
       repair.exchanged[i * sensors + a] = (state >> a & 1u) && has_any(tracks.at(i, a));
   if (certainty_of(repair, labels_right) < options.least_certainty)
-    std::fill(repair.exchanged.begin(), repair.exchanged.end(), std::uint8_t{0});
+    std::ranges::fill(repair.exchanged, std::uint8_t{0});
   count_stretches(tracks, repair);
   return repair;
 }

@@ -136,8 +136,7 @@ void link_followers(std::span<const Tracklet> tracklets, const PersonOptions& op
     for (std::size_t b = 0; b < tracklets.size(); ++b)
       if (a != b && clusters.of(a) != clusters.of(b))
         if (const auto link = link_of(tracklets, a, b, options)) links.push_back(*link);
-  std::stable_sort(links.begin(), links.end(),
-                   [](const Link& a, const Link& b) { return a.effort < b.effort; });
+  std::ranges::stable_sort(links, [](const Link& a, const Link& b) { return a.effort < b.effort; });
   for (const Link& link : links) {
     const auto [kept, gone] = std::minmax({clusters.of(link.before), clusters.of(link.after)});
     if (kept != gone && clusters.between(kept, gone) >= 0.0) clusters.join(kept, gone);
@@ -158,7 +157,7 @@ PersonMatch numbered(std::span<const Tracklet> tracklets, const Clusters& cluste
     person.first_ns = std::min(person.first_ns, tracklets[i].time_ns.front());
   }
   std::erase_if(seen, [](const Seen& person) { return person.frames == 0; });
-  std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
+  std::ranges::stable_sort(seen, [](const Seen& a, const Seen& b) {
     return a.frames != b.frames ? a.frames > b.frames : a.first_ns < b.first_ns;
   });
   std::vector<std::size_t> number(tracklets.size(), 0);
@@ -173,10 +172,10 @@ PersonMatch numbered(std::span<const Tracklet> tracklets, const Clusters& cluste
 
 PersonMatch match_persons(std::span<const Tracklet> tracklets, const PersonOptions& options) {
   for (const Tracklet& tracklet : tracklets)
-    TRILAT_CHECK(!tracklet.time_ns.empty() && tracklet.time_ns.size() == tracklet.centre_in_world_m.size() &&
-                     std::adjacent_find(tracklet.time_ns.begin(), tracklet.time_ns.end(),
-                                        std::greater_equal<>()) == tracklet.time_ns.end(),
-                 "a tracklet has one place for each of its rising times");
+    TRILAT_CHECK(
+        !tracklet.time_ns.empty() && tracklet.time_ns.size() == tracklet.centre_in_world_m.size() &&
+            std::ranges::adjacent_find(tracklet.time_ns, std::greater_equal<>()) == tracklet.time_ns.end(),
+        "a tracklet has one place for each of its rising times");
   Clusters clusters(tracklets, options);
   while (const auto pair = clusters.most_alike()) clusters.join(pair->first, pair->second);
   link_followers(tracklets, options, clusters);

@@ -85,7 +85,7 @@ bool is_trunk(Joint joint) {
   constexpr std::array kTrunk{Joint::spine_base,     Joint::spine_mid, Joint::spine_shoulder,
                               Joint::hip_left,       Joint::hip_right, Joint::shoulder_left,
                               Joint::shoulder_right, Joint::neck,      Joint::head};
-  return std::find(kTrunk.begin(), kTrunk.end(), joint) != kTrunk.end();
+  return std::ranges::find(kTrunk, joint) != kTrunk.end();
 }
 
 // The median depth about a pixel, metres; nothing where the image shows too little.
@@ -152,7 +152,7 @@ SensorMask select_unoccluded(std::span<const int> occlusions_of_sensor, SensorMa
     if (seen[i]) counts.push_back(occlusions_of_sensor[i]);
   SensorMask selected;
   if (counts.empty()) return selected;
-  std::sort(counts.begin(), counts.end());
+  std::ranges::sort(counts);
   const auto wanted = static_cast<std::size_t>(std::max(1, fewest));
   const int most = counts[std::min(wanted, counts.size()) - 1];
   for (std::size_t i = 0; i < occlusions_of_sensor.size(); ++i)

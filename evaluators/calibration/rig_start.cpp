@@ -23,7 +23,7 @@ PointsOfSensor points_by_sensor(const RigProblem& problem) {
   for (const PointObservation& o : problem.observations)
     points[o.sensor].emplace_back(o.point, o.point_in_sensor_m);
   for (auto& list : points)
-    std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::ranges::sort(list, [](const auto& a, const auto& b) { return a.first < b.first; });
   return points;
 }
 
@@ -108,8 +108,7 @@ PairFit fit_pair(const std::vector<CommonPoint>& points, std::uint64_t pair, con
 }  // namespace
 
 bool RigStart::complete() const {
-  return std::all_of(placement.begin(), placement.end(),
-                     [](SensorPlacement p) { return p == SensorPlacement::placed; });
+  return std::ranges::all_of(placement, [](SensorPlacement p) { return p == SensorPlacement::placed; });
 }
 
 RigStart start_rig(const RigProblem& problem, const RigStartOptions& options) {

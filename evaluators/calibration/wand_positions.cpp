@@ -101,17 +101,17 @@ std::vector<RestingBall> find_rests(Sightings sightings, std::size_t sensor,
 
 std::vector<WandPosition> find_wand_positions(std::vector<RestingBall> rests,
                                               const WandPositionOptions& options) {
-  std::stable_sort(rests.begin(), rests.end(),
-                   [](const RestingBall& a, const RestingBall& b) { return a.first < b.first; });
+  std::ranges::stable_sort(rests,
+                           [](const RestingBall& a, const RestingBall& b) { return a.first < b.first; });
   std::vector<WandPosition> positions;
   for (const RestingBall& rest : rests) {
     WandPosition* same = nullptr;
     for (WandPosition& position : positions)
       if (overlap_of(position.first, position.last, rest.first, rest.last) >= options.least_overlap)
         same = &position;
-    const bool again =
-        same && std::any_of(same->seen.begin(), same->seen.end(),
-                            [&](const RestingBall& other) { return other.sensor == rest.sensor; });
+    const bool again = same && std::ranges::any_of(same->seen, [&](const RestingBall& other) {
+                         return other.sensor == rest.sensor;
+                       });
     if (again) continue;  // a second rest of one sensor inside another's: the ball was hidden in between
     if (!same) same = &positions.emplace_back(WandPosition{rest.first, rest.last, {}});
     same->first = std::min(same->first, rest.first);

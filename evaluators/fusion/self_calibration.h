@@ -10,13 +10,11 @@
 
 namespace trilat {
 
-// How a sensor stands and measures beside what its calibration says. Of (turn, shift, range):
-using CorrectionVector = Eigen::Matrix<double, 7, 1>;
+// How a sensor stands and measures beside what its calibration says. Covariance: of (turn, shift, range).
 struct SensorCorrection {
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector about the sensor, in the world
-  Eigen::Vector3d shift_m =
-      Eigen::Vector3d::Zero();  // what it sees lies so far from where it is, in the world
-  double range_m = 0.0;         // its ranges are so much too long
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();   // what it sees is so far from its place, in the world
+  double range_m = 0.0;                                // its ranges are so much too long
   Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
   std::size_t views = 0;         // that it was found from
   double residual_rms_m = kNaN;  // of these, an axis; NaN without any

@@ -31,8 +31,7 @@ DistinctColumns distinct_columns(const Eigen::MatrixXd& sums) {
   std::vector<Index> kept;
   DistinctColumns result;
   for (Index c = 0; c < sums.cols(); ++c) {
-    const auto same =
-        std::find_if(kept.begin(), kept.end(), [&](Index k) { return sums.col(k) == sums.col(c); });
+    const auto same = std::ranges::find_if(kept, [&](Index k) { return sums.col(k) == sums.col(c); });
     result.place.push_back(static_cast<std::size_t>(same - kept.begin()));
     if (same == kept.end()) kept.push_back(c);
   }
@@ -97,7 +96,7 @@ void set_interval(IntervalEstimate& estimate, std::vector<double>& students) {
     high = student_quantile(estimate.clusters - 1);
     low = -high;
   } else if (students.size() >= kFewestStudents) {
-    std::sort(students.begin(), students.end());
+    std::ranges::sort(students);
     const auto quantile = [&](double q) {  // type 7 of Hyndman and Fan 1996
       const double position = q * static_cast<double>(students.size() - 1);
       const auto below = static_cast<std::size_t>(position);

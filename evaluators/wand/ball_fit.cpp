@@ -91,9 +91,8 @@ class Fitter {
 
   BallFit run() {
     const double r = options_.radius_m;
-    const auto on_ball = std::count_if(pixels_.begin(), pixels_.end(), [&](const RayDepth& pixel) {
-      return meet(pixel, centre_, r).has_value();
-    });
+    const auto on_ball = std::ranges::count_if(
+        pixels_, [&](const RayDepth& pixel) { return meet(pixel, centre_, r).has_value(); });
     const std::size_t stride = static_cast<std::size_t>(on_ball) / kCoarsePixels + 1;
     for (const double gate_m : {0.6 * r, 0.6 * r, 0.6 * r, 0.3 * r, 0.3 * r}) {
       const Sums sums = coarse(gate_m, stride);

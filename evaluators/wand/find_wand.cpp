@@ -379,15 +379,13 @@ WandSighting refused(WandStatus status) { return {.status = status}; }
 // A ball cut by the edge counts as a ball when there is another; one out of range does not.
 WandSighting the_only_one(const std::vector<WandSighting>& balls) {
   const auto with = [&](WandStatus status) {
-    return std::count_if(balls.begin(), balls.end(),
-                         [&](const WandSighting& s) { return s.status == status; });
+    return std::ranges::count_if(balls, [&](const WandSighting& s) { return s.status == status; });
   };
   const auto found = with(WandStatus::found);
   const auto cut = with(WandStatus::cut_by_edge);
   if (found + cut > 1) return refused(WandStatus::several_candidates);
   if (found == 1)
-    return *std::find_if(balls.begin(), balls.end(),
-                         [](const WandSighting& s) { return s.status == WandStatus::found; });
+    return *std::ranges::find_if(balls, [](const WandSighting& s) { return s.status == WandStatus::found; });
   if (cut == 1) return refused(WandStatus::cut_by_edge);
   return refused(with(WandStatus::out_of_range) > 0 ? WandStatus::out_of_range : WandStatus::no_wand);
 }
@@ -408,7 +406,7 @@ WandSighting find_wand(const DepthImageView& image, const DepthRays& rays, const
        ball_candidates(image, window,
                        {.ball_radius_m = options.ball_radius_m, .focal_length_px = rays.intrinsics.fx_px})) {
     const WandSighting ball = judged(image, rays, options, candidate);
-    const bool known = std::any_of(balls.begin(), balls.end(), [&](const WandSighting& other) {
+    const bool known = std::ranges::any_of(balls, [&](const WandSighting& other) {
       return (other.centre_in_sensor_m - ball.centre_in_sensor_m).norm() < options.ball_radius_m;
     });
     if (ball.status != WandStatus::no_wand && !known) balls.push_back(ball);

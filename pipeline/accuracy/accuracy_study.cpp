@@ -60,8 +60,8 @@ TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campai
 std::string key_of_take(AccuracyRun& run, std::size_t t, const Watch& watch) {
   const PlannedTake& planned = run.plan.takes[t];
   run.inputs[t] = inputs_of(planned.take, *run.hashes, watch.stop_requested);
-  const bool read = std::none_of(run.inputs[t].begin(), run.inputs[t].end(),
-                                 [](const TakeInput& input) { return input.sha256.empty(); });
+  const bool read =
+      std::ranges::none_of(run.inputs[t], [](const TakeInput& input) { return input.sha256.empty(); });
   if (!planned.ok || !read || run.files[t].changed()) return "";
   return trilat::key_of_take(run.plan, t, run.inputs[t], run.options.cross_check);
 }
@@ -273,7 +273,7 @@ ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const fs
     };
   ItemTally tally;
   on_threads(options.threads, [&](int) {
-    const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
+    const bool asked = std::ranges::find(options.reuse, output) != options.reuse.end();
     if (asked && options.shard.whole() && fs::exists(output / "items.json") &&
         holds_results(output, key_of_results(spec, campaign, options.cross_check, *hashes,
                                              {options.stop_requested, {}}))) {

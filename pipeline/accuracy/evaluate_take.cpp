@@ -134,7 +134,7 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check
 }
 
 bool is_replayed(const Plan& plan, std::size_t take) {
-  const auto first = std::find_if(plan.takes.begin(), plan.takes.end(), [&](const PlannedTake& other) {
+  const auto first = std::ranges::find_if(plan.takes, [&](const PlannedTake& other) {
     return other.ok && other.take.activity == plan.takes[take].take.activity;
   });
   return first == plan.takes.begin() + static_cast<std::ptrdiff_t>(take);

@@ -87,8 +87,7 @@ class Gatherer {
 
 ReplayTake replay_in(const std::filesystem::path& folder, const std::string& id) {
   std::vector<ReplayTake> there = read_replay(folder);
-  const auto found =
-      std::find_if(there.begin(), there.end(), [&](const ReplayTake& r) { return r.id == id; });
+  const auto found = std::ranges::find_if(there, [&](const ReplayTake& r) { return r.id == id; });
   if (found == there.end())
     throw InputError((folder / "replay.h5").string(), "has no replay of the take \"" + id + '"');
   return std::move(*found);

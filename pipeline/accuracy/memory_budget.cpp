@@ -28,8 +28,8 @@ constexpr std::uint64_t kTakeBytes = 48 * kMega;
 
 std::uint64_t instant_bytes(const Plan& plan) {
   const std::uint64_t sensors = plan.rig.size(), joints = plan.joints.size();
-  const auto over_time = static_cast<std::uint64_t>(std::count_if(
-      plan.methods.begin(), plan.methods.end(), [](const Method& m) { return is_over_time(m); }));
+  const auto over_time = static_cast<std::uint64_t>(
+      std::ranges::count_if(plan.methods, [](const Method& m) { return is_over_time(m); }));
   const std::uint64_t view = sizeof(ObservedBody) + kOcclusionRules * kJointCount;
   return sensors * view + joints * sizeof(Eigen::Vector3d) + over_time * joints * sizeof(PathPoint) +
          sizeof(HostTime) + sizeof(float);
@@ -83,7 +83,7 @@ std::size_t takes_at_once(const Plan& plan, std::uint64_t limit_bytes) {
   for (const PlannedTake& take : plan.takes)
     if (const std::uint64_t need = memory_needed_bytes(plan, take); take.ok && need <= limit_bytes)
       needs.push_back(need);
-  std::sort(needs.begin(), needs.end(), std::greater());
+  std::ranges::sort(needs, std::greater());
   std::size_t count = 0;
   for (std::uint64_t left = limit_bytes; count < needs.size() && needs[count] <= left; ++count)
     left -= needs[count];

@@ -12,26 +12,6 @@
 namespace trilat {
 namespace {
 
-Json parameters_json(const Campaign& campaign) {
-  Json parameters = Json::array();
-  for (const DeclaredParameter& p : read_declared_parameters(campaign.folder))
-    parameters.push_back({p.name, p.value, p.unit, p.source});
-  return parameters;
-}
-
-std::vector<DeclaredParameter> read_parameters(JsonObject& work) {
-  const Json& list = work.value("parameters");
-  std::vector<DeclaredParameter> parameters;
-  for (const Json& entry : list) {
-    const bool texts =
-        entry.is_array() && entry.size() == 4 &&
-        std::all_of(entry.begin(), entry.end(), [](const Json& part) { return part.is_string(); });
-    if (!texts) work.refuse("parameters", "must be lists of name, value, unit and source");
-    parameters.push_back({entry[0], entry[1], entry[2], entry[3]});
-  }
-  return parameters;
-}
-
 PlannedTake read_planned_take(JsonObject& entry) {
   PlannedTake planned;
   planned.take.id = entry.text("id");
@@ -104,7 +84,7 @@ Json planned_work(const Plan& plan, bool cross_check, HashCache& hashes, const W
           {"joints", joints},
           {"takes", takes},
           {"inputs", inputs_json(plan.campaign, hashes, watch)},
-          {"parameters", parameters_json(plan.campaign)}};
+          {"parameters", json_of(read_declared_parameters(plan.campaign.folder))}};
 }
 
 PlannedWork read_planned_work(const Json& json, const std::string& place) {
@@ -130,7 +110,7 @@ PlannedWork read_planned_work(const Json& json, const std::string& place) {
   if (!work.has("cross_check")) work.refuse("cross_check", "is missing");
   read.cross_check = work.boolean("cross_check", false);
   work.value("inputs");
-  read.parameters = read_parameters(work);
+  read.parameters = read_list<DeclaredParameter>(work, "parameters");
   work.finish();
   return read;
 }
@@ -177,14 +157,13 @@ std::string key_of_take(const Plan& plan, std::size_t take, std::span<const Take
 }
 
 std::string key_of_run(const RunIdentity& run) {
-  Json takes = Json::array(), parameters = Json::array();
+  Json takes = Json::array();
   for (std::size_t t = 0; t < run.takes.size(); ++t) takes.push_back(json_of(run.takes[t], run.inputs[t]));
-  for (const DeclaredParameter& p : run.parameters) parameters.push_back({p.name, p.value, p.unit, p.source});
   return key_of({{"study", resolved_json(run.study)},
                  {"cross_check", run.cross_check},
                  {"campaign", run.campaign},
                  {"simulated", run.simulated},
-                 {"parameters", parameters},
+                 {"parameters", json_of(run.parameters)},
                  {"takes", takes}});
 }
 

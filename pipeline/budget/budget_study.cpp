@@ -28,7 +28,7 @@ namespace {
 void check_known(JsonObject& object, const std::string& key, const std::vector<std::string>& asked,
                  const std::vector<std::string>& known, const std::string& what) {
   for (const std::string& name : asked)
-    if (std::find(known.begin(), known.end(), name) == known.end())
+    if (std::ranges::find(known, name) == known.end())
       object.refuse(key, fmt::format("has \"{}\", which the simulation does not have; its {} are \"{}\"",
                                      name, what, fmt::join(known, "\", \"")));
 }
@@ -93,8 +93,7 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
   if (!spec.study.conditions.empty())  // nobody looks at the others
     std::erase_if(spec.simulation.activities, [&](const ActivitySpec& activity) {
       const std::string& name = activity_names()[static_cast<std::size_t>(activity.activity)];
-      return std::find(spec.study.conditions.begin(), spec.study.conditions.end(), name) ==
-             spec.study.conditions.end();
+      return std::ranges::find(spec.study.conditions, name) == spec.study.conditions.end();
     });
   return spec;
 }
@@ -207,7 +206,7 @@ Study budget_of_parts(const Json& work, const std::string& place) {
 Study budget_study(const BudgetSpec& spec, std::uint64_t memory_bytes) {
   Study study = budget_of_parts(work_json(spec), "error budget");
   study.write_beside = [parameters =
-                            declared_parameters(spec.simulation)](const std::filesystem::path& folder) {
+                            simulation_parameters(spec.simulation)](const std::filesystem::path& folder) {
     write_declared_parameters(folder, parameters);
   };
   const auto shared = std::make_shared<const BudgetSpec>(spec);

@@ -89,8 +89,7 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
 }
 
 bool is_midline(std::size_t point) {
-  return std::find(kMidline.begin(), kMidline.end(), static_cast<Joint>(point % kJointCount)) !=
-         kMidline.end();
+  return std::ranges::find(kMidline, static_cast<Joint>(point % kJointCount)) != kMidline.end();
 }
 
 RigProblem part_of(const RigProblem& problem, const std::function<bool(std::size_t)>& wanted_point) {

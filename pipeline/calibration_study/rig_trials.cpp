@@ -275,7 +275,7 @@ std::vector<RunOutcome> read_run(const Outcome& outcome, std::size_t sensors) {
   const auto whole = [&](const RunOutcome& o) {
     return o.failed || o.in_world.world_from_sensor.size() == sensors;
   };
-  if (outcomes.size() != methods().size() || !std::all_of(outcomes.begin(), outcomes.end(), whole))
+  if (outcomes.size() != methods().size() || !std::ranges::all_of(outcomes, whole))
     throw InputError(outcome.place(), "must have every method and, where it did not fail, every sensor");
   return outcomes;
 }

@@ -224,7 +224,7 @@ std::vector<SampleOutcome> read_outcomes(const Outcome& outcome, std::size_t ima
   const auto whole = [&](const SampleOutcome& o) {
     return o.error_m.size() == methods && o.distance_error_m.size() == methods && o.status.size() == methods;
   };
-  if (outcomes.size() != images || !std::all_of(outcomes.begin(), outcomes.end(), whole))
+  if (outcomes.size() != images || !std::ranges::all_of(outcomes, whole))
     throw InputError(outcome.place(), fmt::format("must have {} images with {} methods", images, methods));
   return outcomes;
 }

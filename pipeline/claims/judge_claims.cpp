@@ -126,10 +126,9 @@ ClaimChance chance_of(const OpenClaim& claim) {
 }
 
 std::string needed_text(const OpenClaim& claim, double alpha) {
-  const OpenClaim::Part& weakest =
-      *std::max_element(claim.parts.begin(), claim.parts.end(), [](const auto& a, const auto& b) {
-        return a.chance.holds - a.chance.fails < b.chance.holds - b.chance.fails;
-      });
+  const OpenClaim::Part& weakest = *std::ranges::max_element(claim.parts, [](const auto& a, const auto& b) {
+    return a.chance.holds - a.chance.fails < b.chance.holds - b.chance.fails;
+  });
   const ContrastEstimate& e = weakest.measured.estimate;
   if (const auto needed = clusters_needed(e, weakest.bound, alpha))
     return fmt::format("; some {} {} would decide it, here are {}", *needed, claim.judged.clusters,
@@ -222,8 +221,8 @@ std::optional<PaperFindings> judge_paper(const std::vector<std::filesystem::path
   findings.claims = judge_claims(printed_claims(), "datasets/paper/claims.json", findings.evidence);
   const ClaimStudies studies(findings.evidence);
   for (const PrintedErrata::Erratum& erratum : printed_errata().errata) {
-    if (erratum.effect.is_null()) continue;
-    JsonObject effect(erratum.effect, "datasets/paper/errata.json", "/" + erratum.id);
+    if (!erratum.effect) continue;
+    JsonObject effect(*erratum.effect, "datasets/paper/errata.json", "/" + erratum.id);
     for (const Measurement& measured : measure(effect, studies).parts)
       findings.errata[erratum.id].push_back(part_of(measured, ""));
     effect.finish();
@@ -277,7 +276,7 @@ std::string size_beside(const ClaimEstimate& e, double paper) {
                                                                   {2.0 / 3.0, "two thirds"},
                                                                   {0.75, "three quarters"}}};
   if (ratio < 0.07) return fmt::format("{:.1g} % of the size", 100.0 * ratio);
-  const auto nearest = std::min_element(kWords.begin(), kWords.end(), [&](const auto& a, const auto& b) {
+  const auto nearest = std::ranges::min_element(kWords, [&](const auto& a, const auto& b) {
     return std::abs(a.first - ratio) < std::abs(b.first - ratio);
   });
   return std::string(nearest->second) + " of the size";

@@ -48,8 +48,7 @@ Json plan_json(const Plan& plan, const std::vector<std::uint64_t>& owner) {
 }
 
 int print_plan(const Plan& plan, const Shard& shard, bool json) {
-  const bool all_ok =
-      std::all_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
+  const bool all_ok = std::ranges::all_of(plan.takes, [](const PlannedTake& t) { return t.ok; });
   const std::vector<std::uint64_t> owner = owners_of(plan, shard.of);
   if (json) {
     fmt::print("{}\n", json_text(plan_json(plan, owner), 2));
@@ -78,7 +77,7 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
 
 std::size_t failures_in(const std::vector<TakeNote>& notes) {
   return static_cast<std::size_t>(
-      std::count_if(notes.begin(), notes.end(), [](const TakeNote& note) { return note.failed; }));
+      std::ranges::count_if(notes, [](const TakeNote& note) { return note.failed; }));
 }
 
 void print_notes(const std::vector<TakeNote>& notes) {

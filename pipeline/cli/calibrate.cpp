@@ -165,7 +165,7 @@ CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Wat
   options.depth_correction = !arguments.no_depth_correction;
   options.movement_m = arguments.movement_m;
   options.movement_sigma_m = arguments.movement_sigma_m;
-  const auto axis = std::find(kTrajectoryAxes.begin(), kTrajectoryAxes.end(), arguments.trajectory_axis);
+  const auto axis = std::ranges::find(kTrajectoryAxes, arguments.trajectory_axis);
   if (axis != kTrajectoryAxes.end())
     options.trajectory_axis = static_cast<TrajectoryAxis>(axis - kTrajectoryAxes.begin());
   if (arguments.mocap.empty() != arguments.asset.empty() ||

@@ -221,8 +221,8 @@ int verify(const VerifyArguments& arguments) {
     findings = verify_session(session, {.read_depth = !arguments.skip_depth},
                               [&](double share) { progress.set(share); });
   }
-  const auto errors = std::count_if(findings.begin(), findings.end(),
-                                    [](const Finding& f) { return f.severity == Severity::error; });
+  const auto errors =
+      std::ranges::count_if(findings, [](const Finding& f) { return f.severity == Severity::error; });
   if (arguments.json) {
     Json list = Json::array();
     for (const Finding& f : findings)
@@ -262,9 +262,7 @@ std::filesystem::path default_output(const std::filesystem::path& damaged) {
 // A recording that was finished, but for its name.
 int give_its_name(const std::filesystem::path& damaged, const std::filesystem::path& output, bool json) {
   const bool unnamed = damaged.extension() == ".partial";
-  if (unnamed) {
-    publish_file(damaged, output);
-  }
+  if (unnamed) publish_file(damaged, output);
   const std::filesystem::path session = unnamed ? output : damaged;
   if (json)
     fmt::print("{}\n", json_text(Json{{"session", session.string()}, {"complete", true}}, 2));
@@ -329,8 +327,7 @@ int recover(const RecoverArguments& arguments) {
     fmt::print("{}\n", json_text(json_of(recoveries, output, damaged), 2));
   else
     print_recovery(recoveries, output, damaged);
-  if (std::none_of(recoveries.begin(), recoveries.end(), [](const auto& r) { return lost_rows(r) > 0; }))
-    return kDone;
+  if (std::ranges::none_of(recoveries, [](const auto& r) { return lost_rows(r) > 0; })) return kDone;
   fmt::print(stderr, "failed: {} has rows that are damaged or cannot be read; they were left out\n",
              damaged.string());
   return kItemsFailed;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `trilat record`.
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -60,9 +61,16 @@ struct RecordArguments {
 // up nobody; what cannot be written is left out. Any thread may call it.
 class LiveDisplay {
  public:
-  LiveDisplay();
+  LiveDisplay() : shared_(std::make_shared<Shared>()) {
+    std::thread([shared = shared_] { shared->run(); }).detach();
+  }
   // Waits a moment for what is still to be shown.
-  ~LiveDisplay();
+  ~LiveDisplay() {
+    std::unique_lock lock(shared_->mutex);
+    shared_->ended = true;
+    shared_->changed.notify_all();
+    shared_->changed.wait_for(lock, std::chrono::seconds(1), [&] { return shared_->done; });
+  }
   LiveDisplay(const LiveDisplay&) = delete;
   LiveDisplay& operator=(const LiveDisplay&) = delete;
 
@@ -71,54 +79,37 @@ class LiveDisplay {
   void say(const std::string& text);
 
  private:
-  struct Shared;
+  // Outlives the display when its thread is stuck in a terminal.
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::deque<std::string> texts;
+    std::string picture, line;
+    bool line_changed = false, ended = false, done = false;
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    double next_s = 0.0;
+
+    void run() {
+      std::unique_lock lock(mutex);
+      for (bool last = false; !last; lock.lock()) {
+        changed.wait(lock, [&] { return !texts.empty() || line_changed || ended; });
+        std::string out;
+        if (terminal) out += "\r\033[K";
+        for (const std::string& text : texts) out += text + "\n";
+        texts.clear();
+        if (line_changed && !ended) out += picture + line + (terminal ? "" : "\n");
+        line_changed = false;
+        last = ended;
+        lock.unlock();
+        std::fputs(out.c_str(), stderr);  // nobody to tell when this fails
+        std::fflush(stderr);
+      }
+      done = true;
+      changed.notify_all();
+    }
+  };
   std::shared_ptr<Shared> shared_;
 };
-
-// Outlives the display when its thread is stuck in a terminal.
-struct LiveDisplay::Shared {
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<std::string> texts;
-  std::string picture, line;
-  bool line_changed = false, ended = false, done = false;
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  double next_s = 0.0;
-
-  bool something() const { return !texts.empty() || line_changed || ended; }
-
-  void run() {
-    std::unique_lock lock(mutex);
-    while (true) {
-      changed.wait(lock, [&] { return something(); });
-      std::string out;
-      if (terminal) out += "\r\033[K";
-      for (const std::string& text : texts) out += text + "\n";
-      texts.clear();
-      if (line_changed && !ended) out += picture + line + (terminal ? "" : "\n");
-      line_changed = false;
-      const bool last = ended;
-      lock.unlock();
-      std::fputs(out.c_str(), stderr);  // nobody to tell when this fails
-      std::fflush(stderr);
-      lock.lock();
-      if (last) break;
-    }
-    done = true;
-    changed.notify_all();
-  }
-};
-
-LiveDisplay::LiveDisplay() : shared_(std::make_shared<Shared>()) {
-  std::thread([shared = shared_] { shared->run(); }).detach();
-}
-
-LiveDisplay::~LiveDisplay() {
-  std::unique_lock lock(shared_->mutex);
-  shared_->ended = true;
-  shared_->changed.notify_all();
-  shared_->changed.wait_for(lock, std::chrono::seconds(1), [&] { return shared_->done; });
-}
 
 // The line itself.
 std::string status_line(const CaptureStatus& status) {
@@ -157,30 +148,18 @@ void LiveDisplay::say(const std::string& text) {
   shared_->changed.notify_all();
 }
 
-// What only the simulator knows of a recording of `synthetic` sensors, so that it can be evaluated: a folder
-// with the OptiTrack export, the mapping, the sensors' true poses, and a campaign whose one take is the
-// recording. The export is written before the recording starts and covers `duration_s` of it, or a minute.
-class RecordTruth {
- public:
-  // InputError unless there is one source, a synthetic one at real speed.
-  RecordTruth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
-              double duration_s);
-  // Starts the source and writes the campaign.
-  void finish(FrameSource& source, const std::filesystem::path& session) const;
-
- private:
-  std::filesystem::path folder_;
-};
-
 constexpr double kDefaultDuration_s = 60.0;
 
 const std::vector<Joint> kMarkerJoints{Joint::head,       Joint::shoulder_left, Joint::shoulder_right,
                                        Joint::elbow_left, Joint::elbow_right,   Joint::wrist_left,
                                        Joint::wrist_right};
 
-RecordTruth::RecordTruth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
-                         double duration_s)
-    : folder_(folder) {
+// What only the simulator knows of a recording of `synthetic` sensors, so that it can be evaluated: the
+// OptiTrack export, the mapping and the sensors' true poses. The export is written before the recording
+// starts and covers `duration_s` of it, or a minute. InputError unless there is one source, a synthetic one
+// at real speed.
+void write_truth(const std::vector<std::string>& sources, const std::filesystem::path& folder,
+                 double duration_s) {
   const auto request = sources.size() == 1 ? synthetic_request(sources[0]) : std::nullopt;
   if (!request || request->live.speed != 1.0)
     throw InputError("--truth", "is known of one synthetic source at real speed only: --source synthetic:4");
@@ -200,20 +179,21 @@ RecordTruth::RecordTruth(const std::vector<std::string>& sources, const std::fil
   write_mapping(folder / "mapping.json", marker_mapping(kMarkerJoints));
 }
 
-void RecordTruth::finish(FrameSource& source, const std::filesystem::path& session) const {
+// Starts the source and writes the campaign, whose one take is the recording.
+void write_campaign_of(FrameSource& source, const std::filesystem::path& session,
+                       const std::filesystem::path& folder) {
   auto* live = dynamic_cast<LiveSource*>(&source);
   if (!live) return;
-  Campaign campaign{"recorded", true, {}, folder_};
-  campaign.takes.push_back({"take",
-                            "p01",
-                            "walking",
-                            std::filesystem::absolute(session),
-                            folder_ / "calibration.json",
-                            folder_ / "mocap.csv",
-                            folder_ / "mapping.json",
-                            live->start(),
-                            {}});
-  write_campaign(folder_, campaign);
+  const Take take{"take",
+                  "p01",
+                  "walking",
+                  std::filesystem::absolute(session),
+                  folder / "calibration.json",
+                  folder / "mocap.csv",
+                  folder / "mapping.json",
+                  live->start(),
+                  {}};
+  write_campaign(folder, {"recorded", true, {take}, folder});
 }
 
 // Holds the name of an output that takes long to come, so that no other process takes it meanwhile: the file
@@ -221,40 +201,36 @@ void RecordTruth::finish(FrameSource& source, const std::filesystem::path& sessi
 // where that name exists.
 class OutputClaim {
  public:
-  explicit OutputClaim(const std::filesystem::path& output);
-  ~OutputClaim();
+  explicit OutputClaim(const std::filesystem::path& output) : partial_(partial_name(output)) {
+    check_output_file(output);
+    const int file = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      ::close(file);
+      return;
+    }
+    if (errno != EEXIST)
+      throw OutputError(partial_.string(), std::string("cannot be created: ") + std::strerror(errno));
+    throw InputError(partial_.string(), has_no_bytes()
+                                            ? "exists and is empty: another recorder waits with this name, "
+                                              "or was killed while it waited; then remove it"
+                                            : "exists; another recorder writes it, or was killed: then "
+                                              "`trilat recover` it, or take another name");
+  }
+  ~OutputClaim() {
+    std::error_code ignored;
+    if (has_no_bytes()) std::filesystem::remove(partial_, ignored);
+  }
   OutputClaim(const OutputClaim&) = delete;
   OutputClaim& operator=(const OutputClaim&) = delete;
 
  private:
+  bool has_no_bytes() const {
+    std::error_code error;
+    return std::filesystem::file_size(partial_, error) == 0 && !error;
+  }
+
   std::filesystem::path partial_;
 };
-
-bool has_no_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::file_size(path, error) == 0 && !error;
-}
-
-OutputClaim::OutputClaim(const std::filesystem::path& output) : partial_(partial_name(output)) {
-  check_output_file(output);
-  const int file = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file >= 0) {
-    ::close(file);
-    return;
-  }
-  if (errno != EEXIST)
-    throw OutputError(partial_.string(), std::string("cannot be created: ") + std::strerror(errno));
-  throw InputError(partial_.string(), has_no_bytes(partial_)
-                                          ? "exists and is empty: another recorder waits with this name, or "
-                                            "was killed while it waited; then remove it"
-                                          : "exists; another recorder writes it, or was killed: then `trilat "
-                                            "recover` it, or take another name");
-}
-
-OutputClaim::~OutputClaim() {
-  std::error_code ignored;
-  if (has_no_bytes(partial_)) std::filesystem::remove(partial_, ignored);
-}
 
 ChunkCompression compression_named(const std::string& name) {
   return name == "deflate" ? ChunkCompression::deflate
@@ -269,20 +245,9 @@ std::string utc_now() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(now)), steady_now_ns());
 }
 
-std::string_view name_of(CaptureEnd end) {
-  switch (end) {
-    case CaptureEnd::source_ended:
-      return "source_ended";
-    case CaptureEnd::stop_requested:
-      return "stop_requested";
-    case CaptureEnd::duration_over:
-      return "duration_over";
-    case CaptureEnd::disk_full:
-      return "disk_full";
-    case CaptureEnd::disk_failed:
-      return "disk_failed";
-  }
-  return "";
+const char* name_of(CaptureEnd end) {
+  constexpr std::array kNames{"source_ended", "stop_requested", "duration_over", "disk_full", "disk_failed"};
+  return kNames.at(static_cast<std::size_t>(end));
 }
 
 Json json_of(const CaptureSummary& summary, const std::filesystem::path& file) {
@@ -363,13 +328,12 @@ int record_session(const RecordArguments& arguments) {
     check_output({arguments.truth, OutputKind::truth, {}, arguments.force, arguments.output.string()});
   const OutputClaim claim(arguments.output);
   check_output({arguments.output, OutputKind::session, replayed_files(arguments.sources), arguments.force});
-  std::optional<RecordTruth> truth;
-  if (!arguments.truth.empty()) truth.emplace(arguments.sources, arguments.truth, arguments.duration_s);
+  if (!arguments.truth.empty()) write_truth(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
   LiveDisplay display;
   if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, display));
-  if (truth) truth->finish(*sources.front(), arguments.output);
+  if (!arguments.truth.empty()) write_campaign_of(*sources.front(), arguments.output, arguments.truth);
   std::optional<SkeletonPreview> preview;
   if (arguments.preview && arguments.calibration.empty())
     preview.emplace(sources);

@@ -22,7 +22,7 @@ std::string content_of(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && entry.path() != folder / "accepted.json")
       files.push_back(fs::relative(entry.path(), folder));
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   std::string list;
   for (const fs::path& file : files)
     list += hash_of_file(folder / file) + "  " + file.generic_string() + "\n";
@@ -47,7 +47,7 @@ std::vector<std::string> studies_left_behind(const fs::path& results, const fs::
   if (now.single) return names;
   for (const FoundResults& older : before.results) {
     const auto same = [&](const FoundResults& f) { return f.name == older.name; };
-    if (std::none_of(now.results.begin(), now.results.end(), same)) names.push_back(older.name);
+    if (std::ranges::none_of(now.results, same)) names.push_back(older.name);
   }
   return names;
 }

@@ -62,12 +62,12 @@ PairedStudy study_of(const ResultsPair& pair, const SamplesHeader& header) {
   study.methods = header.methods;
   study.alignments = {header.alignment};
   const auto kinds = spec.value("alignments", std::vector<std::string>{});
-  if (header.alignment != "none" && std::find(kinds.begin(), kinds.end(), "none") != kinds.end())
+  if (header.alignment != "none" && std::ranges::find(kinds, "none") != kinds.end())
     study.alignments.emplace_back("none");
   for (const std::string& name : header.joints) {
     const auto joint = joint_from_name(name);
     const std::string group = joint ? table_group(*joint) : name;
-    auto found = std::find(study.groups.begin(), study.groups.end(), group);
+    auto found = std::ranges::find(study.groups, group);
     if (found == study.groups.end()) found = study.groups.insert(study.groups.end(), group);
     study.axes.group_of_joint.push_back(static_cast<std::size_t>(found - study.groups.begin()));
   }
@@ -177,7 +177,7 @@ void sort_findings(std::vector<GateFinding>& findings) {
   const auto size = [](const GateFinding& f) {
     return std::isnan(f.change.percent) ? 0.0 : std::abs(f.change.percent);
   };
-  std::stable_sort(findings.begin(), findings.end(), [&](const GateFinding& a, const GateFinding& b) {
+  std::ranges::stable_sort(findings, [&](const GateFinding& a, const GateFinding& b) {
     if (a.alarm != b.alarm) return a.alarm;
     if (a.study != b.study || a.kind != b.kind) return false;
     return size(a) > size(b);
@@ -311,8 +311,8 @@ class Comparison {
 
   // Other recordings of few people differ by chance as much as a regression would.
   static void check_participants(const std::vector<ComparedCell>& cells, StudyVerdict& verdict) {
-    const auto fewest = std::min_element(
-        cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.clusters < b.clusters; });
+    const auto fewest =
+        std::ranges::min_element(cells, [](const auto& a, const auto& b) { return a.clusters < b.clusters; });
     if (fewest == cells.end() || fewest->clusters >= kFewestParticipants) return;
     verdict.state = StudyState::not_judged;
     verdict.participants = fewest->clusters;

@@ -23,39 +23,17 @@ std::string text_of(const Json& object, const char* key) {
   return value.is_string() ? value.get<std::string>() : "";
 }
 
-// A folder whose manifest and summary are of different runs.
-void refuse_mixed(const FoundResults& found, const Json& study) {
-  const auto same = [&](const char* key, const Json& of_manifest, const std::string& wanted) {
-    if (of_manifest.is_string() && of_manifest.get<std::string>() != wanted)
-      throw InputError((found.folder / "manifest.json").string() + " " + key,
-                       fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
-                                   "parts of two runs; run the study again",
-                                   of_manifest.get<std::string>(), wanted));
-  };
-  const bool budget = found.kind == StudyKind::error_budget;
-  same("/study/kind", study.value("kind", Json()), name_of(budget ? StudyKind::accuracy : found.kind));
-  const std::string name = text_of(found.summary, "study"), campaign = text_of(found.summary, "campaign");
-  if (!name.empty()) same("/study/name", study.value("name", Json()), name);
-  if (!campaign.empty()) same("/campaign", found.manifest.value("campaign", Json()), campaign);
-}
-
 FoundResults read_found(const fs::path& folder, const std::string& name) {
   FoundResults found;
   found.folder = folder;
   found.kind = results_kind(folder);
   found.summary = read_results_json(folder);
   found.manifest = read_json(folder / "manifest.json");
-  const fs::path manifest = folder / "manifest.json";
-  if (!found.manifest.is_object() || found.manifest.value("format", Json()) != "trilat.manifest" ||
-      found.manifest.value("version", Json()) != 1)
-    throw InputError(manifest.string(),
-                     "is no manifest of this program's version (trilat.manifest, version 1)");
-  const Json study = found.manifest.value("study", Json::object());
-  if (!study.is_object() || !study.contains("name") || !study["name"].is_string())
-    throw InputError(manifest.string() + " /study/name", "is missing");
-  found.study = study["name"].get<std::string>();
+  JsonObject manifest(found.manifest, (folder / "manifest.json").string(), "");
+  check_format(manifest, "trilat.manifest", 1);
+  found.study = manifest.object("study").text("name");
   found.name = name.empty() ? found.study : name;
-  refuse_mixed(found, study);
+  check_same_run(manifest, found.kind, text_of(found.summary, "study"), text_of(found.summary, "campaign"));
   if (found.kind == StudyKind::accuracy) {
     if (!fs::exists(folder / "samples.h5"))
       throw InputError((folder / "samples.h5").string(), "is missing: results are compared sample by sample");
@@ -110,7 +88,7 @@ ResultsSet find_results(const fs::path& given) {
   std::vector<fs::path> inside;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory()) inside.push_back(entry.path());
-  std::sort(inside.begin(), inside.end());
+  std::ranges::sort(inside);
   for (const fs::path& path : inside) {
     if (path.extension() == ".partial") refuse_unfinished(path);
     if (is_results(path)) set.results.push_back(read_found(path, path.filename().string()));
@@ -132,8 +110,8 @@ PairedSet pair_results(ResultsSet now, ResultsSet before) {
     return set;
   }
   for (FoundResults& here : now.results) {
-    const auto there = std::find_if(before.results.begin(), before.results.end(),
-                                    [&](const FoundResults& b) { return matches(here, b); });
+    const auto there =
+        std::ranges::find_if(before.results, [&](const FoundResults& b) { return matches(here, b); });
     if (there == before.results.end()) {
       set.only_now.push_back(here.name);
       continue;

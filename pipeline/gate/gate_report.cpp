@@ -18,7 +18,7 @@ const char* name_of(StudyState state) {
 
 std::uint64_t GateReport::alarms() const {
   return static_cast<std::uint64_t>(
-      std::count_if(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; }));
+      std::ranges::count_if(findings, [](const GateFinding& f) { return f.alarm; }));
 }
 
 const char* name_of(Verdict verdict) {

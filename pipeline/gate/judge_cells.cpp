@@ -67,8 +67,8 @@ NumberChanges judge_numbers(const std::string& study, const Json& now, const Jso
     }
     changes.findings.push_back(std::move(finding));
   }
-  std::stable_sort(changes.findings.begin(), changes.findings.end(),
-                   [](const GateFinding& a, const GateFinding& b) { return size_of(a) > size_of(b); });
+  std::ranges::stable_sort(
+      changes.findings, [](const GateFinding& a, const GateFinding& b) { return size_of(a) > size_of(b); });
   if (changes.findings.size() > kMostNumbers) changes.findings.resize(kMostNumbers);
   return changes;
 }
@@ -216,8 +216,8 @@ std::vector<GateFinding> judge_cells(std::span<const ComparedCell> cells, const 
   JudgedCells judged(cells, limits);
   std::vector<GateFinding> findings;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const bool same = std::find(studies_with_same_inputs.begin(), studies_with_same_inputs.end(),
-                                cells[c].study) != studies_with_same_inputs.end();
+    const bool same =
+        std::ranges::find(studies_with_same_inputs, cells[c].study) != studies_with_same_inputs.end();
     judged.judge(cells[c], c, same, findings);
   }
   return findings;

@@ -131,12 +131,12 @@ std::string methods_text(const GateReport& report) {
   std::vector<Hit> hits;
   for (const GateFinding& f : report.findings) {
     if (!f.alarm || f.method.empty()) continue;
-    auto hit = std::find_if(hits.begin(), hits.end(), [&](const Hit& h) { return h.method == f.method; });
+    auto hit = std::ranges::find_if(hits, [&](const Hit& h) { return h.method == f.method; });
     if (hit == hits.end()) hit = hits.insert(hits.end(), Hit{f.method});
     ++hit->places;
     hit->studies.insert(f.study);
   }
-  std::stable_sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.places > b.places; });
+  std::ranges::stable_sort(hits, [](const Hit& a, const Hit& b) { return a.places > b.places; });
   std::string text;
   for (std::size_t i = 0; i < std::min(hits.size(), kMost); ++i)
     text += fmt::format("{}{} ({} places in {} studies)", text.empty() ? "by method: " : ", ", hits[i].method,

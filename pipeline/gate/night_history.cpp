@@ -16,7 +16,7 @@ std::string series_of(const std::string& study, const std::string& method, const
 }
 
 bool raised(const HistoryEntry& night, const std::string& key) {
-  return std::find(night.alarms.begin(), night.alarms.end(), key) != night.alarms.end();
+  return std::ranges::find(night.alarms, key) != night.alarms.end();
 }
 
 }  // namespace

@@ -58,8 +58,8 @@ ConditionPairs pairs_of(const PairedStudy& study, const std::string& condition,
   ConditionPairs pairs;
   for (const PairedTake& take : study.takes)
     if (take.condition == condition && take.sums.rows() > 0) pairs.takes.push_back(&take);
-  std::stable_sort(pairs.takes.begin(), pairs.takes.end(),
-                   [](const PairedTake* a, const PairedTake* b) { return a->participant < b->participant; });
+  std::ranges::stable_sort(
+      pairs.takes, [](const PairedTake* a, const PairedTake* b) { return a->participant < b->participant; });
   pairs.clusters = by_participant(pairs.takes);
   if (clusters_of(pairs.clusters) < kFewestParticipants && options.same_inputs) {
     constexpr auto kBlocks = static_cast<std::size_t>(static_cast<double>(kLongBlock_s) / kPairedBlock_s);
@@ -188,7 +188,7 @@ std::vector<ComparedCell> method_cells(const PairedStudy& study, const Condition
   for (std::size_t g = 0; g < study.axes.groups; ++g) {
     const std::size_t cell = study.axes.cell(alignment, set, g, method);
     const auto asked = [&](const PairedTake* take) { return take->cells[cell].asked > 0; };
-    if (std::none_of(pairs.takes.begin(), pairs.takes.end(), asked)) continue;
+    if (std::ranges::none_of(pairs.takes, asked)) continue;
     any |= differs(pairs, cell);
     cells.push_back(cell);
     groups.push_back(g);
@@ -220,7 +220,7 @@ std::vector<ComparedCell> method_cells(const PairedStudy& study, const Condition
 std::vector<ComparedCell> compared_cells(const PairedStudy& study, const PairedOptions& options) {
   std::vector<std::string> conditions;
   for (const PairedTake& take : study.takes)
-    if (std::find(conditions.begin(), conditions.end(), take.condition) == conditions.end())
+    if (std::ranges::find(conditions, take.condition) == conditions.end())
       conditions.push_back(take.condition);
   std::vector<ComparedCell> all;
   const PairedAxes& axes = study.axes;

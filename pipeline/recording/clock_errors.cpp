@@ -51,8 +51,7 @@ FitShares shares_of(const ClockTrial& trial, const std::vector<double>& errors_s
     fit.bound_s = std::max(fit.bound_s, 1e-9 * static_cast<double>(segment.offset_bound_ns));
   }
   const double limit_s = fit.bound_s + kSigmas * fit.sigma_s;
-  const auto within =
-      std::count_if(errors_s.begin(), errors_s.end(), [&](double e) { return std::abs(e) <= limit_s; });
+  const auto within = std::ranges::count_if(errors_s, [&](double e) { return std::abs(e) <= limit_s; });
   fit.within = static_cast<double>(within) / static_cast<double>(errors_s.size());
   fit.used = static_cast<double>(clock.exchanges_used) / static_cast<double>(clock.exchanges);
   return fit;
@@ -188,9 +187,10 @@ ClockErrorResults read_clocks(const RecordingSpec& spec, const Outcomes& outcome
     const Outcome& outcome = outcomes.at(clock_item(n));
     const Json json = outcome.json();
     JsonObject object(json, outcome.place(), "");
-    for (const JsonObject& row : object.objects("rows")) results.rows.push_back(read_as<ClockErrorRow>(row));
+    for (ClockErrorRow& row : read_list<ClockErrorRow>(object, "rows"))
+      results.rows.push_back(std::move(row));
     results.fits.push_back(read_as<ClockFitRow>(object.object("fit")));
-    for (const JsonObject& row : object.objects("queues")) results.queues.push_back(read_as<QueueRow>(row));
+    for (QueueRow& row : read_list<QueueRow>(object, "queues")) results.queues.push_back(std::move(row));
   }
   return results;
 }

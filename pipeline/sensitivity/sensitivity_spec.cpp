@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/methods/method.h"
@@ -74,13 +75,13 @@ SensitivityClaim read_claim(JsonObject& object, const std::vector<std::string>& 
   claim.than = object.texts("than");
   if (claim.than.empty()) object.refuse("than", "must name at least one method");
   for (const std::string& name : claim.than) check_method(object, "than", name, methods);
-  claim.margin_percent = number_within(object, "margin_percent", 0.0, -100.0, 1000.0);
+  setting(object, "margin_percent", claim.margin_percent, {-100.0, 1000.0},
+          "by which it may err more and the claim still holds");
   claim.name =
       object.text("name", fmt::format("{} errs less than {}", claim.better, fmt::join(claim.than, ", ")));
   object.about({{"name", "in tables"},
                 {"better", "the method that is said to err less"},
-                {"than", "than each of these"},
-                {"margin_percent", "by which it may err more and the claim still holds"}});
+                {"than", "than each of these"}});
   object.finish();
   return claim;
 }
@@ -122,7 +123,8 @@ SensitivitySlice read_slice(JsonObject& object, const SensitivitySummary& head) 
   slice.y = read_factor_name(object, "y", head);
   if (slice.x == slice.y) object.refuse("y", "must be another factor than x");
   slice.name = object.text("name", slice.x + " and " + slice.y);
-  slice.steps = count_within(object, "steps", 7, 2, 100);
+  slice.steps = 7;
+  setting(object, "steps", slice.steps, {2, 100}, "of each");
   slice.claims = object.texts("claims", names_of(head.claims));
   for (const std::string& claim : slice.claims)
     if (const auto known = names_of(head.claims); std::ranges::find(known, claim) == known.end())
@@ -130,7 +132,6 @@ SensitivitySlice read_slice(JsonObject& object, const SensitivitySummary& head) 
   object.about({{"name", "in tables"},
                 {"x", "a factor"},
                 {"y", "another; all others are as the simulation has them"},
-                {"steps", "of each"},
                 {"claims", "that are drawn; without it all"}});
   object.finish();
   return slice;
@@ -183,8 +184,9 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
   head.study = spec.study.name;
   for (const AlignmentKind alignment : spec.study.alignments)
     head.alignments.emplace_back(name_of(alignment));
-  head.seed = object.count("seed", 1);
-  head.participants = count_within(object, "participants", 4, 1, 10'000);
+  head.seed = 1, head.participants = 4, head.rows = 150;
+  setting(object, "seed", head.seed, "of the campaigns");
+  setting(object, "participants", head.participants, {1, 10'000}, "of each campaign");
   for (const MethodSpec& method : spec.study.methods) head.methods.push_back(method.name);
   std::vector<std::string> factors;
   for (JsonObject& entry : object.objects("space")) {
@@ -200,16 +202,14 @@ SensitivitySpec parse_sensitivity(const Json& json, const std::string& place,
     for (JsonObject& entry : object.objects("parts")) head.parts.push_back(read_part(entry, head));
   if (object.has("slices"))
     for (JsonObject& entry : object.objects("slices")) head.slices.push_back(read_slice(entry, head));
-  head.rows = count_within(object, "rows", 150, kFewestRows, 1'000'000);
+  setting(object, "rows", head.rows, {kFewestRows, 1'000'000},
+          "of the design; campaigns are as many times the factors and 2");
   object.shape("simulation", R"({"type": ["object", "string"]})");
   object.about({{"simulation", "simulation.json or its path; without it the paper's campaign"},
-                {"seed", "of the campaigns"},
-                {"participants", "of each campaign"},
                 {"space", "the settings that are varied"},
                 {"claims", "which method is said to err less than which"},
                 {"parts", "of the space, in which the claims are judged again"},
-                {"slices", "pairs of factors, all others as the simulation has them"},
-                {"rows", "of the design; campaigns are as many times the factors and 2"}});
+                {"slices", "pairs of factors, all others as the simulation has them"}});
   object.finish();
   check_space(object, spec);
   return spec;

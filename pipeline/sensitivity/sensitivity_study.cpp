@@ -203,7 +203,7 @@ Study sensitivity_study(const SensitivitySpec& spec) {
   study.write_beside = [shared](const std::filesystem::path& folder) {
     const std::vector<double> as_it_is(shared->head.factors.size(), kNoNumber);
     write_declared_parameters(folder,
-                              declared_parameters(simulation_at(*shared, as_it_is, shared->head.seed)));
+                              simulation_parameters(simulation_at(*shared, as_it_is, shared->head.seed)));
   };
   for (const Row& row : rows_of(spec.head)) {
     for (const SensitivityPoint& point : row.points) simulation_at(spec, point.position, spec.head.seed);

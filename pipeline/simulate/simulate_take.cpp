@@ -126,13 +126,6 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
           tracker_truth};
 }
 
-std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec) {
-  std::vector<DeclaredParameter> parameters;
-  for (const TrackerParameter& p : simulation_parameters(spec))
-    parameters.push_back({p.name, p.value, p.unit, p.source});
-  return parameters;
-}
-
 SimulatedCampaign simulated_campaign(const SimulationSpec& spec) {
   SimulatedCampaign campaign;
   Eigen::Vector3d centre_m(0.0, 1.0, 0.0);
@@ -167,7 +160,7 @@ std::optional<Take> simulate_recording(const SimulationSpec& spec, const Simulat
 }
 
 void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
-  write_declared_parameters(folder, declared_parameters(spec));  // first: by it a simulation is known
+  write_declared_parameters(folder, simulation_parameters(spec));  // first: by it a simulation is known
   Calibration calibration{kSimulatedTruth, rig.poses};
   if (spec.rig.position_sigma_m > 0.0 || spec.rig.rotation_sigma_rad > 0.0)
     calibration = perturbed(calibration, spec.rig.position_sigma_m, spec.rig.rotation_sigma_rad, spec.seed);

@@ -41,9 +41,6 @@ struct SimulatedRig {
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                    const std::filesystem::path& folder, const Watch& watch);
 
-// What the simulation assumes, as simulator.json holds it.
-std::vector<DeclaredParameter> declared_parameters(const SimulationSpec& spec);
-
 // All that a simulation records: every take, and last the wand when there is one.
 struct SimulatedCampaign {
   SimulatedRig rig;

@@ -90,8 +90,8 @@ WatchedFiles::WatchedFiles(const std::vector<std::filesystem::path>& files) {
 void WatchedFiles::add(const std::filesystem::path& file) { files_.push_back({file, when_written(file)}); }
 
 bool WatchedFiles::changed() const {
-  return std::any_of(files_.begin(), files_.end(),
-                     [](const Watched& watched) { return when_written(watched.file) != watched.written; });
+  return std::ranges::any_of(
+      files_, [](const Watched& watched) { return when_written(watched.file) != watched.written; });
 }
 
 void WatchedFiles::check() const {

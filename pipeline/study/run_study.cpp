@@ -172,8 +172,7 @@ void write_manifest(const Study& study, const Outcomes& outcomes, const fs::path
 }
 
 std::string results_key(const Study& study, const Outcomes& outcomes) {
-  const bool failed =
-      std::any_of(outcomes.begin(), outcomes.end(), [](const auto& o) { return o.second.key.empty(); });
+  const bool failed = std::ranges::any_of(outcomes, [](const auto& o) { return o.second.key.empty(); });
   if (failed) return "";  // what failed may work the next time
   return study.key ? study.key() : key_of(study.work);
 }
@@ -237,7 +236,7 @@ Json manifest_of_generated(const Json& resolved) {
 }
 
 ItemTally run_study(const Study& study, const fs::path& output, const StudyOptions& options) {
-  const bool asked = std::find(options.reuse.begin(), options.reuse.end(), output) != options.reuse.end();
+  const bool asked = std::ranges::find(options.reuse, output) != options.reuse.end();
   if (asked && options.shard.whole() && !study.key && holds_results(output, key_of(study.work))) {
     ItemTally tally;
     for (const Item& item : study.items) tally.reused.push_back(item.id);

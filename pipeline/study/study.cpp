@@ -43,8 +43,7 @@ std::string name_of(const Shard& shard) {
 std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_t shards) {
   std::vector<std::size_t> order(costs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
   using Load = std::pair<double, std::uint64_t>;  // cost, shard
   std::priority_queue<Load, std::vector<Load>, std::greater<>> lightest;
   for (std::uint64_t s = 1; s <= std::max<std::uint64_t>(1, shards); ++s) lightest.emplace(0.0, s);

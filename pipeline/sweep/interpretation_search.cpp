@@ -105,7 +105,7 @@ SweepFit time_fit(const SweepSummary& s, const PrintedTable1& printed, std::size
 }
 
 SweepRanking ranking_of(std::vector<SweepFit> fits) {
-  std::sort(fits.begin(), fits.end(), [](const SweepFit& a, const SweepFit& b) {
+  std::ranges::sort(fits, [](const SweepFit& a, const SweepFit& b) {
     return std::tie(a.rms_log_ratio, a.interpretation, a.reported) <
            std::tie(b.rms_log_ratio, b.interpretation, b.reported);
   });
@@ -131,10 +131,10 @@ bool same_but_gradient(const SweepInterpretation& a, const SweepInterpretation& 
 // From the largest threshold to the smallest.
 template <class OfCell>
 std::vector<double> factors(const SweepSummary& s, std::size_t interpretation, const OfCell& of_cell) {
-  const auto largest = static_cast<std::size_t>(std::max_element(s.thresholds.begin(), s.thresholds.end()) -
-                                                s.thresholds.begin());
-  const auto smallest = static_cast<std::size_t>(std::min_element(s.thresholds.begin(), s.thresholds.end()) -
-                                                 s.thresholds.begin());
+  const auto largest =
+      static_cast<std::size_t>(std::ranges::max_element(s.thresholds) - s.thresholds.begin());
+  const auto smallest =
+      static_cast<std::size_t>(std::ranges::min_element(s.thresholds) - s.thresholds.begin());
   std::vector<double> result;
   for (std::size_t r = 0; r < s.ranges.size(); ++r)
     result.push_back(of_cell(s.cell(interpretation, smallest, r)) /

@@ -122,8 +122,8 @@ SweepReading reading_of(const Choices& c, const SweepSpec& spec, const SweepRig&
 // The pointer of the choice that rules out every other: what is left must be a start or a damping.
 std::string emptying_choice(const SweepSpec& spec) {
   const bool only_linear = spec.starts == std::vector{SweepStart::linear};
-  const bool some_fits = std::any_of(spec.dampings.begin(), spec.dampings.end(), [&](Damping damping) {
-    return std::any_of(spec.gradients.begin(), spec.gradients.end(), [&](Gradient gradient) {
+  const bool some_fits = std::ranges::any_of(spec.dampings, [&](Damping damping) {
+    return std::ranges::any_of(spec.gradients, [&](Gradient gradient) {
       DescentOptions options;
       options.damping = damping;
       options.gradient = gradient;

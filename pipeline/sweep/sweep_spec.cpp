@@ -24,7 +24,7 @@ namespace {
 // 1 to 60 characters that fit into a heading and a cell of a table.
 bool is_plain_name(const std::string& name) {
   const auto is_odd = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '|' || c == 127; };
-  return !name.empty() && name.size() <= 60 && std::none_of(name.begin(), name.end(), is_odd);
+  return !name.empty() && name.size() <= 60 && std::ranges::none_of(name, is_odd);
 }
 
 constexpr std::size_t kLeastSensors = 3;
@@ -167,7 +167,7 @@ void tell_choices(Settings& s, const char* key, const Words& known, std::vector<
     choices.clear();
     object->words(key, known);
     for (const std::string& word : words) {
-      const auto found = std::find(known.begin(), known.end(), word);
+      const auto found = std::ranges::find(known, word);
       if (found == known.end())
         object->refuse(key, fmt::format("has \"{}\"; {}", word, known_names(word, known)));
       choices.push_back(static_cast<Enum>(found - known.begin()));

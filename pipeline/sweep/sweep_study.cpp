@@ -84,9 +84,9 @@ SweepCellTiming timing_of(const SweepCellPlace& place, const std::vector<Round>&
           place.threshold,
           place.range,
           median(scalar_ns),
-          *std::min_element(scalar_ns.begin(), scalar_ns.end()),
+          *std::ranges::min_element(scalar_ns),
           median(batched_ns),
-          *std::min_element(batched_ns.begin(), batched_ns.end())};
+          *std::ranges::min_element(batched_ns)};
 }
 
 // Times the first time_problems trials of every cell on one thread: one at a time, and many side by side,

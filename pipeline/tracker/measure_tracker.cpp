@@ -124,7 +124,7 @@ Estimates estimate(std::span<const ParticipantSums* const> participants) {
     for (std::size_t p = 0; sums.count > 0.0 && p < kPaths; ++p)
       misfit[p] += sums.count * std::log(std::max(misfit_of(sums, p), 1e-30));
   }
-  const auto best = static_cast<std::size_t>(std::min_element(misfit.begin(), misfit.end()) - misfit.begin());
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(misfit) - misfit.begin());
   bool moves = false;
   std::array<Solution, kTrackerGroups> solutions;
   for (std::size_t g = 0; g < kTrackerGroups; ++g) {

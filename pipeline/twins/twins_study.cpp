@@ -153,7 +153,7 @@ Study twins_study(const TwinsSpec& spec) {
               .write_beside =
                   [spec](const std::filesystem::path& folder) {
                     write_declared_parameters(
-                        folder, declared_parameters(simulation_of(spec, recorded_pairs().pairs[0])));
+                        folder, simulation_parameters(simulation_of(spec, recorded_pairs().pairs[0])));
                   },
               .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
                                const Watch&) { write_results(results, summarise(spec, outcomes)); },

@@ -12,11 +12,6 @@ constexpr std::size_t kItemBytes = 128;  // what an item costs beside its conten
 
 }  // namespace
 
-bool is_torn(const SourceEvent& event) {
-  const auto* depth = std::get_if<DepthFrame>(&event.data);
-  return depth && depth->depth_mm.size() != kDepthPixels;
-}
-
 ResendRing::ResendRing(std::size_t sensors, std::size_t limit_bytes, bool may_drop)
     : limit_bytes_(limit_bytes), may_drop_(may_drop), totals_(sensors) {}
 

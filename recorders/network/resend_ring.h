@@ -15,9 +15,6 @@
 
 namespace trilat {
 
-// True for a depth frame that is not whole.
-bool is_torn(const SourceEvent& event);
-
 // Everything an agent has taken from its source and the recording machine has not yet acknowledged, numbered
 // in the order of arrival. Where it would grow beyond its limit the oldest frames go, and every loss is
 // counted once it is certain: what was sent before it had to go may have arrived. One thread at a time.

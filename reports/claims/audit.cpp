@@ -20,7 +20,7 @@ constexpr const char* kDiffers = "differs";
 // Names a row: the erratum and which of its rows it is.
 TableValue row_key(const Table& table, const std::string& erratum) {
   const auto same = [&](const auto& row) { return row[1].text == erratum; };
-  const auto before = std::count_if(table.rows.begin(), table.rows.end(), same);
+  const auto before = std::ranges::count_if(table.rows, same);
   return TableValue::of(fmt::format("{}-{}", erratum, before + 1));
 }
 
@@ -35,8 +35,7 @@ void compare(Table& table, const char* erratum, const std::string& what, double 
 }
 
 const std::vector<double>& printed_row(const PrintedTable3& table, const std::string& group) {
-  const auto row =
-      std::find_if(table.rows.begin(), table.rows.end(), [&](const auto& r) { return r.group == group; });
+  const auto row = std::ranges::find_if(table.rows, [&](const auto& r) { return r.group == group; });
   return row->mae_cm;
 }
 
@@ -58,8 +57,8 @@ void audit_improvements(Table& table, const PrintedTable3& paper, const PrintedE
   const std::vector<double>& average_cm = printed_row(paper, kAverageGroup);
   const double ours_cm = average_cm.back();
   for (const PrintedErrata::Improvement& i : errata.improvements) {
-    const auto m = static_cast<std::size_t>(std::find(paper.methods.begin(), paper.methods.end(), i.method) -
-                                            paper.methods.begin());
+    const auto m =
+        static_cast<std::size_t>(std::ranges::find(paper.methods, i.method) - paper.methods.begin());
     const double gain_cm = average_cm.at(m) - ours_cm;
     for (const auto& [of, base_cm] :
          {std::pair{i.method, average_cm[m]}, std::pair{paper.methods.back(), ours_cm}})
@@ -144,9 +143,7 @@ std::string clock_effect(const PaperEvidence& e) {
 std::string steps_effect(const PaperEvidence& e) {
   if (!e.sweep || !e.sweep->search || e.sweep->search->compromises.empty()) return {};
   const SweepCompromise& c = e.sweep->search->compromises.front();
-  const auto most = [](const std::vector<double>& factors) {
-    return *std::max_element(factors.begin(), factors.end());
-  };
+  const auto most = [](const std::vector<double>& factors) { return *std::ranges::max_element(factors); };
   return fmt::format(
       "from C = 1 to 1e-6 a solve takes up to {:.3g} times the steps as printed, {:.2g} times corrected",
       most(c.printed_iterations_factor), most(c.corrected_iterations_factor));

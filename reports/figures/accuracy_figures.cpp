@@ -93,16 +93,6 @@ FigureSeries bars_of(const std::string& name, const std::vector<double>& percent
   return series;
 }
 
-std::vector<double> paper_percent() {
-  const PrintedTable4 paper = printed_table4();
-  std::uint64_t total = 0;
-  for (const PrintedTable4::Row& row : paper.rows) total += row.clock_samples;
-  std::vector<double> percent;
-  for (auto row = paper.rows.rbegin(); row != paper.rows.rend(); ++row)
-    percent.push_back(100.0 * share_of(row->clock_samples, total));
-  return percent;
-}
-
 std::vector<double> percent_of(const TimeSpread& error) {
   std::vector<double> percent;
   for (std::uint64_t count : error.bins) percent.push_back(100.0 * share_of(count, error.n));
@@ -124,7 +114,9 @@ Figure histogram(const RecordingSummary& s, const std::string& network) {
   std::vector<const ClockErrorRow*> rows;
   for (const ClockErrorRow& row : s.clocks)
     if (row.network == network && row.error.n > 0) rows.push_back(&row);
-  figure.series.push_back(bars_of("the paper's", paper_percent(), 0, rows.size() + 1));
+  figure.series.push_back(bars_of("the paper's",
+                                  percent_of(printed_table4_times(&PrintedTable4::Row::clock_samples)), 0,
+                                  rows.size() + 1));
   for (std::size_t k = 0; k < rows.size(); ++k)
     figure.series.push_back(bars_of(rows[k]->method, percent_of(rows[k]->error), k + 1, rows.size() + 1));
   return figure;
@@ -135,8 +127,7 @@ Figure histogram(const RecordingSummary& s, const std::string& network) {
 std::vector<Figure> clock_figures(const RecordingSummary& s) {
   std::vector<std::string> networks;
   for (const ClockErrorRow& row : s.clocks)
-    if (std::find(networks.begin(), networks.end(), row.network) == networks.end())
-      networks.push_back(row.network);
+    if (std::ranges::find(networks, row.network) == networks.end()) networks.push_back(row.network);
   std::vector<Figure> figures;
   for (const std::string& network : networks) figures.push_back(histogram(s, network));
   return figures;

@@ -67,8 +67,7 @@ std::vector<Figure> budget_figures(const BudgetSummary& s) {
     if (row.source != "all" || row.group == kAverageGroup || row.alignment != s.rows.front().alignment)
       continue;
     const std::pair key{row.condition, row.method};
-    auto found =
-        std::find_if(by_method.begin(), by_method.end(), [&](const auto& e) { return e.first == key; });
+    auto found = std::ranges::find_if(by_method, [&](const auto& e) { return e.first == key; });
     if (found == by_method.end()) found = by_method.insert(by_method.end(), {key, {}});
     found->second.push_back(&row);
   }

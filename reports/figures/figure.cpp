@@ -22,7 +22,7 @@ std::string unit_of(const std::string& label) {
 template <class Has>
 bool any_point(const Figure& figure, const Has& has) {
   for (const FigureSeries& s : figure.series)
-    if (std::any_of(s.points.begin(), s.points.end(), has)) return true;
+    if (std::ranges::any_of(s.points, has)) return true;
   return false;
 }
 

@@ -29,7 +29,7 @@ bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 
 // The family that a name begins with, whole words only.
 const Family* family_of(std::string method) {
-  std::replace(method.begin(), method.end(), '_', ' ');
+  std::ranges::replace(method, '_', ' ');
   for (const Family& family : kFamilies) {
     const std::string name = family.name;
     if (method.compare(0, name.size(), name) == 0 &&
@@ -61,7 +61,7 @@ std::vector<FigureLook> looks_of(const Figure& figure) {
     if (!s.method.empty()) taken.push_back((by_group[group_of(s)] = look_of_method(s.method)).colour);
   std::vector<std::size_t> left;
   for (std::size_t k = 0; k < kColours.size(); ++k)
-    if (std::find(taken.begin(), taken.end(), kColours[k]) == taken.end()) left.push_back(k);
+    if (std::ranges::find(taken, kColours[k]) == taken.end()) left.push_back(k);
   if (left.empty())
     for (std::size_t k = 0; k < kColours.size(); ++k) left.push_back(k);
   std::size_t next = 0;

@@ -158,7 +158,7 @@ std::vector<Entry> entries_of(const Figure& figure, std::size_t panel) {
   for (std::size_t k = 0; k < figure.series.size(); ++k) {
     const FigureSeries& s = figure.series[k];
     if (s.panel != panel) continue;
-    const auto same = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) {
+    const auto same = std::ranges::find_if(entries, [&](const Entry& e) {
       return group_of(*e.series.front()) == group_of(s) && e.series.front()->style == s.style;
     });
     if (same == entries.end())

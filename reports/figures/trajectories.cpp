@@ -71,8 +71,7 @@ Path read_path(const SamplesFile& samples, std::size_t take, std::size_t joint) 
 std::vector<std::size_t> shown_methods(const SamplesHeader& header) {
   std::vector<std::size_t> shown;
   const auto show = [&](std::size_t m) {
-    if (shown.size() < kMostMethods && std::find(shown.begin(), shown.end(), m) == shown.end())
-      shown.push_back(m);
+    if (shown.size() < kMostMethods && std::ranges::find(shown, m) == shown.end()) shown.push_back(m);
   };
   for (const char* name : kMethods)
     for (std::size_t m = 0; m < header.methods.size(); ++m)
@@ -111,8 +110,7 @@ std::optional<std::size_t> shown_joint(const SamplesFile& samples, std::size_t t
   for (std::size_t j = 0; j < header.joints.size(); ++j) order.push_back(j);
   for (const std::size_t j : order) {
     path = read_path(samples, take, j);
-    if (std::any_of(path.truth_m.begin(), path.truth_m.end(), [](double y) { return std::isfinite(y); }))
-      return j;
+    if (std::ranges::any_of(path.truth_m, [](double y) { return std::isfinite(y); })) return j;
   }
   return std::nullopt;
 }
@@ -123,7 +121,7 @@ Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, con
   Figure figure;
   figure.id = usable_id(fmt::format("trajectory-{}-{}", take.condition, joint));
   const auto spaced = [](std::string name) {
-    std::replace(name.begin(), name.end(), '_', ' ');
+    std::ranges::replace(name, '_', ' ');
     return name;
   };
   figure.title = fmt::format("Height of {}, {}, take {}{}", spaced(joint), spaced(take.condition), take.id,

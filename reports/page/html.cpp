@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 #include <zlib.h>
 
 #include "datasets/base/error.h"
@@ -26,9 +27,9 @@ const char* badge_class(const std::string& verdict) {
 }
 
 bool is_long(const Table& table, std::size_t column) {
-  return table.columns[column].is_text &&
-         std::any_of(table.rows.begin(), table.rows.end(),
-                     [&](const auto& row) { return printed(row[column]).size() > kLong; });
+  return table.columns[column].is_text && std::ranges::any_of(table.rows, [&](const auto& row) {
+           return printed(row[column]).size() > kLong;
+         });
 }
 
 // The number as CSV has it, and its interval, when that is not what is printed.
@@ -197,16 +198,9 @@ std::string deflated(std::string_view bytes) {
 }
 
 std::string base64_of(std::string_view bytes) {
-  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
+  std::string text(4 * ((bytes.size() + 2) / 3), '\0');
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                  reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
   return text;
 }
 

@@ -133,7 +133,7 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
   std::vector<std::size_t> shown;
   std::vector<std::string> names;
   for (std::size_t m = 0; m < header.methods.size(); ++m)
-    if (std::find(leading.begin(), leading.end(), header.methods[m]) != leading.end()) {
+    if (std::ranges::find(leading, header.methods[m]) != leading.end()) {
       shown.push_back(m);
       names.push_back(header.methods[m]);
     }

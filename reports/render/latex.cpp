@@ -96,8 +96,7 @@ std::string name_of_row(const std::vector<TableValue>& row, std::size_t cells) {
 // and the names with it.
 std::size_t naming_columns(const Table& table) {
   const auto names = [](const TableColumn& c) { return c.is_text || c.is_key; };
-  return static_cast<std::size_t>(std::find_if_not(table.columns.begin(), table.columns.end(), names) -
-                                  table.columns.begin());
+  return static_cast<std::size_t>(std::ranges::find_if_not(table.columns, names) - table.columns.begin());
 }
 
 // Names of all rows, which differ.

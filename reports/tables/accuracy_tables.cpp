@@ -148,8 +148,8 @@ std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
       const std::string end = fmt::format(", {} sensors", family.sensors);
       if (!c || !family.name.ends_with(end)) continue;
       const std::string method = family.name.substr(0, family.name.size() - end.size());
-      auto series = std::find_if(figure.series.begin(), figure.series.end(),
-                                 [&](const FigureSeries& other) { return other.name == method; });
+      auto series = std::ranges::find_if(figure.series,
+                                         [&](const FigureSeries& other) { return other.name == method; });
       if (series == figure.series.end())
         series = figure.series.insert(figure.series.end(),
                                       {method, FigureSeries::Style::line_and_dots, {}, {}, method});

@@ -56,8 +56,8 @@ void add_coverage_note(const ResultsSummary& s, const std::string& condition, co
           all.statuses[status] += n;
     }
     if (!(all.coverage() < kLeastCoverage) || all.statuses.empty()) continue;
-    const auto reason = std::max_element(all.statuses.begin(), all.statuses.end(),
-                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto reason = std::ranges::max_element(
+        all.statuses, [](const auto& a, const auto& b) { return a.second < b.second; });
     methods += fmt::format("{}{} {:.0f} % ({} {:.0f} %)", methods.empty() ? "" : ", ", method,
                            100.0 * all.coverage(), reason->first,
                            100.0 * static_cast<double>(reason->second) / static_cast<double>(all.asked));
@@ -78,8 +78,7 @@ void add_take_notes(const ResultsSummary& summary, Table& table) {
 
 std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
   std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string text;
   for (const auto& [name, n] : sorted) {
     const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);

@@ -11,7 +11,7 @@ namespace trilat {
 namespace {
 
 void add_once(std::vector<std::string>& list, const std::string& text) {
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+  if (std::ranges::find(list, text) == list.end()) list.push_back(text);
 }
 
 Table budget_table(const BudgetSummary& s, const std::string& condition, const std::string& alignment) {

@@ -28,7 +28,7 @@ std::string scene_text(const std::string& scene) {
 std::vector<std::string> scenes_of(const CalibrationSummary& s) {
   std::vector<std::string> scenes;
   for (const WandRow& row : s.wand)
-    if (std::find(scenes.begin(), scenes.end(), row.scene) == scenes.end()) scenes.push_back(row.scene);
+    if (std::ranges::find(scenes, row.scene) == scenes.end()) scenes.push_back(row.scene);
   return scenes;
 }
 
@@ -243,9 +243,8 @@ std::vector<EffectRow> assumed_effects(const CalibrationSummary& summary, const 
   for (const EffectRow& row : summary.effect)
     if (row.method == method && (row.calibration == "exact" || row.calibration.ends_with(" mm an axis")))
       rows.push_back(row);
-  std::stable_sort(rows.begin(), rows.end(), [](const EffectRow& a, const EffectRow& b) {
-    return a.sensor_sigma_m < b.sensor_sigma_m;
-  });
+  std::ranges::stable_sort(
+      rows, [](const EffectRow& a, const EffectRow& b) { return a.sensor_sigma_m < b.sensor_sigma_m; });
   return rows;
 }
 

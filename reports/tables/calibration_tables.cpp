@@ -173,7 +173,7 @@ MeanAndMax mean_and_max(std::vector<double> values) {
   if (values.empty()) return {};
   double sum = 0.0;
   for (double v : values) sum += v;
-  return {sum / static_cast<double>(values.size()), *std::max_element(values.begin(), values.end())};
+  return {sum / static_cast<double>(values.size()), *std::ranges::max_element(values)};
 }
 
 double valid_share(const DistortionCurve& curve) {

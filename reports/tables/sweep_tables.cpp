@@ -81,8 +81,7 @@ Table compromise_table(const SweepSummary& s) {
       "search-compromise",
       fmt::format("What the smallest threshold (C = {:g}) costs and brings against the largest (C = {:g}), "
                   "with either gradient, simulated ({} trials a cell)",
-                  *std::min_element(s.thresholds.begin(), s.thresholds.end()),
-                  *std::max_element(s.thresholds.begin(), s.thresholds.end()), s.trials),
+                  *std::ranges::min_element(s.thresholds), *std::ranges::max_element(s.thresholds), s.trials),
       rows,
       {{"best for", "best_for", as_text([](const Row& r) { return r.c->best_for; })},
        {"printed reading", "reading",
@@ -116,11 +115,11 @@ std::string span_text(const std::vector<double>& factors) {
 }
 
 bool all_finite(const std::vector<double>& factors) {
-  return std::all_of(factors.begin(), factors.end(), [](double f) { return std::isfinite(f); });
+  return std::ranges::all_of(factors, [](double f) { return std::isfinite(f); });
 }
 
-double most(const std::vector<double>& f) { return *std::max_element(f.begin(), f.end()); }
-double least(const std::vector<double>& f) { return *std::min_element(f.begin(), f.end()); }
+double most(const std::vector<double>& f) { return *std::ranges::max_element(f); }
+double least(const std::vector<double>& f) { return *std::ranges::min_element(f); }
 
 // Whether accuracy is bought with time: with the printed gradient, and still with the corrected one.
 std::string verdict_on(const SweepCompromise& c) {

@@ -54,8 +54,8 @@ std::string usable_id(std::string text) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
            c == '_' || c == '-';
   };
-  std::replace_if(
-      text.begin(), text.end(), [&](char c) { return !is_kept(c); }, '-');
+  std::ranges::replace_if(
+      text, [&](char c) { return !is_kept(c); }, '-');
   return text;
 }
 

@@ -71,8 +71,6 @@ inline TableValue cm_cell(double metres, double low_m, double high_m) {
   return number_cell(2, metres * kCentimetresPerMetre, low_m * kCentimetresPerMetre,
                      high_m * kCentimetresPerMetre);
 }
-inline TableValue mm_cell(double metres) { return TableValue::of(metres / kMetresPerMillimetre, 2); }
-inline TableValue degree_cell(double radians) { return TableValue::of(radians * kDegreesPerRad, 2); }
 inline TableValue percent_cell(double share) { return TableValue::of(100.0 * share, 1); }
 inline TableValue percent_cell(double share, double low, double high) {
   return number_cell(1, 100.0 * share, 100.0 * low, 100.0 * high);

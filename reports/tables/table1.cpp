@@ -2,6 +2,7 @@
 #include "reports/tables/table1.h"
 
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>
@@ -13,89 +14,74 @@
 namespace trilat {
 namespace {
 
-class TableColumn {
- public:
-  TableColumn(const SweepSummary& s, const std::optional<SweepTimings>& timings,
-              std::optional<std::size_t> reading)
-      : s_(s), timings_(timings), reading_(reading) {}
-
-  TableValue error_cm(std::size_t t, std::size_t r, bool axis_mean) const {
-    return number(
-        t, r,
-        [&](const SweepCell& c) {
-          return kCentimetresPerMetre * (axis_mean ? c.axis_mean_mae_m() : c.mae_m);
-        },
-        2);
-  }
-  TableValue iterations(std::size_t t, std::size_t r) const {
-    return number(
-        t, r, [](const SweepCell& c) { return c.mean_iterations; }, 1);
-  }
-  // NaN without this reading.
-  double answered_percent(std::size_t t, std::size_t r) const {
-    if (!reading_ || s_.cell(*reading_, t, r).asked == 0) return SweepCell::kNone;
-    const SweepCell& c = s_.cell(*reading_, t, r);
-    return 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
-  }
-  TableValue time_us(std::size_t t, std::size_t r) const {
-    const SweepCellTiming* time = reading_ ? timing_of(timings_, s_.cell(*reading_, t, r)) : nullptr;
-    return TableValue::of(time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone, 2);
-  }
-
- private:
-  template <class Get>
-  TableValue number(std::size_t t, std::size_t r, const Get& get, int decimals) const {
-    return TableValue::of(reading_ ? get(s_.cell(*reading_, t, r)) : SweepCell::kNone, decimals);
-  }
-
-  const SweepSummary& s_;
-  const std::optional<SweepTimings>& timings_;
-  std::optional<std::size_t> reading_;
+// A row: a threshold in a range of errors.
+struct Place {
+  std::size_t threshold = 0, range = 0;
 };
 
-void add_rows(Table& table, const SweepSummary& s, const std::optional<SweepTimings>& timings,
-              const PrintedTable1& paper, const Table1Readings& readings) {
-  const bool axis_mean = readings.axis_mean;
-  const TableColumn as_printed(s, timings, readings.as_printed), printed(s, timings, readings.printed),
-      corrected(s, timings, readings.corrected);
+Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>& timings,
+                        const PrintedTable1& paper, const Table1Readings& readings) {
+  std::vector<Place> rows;
   for (std::size_t r = 0; r < s.ranges.size(); ++r)
-    for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
-      const PrintedTable1::Row& row = paper.rows[t];
-      TableValue time = TableValue::of(row.time_us[r], -1);
-      if (row.time_is_below) time = TableValue::of(fmt::format("<{:g}", row.time_us[r]));
-      table.rows.push_back(
-          {TableValue::of(fmt::format("{:g}-{:g}", paper.ranges_cm[r][0], paper.ranges_cm[r][1])),
-           TableValue::of(row.threshold, -1), TableValue::of(row.error_cm[r], 1),
-           as_printed.error_cm(t, r, axis_mean), printed.error_cm(t, r, axis_mean),
-           corrected.error_cm(t, r, axis_mean), time, as_printed.time_us(t, r), printed.time_us(t, r),
-           corrected.time_us(t, r), as_printed.iterations(t, r), printed.iterations(t, r),
-           corrected.iterations(t, r), TableValue::of(printed.answered_percent(t, r), 1),
-           TableValue::of(corrected.answered_percent(t, r), 1)});
-    }
-}
-
-Table empty_table1(const SweepSummary& s, const Table1Readings& readings) {
-  Table table;
-  table.id = usable_id("table1-" + s.interpretations[*readings.printed].rig);
-  table.title = fmt::format(
-      "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} trials a "
-      "cell, seed {})",
-      readings.name, s.trials, s.seed);
-  table.columns = {{"range (cm)", "range_cm", true},
-                   {"C", "threshold", false, true},
-                   {"error, paper (cm)", "paper_error_cm", false},
-                   {"E7+E8 (cm)", "as_printed_error_cm", false},
-                   {"E7 (cm)", "printed_error_cm", false},
-                   {"corrected (cm)", "corrected_error_cm", false},
-                   {"time, paper (us)", "paper_time_us", false},
-                   {"E7+E8 (us)", "as_printed_time_us", false},
-                   {"E7 (us)", "printed_time_us", false},
-                   {"corrected (us)", "corrected_time_us", false},
-                   {"steps, E7+E8", "as_printed_iterations", false},
-                   {"E7", "printed_iterations", false},
-                   {"corrected", "corrected_iterations", false},
-                   {"answered, E7 (%)", "printed_answered_percent", false},
-                   {"corrected (%)", "corrected_answered_percent", false}};
+    for (std::size_t t = 0; t < s.thresholds.size(); ++t) rows.push_back({t, r});
+  using Reading = std::optional<std::size_t>;
+  const Reading both = readings.as_printed, e7 = readings.printed, ours = readings.corrected;
+  // NaN without this reading.
+  const auto of_cell = [&s](Reading reading, auto get) {
+    return [=, &s](const Place& p) {
+      return reading ? std::invoke(get, s.cell(*reading, p.threshold, p.range)) : SweepCell::kNone;
+    };
+  };
+  const auto error = [&](Reading reading) {
+    return in_cm(of_cell(reading, [axis_mean = readings.axis_mean](const SweepCell& c) {
+      return axis_mean ? c.axis_mean_mae_m() : c.mae_m;
+    }));
+  };
+  const auto time = [&](Reading reading) {
+    return as_number(2, of_cell(reading, [&timings](const SweepCell& c) {
+                       const SweepCellTiming* cell = timing_of(timings, c);
+                       return cell ? cell->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone;
+                     }));
+  };
+  const auto steps = [&](Reading reading) {
+    return as_number(1, of_cell(reading, &SweepCell::mean_iterations));
+  };
+  const auto answered = [&](Reading reading) {
+    return as_number(1, of_cell(reading, [](const SweepCell& c) {
+                       return 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
+                     }));
+  };
+  const auto paper_time = [&](const Place& p) {
+    const PrintedTable1::Row& row = paper.rows[p.threshold];
+    return row.time_is_below ? TableValue::of(fmt::format("<{:g}", row.time_us[p.range]))
+                             : TableValue::of(row.time_us[p.range], -1);
+  };
+  Table table = table_of<Place>(
+      usable_id("table1-" + s.interpretations[*readings.printed].rig),
+      fmt::format(
+          "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} "
+          "trials a cell, seed {})",
+          readings.name, s.trials, s.seed),
+      rows,
+      {{"range (cm)", "range_cm", as_text([&](const Place& p) {
+          return fmt::format("{:g}-{:g}", paper.ranges_cm[p.range][0], paper.ranges_cm[p.range][1]);
+        })},
+       {"C", "threshold",
+        chosen(as_number(-1, [&](const Place& p) { return paper.rows[p.threshold].threshold; }))},
+       {"error, paper (cm)", "paper_error_cm",
+        as_number(1, [&](const Place& p) { return paper.rows[p.threshold].error_cm[p.range]; })},
+       {"E7+E8 (cm)", "as_printed_error_cm", error(both)},
+       {"E7 (cm)", "printed_error_cm", error(e7)},
+       {"corrected (cm)", "corrected_error_cm", error(ours)},
+       {"time, paper (us)", "paper_time_us", CellOf{paper_time}},
+       {"E7+E8 (us)", "as_printed_time_us", time(both)},
+       {"E7 (us)", "printed_time_us", time(e7)},
+       {"corrected (us)", "corrected_time_us", time(ours)},
+       {"steps, E7+E8", "as_printed_iterations", steps(both)},
+       {"E7", "printed_iterations", steps(e7)},
+       {"corrected", "corrected_iterations", steps(ours)},
+       {"answered, E7 (%)", "printed_answered_percent", answered(e7)},
+       {"corrected (%)", "corrected_answered_percent", answered(ours)}});
   add_notes(table, "table1",
             {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is "
                                             "the metric of the best-fitting reading"
@@ -157,11 +143,8 @@ bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
 std::vector<Table> table1(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   const PrintedTable1 paper = printed_table1();
   std::vector<Table> tables;
-  for (const Table1Readings& readings : table1_readings(s, paper)) {
-    Table table = empty_table1(s, readings);
-    add_rows(table, s, timings, paper, readings);
-    tables.push_back(std::move(table));
-  }
+  for (const Table1Readings& readings : table1_readings(s, paper))
+    tables.push_back(table_of_readings(s, timings, paper, readings));
   return tables;
 }
 

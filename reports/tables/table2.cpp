@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kAlignment = "mean";
 
 bool has_condition(const ResultsSummary& s, const std::string& condition) {
-  return std::find(s.conditions.begin(), s.conditions.end(), condition) != s.conditions.end();
+  return std::ranges::find(s.conditions, condition) != s.conditions.end();
 }
 
 // The paper's column that a method belongs beside: its own is nonlinear, with and without compensation.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 namespace trilat {
 namespace {
 
+constexpr const char* kThePapers = "the paper's";
 constexpr double kMsPerS = 1e3;
 constexpr double kUsPerS = 1e6;
 
@@ -18,29 +19,6 @@ constexpr double kPercent = 100.0;
 
 TableValue share_cell(std::uint64_t part, std::uint64_t whole) {
   return TableValue::of(100.0 * share_of(part, whole), 2);
-}
-
-// Printed from the longest to the shortest.
-std::uint64_t printed_count(const PrintedTable4::Row& row, bool clocks) {
-  return clocks ? row.clock_samples : row.frames;
-}
-
-std::uint64_t printed_total(const PrintedTable4& paper, bool clocks) {
-  std::uint64_t total = 0;
-  for (const PrintedTable4::Row& row : paper.rows) total += printed_count(row, clocks);
-  return total;
-}
-
-std::vector<TableValue> paper_clock_row(const Table& table) {
-  const PrintedTable4 paper = printed_table4();
-  const std::uint64_t total = printed_total(paper, true);
-  std::vector<TableValue> row = row_by_key(table, {{"network", TableValue::of("the paper's")},
-                                                   {"method", TableValue::of("the paper's")},
-                                                   {"samples", count_cell(total)}});
-  for (std::size_t b = 0; b < paper.rows.size(); ++b)
-    row[3 + b] = share_cell(paper.rows[paper.rows.size() - 1 - b].clock_samples, total);
-  row[9] = share_cell(paper.rows.back().clock_samples + (paper.rows.end() - 2)->clock_samples, total);
-  return row;
 }
 
 // Share of the sensors' runs, of those with an answer, in which every answer is.
@@ -62,22 +40,12 @@ auto in_bins(std::size_t first, std::size_t last) {
   };
 }
 
-std::vector<TableValue> paper_processing_row(const Table& table) {
-  const PrintedTable4 paper = printed_table4();
-  TimeSpread printed;
-  for (std::size_t b = 0; b < printed.bins.size(); ++b)
-    printed.bins[b] = paper.rows[paper.rows.size() - 1 - b].frames;
-  printed.n = std::accumulate(printed.bins.begin(), printed.bins.end(), std::uint64_t{0});
-  const auto share = [&](std::size_t first, std::size_t last) {
-    return TableValue::of(kPercent * in_bins(first, last)(printed), 2);
-  };
-  return row_by_key(table, {{"stage", TableValue::of("depth image to joints")},
-                            {"method", TableValue::of("the paper's")},
-                            {"frames", count_cell(printed.n)},
-                            {"below_11ms_percent", share(0, 2)},
-                            {"from_11_to_22ms_percent", share(3, 3)},
-                            {"from_22_to_33ms_percent", share(4, 4)},
-                            {"from_33ms_percent", share(5, 5)}});
+// Our rows behind the paper's.
+template <class Row>
+std::vector<Row> behind(Row papers, const std::vector<Row>& rows) {
+  std::vector<Row> all{std::move(papers)};
+  all.insert(all.end(), rows.begin(), rows.end());
+  return all;
 }
 
 // By the method that processes the fewest frames within the paper's ranges below 33 ms; nothing was timed:
@@ -93,7 +61,7 @@ double processed_share(const std::optional<StageTimings>& timings) {
 std::vector<TableValue> paper_queue_row(const Table& table) {
   const PrintedTable4 paper = printed_table4();
   const std::uint64_t taken = paper.frames - paper.lost_frames;
-  const TableValue papers = TableValue::of("the paper's");
+  const TableValue papers = TableValue::of(kThePapers);
   return row_by_key(table, {{"network", papers},
                             {"method", papers},
                             {"server", papers},
@@ -105,6 +73,14 @@ std::vector<TableValue> paper_queue_row(const Table& table) {
 }
 
 }  // namespace
+
+TimeSpread printed_table4_times(std::uint64_t PrintedTable4::Row::*count) {
+  const PrintedTable4 paper = printed_table4();
+  TimeSpread printed;
+  for (std::size_t b = 0; b < printed.bins.size(); ++b)
+    printed.n += printed.bins[b] = paper.rows[paper.rows.size() - 1 - b].*count;
+  return printed;
+}
 
 Table table4_queue(const RecordingSummary& s, const std::optional<StageTimings>& timings) {
   using R = QueueRow;
@@ -141,12 +117,13 @@ Table table4_clocks(const RecordingSummary& s) {
     return of(&R::error, as_number(2, kPercent, in_bins(first, last)));
   };
   const auto ms = [](double T::*seconds) { return of(&R::error, as_number(3, kMsPerS, seconds)); };
+  const TimeSpread printed = printed_table4_times(&PrintedTable4::Row::clock_samples);
   Table table = table_of<R>(
       "clocks",
       fmt::format(
           "Table IV, clock errors, simulated: {} frames x {} sensors x {} runs of each network, seed {}",
           s.frames, s.sensors, s.runs, s.seed),
-      s.clocks,
+      behind(R{kThePapers, kThePapers, printed.n, printed}, s.clocks),
       {{"network", "network", as_text(&R::network)},
        {"method", "method", as_text(&R::method)},
        {"samples", "samples", of(&R::error, as_count(&T::n))},
@@ -167,13 +144,11 @@ Table table4_clocks(const RecordingSummary& s) {
        {"p99 (ms)", "p99_ms", ms(&T::p99_s)},
        {"p99.9 (ms)", "p999_ms", ms(&T::p999_s)},
        {"max (ms)", "max_ms", ms(&T::max_s)}});
-  table.rows.insert(table.rows.begin(), paper_clock_row(table));
   const PrintedTable4 paper = printed_table4();
-  const std::uint64_t good = paper.rows.back().clock_samples, total = printed_total(paper, true);
   add_notes(table, "clock_errors",
-            {{"good", std::to_string(good)},
-             {"total", std::to_string(total)},
-             {"percent", fmt::format("{:.2f}", kPercent * share_of(good, total))},
+            {{"good", std::to_string(printed.bins[0])},
+             {"total", std::to_string(printed.n)},
+             {"percent", fmt::format("{:.2f}", kPercent * in_bins(0, 0)(printed))},
              {"printed", fmt::format("{:g}", paper.below_2ms_percent)},
              {"wanted", std::to_string(paper.frames * paper.clients)}});
   return table;
@@ -201,22 +176,22 @@ Table table4_processing(const StageTimings& t) {
   };
   const auto us = [](double T::*seconds) { return of(&R::time, as_number(1, kUsPerS, seconds)); };
   // three of our bins make the paper's shortest
-  Table table =
-      table_of<R>("processing",
-                  fmt::format("Table IV, processing time of a frame, measured on {}", t.processor), t.stages,
-                  {{"stage", "stage", as_text(&R::name)},
-                   {"method", "method", as_text(&R::method)},
-                   {"frames", "frames", of(&R::time, as_count(&T::n))},
-                   {"(0,11) ms (%)", "below_11ms_percent", share(0, 2)},
-                   {"[11,22) (%)", "from_11_to_22ms_percent", share(3, 3)},
-                   {"[22,33) (%)", "from_22_to_33ms_percent", share(4, 4)},
-                   {"33 ms on (%)", "from_33ms_percent", share(5, 5)},
-                   {"median (us)", "median_us", us(&T::median_s)},
-                   {"p95 (us)", "p95_us", us(&T::p95_s)},
-                   {"p99 (us)", "p99_us", us(&T::p99_s)},
-                   {"p99.9 (us)", "p999_us", us(&T::p999_s)},
-                   {"max (us)", "max_us", us(&T::max_s)}});
-  table.rows.insert(table.rows.begin(), paper_processing_row(table));
+  Table table = table_of<R>(
+      "processing", fmt::format("Table IV, processing time of a frame, measured on {}", t.processor),
+      behind(R{"depth image to joints", kThePapers, printed_table4_times(&PrintedTable4::Row::frames)},
+             t.stages),
+      {{"stage", "stage", as_text(&R::name)},
+       {"method", "method", as_text(&R::method)},
+       {"frames", "frames", of(&R::time, as_count(&T::n))},
+       {"(0,11) ms (%)", "below_11ms_percent", share(0, 2)},
+       {"[11,22) (%)", "from_11_to_22ms_percent", share(3, 3)},
+       {"[22,33) (%)", "from_22_to_33ms_percent", share(4, 4)},
+       {"33 ms on (%)", "from_33ms_percent", share(5, 5)},
+       {"median (us)", "median_us", us(&T::median_s)},
+       {"p95 (us)", "p95_us", us(&T::p95_s)},
+       {"p99 (us)", "p99_us", us(&T::p99_s)},
+       {"p99.9 (us)", "p999_us", us(&T::p999_s)},
+       {"max (us)", "max_us", us(&T::max_s)}});
   add_notes(table, "processing");
   return table;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/paper/printed_tables.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
@@ -119,6 +120,8 @@ std::vector<Table> efficiency_tables(const ResultsSummary& summary, const Tracki
 // Table IV beside the paper's: clock errors, what the queue drops, what the corrected fit says of itself,
 // and, where it was timed, what a frame costs.
 std::vector<Table> table4(const RecordingSummary& summary, const std::optional<StageTimings>& timings);
+// The paper's frames by processing time, or its samples by clock error, as ours are counted.
+TimeSpread printed_table4_times(std::uint64_t PrintedTable4::Row::*count);
 
 Table table4_clocks(const RecordingSummary& summary);
 // `timings`: the share of the frames that are processed in time comes from them.

@@ -24,7 +24,7 @@ std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
                                const std::function<std::string(const ViewRow&)>& name) {
   std::vector<ViewRow> sums;
   for (const ViewRow& row : views) {
-    auto sum = std::find_if(sums.begin(), sums.end(), [&](const ViewRow& other) {
+    auto sum = std::ranges::find_if(sums, [&](const ViewRow& other) {
       return other.condition == row.condition && other.rule == row.rule && name(other) == name(row);
     });
     if (sum == sums.end()) {

@@ -73,7 +73,7 @@ DuelTallies tally_by_all(std::uint64_t seed, std::uint64_t first, std::uint64_t 
 }
 
 void print_indices(const char* what, std::vector<std::uint64_t> indices) {
-  std::sort(indices.begin(), indices.end());
+  std::ranges::sort(indices);
   if (!indices.empty()) fmt::print("  {}: {}\n", what, fmt::join(indices, " "));
 }
 

@@ -96,7 +96,7 @@ double report(const char* name, const std::vector<Frame>& frames, Find find) {
         ++wrong;
     }
   }
-  std::sort(errors_mm.begin(), errors_mm.end());
+  std::ranges::sort(errors_mm);
   if (errors_mm.empty()) errors_mm.push_back(std::numeric_limits<double>::quiet_NaN());
   const double ms = 1000.0 * best_s / static_cast<double>(frames.size());
   std::printf(

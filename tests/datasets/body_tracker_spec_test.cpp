@@ -52,7 +52,7 @@ TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
   BodyTrackerSpec spec = default_body_tracker();
   const auto declared = tracker_parameters(spec);
   EXPECT_EQ(declared.size(), 20u);
-  for (const TrackerParameter& parameter : declared) {
+  for (const DeclaredParameter& parameter : declared) {
     EXPECT_FALSE(parameter.unit.empty()) << parameter.name;
     EXPECT_THAT(parameter.source,
                 testing::AnyOf(HasSubstr("arXiv"), HasSubstr("PMC"), HasSubstr("NTU RGB+D"),
@@ -63,7 +63,7 @@ TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
   EXPECT_THAT(declared[0].value, HasSubstr("trunk 0.0"));
   spec.lag_s = 0.06;
   const auto set = tracker_parameters(spec);
-  const auto lag = std::find_if(set.begin(), set.end(), [](const auto& p) { return p.name == "lag_s"; });
+  const auto lag = std::ranges::find_if(set, [](const auto& p) { return p.name == "lag_s"; });
   ASSERT_NE(lag, set.end());
   EXPECT_EQ(lag->value, "0.06");
   EXPECT_EQ(lag->source, "set in the simulation");

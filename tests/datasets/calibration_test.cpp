@@ -53,7 +53,7 @@ TEST(Calibration, ErrorsNameThePlaceAndWhatWouldBeRight) {
               HasSubstr("/sensors/0/rotation_xyzw: must be a unit quaternion"));
   EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1],
                           "position_sigma_m": -1})"),
-              HasSubstr("/sensors/0/position_sigma_m: must not be negative"));
+              HasSubstr("/sensors/0/position_sigma_m: must not be less than 0"));
 }
 
 // A calibration of two sensors with all that one can hold.
@@ -170,7 +170,7 @@ TEST_F(SpoiltCalibration, NothingThatIsCountedOrASpreadIsNegative) {
   for (const char* key : {"positions", "reduced_chi2"})
     EXPECT_THAT(refusal([&](Json& json) { json[key] = -1; }), HasSubstr(std::string("cal.json /") + key));
   EXPECT_THAT(refusal([](Json& json) { json["rejected"][1]["off_by_m"] = -0.1; }),
-              HasSubstr("/rejected/1/off_by_m: must not be negative"));
+              HasSubstr("/rejected/1/off_by_m: must not be less than 0"));
 }
 
 TEST_F(SpoiltCalibration, KeysNobodyKnowsAreNamed) {

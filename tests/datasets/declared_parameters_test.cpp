@@ -39,16 +39,16 @@ TEST(DeclaredParameters, WithoutAFileThereAreNoneAndAnotherFileIsRefused) {
   EXPECT_THAT(refusal("{"), HasSubstr("simulator.json"));
 }
 
-TrackerParameter parameter(const SimulationSpec& spec, const std::string& name) {
+DeclaredParameter parameter(const SimulationSpec& spec, const std::string& name) {
   const auto all = simulation_parameters(spec);
-  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
+  const auto found = std::ranges::find_if(all, [&](const auto& p) { return p.name == name; });
   EXPECT_NE(found, all.end()) << name;
-  return found == all.end() ? TrackerParameter{} : *found;
+  return found == all.end() ? DeclaredParameter{} : *found;
 }
 
 bool has(const SimulationSpec& spec, const std::string& name) {
   const auto all = simulation_parameters(spec);
-  return std::any_of(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
+  return std::ranges::any_of(all, [&](const auto& p) { return p.name == name; });
 }
 
 TEST(SimulationParameters, FollowTheSpec) {
@@ -74,10 +74,10 @@ TEST(SimulationParameters, HaveAValueAndASourceAndADifferentNameEach) {
   SimulationSpec spec;
   spec.body_tracker = default_body_tracker();
   std::vector<std::string> names;
-  for (const TrackerParameter& p : simulation_parameters(spec)) {
+  for (const DeclaredParameter& p : simulation_parameters(spec)) {
     EXPECT_NE(p.value, "") << p.name;
     EXPECT_NE(p.source, "") << p.name;
-    EXPECT_EQ(std::count(names.begin(), names.end(), p.name), 0) << p.name;
+    EXPECT_EQ(std::ranges::count(names, p.name), 0) << p.name;
     names.push_back(p.name);
   }
 }
@@ -85,9 +85,9 @@ TEST(SimulationParameters, HaveAValueAndASourceAndADifferentNameEach) {
 TEST(SimulationParameters, WhatWasSetSaysSo) {
   SimulationSpec spec;
   spec.body_tracker = default_body_tracker();
-  const std::vector<TrackerParameter> declared = simulation_parameters(spec);
+  const std::vector<DeclaredParameter> declared = simulation_parameters(spec);
   spec.body_tracker.lag_s = 0.0321;
-  const std::vector<TrackerParameter> set = simulation_parameters(spec);
+  const std::vector<DeclaredParameter> set = simulation_parameters(spec);
   ASSERT_EQ(set.size(), declared.size());
   int changed = 0;
   for (std::size_t k = 0; k < set.size(); ++k) {

@@ -223,7 +223,7 @@ TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {
   std::vector<int> x_mm;
   for (int i = 0; i < 400; ++i) x_mm.push_back(i % 37 < 20 ? i / 37 : i);
   const auto result = filtered(x_mm);
-  const auto frozen = std::count(result.begin(), result.end(), -1);
+  const auto frozen = std::ranges::count(result, -1);
   const TemporaryFile file(take_of(x_mm));
   MocapReader reader(file.path());
   EXPECT_EQ(summarize_mocap(reader).assets.at(0).frozen, frozen);

@@ -151,7 +151,7 @@ TEST(Session, DepthSurvivesEveryCompressionBitByBit) {
       EXPECT_EQ(depth, depth_of(i)) << "compression " << static_cast<int>(compression);
       StoredDepthFrame stored = reader.stored_depth_frame(0, i);
       EXPECT_EQ(stored.compression, compression);
-      std::fill(depth.begin(), depth.end(), std::uint16_t{9});
+      std::ranges::fill(depth, std::uint16_t{9});
       decode_depth_frame(stored, depth);
       EXPECT_EQ(depth, depth_of(i)) << "compression " << static_cast<int>(compression);
       stored.chunk[stored.chunk.size() / 2] ^= std::byte{1};

@@ -99,7 +99,7 @@ struct ClockErrors {
     return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
   }
   double share_within(double limit_ms) const {
-    return static_cast<double>(std::upper_bound(ms.begin(), ms.end(), limit_ms) - ms.begin()) /
+    return static_cast<double>(std::ranges::upper_bound(ms, limit_ms) - ms.begin()) /
            static_cast<double>(ms.size());
   }
 };
@@ -123,7 +123,7 @@ inline ClockErrors clock_errors(const SimulatedClocks& clocks) {
   errors.evidence = evidence_of(map);
   for (const auto& frame : frames)
     errors.ms.push_back(std::abs((map(frame.stamp) - frame.exposure).seconds()) * 1e3);
-  std::sort(errors.ms.begin(), errors.ms.end());
+  std::ranges::sort(errors.ms);
   return errors;
 }
 

@@ -21,8 +21,8 @@ using testing_support::ObservedTake;
 using testing_support::TakeSpec;
 
 bool is_seen(const ObservedBody& body) {
-  return std::any_of(body.state.begin(), body.state.end(),
-                     [](TrackingState state) { return state != TrackingState::not_tracked; });
+  return std::ranges::any_of(body.state,
+                             [](TrackingState state) { return state != TrackingState::not_tracked; });
 }
 
 struct Score {
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, Exchanges,
                          [](const auto& scenario) { return std::string(scenario.param.name); });
 
 std::size_t count_of(const ExchangeRepair& repair) {
-  return static_cast<std::size_t>(std::count(repair.exchanged.begin(), repair.exchanged.end(), 1));
+  return static_cast<std::size_t>(std::ranges::count(repair.exchanged, 1));
 }
 
 TEST(ExchangeRepair, OneBadInstantOfOneJointChangesNothing) {

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 double sorted_quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const double position = static_cast<double>(values.size() - 1) * q;
   const auto below = static_cast<std::size_t>(position);
   const std::size_t above = std::min(below + 1, values.size() - 1);

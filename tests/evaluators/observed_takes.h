@@ -70,7 +70,7 @@ inline bool is_upper(Joint joint) {
   constexpr std::array kLower{Joint::spine_base,  Joint::hip_left,   Joint::hip_right,
                               Joint::knee_left,   Joint::knee_right, Joint::ankle_left,
                               Joint::ankle_right, Joint::foot_left,  Joint::foot_right};
-  return std::find(kLower.begin(), kLower.end(), joint) == kLower.end();
+  return std::ranges::find(kLower, joint) == kLower.end();
 }
 
 // Joints on the side that the body hides are inferred half of the time, others one stretch in fifteen.

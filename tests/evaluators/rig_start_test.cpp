@@ -56,7 +56,7 @@ TEST(RigStart, ExactPointsGiveExactPoses) {
 TEST(RigStart, TheOrderOfTheObservationsDoesNotMatter) {
   RigProblem problem = seen_by(3, points_in_a_room(10), always);
   const RigStart start = start_rig(problem, {});
-  std::reverse(problem.observations.begin(), problem.observations.end());
+  std::ranges::reverse(problem.observations);
   const RigStart again = start_rig(problem, {});
   for (std::size_t s = 0; s < 3; ++s)
     EXPECT_EQ(again.reference_from_sensor[s].translation_m, start.reference_from_sensor[s].translation_m);

@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: MIT
 // A motion capture in any of its formats, read as it is inspected, as ground truth and as a motion.
-#include "datasets/base/error.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
 #include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/tolerate_bad_input.h"
 
 namespace trilat {
 namespace {
-
-template <class Work>
-void tolerate_bad_input(const Work& work) {
-  try {
-    work();
-  } catch (const InputError&) {
-  }
-}
 
 void read_some_assets(const std::filesystem::path& path) {
   MocapReader reader(path, {.block_bytes = 64});

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A file of a part of a study among sound ones: the first byte chooses which, its text follows. The part is
 // merged.
-#include <cstdlib>
-#include <fstream>
-
 #include "datasets/base/files.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
@@ -17,17 +14,6 @@ namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path copied_to(const fs::path& scratch) {
-  const char* sound = std::getenv("TRILAT_SOUND_RESULTS");
-  if (!sound) std::abort();
-  fs::copy(fs::path(sound) / "parts", scratch / "parts", fs::copy_options::recursive);
-  return scratch / "parts";
-}
-
-void put(const fs::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
-}
 
 void merge(const fs::path& part, const fs::path& output) {
   const std::vector<FoundPart> parts = read_parts(std::vector{part});
@@ -44,10 +30,10 @@ void merge(const fs::path& part, const fs::path& output) {
 }
 
 // What is sound is merged, so what is refused later is refused for what was changed.
-fs::path sound_parts_in(const fs::path& scratch) {
-  const fs::path parts = copied_to(scratch);
+fs::path sound_parts_in(const FuzzFolder& scratch) {
+  const fs::path parts = scratch.with_sound("parts");
   for (const char* kind : {"accuracy", "sweep", "recording", "calibration"})
-    merge(parts / kind, scratch / "merged");
+    merge(parts / kind, scratch.path() / "merged");
   return parts;
 }
 
@@ -57,7 +43,7 @@ fs::path sound_parts_in(const fs::path& scratch) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace trilat;
   static const FuzzFolder scratch("parts");
-  static const std::filesystem::path parts = sound_parts_in(scratch.path());
+  static const std::filesystem::path parts = sound_parts_in(scratch);
   if (size == 0) return 0;
   const SoundPartFile& file = kSoundPartFiles[data[0] % kSoundPartFiles.size()];
   const std::filesystem::path path = parts / file.folder / file.name;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A file of a results folder among sound ones: the first byte chooses which, JSON follows. All that a report
 // and a gate make of it is made.
-#include <fstream>
-
 #include "datasets/results/gate_history.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/gate/found_results.h"
@@ -18,17 +16,6 @@
 
 namespace trilat {
 namespace {
-
-std::vector<SoundFile> copied_to(const std::filesystem::path& scratch) {
-  const char* sound = std::getenv("TRILAT_SOUND_RESULTS");
-  if (!sound) std::abort();
-  std::filesystem::copy(sound, scratch, std::filesystem::copy_options::recursive);
-  return sound_files(scratch);
-}
-
-void put(const SoundFile& file, const char* data, std::size_t size) {
-  std::ofstream(file.folder / file.name, std::ios::binary).write(data, static_cast<std::streamsize>(size));
-}
 
 void print(const Table& table) {
   markdown_of(table);
@@ -57,12 +44,12 @@ void report_on(const SoundFile& file) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace trilat;
   static const FuzzFolder scratch("results");
-  static const std::vector<SoundFile> files = copied_to(scratch.path());
+  static const std::vector<SoundFile> files = sound_files(scratch.with_sound());
   if (size == 0) return 0;
   const SoundFile& file = files[data[0] % files.size()];
-  put(file, reinterpret_cast<const char*>(data) + 1, size - 1);
+  put(file.folder / file.name, {reinterpret_cast<const char*>(data) + 1, size - 1});
   tolerate_bad_input([&] { report_on(file); });
   tolerate_bad_input([&] { find_results(file.folder); });
-  put(file, file.text.data(), file.text.size());
+  put(file.folder / file.name, file.text);
   return 0;
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The HDF5 files of results and of the simulator: the first byte chooses the reader.
 #include <algorithm>
+#include <array>
 
-#include "datasets/base/error.h"
 #include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
 #include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/tolerate_bad_input.h"
 
 namespace trilat {
 namespace {
@@ -43,11 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace trilat;
   if (size == 0) return 0;
   const MemoryFile file({data + 1, size - 1});
-  try {
-    if (data[0] % 3 == 0) read_samples(file.path());
-    if (data[0] % 3 == 1) read_replay_file(file.path());
-    if (data[0] % 3 == 2) read_tracker_truth(file.path());
-  } catch (const InputError&) {
-  }
+  constexpr std::array kReaders{read_samples, read_replay_file, read_tracker_truth};
+  tolerate_bad_input([&] { kReaders[data[0] % kReaders.size()](file.path()); });
   return 0;
 }

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/results_file.h"
 #include "datasets/synthetic/simulation_spec.h"
@@ -18,6 +17,7 @@
 #include "pipeline/sweep/sweep_plan.h"
 #include "pipeline/twins/twins_study.h"
 #include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/tolerate_bad_input.h"
 
 namespace trilat {
 namespace {
@@ -73,9 +73,6 @@ void read_with(std::uint8_t reader, std::span<const std::uint8_t> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::uint8_t kReaders = 5;
   if (size == 0) return 0;
-  try {
-    trilat::read_with(data[0] % kReaders, {data + 1, size - 1});
-  } catch (const trilat::InputError&) {
-  }
+  trilat::tolerate_bad_input([&] { trilat::read_with(data[0] % kReaders, {data + 1, size - 1}); });
   return 0;
 }

@@ -98,7 +98,7 @@ std::vector<std::filesystem::path> files_in_order(const std::filesystem::path& f
   std::vector<std::filesystem::path> files;
   if (std::filesystem::exists(folder))
     for (const auto& file : std::filesystem::directory_iterator(folder)) files.push_back(file.path());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 

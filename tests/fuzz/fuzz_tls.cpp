@@ -3,12 +3,12 @@
 // between a file of keys, the recording machine's side of a handshake and an agent's.
 #include <algorithm>
 
-#include "datasets/base/error.h"
 #include "recorders/network/link/socket_address.h"
 #include "recorders/network/link/tls_keys.h"
 #include "recorders/network/link/tls_link.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/tolerate_bad_input.h"
 
 namespace trilat {
 namespace {
@@ -50,19 +50,15 @@ void shake_hands(TlsSide side, std::span<const std::uint8_t> bytes) {
 
 void read_keys(std::span<const std::uint8_t> bytes) {
   const MemoryFile file(bytes);
-  try {
-    read_tls_keys(file.path());
-  } catch (const InputError&) {
-  }
+  tolerate_bad_input([&] { read_tls_keys(file.path()); });
 }
 
 void read_address(std::span<const std::uint8_t> bytes) {
-  try {
+  tolerate_bad_input([&] {
     const SocketAddress address = parse_address(std::string(bytes.begin(), bytes.end()));
     is_loopback(address);
     parse_address(text_of(address));
-  } catch (const InputError&) {
-  }
+  });
 }
 
 }  // namespace

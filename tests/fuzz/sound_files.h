@@ -25,7 +25,7 @@ inline std::vector<SoundFile> sound_files(const std::filesystem::path& results) 
     for (const auto& entry : std::filesystem::directory_iterator(results / folder))
       if (entry.path().extension().string().starts_with(".json"))
         files.push_back({results / folder, entry.path().filename().string(), read_file(entry.path())});
-  std::sort(files.begin(), files.end(), [](const SoundFile& a, const SoundFile& b) {
+  std::ranges::sort(files, [](const SoundFile& a, const SoundFile& b) {
     return std::pair(a.folder, a.name) < std::pair(b.folder, b.name);
   });
   return files;

@@ -113,7 +113,7 @@ TEST(Outcome, IsWhatRunShowsAndTablesShowsAll) {
   const Ended brief = run_trilat(folder, words);
   EXPECT_THAT(brief.out, AllOf(HasSubstr("simulated: 2 of 2 takes"), HasSubstr("next: trilat report"),
                                Not(HasSubstr("| "))));
-  EXPECT_LT(std::count(brief.out.begin(), brief.out.end(), '\n'), 20);
+  EXPECT_LT(std::ranges::count(brief.out, '\n'), 20);
   words.push_back("--tables");
   EXPECT_THAT(run_trilat(folder, words).out, HasSubstr("**Position error by joint group and method"));
 }

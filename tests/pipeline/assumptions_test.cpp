@@ -30,8 +30,7 @@ SimulationSpec tracked(double lag_s) {
 }
 
 std::string value_of(const std::vector<DeclaredParameter>& parameters, const std::string& name) {
-  const auto found =
-      std::find_if(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
+  const auto found = std::ranges::find_if(parameters, [&](const auto& p) { return p.name == name; });
   return found == parameters.end() ? "no " + name : found->value;
 }
 

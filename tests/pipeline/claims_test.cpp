@@ -223,7 +223,7 @@ TEST(Claims, WhatIsSaidToContradictItselfIsARowOfTheAuditThatDiffers) {
     for (const Json& part : row["parts"]) {
       if (part["statistic"] != "printed") continue;
       ++found;
-      EXPECT_TRUE(std::any_of(audit.rows.begin(), audit.rows.end(), [&](const auto& r) {
+      EXPECT_TRUE(std::ranges::any_of(audit.rows, [&](const auto& r) {
         return r[1].text == part["erratum"] && r[5].text == "differs";
       })) << part;
     }
@@ -245,7 +245,7 @@ TEST(Claims, ARowThatCannotBeReadIsNamed) {
 
 // Whether a campaign in which nothing differs, or by the margin exactly, has a verdict that is false.
 bool has_false_verdict(const std::vector<JudgedClaim>& claims) {
-  return std::any_of(claims.begin(), claims.end(), [](const JudgedClaim& c) {
+  return std::ranges::any_of(claims, [](const JudgedClaim& c) {
     const bool says_same = !c.parts.empty() && c.parts.front().bound.starts_with("within");
     return c.confirmatory && c.verdict.starts_with(says_same ? kDoesNotHold : kHolds);
   });

@@ -322,7 +322,7 @@ TEST(Items, OfAnotherShardDoNotCountAsProgress) {
                  },
              .shard = {2, 2}});
   ASSERT_THAT(shares, testing::Not(testing::IsEmpty()));
-  EXPECT_LT(*std::min_element(shares.begin(), shares.end()), 0.5);
+  EXPECT_LT(*std::ranges::min_element(shares), 0.5);
   EXPECT_EQ(shares.back(), 1.0);
 }
 

@@ -34,7 +34,7 @@ std::uint64_t nights_with_alarm(std::uint64_t seed, std::uint64_t nights, const 
   std::uint64_t alarms = 0;
   for (std::uint64_t n = 0; n < nights; ++n) {
     const auto findings = judged(simulated, n, model);
-    alarms += std::any_of(findings.begin(), findings.end(), [](const GateFinding& f) { return f.alarm; });
+    alarms += std::ranges::any_of(findings, [](const GateFinding& f) { return f.alarm; });
   }
   return alarms;
 }
@@ -69,7 +69,7 @@ std::uint64_t nights_that_name_it(std::uint64_t nights, const NightModel& model,
   std::uint64_t found = 0;
   for (std::uint64_t n = 0; n < nights; ++n) {
     const auto findings = judged(simulated, n, model);
-    found += std::any_of(findings.begin(), findings.end(), [&](const GateFinding& f) {
+    found += std::ranges::any_of(findings, [&](const GateFinding& f) {
       return f.alarm && f.kind == kind && f.method == "nonlinear" && f.group == "head";
     });
   }

@@ -91,13 +91,15 @@ inline void write_made_manifest(const std::filesystem::path& folder, const MadeS
                      {"instants", study.instants}});
     inputs.push_back({{"take", name + "-walking"}, {"role", "session"}, {"sha256", study.input_sha256}});
   }
-  const Json json{{"format", "trilat.manifest"},
-                  {"version", 1},
-                  {"program", "trilat test"},
-                  {"study", {{"name", study.name}, {"rate_hz", study.rate_hz}, {"alignments", {"none"}}}},
-                  {"simulated", study.simulated},
-                  {"takes", takes},
-                  {"inputs", inputs}};
+  const Json json{
+      {"format", "trilat.manifest"},
+      {"version", 1},
+      {"program", "trilat test"},
+      {"study",
+       {{"kind", "accuracy"}, {"name", study.name}, {"rate_hz", study.rate_hz}, {"alignments", {"none"}}}},
+      {"simulated", study.simulated},
+      {"takes", takes},
+      {"inputs", inputs}};
   write_file(folder / "manifest.json", json_text(json, 1) + "\n");
 }
 

@@ -99,7 +99,7 @@ BodyTrackerSpec declared() {
 
 double declared_value(const MeasuredParameter& m) {
   const BodyTrackerSpec spec = declared();
-  for (const TrackerParameter& p : tracker_parameters(spec)) {
+  for (const DeclaredParameter& p : tracker_parameters(spec)) {
     if (p.name != m.name) continue;
     if (m.group.empty()) return std::stod(p.value);
     const std::size_t at = p.value.find(m.group + " ");

@@ -66,7 +66,7 @@ inline void expect_refused(const Ended& ended, const std::string& message) {
   EXPECT_EQ(ended.out, "");
   EXPECT_THAT(ended.err, testing::StartsWith("trilat: "));
   EXPECT_THAT(ended.err, testing::HasSubstr(message));
-  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+  EXPECT_EQ(std::ranges::count(ended.err, '\n'), 1) << ended.err;
   EXPECT_THAT(ended.err, testing::EndsWith("\n"));
 }
 

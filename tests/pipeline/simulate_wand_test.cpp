@@ -147,7 +147,7 @@ TEST(SimulateWand, ProgressRisesToOneAndAStopEndsItWithinAFewFrames) {
   std::vector<double> shares;
   simulate_campaign(spec, folder / "c", {{}, [&](double share) { shares.push_back(share); }});
   EXPECT_GT(shares.size(), 8u);
-  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_GT(shares.back(), 0.95);
   EXPECT_LE(shares.back(), 1.0);
   spec.wand->motion.positions = 5000;

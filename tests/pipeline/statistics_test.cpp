@@ -30,8 +30,8 @@ const DifferenceCell* find_difference(const ResultsSummary& summary, const std::
 }
 
 const BodyCell& body_of(const ResultsSummary& summary, const std::string& method) {
-  const auto found = std::find_if(summary.bodies.begin(), summary.bodies.end(),
-                                  [&](const BodyCell& b) { return b.method == method; });
+  const auto found =
+      std::ranges::find_if(summary.bodies, [&](const BodyCell& b) { return b.method == method; });
   EXPECT_NE(found, summary.bodies.end());
   return *found;
 }

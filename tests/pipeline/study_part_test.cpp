@@ -39,8 +39,7 @@ TEST(StudyPart, ATakeThatFailedIsNamed) {
   const auto part = work.parts(1)[0];
   const auto [takes, notes] = notes_of_part(part);
   EXPECT_EQ(takes, work.campaign.takes.size());
-  const auto failed =
-      std::find_if(notes.begin(), notes.end(), [](const TakeNote& note) { return note.failed; });
+  const auto failed = std::ranges::find_if(notes, [](const TakeNote& note) { return note.failed; });
   ASSERT_NE(failed, notes.end());
   EXPECT_EQ(failed->take, work.campaign.takes[1].id);
 }
@@ -129,7 +128,7 @@ TEST(StudyPart, APartThatWasWrittenByHandIsRefusedAtItsPlace) {
   EXPECT_THAT(said("cross_check", Json(Json::value_t::discarded)),
               HasSubstr("part.json /work/cross_check: is missing"));
   EXPECT_THAT(said("cross_check", 1), HasSubstr("part.json /work/cross_check"));
-  EXPECT_THAT(said("parameters", Json::array({1})), HasSubstr("/work/parameters: must be lists of name"));
+  EXPECT_THAT(said("parameters", Json::array({1})), HasSubstr("/work/parameters/0: must be an object"));
   Json takes = good["work"]["takes"];
   takes[0]["id"] = "p99-walking";
   EXPECT_THAT(said("takes", takes), HasSubstr("p99-walking: is a take of the study, but none of its items"));

@@ -75,7 +75,7 @@ TEST(Study, OfManySetsADeclaredNumberStandsForAllAndSmallerOnesLieWithinLargerOn
     EXPECT_EQ(std::set(sets.begin(), sets.end()).size(), sets.size());
     std::size_t nested = 0;
     for (const auto& set : sets)
-      nested += std::any_of(larger.begin(), larger.end(), [&](const auto& whole) {
+      nested += std::ranges::any_of(larger, [&](const auto& whole) {
         return std::includes(whole.begin(), whole.end(), set.begin(), set.end());
       });
     EXPECT_GE(nested, size < 6 ? 7u : 8u) << size;  // a set that came twice has another in its place

@@ -159,9 +159,9 @@ TEST(Capture, ASilentSensorIsToldOnceAndWhenItIsBack) {
   capture(sources_of(std::make_unique<UnreliableSource>(4, 0.6)), folder / "session.h5", options);
   const SessionReader session(folder / "session.h5");
   const auto notices = notices_of(session, 0);
-  EXPECT_EQ(std::count_if(notices.begin(), notices.end(),
-                          [](const std::string& n) { return n.find("no frame for 0.1 s") == 0; }),
-            1);
+  EXPECT_EQ(
+      std::ranges::count_if(notices, [](const std::string& n) { return n.find("no frame for 0.1 s") == 0; }),
+      1);
   EXPECT_THAT(notices, Contains("frames again"));
 }
 

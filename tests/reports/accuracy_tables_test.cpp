@@ -18,8 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 std::size_t column(const Table& table, const std::string& key) {
-  const auto found = std::find_if(table.columns.begin(), table.columns.end(),
-                                  [&](const TableColumn& c) { return c.key == key; });
+  const auto found = std::ranges::find_if(table.columns, [&](const TableColumn& c) { return c.key == key; });
   EXPECT_NE(found, table.columns.end()) << key;
   return static_cast<std::size_t>(found - table.columns.begin());
 }

@@ -29,8 +29,7 @@ Table wrist_table() {
 }
 
 std::string value_of(const std::vector<ArticleNumber>& numbers, const std::string& name) {
-  const auto found =
-      std::find_if(numbers.begin(), numbers.end(), [&](const auto& number) { return number.name == name; });
+  const auto found = std::ranges::find_if(numbers, [&](const auto& number) { return number.name == name; });
   return found == numbers.end() ? "no such macro" : found->value;
 }
 

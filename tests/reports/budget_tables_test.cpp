@@ -112,7 +112,7 @@ TEST(BudgetTables, EveryConditionAndAlignmentHasATableOfItsOwn) {
   std::vector<std::string> ids;
   for (const Table& table : tables) {
     EXPECT_FALSE(table.rows.empty()) << table.id;
-    EXPECT_EQ(std::count(ids.begin(), ids.end(), table.id), 0) << table.id;
+    EXPECT_EQ(std::ranges::count(ids, table.id), 0) << table.id;
     ids.push_back(table.id);
   }
   EXPECT_EQ(ids.size(), 4u);  // no table of a condition with an alignment that it does not have

@@ -202,8 +202,8 @@ TEST(CalibrationFigures, TheMapHoldsTheMedianErrorOfTheDistanceInEachBinAndMarks
                     {2, 2, 1.15, 1 * kRadPerDegree, ErrorSpread::kNone, ErrorSpread::kNone},
                     {1, 2, 0.75, 1 * kRadPerDegree, 0.5, 0.5}};
   const auto figures = calibration_figures(s);
-  const auto ours = std::find_if(figures.begin(), figures.end(),
-                                 [](const Figure& figure) { return figure.id == "map-ours"; });
+  const auto ours =
+      std::ranges::find_if(figures, [](const Figure& figure) { return figure.id == "map-ours"; });
   ASSERT_NE(ours, figures.end());
   ASSERT_TRUE(ours->map);
   EXPECT_THAT(ours->map->x, Pointwise(DoubleNear(1e-12), {0.5, 0.7, 0.9, 1.1}));

@@ -108,7 +108,7 @@ TEST(Report, AUsedFolderLosesWhatTheLastReportWroteAndNothingElse) {
   write_file(folder / "report/mine.txt", "my notes");
   const ReportFiles second = write_report({calibration}, folder / "report");
   for (const auto& path : first.written) {
-    const bool again = std::find(second.written.begin(), second.written.end(), path) != second.written.end();
+    const bool again = std::ranges::find(second.written, path) != second.written.end();
     EXPECT_EQ(std::filesystem::exists(path), again) << path;
   }
   EXPECT_TRUE(std::filesystem::exists(folder / "report/mine.txt"));
@@ -150,7 +150,7 @@ TEST(Report, ProgressEndsWithAllOfIt) {
   write_report({results_in(folder, "results", hand_made_summary())}, folder / "report",
                {.progress = [&](double share) { shares.push_back(share); }});
   ASSERT_FALSE(shares.empty());
-  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_DOUBLE_EQ(shares.back(), 1.0);
 }
 

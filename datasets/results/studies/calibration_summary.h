@@ -137,7 +137,7 @@ struct CalibrationSummary {
   }
   void check(const JsonObject& object) const {
     const auto has_row = [&](const WandSample& sample) { return sample.row < wand.size(); };
-    if (!std::all_of(wand_samples.begin(), wand_samples.end(), has_row))
+    if (!std::ranges::all_of(wand_samples, has_row))
       object.refuse("wand_samples", "must be of rows that are there");
   }
 };

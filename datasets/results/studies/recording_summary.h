@@ -94,7 +94,7 @@ struct RecordingSummary {
   }
   void check(const JsonObject& object) const {
     const auto whole = [&](const ClockErrorRow& row) { return row.units.size() == runs * sensors; };
-    if (!std::all_of(clocks.begin(), clocks.end(), whole))
+    if (!std::ranges::all_of(clocks, whole))
       object.refuse("clocks", "must have units of each run and sensor");
   }
 };

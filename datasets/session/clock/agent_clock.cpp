@@ -137,7 +137,7 @@ std::int64_t distance_ns(AgentTime first, AgentTime last, AgentTime t) {
 }
 
 const AgentSegment& nearest(const std::vector<AgentSegment>& segments, AgentTime t) {
-  return *std::min_element(segments.begin(), segments.end(), [&](const auto& a, const auto& b) {
+  return *std::ranges::min_element(segments, [&](const auto& a, const auto& b) {
     return distance_ns(a.first, a.last, t) < distance_ns(b.first, b.last, t);
   });
 }

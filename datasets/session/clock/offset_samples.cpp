@@ -92,15 +92,14 @@ class Corridor {
 std::vector<ClockExchange> forwards_by_time(std::span<const ClockExchange> exchanges) {
   std::vector<ClockExchange> sound;
   std::copy_if(exchanges.begin(), exchanges.end(), std::back_inserter(sound), runs_forwards);
-  std::stable_sort(sound.begin(), sound.end(),
-                   [](const auto& a, const auto& b) { return a.t1_ns < b.t1_ns; });
+  std::ranges::stable_sort(sound, [](const auto& a, const auto& b) { return a.t1_ns < b.t1_ns; });
   return sound;
 }
 
 // Segments of one or two say nothing once there are longer ones.
 void drop_fragments(ExchangeSegments& split) {
-  const bool any_long = std::any_of(split.segments.begin(), split.segments.end(),
-                                    [](const auto& s) { return s.size() >= kFewest; });
+  const bool any_long =
+      std::ranges::any_of(split.segments, [](const auto& s) { return s.size() >= kFewest; });
   if (!any_long) return;
   std::erase_if(split.segments, [&](const auto& s) {
     if (s.size() >= kFewest) return false;
@@ -122,11 +121,9 @@ std::vector<OffsetSample> samples_of(const std::vector<ClockExchange>& exchanges
 }
 
 std::vector<ClockExchange> least_delayed(std::vector<ClockExchange> exchanges) {
-  std::stable_sort(exchanges.begin(), exchanges.end(),
-                   [](const auto& a, const auto& b) { return delay_ns(a) < delay_ns(b); });
+  std::ranges::stable_sort(exchanges, [](const auto& a, const auto& b) { return delay_ns(a) < delay_ns(b); });
   exchanges.resize(std::min(exchanges.size(), std::max<std::size_t>(3, exchanges.size() / 4)));
-  std::sort(exchanges.begin(), exchanges.end(),
-            [](const auto& a, const auto& b) { return a.t1_ns < b.t1_ns; });
+  std::ranges::sort(exchanges, [](const auto& a, const auto& b) { return a.t1_ns < b.t1_ns; });
   return exchanges;
 }
 

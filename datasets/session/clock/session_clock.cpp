@@ -54,8 +54,8 @@ SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorCl
 }
 
 const TickEpoch& longest_of(const std::vector<TickEpoch>& ticks) {
-  return *std::max_element(ticks.begin(), ticks.end(),
-                           [](const auto& a, const auto& b) { return a.last - a.first < b.last - b.first; });
+  return *std::ranges::max_element(
+      ticks, [](const auto& a, const auto& b) { return a.last - a.first < b.last - b.first; });
 }
 
 // A sensor keeps its crystal when it is restarted: short epochs take the longest one's drift.
@@ -133,8 +133,8 @@ HostTime SensorClockMap::operator()(const FrameStamp& stamp) const {
 
 HostTime SensorClockMap::operator()(SensorTime t) const {
   if (epochs.empty()) return {t.ns};
-  return std::min_element(epochs.begin(), epochs.end(),
-                          [&](const auto& a, const auto& b) { return outside_ns(a, t) < outside_ns(b, t); })
+  return std::ranges::min_element(
+             epochs, [&](const auto& a, const auto& b) { return outside_ns(a, t) < outside_ns(b, t); })
              ->host_from_sensor(t) -
          latency;
 }

@@ -177,8 +177,8 @@ std::vector<LeastLate> punctual(const std::vector<LeastLate>& all) {
 }
 
 bool is_straight(const std::vector<LeastLate>& windows) {
-  return std::none_of(windows.begin(), windows.end(),
-                      [](const LeastLate& w) { return std::abs(w.late_ns) > kStraightPiece_ns; });
+  return std::ranges::none_of(windows,
+                              [](const LeastLate& w) { return std::abs(w.late_ns) > kStraightPiece_ns; });
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ AxialNoise read_axial(JsonObject object) {
 }
 
 // Two keys that are the ends of a range.
-void read_range(JsonObject& object, const std::string& low_key, const std::string& high_key, double& low,
-                double& high, double least, double largest) {
-  low = number_within(object, low_key, low, least, largest);
-  high = number_within(object, high_key, high, least, largest);
-  if (high < low) object.refuse(high_key, "must not be less than " + low_key);
+void read_range(JsonObject& object, const char* low_key, const char* high_key, double& low, double& high,
+                Limits<double> limits, const char* meaning) {
+  setting(object, low_key, low, limits, meaning);
+  setting(object, high_key, high, limits, "the other end");
+  if (high < low) object.refuse(high_key, std::string("must not be less than ") + low_key);
 }
 
 }  // namespace
@@ -39,9 +39,9 @@ DepthSpec read_depth_spec(JsonObject object) {
           "on axial noise in the image's corners");
   setting(object, "offset_limit_m", n.offset_limit_m, {0.0, 1.0}, "constant offset of a unit, uniform in +-");
   read_range(object, "wiggle_amplitude_low_m", "wiggle_amplitude_high_m", n.wiggle_amplitude_low_m,
-             n.wiggle_amplitude_high_m, 0.0, 1.0);
+             n.wiggle_amplitude_high_m, {0.0, 1.0}, "of a unit's error that is periodic in depth");
   read_range(object, "wiggle_length_low_m", "wiggle_length_high_m", n.wiggle_length_low_m,
-             n.wiggle_length_high_m, 0.1, 100.0);
+             n.wiggle_length_high_m, {0.1, 100.0}, "its period");
   setting(object, "edge_step_m", n.edge_step_m, {0.001, 100.0}, "neighbours farther apart make an edge");
   setting(object, "edge_dropped_share", n.edge_dropped_share, {0.0, 1.0}, "of pixels at edges");
   setting(object, "grazing_limit_rad", n.grazing_limit_rad, {0.1, std::numbers::pi / 2.0},
@@ -50,11 +50,7 @@ DepthSpec read_depth_spec(JsonObject object) {
   setting(object, "nearest_m", n.nearest_m, {0.1, 65.0}, "that is measured");
   setting(object, "farthest_m", n.farthest_m, {0.1, 65.0}, "that is measured");
   if (n.farthest_m <= n.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
-  object.about({{"axial", "noise along the axis, one standard deviation"},
-                {"wiggle_amplitude_low_m", "of a unit's error that is periodic in depth"},
-                {"wiggle_amplitude_high_m", "the other end"},
-                {"wiggle_length_low_m", "its period"},
-                {"wiggle_length_high_m", "the other end"}});
+  object.about({{"axial", "noise along the axis, one standard deviation"}});
   object.finish();
   return depth;
 }
@@ -80,8 +76,7 @@ RoomSpec read_room(JsonObject object) {
   RoomSpec room;
   setting(object, "half_width_m", room.half_width_m, {0.5, 100.0}, "from the centre to the side walls");
   setting(object, "half_depth_m", room.half_depth_m, {0.5, 100.0}, "from the centre to the other walls");
-  room.walls = static_cast<int>(count_within(object, "walls", static_cast<std::uint64_t>(room.walls), 0, 4));
-  object.about({{"walls", "that the room has"}});
+  setting(object, "walls", room.walls, {0, 4}, "that the room has");
   object.finish();
   return room;
 }

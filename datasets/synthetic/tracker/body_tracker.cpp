@@ -77,7 +77,7 @@ void BodyTracker::note_identity(TrackedPerson& person, bool seen, std::uint64_t 
   person.tracking_id = 0;
   std::vector<std::size_t> free_slots;
   for (std::size_t slot = 0; slot < kSlots; ++slot)
-    if (std::none_of(persons_.begin(), persons_.end(), [&](const TrackedPerson& other) {
+    if (std::ranges::none_of(persons_, [&](const TrackedPerson& other) {
           return other.tracking_id != 0 && other.slot == slot;
         }))
       free_slots.push_back(slot);
@@ -128,7 +128,7 @@ TrackedFrame BodyTracker::observe(std::uint64_t frame, std::span<const SkeletonP
     result.truth.exchanged = person.exchanged;
     result.truth.tracking_id = person.tracking_id;
   }
-  std::sort(by_slot.begin(), by_slot.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(by_slot, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [slot, body] : by_slot) result.bodies.push_back(body);
   return result;
 }

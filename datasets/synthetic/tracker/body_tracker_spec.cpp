@@ -80,7 +80,8 @@ Declared read_document(JsonObject object) {
   for (const GroupsField& field : kGroupsFields) {
     JsonObject entry = groups.object(field.key);
     for (std::size_t g = 0; g < kTrackerGroups; ++g)
-      (declared.spec.*field.member)[g] = number_within(entry, std::string(kGroupNames[g]), 0.0, field.most);
+      (declared.spec.*field.member)[g] =
+          number_within(entry, std::string(kGroupNames[g]), {}, 0.0, field.most);
     std::string& text = declared.intervals.emplace_back();
     if (entry.has("interval")) {
       JsonObject intervals = entry.object("interval");
@@ -95,7 +96,7 @@ Declared read_document(JsonObject object) {
   JsonObject values = object.object("values");
   for (const ValueField& field : kValueFields) {
     JsonObject entry = values.object(field.key);
-    declared.spec.*field.member = number_within(entry, "value", field.least, field.most);
+    declared.spec.*field.member = number_within(entry, "value", {}, field.least, field.most);
     declared.intervals.push_back(entry.has("interval") ? interval_text(entry, "interval") : "");
     describe(entry);
   }
@@ -176,7 +177,7 @@ BodyTrackerSpec read_body_tracker(JsonObject& parent) {
     if (!object.has(field.key)) continue;
     BodyTrackerSpec::Groups& groups = spec.*field.member;
     if (!object.value(field.key).is_object()) {
-      groups.fill(number_within(object, field.key, 0.0, field.most));
+      groups.fill(number_within(object, field.key, {}, 0.0, field.most));
       continue;
     }
     JsonObject some = object.object(field.key);
@@ -199,22 +200,21 @@ BodyTrackerSpec read_body_tracker(JsonObject& parent) {
       {"back_view_hysteresis_rad", "say \"back_view_angle_rad\""},
   };
   for (const auto& [key, instead] : kGone) object.gone(key, instead);
-  for (const TrackerParameter& parameter : tracker_parameters(default_body_tracker()))
+  for (const DeclaredParameter& parameter : tracker_parameters(default_body_tracker()))
     object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
   object.finish();
   return spec;
 }
 
-std::vector<TrackerParameter> tracker_parameters(const BodyTrackerSpec& spec) {
-  constexpr const char* kSet = "set in the simulation";  // kSetInTheSimulation of the results
+std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec) {
   const Declared& known = declared();
-  std::vector<TrackerParameter> list;
+  std::vector<DeclaredParameter> list;
   const auto add = [&](const char* key, const std::string& value, bool same) {
     const std::size_t i = list.size();
     list.push_back({key, value, known.units[i],
                     same ? (known.intervals[i].empty() ? "" : "95 % interval " + known.intervals[i] + "; ") +
                                known.sources[i]
-                         : kSet});
+                         : kSetInTheSimulation});
   };
   for (const GroupsField& field : kGroupsFields) {
     const BodyTrackerSpec::Groups& groups = spec.*field.member;

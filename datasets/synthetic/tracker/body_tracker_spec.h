@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
+#include "datasets/results/declared_parameters.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
@@ -56,9 +57,6 @@ Json declared_body_tracker();
 BodyTrackerSpec read_body_tracker(JsonObject& parent);
 
 // A declared value as text, with what it rests on; a value that is not the default says that it was set.
-struct TrackerParameter {
-  std::string name, value, unit, source;
-};
-std::vector<TrackerParameter> tracker_parameters(const BodyTrackerSpec& spec);
+std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec);
 
 }  // namespace trilat

@@ -105,7 +105,7 @@ struct TrackerTruthReader::State {
   std::vector<std::string> names;
   std::vector<Tables> tables;
   const Tables& of(const std::string& sensor) const {
-    const auto found = std::find(names.begin(), names.end(), sensor);
+    const auto found = std::ranges::find(names, sensor);
     if (found == names.end()) throw InputError(file.place(), "has no sensor \"" + sensor + "\"");
     return tables[static_cast<std::size_t>(found - names.begin())];
   }

@@ -50,8 +50,8 @@ std::vector<std::vector<std::size_t>> sensor_sets(std::size_t sensors, std::size
   for (std::uint32_t number = 0; sets.size() < most; ++number) {
     std::vector<std::size_t> set = random_order(sensors, number);
     set.resize(size);
-    std::sort(set.begin(), set.end());
-    if (std::find(sets.begin(), sets.end(), set) == sets.end()) sets.push_back(std::move(set));
+    std::ranges::sort(set);
+    if (std::ranges::find(sets, set) == sets.end()) sets.push_back(std::move(set));
   }
   return sets;
 }
@@ -59,7 +59,7 @@ std::vector<std::vector<std::size_t>> sensor_sets(std::size_t sensors, std::size
 namespace {
 
 int rig_index(const std::string& sensor, const std::vector<std::string>& rig, const std::string& method) {
-  const auto found = std::find(rig.begin(), rig.end(), sensor);
+  const auto found = std::ranges::find(rig, sensor);
   if (found != rig.end()) return static_cast<int>(found - rig.begin());
   std::string known;
   for (const std::string& name : rig) known += (known.empty() ? "" : ", ") + name;

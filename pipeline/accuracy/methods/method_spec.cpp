@@ -36,10 +36,15 @@ void tell(Settings& s, MethodSpec& m) {
   JsonObject* object = s.reading();
   s.texts("sensors", m.sensors, "those it may use; empty: all");
   if (object ? object->has("each") : m.each > 0) {
-    if (object) m.each = count_within(*object, "each", 1, kMaxSensors);
+    if (object) {
+      m.each = object->count("each");  // without a default: setting() would tell one
+      object->range("each", 1, kMaxSensors);
+      object->about({{"each", "one method for each set of so many sensors"}});
+      if (m.each < 1 || m.each > kMaxSensors)
+        object->refuse("each", fmt::format("must be 1 to {}, is {}", kMaxSensors, m.each));
+    }
     s.write("each", m.each);
     s("most_sets", m.most_sets, {1, 1000}, "at most so many sets");
-    if (object) object->about({{"each", "one method for each set of so many sensors"}});
     if (const std::size_t used = m.kind->sensors; object && used > 0 && m.each != used)
       object->refuse("each", fmt::format("must be {}: {} uses so many sensors", used, m.kind->name));
   }

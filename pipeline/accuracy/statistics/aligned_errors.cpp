@@ -54,7 +54,7 @@ Axes axes_of(const Plan& plan) {
   axes.groups = groups.size();
   axes.sets = plan.study.occluded_apart ? 2 : 1;
   for (const Joint joint : plan.joints) {
-    const auto group = std::find(groups.begin(), groups.end(), table_group(joint));
+    const auto group = std::ranges::find(groups, table_group(joint));
     axes.group_of_joint.push_back(static_cast<std::size_t>(group - groups.begin()));
   }
   return axes;
@@ -82,7 +82,7 @@ std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
 TakeAlignments align(std::uint64_t instants, const StatisticsLayout& layout, const auto& each_sample) {
   const Axes& axes = layout.axes;
   const std::vector<AlignmentKind>& kinds = layout.alignments;
-  const bool any_is_trained = std::any_of(kinds.begin(), kinds.end(), is_trained);
+  const bool any_is_trained = std::ranges::any_of(kinds, is_trained);
   const auto training_end =
       any_is_trained
           ? static_cast<std::uint64_t>(std::llround(layout.training_share * static_cast<double>(instants)))
@@ -120,8 +120,7 @@ TakeAlignments align_take(const SampleBlock& samples, const StatisticsLayout& la
 std::vector<std::string> groups_of(const Plan& plan) {
   std::vector<std::string> groups;
   for (const Joint joint : plan.joints)
-    if (const std::string group = table_group(joint);
-        std::find(groups.begin(), groups.end(), group) == groups.end())
+    if (const std::string group = table_group(joint); std::ranges::find(groups, group) == groups.end())
       groups.push_back(group);
   return groups;
 }
@@ -133,13 +132,13 @@ StatisticsLayout statistics_layout(const Plan& plan) {
   layout.training_share = plan.study.training_share;
   layout.reference = plan.reference;
   const auto& kinds = layout.alignments;
-  const auto none = std::find(kinds.begin(), kinds.end(), AlignmentKind::none);
+  const auto none = std::ranges::find(kinds, AlignmentKind::none);
   if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());
   layout.rate_hz = plan.study.rate_hz;
   layout.block_instants = block_instants_of(plan, layout.axes);
   for (const Bone& bone : kBones) {
-    const auto from = std::find(plan.joints.begin(), plan.joints.end(), bone.parent);
-    const auto to = std::find(plan.joints.begin(), plan.joints.end(), bone.child);
+    const auto from = std::ranges::find(plan.joints, bone.parent);
+    const auto to = std::ranges::find(plan.joints, bone.child);
     if (from != plan.joints.end() && to != plan.joints.end())
       layout.bones.emplace_back(from - plan.joints.begin(), to - plan.joints.begin());
   }

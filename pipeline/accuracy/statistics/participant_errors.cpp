@@ -40,13 +40,13 @@ void ParticipantErrors::Sums::Paired::add(const PairedErrors& paired) {
 
 ParticipantErrors::ParticipantErrors(const ResultsSummary& summary) : summary_(summary) {
   for (const TakeJointRow& row : summary.by_take)
-    if (std::find(participants_.begin(), participants_.end(), row.participant) == participants_.end())
+    if (std::ranges::find(participants_, row.participant) == participants_.end())
       participants_.push_back(row.participant);
   for (const TakeJointRow& row : summary.by_take) {
     ByParticipant& of = sums_[row.condition][row.group][row.method];
     of.resize(participants_.size());
-    Sums& sums = of[static_cast<std::size_t>(
-        std::find(participants_.begin(), participants_.end(), row.participant) - participants_.begin())];
+    Sums& sums = of[static_cast<std::size_t>(std::ranges::find(participants_, row.participant) -
+                                             participants_.begin())];
     sums.answered += static_cast<double>(row.answered);
     add(sums.error_m, row.answered, row.mae_m);
     const SpeedErrors& speed = row.by_speed;
@@ -71,8 +71,7 @@ std::vector<std::string> ParticipantErrors::methods_of(const std::string& name) 
   if (name.starts_with(kBestOf)) return methods_of(name.substr(kBestOf.size()));
   for (const MethodFamily& family : summary_.families)
     if (family.name == name) return family.methods;
-  const bool known =
-      std::find(summary_.methods.begin(), summary_.methods.end(), name) != summary_.methods.end();
+  const bool known = std::ranges::find(summary_.methods, name) != summary_.methods.end();
   return known ? std::vector{name} : std::vector<std::string>{};
 }
 

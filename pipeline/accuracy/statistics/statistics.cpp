@@ -129,8 +129,8 @@ ConditionTakes condition_takes(std::vector<const TakeStatistics*> takes, std::ve
                                const ResampleOptions& options) {
   std::vector<std::size_t> order(takes.size()), clusters;
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return participant[a] < participant[b]; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return participant[a] < participant[b]; });
   ConditionTakes result;
   for (const std::size_t t : order) {
     const bool same = !result.participant.empty() && result.participant.back() == participant[t];
@@ -266,7 +266,7 @@ struct Names {
 std::vector<std::size_t> asked_groups(const ResultsSummary& summary, const std::string& condition) {
   std::vector<std::size_t> groups;
   for (std::size_t g = 0; g < summary.groups.size(); ++g)
-    if (std::any_of(summary.cells.begin(), summary.cells.end(), [&](const SummaryCell& cell) {
+    if (std::ranges::any_of(summary.cells, [&](const SummaryCell& cell) {
           return cell.condition == condition && cell.group == summary.groups[g];
         }))
       groups.push_back(g);
@@ -357,7 +357,7 @@ ConditionTakes takes_of(const Plan& plan, const RunOutcome& outcome, const std::
     const Take& take = plan.takes[t].take;
     if (take.activity != activity || !outcome.evaluated[t] || summaries[t].statistics.cells.rows() == 0)
       continue;
-    auto name = std::find(names.begin(), names.end(), take.participant);
+    auto name = std::ranges::find(names, take.participant);
     if (name == names.end()) name = names.insert(names.end(), take.participant);
     takes.push_back(&summaries[t].statistics);
     participants.push_back(static_cast<std::size_t>(name - names.begin()));

@@ -262,8 +262,7 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   summary.simulated = plan.simulated;
   if (leaves_sensors_out(plan)) summary.truth = kLeftOutTruth;
   summary.takes = plan.takes.size();
-  summary.takes_failed =
-      static_cast<std::uint64_t>(std::count(outcome.evaluated.begin(), outcome.evaluated.end(), false));
+  summary.takes_failed = static_cast<std::uint64_t>(std::ranges::count(outcome.evaluated, false));
   std::set<std::string> participants;
   for (std::size_t t = 0; t < plan.takes.size(); ++t)
     if (outcome.evaluated[t]) participants.insert(plan.takes[t].take.participant);

@@ -28,13 +28,13 @@ std::vector<std::size_t> nearest_frames(const PlannedTake& planned, const Sessio
   std::vector<std::pair<HostTime, std::size_t>> exposures;
   for (const FrameStamp& stamp : session.stamps(number, FrameStream::depth, 0, frames))
     exposures.emplace_back(planned.host_from_sensor[sensor](stamp), exposures.size());
-  std::sort(exposures.begin(), exposures.end());
+  std::ranges::sort(exposures);
   const Duration reach = duration_from_s(0.5 / description.nominal_rate_hz);
   std::vector<std::size_t> nearest;
   for (const HostTime t : time) {
     std::size_t best = kNone;
     Duration least = reach;
-    for (auto it = std::lower_bound(exposures.begin(), exposures.end(), std::pair(t - reach, std::size_t{0}));
+    for (auto it = std::ranges::lower_bound(exposures, std::pair(t - reach, std::size_t{0}));
          it != exposures.end() && it->first <= t + reach; ++it) {
       const Duration off = std::max(it->first - t, t - it->first);
       if (off > least) continue;

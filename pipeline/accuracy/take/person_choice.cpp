@@ -116,14 +116,14 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
   for (std::size_t k = 0; k < persons.size(); ++k) tracklets_of[persons[k]].push_back(k);
   std::vector<std::size_t> order(distance_m.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return distance_m[a] < distance_m[b]; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return distance_m[a] < distance_m[b]; });
   std::vector<std::size_t> taken;
   for (const std::size_t p : order) {
     const bool first = taken.empty();
     if (!first && distance_m[p] > std::min(kFarthest_m, distance_m[taken.front()] + PersonOptions{}.same_m))
       break;
-    if (std::none_of(taken.begin(), taken.end(), [&](std::size_t other) {
+    if (std::ranges::none_of(taken, [&](std::size_t other) {
           return are_together(tracklets, tracklets_of[p], tracklets_of[other]);
         }))
       taken.push_back(p);
@@ -161,9 +161,7 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
     distance_m.push_back(median_distance_m(plan, data, tracklets, persons, p));
   const std::vector<std::size_t> taken = taken_persons(tracklets, persons, distance_m);
   const double nearest_m = taken.empty() ? kNaN : distance_m[taken.front()];
-  const auto is_taken = [&](std::size_t p) {
-    return std::find(taken.begin(), taken.end(), p) != taken.end();
-  };
+  const auto is_taken = [&](std::size_t p) { return std::ranges::find(taken, p) != taken.end(); };
   std::size_t elsewhere = 0;  // those of whom nothing is known do not count
   for (std::size_t p = 0; p < match.persons; ++p)
     if (std::isfinite(distance_m[p]) && !is_taken(p)) ++elsewhere;

@@ -185,8 +185,7 @@ std::vector<Joint> joints_of(const StudySpec& study, const std::vector<PlannedTa
   std::set<Joint> mapped;
   for (const PlannedTake& take : takes)
     for (const auto& entry : take.mapping.joints)
-      if (study.joints.empty() ||
-          std::find(study.joints.begin(), study.joints.end(), name_of(entry.joint)) != study.joints.end())
+      if (study.joints.empty() || std::ranges::find(study.joints, name_of(entry.joint)) != study.joints.end())
         mapped.insert(entry.joint);
   std::vector<Joint> joints;
   for (const JointGroup& group : joint_groups())
@@ -212,8 +211,7 @@ void keep_conditions(const StudySpec& study, Campaign& campaign) {
           "study \"" + study.name + "\" /conditions",
           "has \"" + condition + "\", which no take of the campaign is; its activities are " + known);
   std::erase_if(campaign.takes, [&](const Take& take) {
-    return std::find(study.conditions.begin(), study.conditions.end(), take.activity) ==
-           study.conditions.end();
+    return std::ranges::find(study.conditions, take.activity) == study.conditions.end();
   });
 }
 
@@ -289,8 +287,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
     watch.tell(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
   });
   plan.joints = joints_of(study, plan.takes);
-  const bool any =
-      std::any_of(plan.takes.begin(), plan.takes.end(), [](const PlannedTake& t) { return t.ok; });
+  const bool any = std::ranges::any_of(plan.takes, [](const PlannedTake& t) { return t.ok; });
   if (any && plan.joints.empty())
     throw InputError("study \"" + study.name + "\" /joints",
                      fmt::format("asks for {}, which no take's mapping maps; they map {}",
@@ -305,7 +302,7 @@ bool judges_places(const StudySpec& study) { return study.alignments != std::vec
 std::vector<std::string> activities_of(const Plan& plan) {
   std::vector<std::string> activities;
   for (const PlannedTake& planned : plan.takes)
-    if (std::find(activities.begin(), activities.end(), planned.take.activity) == activities.end())
+    if (std::ranges::find(activities, planned.take.activity) == activities.end())
       activities.push_back(planned.take.activity);
   return activities;
 }

@@ -49,7 +49,7 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
     truth.at({(data.time[i] - mocap_start).ns},
              std::span(data.truth_m).subspan(i * plan.joints.size(), plan.joints.size()));
   }
-  if (std::none_of(data.truth_m.begin(), data.truth_m.end(), [](const auto& p) { return p.allFinite(); }))
+  if (std::ranges::none_of(data.truth_m, [](const auto& p) { return p.allFinite(); }))
     refuse_without_truth(plan, planned, truth);
   std::vector<TakeNote> notes;
   const auto note = [&](std::string text) {
@@ -183,8 +183,7 @@ OcclusionCounts count_crossings(const BodyTracks& bodies, OcclusionVariant varia
 void find_occlusions(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
                      const std::function<bool()>& stop_requested, TakeData& data) {
   const auto asked = [&](OcclusionRule rule) {
-    return std::any_of(plan.methods.begin(), plan.methods.end(),
-                       [&](const Method& m) { return m.spec.occlusion == rule; });
+    return std::ranges::any_of(plan.methods, [&](const Method& m) { return m.spec.occlusion == rule; });
   };
   const auto slot = [&](OcclusionRule rule) -> OcclusionCounts& {
     return data.occlusions[static_cast<std::size_t>(rule)];

@@ -139,8 +139,8 @@ ExchangeRow count_exchanges(const Plan& plan, const PlannedTake& planned, const 
   };
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     const ObservedBody& body = data.bodies.at(i, s);
-    const bool there = std::any_of(body.state.begin(), body.state.end(),
-                                   [](TrackingState state) { return state != TrackingState::not_tracked; });
+    const bool there = std::ranges::any_of(
+        body.state, [](TrackingState state) { return state != TrackingState::not_tracked; });
     if (!there || (truth.known() && !truth.at(i, s))) continue;
     const bool found = data.exchanges.at(i, s);
     ++row.instants;
@@ -184,8 +184,7 @@ std::vector<RangeSums> sum_ranges(const Plan& plan, const PlannedTake& planned, 
 template <class Row, class Key, class Add>
 void merge_rows(std::vector<Row>& all, const std::vector<Row>& more, const Key& key, const Add& add) {
   for (const Row& row : more) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Row& other) { return key(other) == key(row); });
+    const auto found = std::ranges::find_if(all, [&](const Row& other) { return key(other) == key(row); });
     if (found == all.end())
       all.push_back(row);
     else

@@ -157,8 +157,7 @@ struct TruthTrack::State {
   Eigen::Vector3d asset_at(std::size_t asset, MocapTime t) const {
     const auto& [time, position_m] = samples[asset];
     const auto after = static_cast<std::size_t>(
-        std::lower_bound(time.begin(), time.end(), t, [](MocapTime a, MocapTime b) { return a < b; }) -
-        time.begin());
+        std::ranges::lower_bound(time, t, [](MocapTime a, MocapTime b) { return a < b; }) - time.begin());
     if (after < time.size() && time[after] == t) return position_m[after];
     if (after == 0 || after == time.size()) return Eigen::Vector3d::Constant(kNaN);
     return interpolate(t, time[after - 1], position_m[after - 1], time[after], position_m[after], longest_gap)
