@@ -100,8 +100,14 @@ TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
   const ScratchFolder folder;
   const Process process(folder, {"record", "--source", "synthetic:4,depth=no", "--truth", in(folder, "truth"),
                                  "-o", in(folder, "s.h5")});
-  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
-  std::this_thread::sleep_for(std::chrono::seconds(4));
+  // a slow machine takes its time until so many frames are flushed
+  wait_for([&] {
+    try {
+      return SessionReader(folder / "s.h5.partial").counts(0).body_frames > 60;
+    } catch (const InputError&) {
+      return false;  // not there, or nothing flushed
+    }
+  });
   process.kill_at_once();
   EXPECT_EQ(process.wait().code, -1);
   const Ended followed = run_trilat(folder, {"info", in(folder, "s.h5")});
