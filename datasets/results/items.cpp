@@ -224,6 +224,7 @@ void WorkPart::check(const JsonObject& object) const {
   if (of == 0 || of > kMostShards) object.refuse("shards", fmt::format("must be 1 to {}", kMostShards));
   if (number == 0 || number > of) object.refuse("shard", "must be 1 to the number of shards");
   for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!(items[i].cost >= 0.0)) object.refuse_below(fmt::format("items/{}/cost", i), "must be a number");
     if (items[i].shard == 0 || items[i].shard > of)
       object.refuse_below(fmt::format("items/{}/shard", i), "must be 1 to the number of shards");
     if (!is_item_id(items[i].id))

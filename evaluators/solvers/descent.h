@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "evaluators/solvers/point_estimate.h"
+#include "evaluators/solvers/range_problem.h"
 
 namespace trilat {
 
@@ -117,6 +118,16 @@ struct DescentPair {
   alignas(16) double cost_m2[kPairLanes];
   alignas(16) double iterations[kPairLanes];
   SolveStatus status[kPairLanes];
+
+  void set_lane(std::size_t lane, const RangeProblem& problem, const Eigen::Vector3d& start_m) {
+    sensors = problem.count;
+    for (int i = 0; i < problem.count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
+      range_m[i][lane] = problem.range_m[i];
+      weight[i][lane] = problem.weight[i];
+    }
+    for (int axis = 0; axis < 3; ++axis) position_m[axis][lane] = start_m[axis];
+  }
 };
 void descend(DescentPair& pair, const DescentOptions& options);
 

@@ -86,15 +86,7 @@ Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const N
 std::array<Descent, kPairLanes> descend_pair(const RangeProblem& problem, const NonlinearOptions& options,
                                              const std::array<Eigen::Vector3d, kPairLanes>& start_m) {
   DescentPair pair;
-  pair.sensors = problem.count;
-  for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
-    for (int i = 0; i < problem.count; ++i) {
-      for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
-      pair.range_m[i][lane] = problem.range_m[i];
-      pair.weight[i][lane] = problem.weight[i];
-    }
-    for (int axis = 0; axis < 3; ++axis) pair.position_m[axis][lane] = start_m[lane][axis];
-  }
+  for (std::size_t lane = 0; lane < kPairLanes; ++lane) pair.set_lane(lane, problem, start_m[lane]);
   descend(pair, options);
   std::array<Descent, kPairLanes> ends;
   for (std::size_t lane = 0; lane < kPairLanes; ++lane)

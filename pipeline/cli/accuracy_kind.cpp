@@ -143,12 +143,6 @@ Json errors_json(const ResultsSummary& s) {
   return rows;
 }
 
-Json json_list(const std::vector<BestMethod>& best) {
-  Json list = Json::array();
-  for (const BestMethod& one : best) list.push_back(json_of(one));
-  return list;
-}
-
 }  // namespace
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
@@ -192,7 +186,7 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     document["takes_failed"] = summary.takes_failed;
     document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
     document["errors"] = errors_json(summary);
-    document["best"] = json_list(summary.best);
+    document["best"] = json_of(summary.best);
     document["warnings"] = accuracy_warnings(summary, tracking);
     fmt::print("{}\n", json_text(document, 2));
   } else {

@@ -63,15 +63,13 @@ int fuse(const FuseArguments& a) {
   }();
   format.write(a.output, track_of(fused));
   if (a.json) {
-    Json corrections = Json::array();
-    for (const CorrectionRow& row : fused.corrections) corrections.push_back(json_of(row));
     fmt::print("{}\n", json_text(Json{{"file", a.output.string()},
                                       {"instants", fused.instants()},
                                       {"start_host_ns", fused.start_host_ns},
                                       {"sensors", fused.sensors},
                                       {"answered", fused.answered},
                                       {"rays", json_of(fused.rays)},
-                                      {"corrections", corrections}},
+                                      {"corrections", json_of(fused.corrections)}},
                                  2));
     return fused.answered > 0.0 ? kDone : kItemsFailed;
   }

@@ -96,7 +96,7 @@ struct Night {
   }
   PairedAnswer answer(std::size_t place, std::size_t slot) const {
     const auto status = static_cast<SolveStatus>(block.status[slot]);
-    if (!is_usable(status)) return {{kNone, kNone}, status};
+    if (!is_usable(status)) return {{kNoNumber, kNoNumber}, status};
     double aligned_m2 = 0.0, plain_m2 = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto aligned = static_cast<double>(error_m[3 * slot + axis]);
@@ -278,7 +278,7 @@ class Comparison {
     if (now.cross_check && !now.cross_check->passed() &&
         (!before.cross_check || before.cross_check->passed()))
       add_failure(pair.now.name, "the cross-check with Ceres fails",
-                  before.cross_check ? before.cross_check->worst_m : kNone, now.cross_check->worst_m,
+                  before.cross_check ? before.cross_check->worst_m : kNoNumber, now.cross_check->worst_m,
                   "worst at " + now.cross_check->worst_at);
   }
 

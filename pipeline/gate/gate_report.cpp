@@ -52,9 +52,9 @@ Json gate_json(const GateReport& report) {
           {"baseline_reason", report.baseline_reason},
           {"smallest_effect_percent", report.smallest_percent},
           {"looked_at", report.looked_at},
-          {"studies", described::written(report.studies)},
-          {"findings", described::written(report.findings)},
-          {"cells", described::written(report.cells)},
+          {"studies", json_of(report.studies)},
+          {"findings", json_of(report.findings)},
+          {"cells", json_of(report.cells)},
           {"notes", report.notes}};
 }
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/summary.h"
 
 namespace trilat {
 
@@ -23,11 +23,9 @@ const char* name_of(FindingKind kind);
 enum class Direction : std::uint8_t { worse, better, changed };
 const char* name_of(Direction direction);
 
-inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 // Percent, its 95 % interval, and the probability that so much is chance; NaN where nobody can say.
 struct Change {
-  double percent = kNone, low = kNone, high = kNone, chance = kNone;
+  double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
 };
 
 // A cell of a study's table; of a number of a deterministic study only the study.
@@ -41,7 +39,7 @@ struct GateFinding : CellName {
   Direction direction = Direction::changed;
   bool alarm = false;
   std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
-  double before = kNone, now = kNone;
+  double before = kNoNumber, now = kNoNumber;
   std::string unit;  // of before and now, when `what` names none they can be told in: "m" is told in cm
   Change change;     // of before; the chance is corrected for all that was looked at
   std::uint64_t n = 0, clusters = 0;
@@ -63,10 +61,10 @@ struct GateFinding : CellName {
 
 // One cell that was compared and is not identical, whether or not it is a finding.
 struct ComparedCell : CellName {
-  double before_m = kNone, now_m = kNone;  // on the samples that both answered
-  Change error;                            // of before_m. Chances are of the cell by itself, not corrected
-  Change lost;                             // 100 (lost - gained) / asked
-  Change clamped;                          // 100 (clamped now - clamped before) / both
+  double before_m = kNoNumber, now_m = kNoNumber;  // on the samples that both answered
+  Change error;    // of before_m. Chances are of the cell by itself, not corrected
+  Change lost;     // 100 (lost - gained) / asked
+  Change clamped;  // 100 (clamped now - clamped before) / both
   std::uint64_t both = 0, clusters = 0;
   std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost_samples = 0, gained_samples = 0;
   // The take that lost the largest share of its answers.

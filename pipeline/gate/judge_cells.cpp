@@ -110,8 +110,9 @@ GateFinding accuracy_finding(const ComparedCell& cell, const Change& change) {
 
 GateFinding coverage_finding(const ComparedCell& cell, Direction direction, double chance) {
   const auto before = static_cast<double>(cell.answered_before), now = static_cast<double>(cell.answered_now);
-  const double percent = before > 0.0 ? 100.0 * (now - before) / before : kNone;
-  GateFinding finding = finding_of(cell, FindingKind::coverage, direction, {percent, kNone, kNone, chance});
+  const double percent = before > 0.0 ? 100.0 * (now - before) / before : kNoNumber;
+  GateFinding finding =
+      finding_of(cell, FindingKind::coverage, direction, {percent, kNoNumber, kNoNumber, chance});
   finding.what = "samples answered";
   finding.before = before;
   finding.now = now;
@@ -145,8 +146,8 @@ class JudgedCells {
     std::vector<double> accuracy, coverage, clamped;
     for (const ComparedCell& cell : cells) {
       accuracy.push_back(cell.error.chance);
-      coverage.push_back(judges_coverage(cell) ? cell.lost.chance : kNone);
-      clamped.push_back(judges_statuses(cell) ? cell.clamped.chance : kNone);
+      coverage.push_back(judges_coverage(cell) ? cell.lost.chance : kNoNumber);
+      clamped.push_back(judges_statuses(cell) ? cell.clamped.chance : kNoNumber);
     }
     accuracy_ = holm_adjusted(accuracy);
     coverage_ = holm_adjusted(coverage);
@@ -176,7 +177,7 @@ class JudgedCells {
       findings.push_back(coverage_finding(cell, fewer ? Direction::worse : Direction::better, lost.chance));
       if (std::isnan(lost.chance)) findings.back().note += std::string("; ") + kCannotBeJudged;
     } else if (same_inputs && loses_a_take(cell, limits_)) {
-      findings.push_back(coverage_finding(cell, Direction::worse, kNone));
+      findings.push_back(coverage_finding(cell, Direction::worse, kNoNumber));
     }
   }
 

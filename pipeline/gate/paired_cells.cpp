@@ -125,7 +125,7 @@ Wanted wanted_of(std::size_t cells) {
 
 double chance_of(const IntervalEstimate& e) {
   if (!std::isfinite(e.value) || e.value == 0.0) return 1.0;
-  if (e.clusters < 2 || std::isnan(e.standard_error)) return kNone;
+  if (e.clusters < 2 || std::isnan(e.standard_error)) return kNoNumber;
   return student_two_sided(e.value / e.standard_error, e.clusters - 1);
 }
 

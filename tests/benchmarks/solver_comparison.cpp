@@ -212,15 +212,7 @@ struct OneDescent {
 
   explicit OneDescent(Tolerance tolerance) : options(options_of(kind, tolerance)) {}
   void operator()(const RangeProblem& problem, Vector3d& x_m) {
-    pair.sensors = problem.count;
-    for (std::size_t lane = 0; lane < kPairLanes; ++lane) {
-      for (int i = 0; i < problem.count; ++i) {
-        for (int axis = 0; axis < 3; ++axis) pair.sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
-        pair.range_m[i][lane] = problem.range_m[i];
-        pair.weight[i][lane] = problem.weight[i];
-      }
-      for (int axis = 0; axis < 3; ++axis) pair.position_m[axis][lane] = x_m[axis];
-    }
+    for (std::size_t lane = 0; lane < kPairLanes; ++lane) pair.set_lane(lane, problem, x_m);
     descend(pair, options);
     x_m = {pair.position_m[0][0], pair.position_m[1][0], pair.position_m[2][0]};
   }

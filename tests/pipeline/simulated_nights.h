@@ -80,8 +80,8 @@ class SimulatedNights {
   }
 
   static PairedAnswer answer(bool none, double error_m, bool clamped) {
-    if (none) return {{kNone, kNone}, SolveStatus::iteration_limit};
-    return {{error_m, kNone}, clamped ? SolveStatus::clamped : SolveStatus::converged};
+    if (none) return {{kNoNumber, kNoNumber}, SolveStatus::iteration_limit};
+    return {{error_m, kNoNumber}, clamped ? SolveStatus::clamped : SolveStatus::converged};
   }
 
   static Wander mixed(const Wander& old, const Wander& fresh, double redrawn) {

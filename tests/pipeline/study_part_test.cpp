@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <array>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -134,7 +135,7 @@ TEST(StudyPart, APartThatWasWrittenByHandIsRefusedAtItsPlace) {
   EXPECT_THAT(said("takes", takes), HasSubstr("p99-walking: is a take of the study, but none of its items"));
 }
 
-TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
+TEST(StudyPart, APartThatNamesAnItemOutsideItselfOfNoCostOrOfNoShardIsRefused) {
   const ScratchFolder folder;
   const auto said = [&](PartItem item) {
     write_part(folder.path(), {"campaign", "build", 1, 2, Json::object(), {std::move(item)}});
@@ -144,6 +145,7 @@ TEST(StudyPart, APartThatNamesAnItemOutsideItselfOrOfNoShardIsRefused) {
   EXPECT_THAT(said({"rigs//run-1", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
   EXPECT_EQ(said({"rigs/walk..1", 1.0, 1}), "no error");
   EXPECT_THAT(said({"/etc", 1.0, 1}), HasSubstr("/items/0/id: is no name of an item"));
+  EXPECT_THAT(said({"p01-walking", std::nan(""), 1}), HasSubstr("/items/0/cost: must be a number"));
   EXPECT_THAT(said({"p01-walking", 1.0, 3}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
   EXPECT_THAT(said({"p01-walking", 1.0, 0}), HasSubstr("/items/0/shard: must be 1 to the number of shards"));
 }
