@@ -33,7 +33,7 @@ struct ClockErrorRow {
   // Share of answers below 2 ms, with its 95 % interval over sensors and runs.
   double below_2ms = TimeSpread::kNone;
   double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
-  std::vector<ClockUnit> units;  // one a run and sensor, all sensors of the first run first
+  std::vector<ClockUnit> units = {};  // one a run and sensor, all sensors of the first run first
 
   TRILAT_FIELDS(network, method, asked, error, below_2ms, below_2ms_low, below_2ms_high, units)
 };
