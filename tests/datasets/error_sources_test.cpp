@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/error_sources.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -167,6 +168,20 @@ TEST(ErrorSources, AllIsTheSimulationItselfAndPersonsAndRigStay) {
     EXPECT_EQ(only.seed, spec.seed);
     EXPECT_EQ(only.rig.heights_m, spec.rig.heights_m);
     EXPECT_EQ(only.activities.size(), 1u);
+  }
+}
+
+// But for another identity, which moves no joint.
+TEST(ErrorSources, EachSettingOfTheTrackerBelongsToOneOfThem) {
+  const SimulationSpec spec = spec_with_everything();
+  const auto settings = [&](ErrorSource source) {
+    return tracker_parameters(with_only(spec, source).body_tracker);
+  };
+  const auto none = settings(ErrorSource::none), all = settings(ErrorSource::all);
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    if (all[p].value == none[p].value || all[p].name == "identity_changes_per_minute") continue;
+    const auto has = [&](ErrorSource source) { return settings(source)[p].value != none[p].value; };
+    EXPECT_EQ(std::ranges::count_if(error_sources(), has), 2) << all[p].name;  // it, and all together
   }
 }
 

@@ -255,6 +255,15 @@ TEST(Session, VerifySaysWhatIsOdd) {
   EXPECT_THAT(said, Not(HasSubstr("damaged")));
 }
 
+TEST(Session, VerifyAsksWhetherPositionsAreMetresAlongEachAxis) {
+  const std::string said = said_of(written("millimetres.h5", 3, [](std::int64_t i, BodyFrame& frame) {
+    frame.bodies[0].position_m = {};
+    frame.bodies[0].position_m[7][static_cast<std::size_t>(i)] = -2100.0f;
+    return true;
+  }));
+  EXPECT_THAT(said, HasSubstr("error 3 joints lie beyond 20 m: are positions in metres?"));
+}
+
 TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
   const auto twin = [](std::int64_t i, BodyFrame& frame) {
     if (i == 0) frame.bodies.push_back(frame.bodies[0]);

@@ -45,6 +45,8 @@ TEST(Reuse, ATakeWhoseFileOrSettingsChangedIsComputed) {
   std::ofstream(work.campaign.takes[0].mocap, std::ios::app) << "\n";
   EXPECT_THAT(run(work.study, work.campaign, work.folder / "b", reuse).tally.computed,
               ElementsAre(item_of(work.campaign.takes[0])));
+  const ExecuteOptions checked{.cross_check = true, .reuse = reuse.reuse};
+  EXPECT_THAT(run(work.study, work.campaign, work.folder / "checked", checked).tally.reused, IsEmpty());
   work.study.sensor_gap_s = 0.2;
   EXPECT_THAT(run(work.study, work.campaign, work.folder / "c", reuse).tally.reused, IsEmpty());
 }
