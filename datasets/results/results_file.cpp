@@ -80,7 +80,7 @@ void check_results_head(JsonObject& object, StudyKind wanted) {
 void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& study,
                     const std::string& campaign) {
   const auto same = [](JsonObject& object, const char* key, const std::string& wanted) {
-    if (const std::string found = object.text(key); !wanted.empty() && found != wanted)
+    if (const std::string found = object.text(key); found != wanted)
       object.refuse(key, fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
                                      "parts of two runs; run the study again",
                                      found, wanted));

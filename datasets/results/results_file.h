@@ -36,7 +36,7 @@ Json results_head(StudyKind kind);                            // its first keys
 void check_results_head(JsonObject& object, StudyKind wanted);
 
 // InputError where manifest.json and the summary beside it, of this kind, study and campaign, are of
-// different runs. An empty name is not compared.
+// different runs. A campaign without a name is not compared.
 void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& study,
                     const std::string& campaign);
 
