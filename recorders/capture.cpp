@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -25,40 +26,59 @@
 namespace trilat {
 namespace {
 
+// One stream of a sensor: when its last frame came, and which numbers are missing.
+struct StreamWatch {
+  using Clock = std::chrono::steady_clock;
+  const char* name;
+  bool expected;  // the sensor has such a stream
+  Clock::time_point heard = Clock::now();
+  bool silent = false;
+  std::optional<std::int64_t> last_sequence = std::nullopt;
+  std::int64_t missing = 0;  // by gaps in the sequence numbers
+  std::uint64_t frames = 0, at_last_status = 0;
+
+  void add(const FrameStamp& stamp) {
+    // A source that begins anew, or numbers by another clock, has lost nothing by that.
+    constexpr std::int64_t kLargestGap = 1'000'000;
+    const std::int64_t gap = last_sequence ? stamp.sequence - *last_sequence - 1 : 0;
+    if (gap > 0 && gap < kLargestGap) missing += gap;
+    last_sequence = stamp.sequence;
+    heard = Clock::now();
+    ++frames;
+  }
+};
+
 // The writing side of a recording: stores events and knows how each sensor is. One thread.
 class CaptureStore {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = StreamWatch::Clock;
   CaptureStore(SessionWriter& writer, const SessionHeader& header, const CaptureOptions& options)
-      : writer_(writer),
-        options_(options),
-        heard_(header.sensors.size(), Clock::now()),
-        silent_(header.sensors.size(), false),
-        lost_on_the_way_(header.sensors.size(), 0),
-        at_last_status_(header.sensors.size(), 0) {
-    for (const SensorDescription& sensor : header.sensors) status_.push_back({.name = sensor.name});
+      : writer_(writer), options_(options) {
+    for (const SensorDescription& sensor : header.sensors) {
+      status_.push_back({.name = sensor.name});
+      sensors_.push_back({.bodies = {"bodies", sensor.source != kWithoutBodies}, .depth = {"depth", sensor.has_depth}});
+    }
   }
 
   void add(const SourceEvent& event) {
     const std::size_t s = event.sensor;
     SensorStatus& status = status_.at(s);
+    Sensor& sensor = sensors_.at(s);
     if (const auto* frame = std::get_if<BodyFrame>(&event.data)) {
-      heard(s);
+      heard(s, sensor.bodies, frame->stamp);
       writer_.add_body_frame(s, *frame);
       ++status.body_frames;
       if (options_.on_bodies) options_.on_bodies(status.name, *frame);
     } else if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) {
-      heard(s);
+      heard(s, sensor.depth, depth->stamp);
       writer_.add_depth_frame(s, *depth);
       ++status.depth_frames;
       if (options_.on_depth_stored) options_.on_depth_stored(depth->stamp);
     } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
       writer_.add_clock_exchange(s, *exchange);
     } else if (const auto* count = std::get_if<DropCount>(&event.data)) {
-      status.lost_at_source = count->at_source;
-      status.lost_in_queue += count->in_queue - lost_on_the_way_[s];
-      lost_on_the_way_[s] = count->in_queue;
-      writer_.add_drop_count(s, {count->host_ns, count->at_source, status.lost_in_queue});
+      sensor.counted_at_source = count->at_source;
+      sensor.lost_on_the_way = count->in_queue;
     } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
       notice(s, text->text);
     } else {
@@ -71,51 +91,66 @@ class CaptureStore {
     if (options_.on_notice) options_.on_notice(status_.at(sensor).name, text);
   }
 
-  // Says which sensors have sent no frame for too long.
+  // Names sensors that have sent no frame for too long, and streams of theirs.
   void look_for_silence(Clock::time_point now) {
     const std::chrono::duration<double> limit(options_.silence_s);
-    for (std::size_t s = 0; s < status_.size(); ++s)
-      if (!silent_[s] && now - heard_[s] > limit) {
-        silent_[s] = true;
-        notice(s, fmt::format("no frame for {:.1f} s", options_.silence_s));
+    for (std::size_t s = 0; s < status_.size(); ++s) {
+      Sensor& sensor = sensors_[s];
+      for (StreamWatch* stream : {&sensor.bodies, &sensor.depth}) {
+        if (!stream->expected || stream->silent || !(now - stream->heard > limit)) continue;
+        stream->silent = true;
+        notice(s, fmt::format("no frame of {} for {:.1f} s", stream->name, options_.silence_s));
       }
+    }
   }
 
-  // Stores how many frames found no room in the queue, where that has changed.
+  // Stores how many frames were lost, where that has changed: those that the source counts or that are missing by
+  // their numbers, and those for which a queue had no room, which leave gaps, too.
   void note_drops(const CaptureQueue& queue) {
     for (std::size_t s = 0; s < status_.size(); ++s) {
-      const std::int64_t dropped = queue.dropped(s) + lost_on_the_way_[s];
-      if (dropped == status_[s].lost_in_queue) continue;
-      status_[s].lost_in_queue = dropped;
-      writer_.add_drop_count(s, {steady_now_ns(), status_[s].lost_at_source, dropped});
+      const Sensor& sensor = sensors_[s];
+      const std::int64_t in_queue = queue.dropped(s) + sensor.lost_on_the_way;
+      const std::int64_t missing = sensor.bodies.missing + sensor.depth.missing;
+      const std::int64_t at_source = std::max(sensor.counted_at_source, missing - in_queue);
+      if (at_source == status_[s].lost_at_source && in_queue == status_[s].lost_in_queue) continue;
+      status_[s].lost_at_source = at_source;
+      status_[s].lost_in_queue = in_queue;
+      writer_.add_drop_count(s, {steady_now_ns(), at_source, in_queue});
     }
   }
 
   // `period_s`: since it was last asked.
   std::vector<SensorStatus> status(double period_s) {
     for (std::size_t s = 0; s < status_.size(); ++s) {
-      const std::uint64_t frames = std::max(status_[s].body_frames, status_[s].depth_frames);
-      status_[s].rate_hz = static_cast<double>(frames - at_last_status_[s]) / period_s;
-      at_last_status_[s] = frames;
+      std::optional<double> slowest_hz;
+      for (StreamWatch* stream : {&sensors_[s].bodies, &sensors_[s].depth}) {
+        const double rate_hz = static_cast<double>(stream->frames - stream->at_last_status) / period_s;
+        stream->at_last_status = stream->frames;
+        if (stream->expected) slowest_hz = std::min(rate_hz, slowest_hz.value_or(rate_hz));
+      }
+      status_[s].rate_hz = slowest_hz.value_or(0.0);
     }
     return status_;
   }
 
  private:
-  void heard(std::size_t sensor) {
-    heard_[sensor] = Clock::now();
-    if (!silent_[sensor]) return;
-    silent_[sensor] = false;
-    notice(sensor, "frames again");
+  struct Sensor {
+    StreamWatch bodies, depth;
+    std::int64_t counted_at_source = 0;
+    std::int64_t lost_on_the_way = 0;  // in an agent's queue
+  };
+  static constexpr const char* kWithoutBodies = "libfreenect2";
+
+  void heard(std::size_t sensor, StreamWatch& stream, const FrameStamp& stamp) {
+    stream.add(stamp);
+    if (!std::exchange(stream.silent, false)) return;
+    notice(sensor, fmt::format("frames of {} again", stream.name));
   }
 
   SessionWriter& writer_;
   const CaptureOptions& options_;
   std::vector<SensorStatus> status_;
-  std::vector<Clock::time_point> heard_;
-  std::vector<bool> silent_;
-  std::vector<std::int64_t> lost_on_the_way_;  // in an agent's queue
-  std::vector<std::uint64_t> at_last_status_;
+  std::vector<Sensor> sensors_;
 };
 
 // Asks the system now and then, on a thread of its own, to put what has been written of a file on the disk,

@@ -17,7 +17,7 @@ struct SensorStatus {
   std::string name;
   std::uint64_t body_frames = 0, depth_frames = 0;     // stored
   std::int64_t lost_at_source = 0, lost_in_queue = 0;  // the latter also torn ones and impossible times
-  double rate_hz = 0.0;  // frames stored a second, of the stream that has more, since the last status
+  double rate_hz = 0.0;  // frames stored a second since the last status, of the slower of its streams
 };
 
 struct CaptureStatus {
@@ -35,7 +35,7 @@ struct CaptureOptions {
   double flush_period_s = 0.5;           // what a kill can cost, and a little more
   double sync_period_s = 1.0;            // between requests to put it all on the disk
   double duration_s = 0.0;               // 0: until the sources end or somebody stops it
-  double silence_s = 2.0;                // without frames for so long, a sensor is said to be silent
+  double silence_s = 2.0;  // without frames for so long, a stream of a sensor is named as silent
   std::uint64_t reserve_bytes =
       256u << 20;  // the recording ends in order when the disk has less left beside the queue
   std::function<bool()> stop_requested = {};

@@ -29,6 +29,18 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
+// The parts between underscores in the order of the alphabet: left_wrist is nearly wrist_left.
+std::string sorted_parts(std::string_view word) {
+  std::vector<std::string> parts(1);
+  for (const char c : word)
+    if (c == '_')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  std::ranges::sort(parts);
+  return fmt::format("{}", fmt::join(parts, "_"));
+}
+
 }  // namespace
 
 std::string listed(const std::vector<std::string>& names) {
@@ -41,7 +53,9 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
   std::string nearest;
   std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
   for (const std::string& name : known)
-    if (const std::size_t off = distance(word, name); off < least) {
+    if (const std::size_t off =
+            std::min(distance(word, name), 1 + distance(sorted_parts(word), sorted_parts(name)));
+        off < least) {
       least = off;
       nearest = name;
     }
@@ -50,7 +64,8 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 
 std::string known_names(std::string_view word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(word, known);
-  return "known are: " + listed(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+  if (nearest.empty()) return "known are: " + listed(known);
+  return "did you mean \"" + nearest + "\"? Known are: " + listed(known);
 }
 
 }  // namespace trilat

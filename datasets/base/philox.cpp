@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/base/philox.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -18,7 +19,8 @@ std::array<std::uint32_t, 4> block_of(const RandomStream& stream, std::uint32_t 
 
 double open_unit(std::uint32_t low, std::uint32_t high) {
   const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 32 | low) >> 11;
-  return (static_cast<double>(bits) + 0.5) * 0x1p-53;
+  constexpr double kLargest = 1.0 - 0x1p-53;  // the sum of the largest bits rounds up to 1
+  return std::min((static_cast<double>(bits) + 0.5) * 0x1p-53, kLargest);
 }
 
 }  // namespace

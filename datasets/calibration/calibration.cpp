@@ -85,9 +85,17 @@ void check_places(JsonObject& object, const std::vector<SensorPose>& sensors) {
                                      "\" in one place; two sensors cannot stand within 1 cm");
 }
 
+// A number that a document need not have.
+void optional_number(JsonObject& object, const char* key, std::optional<double>& value, const char* meaning) {
+  if (double number = 0.0; object.has(key)) {
+    setting(object, key, number, kNotNegative, meaning);
+    value = number;
+  }
+}
+
 RejectedSighting read_rejected(JsonObject& entry) {
   RejectedSighting result{entry.text("sensor"), entry.count("position"), entry.number("time_s")};
-  setting(entry, "off_by_m", result.off_by_m, kNotNegative, "from where the others put it");
+  optional_number(entry, "off_by_m", result.off_by_m, "from where the others put it");
   entry.about(
       {{"sensor", "that saw the wand"}, {"position", "number of the place"}, {"time_s", "in the session"}});
   entry.finish();
@@ -110,12 +118,15 @@ Json pose_json(const SensorPose& pose) {
             {"position_sigma_m", pose.position_sigma_m},
             {"rotation_sigma_rad", pose.rotation_sigma_rad}};
   if (pose.covariance) json["covariance"] = covariance_json(*pose.covariance);
-  if (pose.used == 0) return json;
-  json["depth_offset_m"] = pose.depth_offset_m;
-  json["depth_offset_sigma_m"] = pose.depth_offset_sigma_m;
-  json["residual_rms_m"] = pose.residual_rms_m;
-  json["used"] = pose.used;
-  json["left_out"] = pose.left_out;
+  if (pose.depth_offset_m != 0.0 || pose.depth_offset_sigma_m != 0.0 || pose.used > 0) {
+    json["depth_offset_m"] = pose.depth_offset_m;
+    json["depth_offset_sigma_m"] = pose.depth_offset_sigma_m;
+  }
+  if (pose.residual_rms_m != 0.0 || pose.used > 0) json["residual_rms_m"] = pose.residual_rms_m;
+  if (pose.used > 0 || pose.left_out > 0) {
+    json["used"] = pose.used;
+    json["left_out"] = pose.left_out;
+  }
   return json;
 }
 
@@ -133,7 +144,7 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   setting(object, "world", calibration.world, "whose frame the positions are in");
   setting(object, "simulated", calibration.simulated, "every table says so");
   setting(object, "positions", calibration.positions, "of the wand");
-  setting(object, "reduced_chi2", calibration.reduced_chi2, kNotNegative, "of the refinement");
+  optional_number(object, "reduced_chi2", calibration.reduced_chi2, "of the refinement");
   setting(object, "program", calibration.program, "version that wrote it");
   std::set<std::string> names;
   for (JsonObject& entry : object.objects("sensors")) {
@@ -162,17 +173,15 @@ Json calibration_json(const Calibration& calibration) {
             {"simulated", calibration.simulated},
             {"sensors", Json::array()}};
   for (const SensorPose& pose : calibration.sensors) json["sensors"].push_back(pose_json(pose));
-  if (calibration.positions == 0) return json;
-  json["positions"] = calibration.positions;
-  json["reduced_chi2"] = calibration.reduced_chi2;
-  json["rejected"] = Json::array();
-  for (const RejectedSighting& r : calibration.rejected)
-    json["rejected"].push_back(
-        {{"sensor", r.sensor}, {"position", r.position}, {"time_s", r.time_s}, {"off_by_m", r.off_by_m}});
-  json["sources"] = Json::array();
+  if (calibration.positions > 0) json["positions"] = calibration.positions;
+  if (calibration.reduced_chi2) json["reduced_chi2"] = *calibration.reduced_chi2;
+  for (const RejectedSighting& r : calibration.rejected) {
+    json["rejected"].push_back({{"sensor", r.sensor}, {"position", r.position}, {"time_s", r.time_s}});
+    if (r.off_by_m) json["rejected"].back()["off_by_m"] = *r.off_by_m;
+  }
   for (const CalibrationSource& s : calibration.sources)
     json["sources"].push_back({{"file", s.file}, {"sha256", s.sha256}});
-  json["program"] = calibration.program;
+  if (!calibration.program.empty()) json["program"] = calibration.program;
   return json;
 }
 

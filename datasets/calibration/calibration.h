@@ -35,7 +35,7 @@ struct RejectedSighting {
   std::string sensor;
   std::uint64_t position = 0;  // from 1, in the order of time
   double time_s = 0.0;         // since the recording's first frame
-  double off_by_m = 0.0;
+  std::optional<double> off_by_m = std::nullopt;  // from where the others put it; empty where two disagree
 };
 
 // What a calibration was made from.
@@ -55,7 +55,8 @@ struct Calibration {
   std::string world = "optitrack";
   bool simulated = false;
   std::uint64_t positions = 0;  // of the wand, or joints at instants
-  double reduced_chi2 = 0.0;    // 1: residuals are as large as their covariances say
+  // Of the refinement; 1: residuals are as large as their covariances say. Empty where it is not known.
+  std::optional<double> reduced_chi2 = std::nullopt;
   std::vector<RejectedSighting> rejected = {};
   std::vector<CalibrationSource> sources = {};
   std::string program = {};

@@ -147,11 +147,32 @@ std::string_view ColumnRows::with_commas(std::string_view line) {
   return text_;
 }
 
-void ColumnRows::check_promise() const {
-  const std::int64_t promised = layout_.tab_separated ? header_.total_exported_frames.value_or(0) : 0;
-  if (rows_ < promised)
+// A Motive header may promise more than was exported; a TRC that ends early has been cut.
+void ColumnRows::check_promise(MocapAnomalies& anomalies) const {
+  const std::int64_t promised = header_.total_exported_frames.value_or(0);
+  if (rows_ >= promised) return;
+  if (layout_.tab_separated)
     throw InputError(lines_.place(), "the file ends after " + std::to_string(rows_) +
                                          " frames; its header promises " + std::to_string(promised));
+  anomalies.frames_promised = promised;
+  anomalies.frames_there = rows_;
+}
+
+// A spreadsheet or script of another locale writes 0,02 for 0.02: then a row has nearly twice the cells.
+void ColumnRows::check_decimal_comma(std::string_view line) const {
+  std::size_t written = 0;
+  for (std::size_t begin = 0; begin < line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    written += end > begin;
+    begin = end + 1;
+  }
+  constexpr double kTimes = 1.4;
+  if (line.find('.') == std::string_view::npos &&
+      static_cast<double>(written) > kTimes * static_cast<double>(layout_.used_columns))
+    throw InputError(lines_.place(), "the row has " + std::to_string(written) + " numbers for " +
+                                         std::to_string(layout_.used_columns) +
+                                         " columns and no decimal point: it seems to be written with a decimal "
+                                         "comma; save the file with decimal points");
 }
 
 void ColumnRows::read_only(const std::vector<std::size_t>& assets) {
@@ -184,7 +205,7 @@ bool ColumnRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
     }
     if (read_row(line, frame, anomalies)) return true;
   }
-  check_promise();
+  check_promise(anomalies);
   return false;
 }
 
@@ -196,7 +217,10 @@ bool ColumnRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomali
   std::size_t fields = 1;
   const char* const p = read_cells(end_of_cell(line.data(), end), end, fields);
   fields += static_cast<std::size_t>(std::count(p, end, ','));
-  if (fields > layout_.written_columns) ++anomalies.rows_with_extra_fields;
+  if (fields > layout_.written_columns) {
+    check_decimal_comma(line);
+    ++anomalies.rows_with_extra_fields;
+  }
   frame.index = index;
   frame.printed_time_s = numbers_.back();
   if (!set_time(frame, anomalies)) return false;

@@ -33,7 +33,8 @@ class ColumnRows : public RowSource {
   // The next row that is not blank, with commas between its cells, a frame number and a time.
   bool next_row(std::string_view& line);
   std::string_view with_commas(std::string_view line);
-  void check_promise() const;
+  void check_promise(MocapAnomalies& anomalies) const;
+  void check_decimal_comma(std::string_view line) const;
   bool read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies);
   std::int64_t read_index(std::string_view line) const;
   const char* read_cells(const char* p, const char* end, std::size_t& fields);

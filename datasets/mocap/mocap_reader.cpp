@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/mocap/mocap_reader.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -33,7 +35,7 @@ bool is_numbers_only(std::string_view line) {
     throw InputError(place,
                      "the file begins with data and has no header, so that unit, rate and names are unknown; "
                      "when it is Motive's, export it again with the header switched on. Bodies of a Kinect "
-                     "are a session's: `trilat import` reads them");
+                     "belong into a session: `python3 -m trilat.convert` makes one");
   if (line.starts_with("NO_OF_") || line.starts_with("FILE_VERSION"))
     throw InputError(place,
                      "Qualisys' TSV is not read any more; export C3D from Qualisys Track Manager instead");
@@ -48,6 +50,15 @@ bool is_numbers_only(std::string_view line) {
 }
 
 }  // namespace
+
+bool begins_as_mocap(const std::filesystem::path& path) {
+  if (is_c3d(path)) return true;
+  LineReader lines(path, MocapReadOptions{}.block_bytes);
+  std::string_view line;
+  if (!lines.next(line)) return false;
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  return line.starts_with(kMotiveStart) || is_trc(line) || is_known_row(line);
+}
 
 MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions options) {
   if (is_c3d(path)) {
@@ -93,11 +104,44 @@ bool same_bits(const MocapPose& a, const MocapPose& b) {
 
 }  // namespace
 
+FrozenPoses::FrozenPoses(const MocapHeader& header, FrozenOptions options)
+    : options_(options), finest_step_m_(std::numeric_limits<double>::infinity()) {
+  for (const MocapAsset& asset : header.assets)
+    stretches_.emplace_back().is_solved = asset.type != AssetType::marker && asset.type != AssetType::other;
+}
+
+std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, bool present, MocapTime time) {
+  Stretch& stretch = stretches_[asset];
+  if (!present) {
+    stretch.frames = 0;
+    return 0;
+  }
+  const bool repeats = stretch.frames > 0 && same_bits(pose, stretch.pose);
+  if (!repeats) {
+    if (stretch.seen && pose.has_position() && stretch.pose.has_position())
+      for (const double step_m : (pose.position_m - stretch.pose.position_m).cwiseAbs().eval())
+        if (step_m > 0.0) finest_step_m_ = std::min(finest_step_m_, step_m);
+    stretch.moved |= stretch.seen && !same_bits(pose, stretch.pose);
+    stretch.seen = true;
+    stretch.pose = pose;
+    stretch.start = time;
+    stretch.frames = 1;
+    stretch.frozen = false;
+    return 0;
+  }
+  ++stretch.frames;
+  if (stretch.frozen) return 1;
+  stretch.frozen = stretch.is_solved && stretch.moved && finest_step_m_ <= options_.finest_step_m &&
+                   stretch.frames >= options_.min_frames &&
+                   time - stretch.start >= duration_from_s(options_.min_s);
+  return stretch.frozen ? stretch.frames : 0;
+}
+
 FrozenFilter::FrozenFilter(MocapReader& reader, FrozenOptions options)
     : reader_(reader),
       options_(options),
-      stretches_(reader.header().assets.size()),
-      removed_(stretches_.size(), 0) {}
+      poses_(reader.header(), options),
+      removed_(reader.header().assets.size()) {}
 
 // A stretch through the oldest frame has by now either ended or become long enough.
 bool FrozenFilter::is_decided() const {
@@ -108,16 +152,19 @@ bool FrozenFilter::is_decided() const {
 bool FrozenFilter::read_one() {
   if (!reader_.next(frame_)) return false;
   held_.push_back(frame_);
-  for (std::size_t i = 0; i < stretches_.size(); ++i) {
-    const bool sentinel = frame_.poses[i].position_m.isZero(0.0);
-    if (sentinel) {
+  for (std::size_t i = 0; i < removed_.size(); ++i) {
+    const bool at_origin = frame_.poses[i].position_m.isZero(0.0);
+    if (at_origin) {
       held_.back().poses[i] = MocapPose();
-      ++removed_[i];
+      ++removed_[i].at_origin;
     }
-    const bool present = !sentinel && frame_.poses[i].is_present(reader_.header().assets[i]);
-    const std::int64_t count = stretches_[i].add(frame_.poses[i], present, frame_.time, options_);
-    removed_[i] += count;
-    for (std::int64_t back = 1; back <= count; ++back)
+    const bool present = !at_origin && frame_.poses[i].is_present(reader_.header().assets[i]);
+    const std::int64_t count = poses_.add(i, frame_.poses[i], present, frame_.time);
+    // Only frames that are still held can be taken back: a stretch that becomes certain later, when the file
+    // shows a finer step, stays as it was up to there.
+    const std::int64_t back_to = std::min(count, static_cast<std::int64_t>(held_.size()));
+    removed_[i].frozen += back_to;
+    for (std::int64_t back = 1; back <= back_to; ++back)
       held_[held_.size() - static_cast<std::size_t>(back)].poses[i] = MocapPose();
   }
   return true;
@@ -131,25 +178,6 @@ bool FrozenFilter::next(MocapFrame& frame) {
   std::swap(frame, held_.front());
   held_.pop_front();
   return true;
-}
-
-std::int64_t FrozenStretch::add(const MocapPose& pose, bool present, MocapTime time,
-                                const FrozenOptions& options) {
-  if (!present) {
-    frames_ = 0;
-    return 0;
-  }
-  if (frames_ == 0 || !same_bits(pose, pose_)) {
-    pose_ = pose;
-    start_ = time;
-    frames_ = 1;
-    frozen_ = false;
-    return 0;
-  }
-  ++frames_;
-  if (frozen_) return 1;
-  frozen_ = frames_ >= options.min_frames && time - start_ >= duration_from_s(options.min_s);
-  return frozen_ ? frames_ : 0;
 }
 
 }  // namespace trilat

@@ -19,6 +19,9 @@ struct MocapReadOptions {
   std::size_t block_bytes = 1 << 20;  // read from the disk at once
 };
 
+// Whether a file begins as a motion capture of one of the formats below, whatever follows.
+bool begins_as_mocap(const std::filesystem::path& path);
+
 // Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column format 1.2
 // to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC and C3D files; the content says which.
 // Poses come out right-handed in metres: units are converted, Euler angles become quaternions, and a
@@ -52,36 +55,52 @@ class MocapReader {
   MocapAnomalies anomalies_;
 };
 
-// Some exports repeat the last pose of a lost body instead of leaving it out. The noise of a body that is
-// truly still shows in the last digits, so a pose that stays the same to the bit is lost.
+// Some systems repeat the last pose of a rigid body or bone that they have lost instead of leaving it out. What
+// is truly still shows its noise in the last digits, provided that the file has digits for it: a solved pose
+// that has moved before and then stays the same to the bit is lost where steps elsewhere in the file are many
+// times smaller than the noise of a body at rest, some 0.02 mm. Markers are measured, and missing when hidden:
+// they are never lost in this way.
 struct FrozenOptions {
   double min_s = 0.095;         // from the first to the last frame of the stretch
   std::int64_t min_frames = 5;  // and at least so many
+  double finest_step_m = 2e-6;  // the smallest step of the file is at most this
 };
 
-// Follows one asset frame by frame.
-class FrozenStretch {
+class FrozenPoses {
  public:
-  // How many of the frames so far are newly known to be frozen, this one being the last of them:
-  // the whole stretch when it has just become long enough, then one at a time.
-  std::int64_t add(const MocapPose& pose, bool present, MocapTime time, const FrozenOptions& options);
+  explicit FrozenPoses(const MocapHeader& header, FrozenOptions options = {});
+  // How many of the asset's poses so far are newly known to be frozen, this one being the last of them: the
+  // whole stretch when it has just become long enough, then one at a time.
+  std::int64_t add(std::size_t asset, const MocapPose& pose, bool present, MocapTime time);
 
  private:
-  MocapPose pose_;
-  MocapTime start_;
-  std::int64_t frames_ = 0;
-  bool frozen_ = false;
+  struct Stretch {
+    bool is_solved = false;
+    bool seen = false, moved = false;  // before the stretch
+    MocapPose pose;
+    MocapTime start;
+    std::int64_t frames = 0;
+    bool frozen = false;
+  };
+  FrozenOptions options_;
+  std::vector<Stretch> stretches_;  // by asset of the header
+  double finest_step_m_;            // so far, of all assets
 };
 
-// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one
-// exactly at the origin, which some exports write for "lost": neither is a measurement. Reads ahead, and
-// holds, no more than one shortest stretch.
+// Poses of one asset that are no measurement.
+struct RemovedPoses {
+  std::int64_t frozen = 0;
+  std::int64_t at_origin = 0;  // exactly (0, 0, 0), which some exports write for "missing"
+};
+
+// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one exactly
+// at the origin. Reads ahead, and holds, no more than one shortest stretch.
 class FrozenFilter {
  public:
   explicit FrozenFilter(MocapReader& reader, FrozenOptions options = {});
   bool next(MocapFrame& frame);
   // Poses taken out so far, for each asset of the header; a little ahead of the frames given.
-  const std::vector<std::int64_t>& removed() const { return removed_; }
+  const std::vector<RemovedPoses>& removed() const { return removed_; }
 
  private:
   bool is_decided() const;
@@ -89,8 +108,8 @@ class FrozenFilter {
 
   MocapReader& reader_;
   FrozenOptions options_;
-  std::vector<FrozenStretch> stretches_;
-  std::vector<std::int64_t> removed_;
+  FrozenPoses poses_;
+  std::vector<RemovedPoses> removed_;
   std::deque<MocapFrame> held_;
   MocapFrame frame_;
   bool ended_ = false;

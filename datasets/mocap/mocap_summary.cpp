@@ -19,7 +19,10 @@ bool is_sentinel_rotation(const Eigen::Quaterniond& q) {
 }  // namespace
 
 MocapSummarizer::MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options)
-    : options_(options), rate_is_stated_(!std::isnan(header.export_rate_hz)), tracks_(header.assets.size()) {
+    : options_(options),
+      rate_is_stated_(!std::isnan(header.export_rate_hz)),
+      tracks_(header.assets.size()),
+      frozen_(header, options.frozen) {
   summary_.rate_hz = header.export_rate_hz;
   summary_.assets.resize(header.assets.size());
   for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].asset = header.assets[i];
@@ -59,7 +62,7 @@ void MocapSummarizer::add(const MocapFrame& frame) {
     const MocapPose& pose = frame.poses[i];
     const bool present = pose.is_present(track.asset);
     track.missed = track.missed || skips || !present;
-    counts.frozen += track.stretch.add(pose, present, frame.time, options_.frozen);
+    counts.frozen += frozen_.add(i, pose, present, frame.time);
     if (present) {
       if (pose.has_position()) counts.sum_m += pose.position_m - mean_m;
       add_sample(pose, frame.time, track, counts);

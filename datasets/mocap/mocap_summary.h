@@ -58,7 +58,6 @@ class MocapSummarizer {
  private:
   struct Track {
     MocapAsset asset;
-    FrozenStretch stretch;
     bool seen = false;
     bool missed = false;  // since the last sample
     MocapPose last_pose;
@@ -75,6 +74,7 @@ class MocapSummarizer {
   bool rate_is_stated_ = false;
   MocapSummary summary_;
   std::vector<Track> tracks_;
+  FrozenPoses frozen_;
   std::int64_t last_index_ = 0;
   double first_printed_s_ = kMissing;
 };

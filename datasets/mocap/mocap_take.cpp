@@ -93,4 +93,21 @@ std::size_t find_asset(const MocapHeader& header, std::string_view key, const st
   return found.front();
 }
 
+std::vector<std::size_t> assets_of_joint(const MocapHeader& header, const std::vector<std::string>& keys,
+                                         const std::string& place) {
+  std::vector<std::size_t> assets;
+  for (const std::string& key : keys) {
+    assets.push_back(find_asset(header, key, place));
+    const MocapAsset& asset = header.assets[assets.back()];
+    if (header.coordinate_space == "Local" &&
+        (asset.type == AssetType::bone || asset.type == AssetType::bone_marker))
+      throw InputError(place, "names \"" + key +
+                                  "\", whose positions are relative to its parent; export again with the "
+                                  "coordinate space Global");
+    if (!asset.has_position)
+      throw InputError(place, "names the asset \"" + key + "\", of which the export holds no position");
+  }
+  return assets;
+}
+
 }  // namespace trilat

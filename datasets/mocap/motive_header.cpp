@@ -31,9 +31,33 @@ bool is_axis_row(const Cells& cells) {
   return cells.size() >= 2 && cells[0] == "Frame" && cells[1].starts_with("Time");
 }
 
+bool is_key(const std::string& cell) { return std::ranges::find(kKeys, cell) != kKeys.end(); }
+
+// Whether a quoted cell goes on in the next line: notes may hold line breaks.
+bool is_open(std::string_view text) {
+  bool quoted = false, at_start = true;
+  for (const char c : text) {
+    if (quoted) {
+      quoted = c != '"';  // a doubled quote opens the cell again
+    } else if (c == '"' && at_start) {
+      quoted = true;
+      continue;
+    }
+    at_start = c == ',' || (c == '"' && !quoted);
+  }
+  return quoted;
+}
+
+// The line with those that its quoted cells go on in.
+std::string whole_record(LineReader& lines, std::string_view line) {
+  std::string record(line);
+  for (std::size_t more = 0; more < kMostHeaderRows && is_open(record) && lines.next(line); ++more)
+    record.append("\n").append(line);
+  return record;
+}
+
 // Free text may hold commas and runs to the next key; any other value is one cell.
 HeaderValues read_keys(const Cells& cells) {
-  const auto is_key = [](const std::string& cell) { return std::ranges::find(kKeys, cell) != kKeys.end(); };
   HeaderValues values;
   for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
     if (!is_key(cells[i])) continue;
@@ -148,12 +172,12 @@ void check_columns(const MocapAsset& asset, const AssetColumns& columns, const M
 
 ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line) {
   const std::string first_place = lines.place();
-  Cells keys = split_csv(first_line);
+  Cells keys = split_csv(whole_record(lines, first_line));
   std::vector<Cells> rows;
   bool keys_ended = false;
   std::string_view line;
   for (std::size_t count = 1; lines.next(line); ++count) {
-    Cells cells = split_csv(line);
+    Cells cells = split_csv(whole_record(lines, line));
     if (is_axis_row(cells)) {
       ColumnHeader result;
       result.header = header_from(HeaderKeys(read_keys(keys), first_place));
@@ -163,6 +187,11 @@ ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line) 
     if (count >= kMostHeaderRows) break;
     if (is_blank(cells)) {
       keys_ended = true;
+    } else if (std::ranges::any_of(cells, is_key)) {
+      // Also behind a blank line: that one, and what stood before this, belonged to the notes.
+      keys_ended = false;
+      rows.clear();
+      keys.insert(keys.end(), cells.begin(), cells.end());
     } else if (keys_ended || cells.front().empty()) {
       rows.push_back(std::move(cells));
     } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -89,7 +90,7 @@ struct TakeNote {
   TRILAT_FIELDS(take, failed, place, text)
 };
 
-// How far `nonlinear` and Ceres were apart on the well-posed samples.
+// How far an iterative method and Ceres were apart on the well-posed samples. Nothing compared is no agreement.
 struct CrossCheck {
   std::string method;
   std::uint64_t samples = 0;
@@ -97,7 +98,7 @@ struct CrossCheck {
   double worst_m = 0.0;
   double limit_m = 0.0;
   std::string worst_at;
-  bool passed() const { return disagreements == 0 && worst_m <= limit_m; }
+  bool passed() const { return samples > 0 && disagreements == 0 && worst_m <= limit_m; }
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(method, samples, disagreements, worst_m, limit_m, worst_at)
@@ -270,14 +271,18 @@ struct ResultsSummary {
   double block_s = kNoNumber;         // length of their blocks
   std::vector<TakeNote> notes;
   std::string truth = kMocapTruth;
-  std::optional<CrossCheck> cross_check;
+  std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
 
   // The truth is what a sensor sees that is left out; a take counts once for each.
   bool left_out() const { return truth == kLeftOutTruth; }
+  // All methods that were compared with Ceres agree with it, and some were.
+  bool cross_check_passed() const {
+    return !cross_checks.empty() && std::ranges::all_of(cross_checks, &CrossCheck::passed);
+  }
 
   TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
                 family_cells, best, reference, conditions, groups, alignments, resamples, block_s, cells,
-                differences, bodies, truth_floor, by_take, notes, truth, cross_check)
+                differences, bodies, truth_floor, by_take, notes, truth, cross_checks)
   void check(const JsonObject& object) const;
 };
 

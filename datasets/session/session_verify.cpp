@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/session/body_readings.h"
 #include "datasets/session/clock/session_clock.h"
 
 namespace trilat {
@@ -99,10 +100,13 @@ void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream
 }
 
 struct BodyCounts {
-  std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, same_id = 0, too_far = 0;
+  std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, same_id = 0;
+  JointCounts out_of_reach{};
+  BodyIdentities identities;
   std::set<std::uint64_t> ids;
 
-  void add(const BodyFrame& frame) {
+  void add(const BodyFrame& frame, SensorTime time) {
+    identities.of(frame.bodies, (time - SensorTime{0}).seconds());
     if (frame.bodies.empty()) ++frames_without;
     std::set<std::uint64_t> here;
     for (const Body& body : frame.bodies) {
@@ -114,15 +118,11 @@ struct BodyCounts {
 
   void add(const Body& body) {
     if (body.tracking_id == 0) ++without_id;
-    for (int j = 0; j < kJointCount; ++j) {
-      const auto& p = body.position_m[static_cast<std::size_t>(j)];
-      const auto state = body.tracking_state[static_cast<std::size_t>(j)];
-      if (state > 2) ++odd_states;
-      if (state == 0) continue;
-      if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
-        ++not_finite;
-      else if (std::abs(p[0]) > 20.0f || std::abs(p[1]) > 20.0f || std::abs(p[2]) > 20.0f)
-        ++too_far;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      if (body.tracking_state[j] > 2) ++odd_states;
+      const JointReading reading = reading_of(body, j);
+      if (reading == JointReading::not_finite) ++not_finite;
+      if (reading == JointReading::out_of_reach) ++out_of_reach[j];
     }
   }
 
@@ -135,9 +135,14 @@ struct BodyCounts {
           Severity::error, "/bodies/position_m",
           fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite),
           kAnswers);
-    if (too_far > 0)
-      place.say(Severity::error, "/bodies/position_m",
-                fmt::format("{} joints lie beyond 20 m: are positions in metres?", too_far), kPositions);
+    if (const auto text = out_of_reach_text(out_of_reach))
+      place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
+    if (identities.jumps() > 0)
+      place.say(Severity::warning, "/bodies/tracking_id",
+                fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; from "
+                            "there it counts as another body",
+                            identities.jumps()),
+                kPersons);
     if (odd_states > 0)
       place.say(Severity::error, "/bodies/tracking_state",
                 fmt::format("{} states are none of 0, 1, 2", odd_states), kPositions);
@@ -159,7 +164,8 @@ void verify_bodies(const SessionReader& session, std::size_t sensor, const Place
   BodyCounts counts;
   for (std::uint64_t first = 0; first < frames; first += kVerifiedBlock) {
     const std::uint64_t count = std::min(kVerifiedBlock, frames - first);
-    for (const BodyFrame& frame : session.body_frames(sensor, first, count)) counts.add(frame);
+    for (const BodyFrame& frame : session.body_frames(sensor, first, count))
+      counts.add(frame, device_time(session.header().sensors[sensor], frame.stamp));
     advance(count);
   }
   counts.say(place, frames);

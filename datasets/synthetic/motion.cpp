@@ -29,13 +29,10 @@ struct JointTrack {
 
 std::vector<MappedJoint> resolve(const MocapHeader& header, const std::filesystem::path& mapping) {
   std::vector<MappedJoint> joints;
-  for (const auto& entry : read_mapping(mapping).joints) {
-    MappedJoint mapped{entry.joint, {}};
-    for (const std::string& key : entry.assets)
-      mapped.assets.push_back(
-          find_asset(header, key, mapping.string() + " /joints/" + std::string(name_of(entry.joint))));
-    joints.push_back(std::move(mapped));
-  }
+  for (const auto& entry : read_mapping(mapping).joints)
+    joints.push_back({entry.joint,
+                      assets_of_joint(header, entry.assets,
+                                      mapping.string() + " /joints/" + std::string(name_of(entry.joint)))});
   return joints;
 }
 
@@ -59,7 +56,7 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
 }  // namespace
 
 RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
-                                    const std::filesystem::path& mapping) {
+                                    const std::filesystem::path& mapping, UpAxis up_axis) {
   MocapReader reader(mocap);
   const auto joints = resolve(reader.header(), mapping);
   auto tracks = std::make_shared<std::vector<JointTrack>>();
@@ -84,7 +81,13 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
   }
   if (points == 0.0) throw InputError(mocap.string(), "never holds any of the mapped joints whole");
   result.centre_m = sum_m / points;
-  if (standing.axis() == UpAxis::z) {
+  if (up_axis == UpAxis::automatic) {
+    const std::optional<UpAxis> shown = standing.axis();
+    if (!shown) throw InputError(mocap.string(), kUnclearUp);
+    up_axis = *shown;
+  }
+  result.up_axis = up_axis;
+  if (up_axis == UpAxis::z) {
     result.centre_m = y_up_from_z_up(result.centre_m);
     for (JointTrack& track : *tracks)
       for (Eigen::Vector3d& point : track.point_m) point = y_up_from_z_up(point);

@@ -41,7 +41,8 @@ HWY_INLINE Doubles OpenUnit(Bits low, Bits high) {
       hn::BitCast(D(), hn::Or(lower, hn::Set(u, std::uint64_t{0x4330000000000000}))) - Number(0x1p52);
   const Doubles upper_value =
       hn::BitCast(D(), hn::Or(upper, hn::Set(u, std::uint64_t{0x4530000000000000}))) - Number(0x1p84);
-  return (upper_value + lower_value + Number(0.5)) * Number(0x1p-53);
+  // The sum of the largest bits rounds up to 1.
+  return hn::Min((upper_value + lower_value + Number(0.5)) * Number(0x1p-53), Number(1.0 - 0x1p-53));
 }
 
 // The numbers of a vector of trials.

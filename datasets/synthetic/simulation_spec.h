@@ -17,6 +17,7 @@
 #include "datasets/synthetic/depth/depth_spec.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
+#include "datasets/take/campaign.h"
 
 namespace trilat {
 
@@ -72,6 +73,7 @@ struct RecordedSpec {
   std::filesystem::path mocap;
   std::filesystem::path mapping;
   std::string activity = "recorded";  // what studies call it: their condition
+  UpAxis up_axis = UpAxis::automatic;
 };
 
 // simulation.json, format 1: what `trilat simulate` makes a campaign from.

@@ -87,7 +87,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
        {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
-       {"up_axis", "of the truth's world; auto: z where the person stands along it, else y"},
+       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"},
        {"tracker_truth", "of a simulated take: what its body tracker did"}});
   entry.finish();
   return take;
@@ -106,7 +106,7 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   JsonObject joints = object.object("joints");
   for (const std::string& key : joints.keys()) {
     const auto joint = joint_from_name(key);
-    if (!joint) joints.refuse(key, "is no joint; " + known_names(key, joint_names()));
+    if (!joint) joints.refuse(key, "is not a joint; " + known_names(key, joint_names()));
     auto assets = joints.texts(key);
     if (assets.empty()) joints.refuse(key, "must name at least one asset");
     if (const std::string twice = first_repeated(assets); !twice.empty())

@@ -19,6 +19,9 @@ namespace trilat {
 // Which axis of a ground truth's world points up. Ours is y; laboratories that write C3D or TRC often have z.
 enum class UpAxis : std::uint8_t { automatic, y, z };
 inline const std::array<std::string, 3> kUpAxisNames{"auto", "y", "z"};
+// Why a take fails whose up axis is neither stated nor clear.
+inline constexpr const char* kUnclearUp =
+    "does not show which axis is up: nobody stands along y or z in it; state \"up_axis\": \"y\" or \"z\"";
 
 // A point of a right-handed world with z up, in one with y up: a quarter turn about x.
 inline Eigen::Vector3d y_up_from_z_up(const Eigen::Vector3d& point) {

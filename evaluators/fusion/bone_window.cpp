@@ -88,6 +88,8 @@ std::vector<TimeWindow> windows_of(std::span<const std::int64_t> time_ns, double
   for (std::size_t k = 0; windows.empty() || windows.back().last < time_ns.size(); ++k)
     windows.push_back(
         {instant_at(2 * k), instant_at(2 * k + 4), instant_at(2 * k + 1), instant_at(2 * k + 3)});
+  // Windows shorter than the time between two instants may hold none.
+  std::erase_if(windows, [](const TimeWindow& window) { return window.first == window.last; });
   windows.front().answer_first = 0;
   windows.back().answer_last = time_ns.size();
   return windows;

@@ -9,7 +9,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <gsl/gsl_cdf.h>
 
 #include "datasets/base/error.h"
 #include "evaluators/fusion/ray_variances.h"
@@ -367,15 +366,17 @@ class Calibrator {
   double design_effect_ = 1.0;
 };
 
-// Of a normal vector: its squared length is taken as gamma distributed with the mean and variance that it
-// has; from 0 where the vector may be none.
+// Median and 95 % interval of a normal vector's length: the squared length is taken as gamma distributed with
+// the mean and variance that it has; from 0 where the vector may be none, NaN where nothing is known of it.
 Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
   const double square = mean.squaredNorm() + covariance.trace();
   const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
-  const auto quantile = [&](double p) {
-    return std::sqrt(gsl_cdf_gamma_Pinv(p, square * square / variance, variance / square));
-  };
-  const bool may_be_none = mean.dot(covariance.inverse() * mean) < gsl_cdf_chisq_Pinv(0.95, 3.0);
+  if (variance == 0.0) return {std::sqrt(square), std::sqrt(square), std::sqrt(square)};
+  const double shape = square * square / variance, scale = variance / square;
+  if (!(shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale))) return {kNaN, kNaN, kNaN};
+  constexpr double kChiSquare3 = 7.814727903251179;  // not exceeded in 95 %, three degrees of freedom
+  const auto quantile = [&](double p) { return std::sqrt(gamma_quantile(p, shape, scale)); };
+  const bool may_be_none = mean.dot(covariance.inverse() * mean) < kChiSquare3;
   return {quantile(0.5), may_be_none ? 0.0 : quantile(0.025), quantile(0.975)};
 }
 

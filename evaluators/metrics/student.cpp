@@ -5,11 +5,16 @@
 #include <cmath>
 
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
 
+#include "datasets/base/error.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
 namespace {
+
+// GSL ends the program at an error unless its handler is off; what it returns is checked instead.
+[[maybe_unused]] const auto kHandlerOff = gsl_set_error_handler_off();
 
 // The tests, the smallest probability first.
 std::vector<std::size_t> in_order(std::span<const double> p) {
@@ -47,12 +52,26 @@ std::vector<double> holm_levels(std::span<const double> p, double alpha) {
 }
 
 double student_quantile(std::size_t degrees, double alpha) {
-  return gsl_cdf_tdist_Qinv(0.5 * alpha, static_cast<double>(degrees));
+  if (degrees == 0) return kNaN;
+  const double quantile = gsl_cdf_tdist_Qinv(0.5 * alpha, static_cast<double>(degrees));
+  TRILAT_CHECK(std::isfinite(quantile), "Student's t can be inverted");
+  return quantile;
 }
 
 double student_two_sided(double t, std::size_t degrees) {
   if (std::isnan(t) || degrees == 0) return kNaN;
   return 2.0 * gsl_cdf_tdist_Q(std::abs(t), static_cast<double>(degrees));
+}
+
+double gamma_quantile(double p, double shape, double scale) {
+  TRILAT_CHECK(p > 0.0 && p < 1.0 && shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale),
+               "a gamma distribution has a finite shape and scale");
+  double low = 0.0, high = shape + 1.0;  // of scale 1
+  while (gsl_cdf_gamma_P(high, shape, 1.0) < p) high *= 2.0;
+  // Halving ends at two neighbouring numbers.
+  for (double middle = 0.5 * high; middle > low && middle < high; middle = 0.5 * (low + high))
+    (gsl_cdf_gamma_P(middle, shape, 1.0) < p ? low : high) = middle;
+  return high * scale;
 }
 
 }  // namespace trilat

@@ -17,12 +17,17 @@ std::vector<double> holm_adjusted(std::span<const double> p);
 // as the test.
 std::vector<double> holm_levels(std::span<const double> p, double alpha);
 
-// The quantile of Student's t for two-sided intervals of level 1 - alpha. 0 degrees of freedom are the
-// caller's error.
+// The quantile of Student's t for two-sided intervals of level 1 - alpha; NaN for 0 degrees of
+// freedom.
 double student_quantile(std::size_t degrees, double alpha = 0.05);
 
 // The probability that Student's t of so many degrees of freedom is at least as far from 0 as `t`, on either
 // side. 1 for t = 0, 0 for infinite t, NaN for NaN or no degrees.
 double student_two_sided(double t, std::size_t degrees);
+
+// The quantile of the gamma distribution: what is not exceeded with probability `p`. Shape and scale must be
+// finite and greater than 0, `p` between 0 and 1: InternalError otherwise. GSL's own inverse fails for a fifth
+// of the shapes beyond 2000, so the distribution itself is inverted.
+double gamma_quantile(double p, double shape, double scale);
 
 }  // namespace trilat

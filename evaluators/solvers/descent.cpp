@@ -449,7 +449,8 @@ class DampedDescent {
     if constexpr (Kind::loss != Loss::squares)
       for (int i = 0; i < problems.sensors(); ++i)
         factors_.of_sensor[i] = Select<D>(taken, factors.of_sensor[i], factors_.of_sensor[i]);
-    ends_.end(d, hn::And(taken, stops), SolveStatus::converged, k + 1);
+    // Also where the step is not taken: at the minimum itself none is.
+    ends_.end(d, hn::And(sound, stops), SolveStatus::converged, k + 1);
   }
 
   LossFactors<D> factors_;

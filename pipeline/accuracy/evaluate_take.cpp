@@ -50,7 +50,9 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
     block.reset(first, count, plan.joints.size(), plan.methods.size());
     {
       const Stopwatch time(clocks.solve_ns);
-      result.check.merge(solve_block(plan, planned, data, paths, cross_check, block));
+      const auto checks = solve_block(plan, planned, data, paths, cross_check, block);
+      result.checks.resize(checks.size());
+      for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
       predictions.add(block);
     }
     {
@@ -64,7 +66,7 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
 
 // What the sensors say with none left out; of takes that differ in that alone the first says it for all.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  if (!planned.take.left_out.empty() && planned.take.left_out != plan.rig.front()) return {};
+  if (!speaks_for_take(plan, planned)) return {};
   TakeTracking tracking = check_tracking(plan, planned, data);
   tracking.rays = rays_of(plan, planned, data);
   tracking.corrections = correction_rows(plan, planned, data);

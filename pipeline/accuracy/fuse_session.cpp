@@ -118,13 +118,13 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   find_corrections(plan, planned, data);
   if (!data.shown.problem.empty())
     throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
-  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data)};
+  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data), data.notes};
   Calibration& corrected = result.calibration;
   corrected.method = "corrected by bodies";
   corrected.program = kProgramVersion;
   corrected.positions = data.shown.rows;
   corrected.rejected.clear();
-  corrected.reduced_chi2 = 0.0;
+  corrected.reduced_chi2.reset();
   corrected.sources = {{session.filename().string(), hash_of_file(session, watch.stop_requested)},
                        {calibration.filename().string(), hash_of_file(calibration, watch.stop_requested)}};
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {

@@ -49,6 +49,7 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
 struct CorrectedCalibration {
   Calibration calibration;
   std::vector<CorrectionRow> corrections;
+  std::vector<TakeNote> notes;
 };
 CorrectedCalibration correct_calibration(const std::filesystem::path& session,
                                          const std::filesystem::path& calibration, const Watch& watch);

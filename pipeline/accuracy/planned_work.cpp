@@ -18,6 +18,8 @@ PlannedTake read_planned_take(JsonObject& entry) {
   planned.take.participant = entry.text("participant");
   planned.take.activity = entry.text("activity");
   planned.take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+  planned.take.up_axis =
+      static_cast<UpAxis>(entry.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
   planned.take.left_out = entry.text("left_out", "");
   planned.ok = entry.boolean("ok", false);
   planned.instants = entry.count("instants");
@@ -51,12 +53,17 @@ constexpr const char* kOfTheSummary[] = {"name",      "conditions",     "occlude
                                          "reference", "alignments",     "block_s",
                                          "resamples", "training_share", "cross_check_limit_m"};
 
+// Everything that a take is; its files by their content.
 Json json_of(const Take& take, std::span<const TakeInput> inputs) {
-  Json json{{"id", take.id},
-            {"participant", take.participant},
-            {"activity", take.activity},
-            {"mocap_start_host_ns", take.mocap_start_host_ns},
-            {"left_out", take.left_out}};
+  // A field that is added to a take stops this line, so that none is forgotten below.
+  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns,
+               tracker_truth, up_axis, left_out] = take;
+  Json json{{"id", id},
+            {"participant", participant},
+            {"activity", activity},
+            {"mocap_start_host_ns", mocap_start_host_ns},
+            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis))},
+            {"left_out", left_out}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
   return json;
 }
@@ -70,6 +77,7 @@ Json planned_work(const Plan& plan, bool cross_check, HashCache& hashes, const W
                      {"participant", t.take.participant},
                      {"activity", t.take.activity},
                      {"mocap_start_host_ns", t.take.mocap_start_host_ns},
+                     {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(t.take.up_axis))},
                      {"left_out", t.take.left_out},
                      {"tracker_truth", !t.take.tracker_truth.empty()},
                      {"ok", t.ok},

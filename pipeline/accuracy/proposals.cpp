@@ -12,6 +12,7 @@
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/truth_track.h"
 
 namespace trilat {
 namespace {
@@ -194,8 +195,8 @@ MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watc
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   planned.take.mocap_start_host_ns = planned.start.ns;
   const ClockRow clock = load_take(plan, planned, watch.stop_requested).clock;
-  if (!clock.applied) return {clock.status};
-  return {clock.status, planned.start.ns - duration_from_s(clock.offset_s).ns, -clock.offset_s, -clock.high_s,
+  if (!clock.applied) return {clock.status, cause_of(clock.status)};
+  return {clock.status, {}, planned.start.ns - duration_from_s(clock.offset_s).ns, -clock.offset_s, -clock.high_s,
           -clock.low_s};
 }
 

@@ -54,16 +54,19 @@ Span common_span(const SessionReader& session, const std::vector<SensorClockMap>
 }
 
 // Point number instant * kJointCount + joint.
-RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& options) {
+RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& options,
+                  std::vector<std::string>& notes) {
   const std::size_t sensors = session.header().sensors.size();
   std::vector<SensorClockMap> clocks;
-  std::vector<std::vector<SensorFrame>> frames;
+  std::vector<SensorBodies> bodies;
   for (std::size_t s = 0; s < sensors; ++s) {
     if (session.counts(s).body_frames == 0)
       throw InputError(session.path().string() + ":/sensors/" + session.header().sensors[s].name,
                        "has no body frames, from which the sensors could be placed");
     clocks.push_back(fit_sensor_clock(session, s));
-    frames.push_back(read_sensor_frames(session, s, clocks.back(), options.stop_requested));
+    bodies.push_back(read_sensor_bodies(session, s, clocks.back(), options.stop_requested));
+    if (const auto text = out_of_reach_text(bodies[s].out_of_reach))
+      notes.push_back(session.header().sensors[s].name + ": " + *text);
   }
   const Span span = common_span(session, clocks);
   RigProblem problem{sensors, options.instants * kJointCount, {}};
@@ -72,7 +75,7 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
     const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(options.instants);
     const HostTime t = span.first + duration_from_s(share * (span.last - span.first).seconds());
     for (std::size_t s = 0; s < sensors; ++s)
-      seen[s] = body_at(frames[s], t, duration_from_s(options.longest_gap_s));
+      seen[s] = body_at(bodies[s].frames, t, duration_from_s(options.longest_gap_s));
     for (std::size_t j = 0; j < kJointCount; ++j) {
       const auto tracked = [&](std::size_t s) { return seen[s].state[j] == TrackingState::tracked; };
       std::size_t trackers = 0;
@@ -241,7 +244,8 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
 BodyCalibration calibrate_bodies(const std::filesystem::path& path, const CalibrateBodiesOptions& options) {
   const WatchedFiles watched({path});
   const SessionReader session(path);
-  const RigProblem problem = gather(session, options);
+  BodyCalibration result;
+  const RigProblem problem = gather(session, options, result.notes);
   const RigStart start = start_of(problem);
   check_placement(start, session);
   RigGauge gauge;
@@ -257,7 +261,6 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
   const auto covariances = jackknife(problem, refined, start.reference, options, path.string());
-  BodyCalibration result;
   result.reference = start.reference;
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";
@@ -265,7 +268,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   calibration.world =
       "sensor " + session.header().sensors[start.reference].name + (level ? ", on the floor below it" : "");
   calibration.program = kProgramVersion;
-  calibration.reduced_chi2 = refined.reduced_chi2;
+  if (std::isfinite(refined.reduced_chi2)) calibration.reduced_chi2 = refined.reduced_chi2;
   std::set<std::size_t> points;
   for (const PointObservation& o : problem.observations) points.insert(o.point);
   calibration.positions = points.size();

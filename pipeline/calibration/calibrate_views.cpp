@@ -142,26 +142,9 @@ std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRe
     const Eigen::Vector3d& point_m = refined.point_in_world_m[o.point];
     rejected.push_back({views.evidence[o.sensor].name, o.point + 1,
                         (views.positions[o.point].first - views.positions[0].first).seconds(),
-                        point_m.allFinite() ? (there_m - point_m).norm() : 0.0});
+                        point_m.allFinite() ? std::optional((there_m - point_m).norm()) : std::nullopt});
   }
   return rejected;
-}
-
-void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
-  constexpr double kLeast_m = 0.3;
-  const std::optional<double> seen_m = seen_movement_m(views);
-  if (options.world || !seen_m) return;
-  if (*seen_m < kLeast_m)
-    throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
-                                        "axis and should be a metre apart, {} m at least",
-                                        *seen_m, kLeast_m));
-  if (options.movement_m &&
-      std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
-    throw InputError(
-        "--movement-m",
-        fmt::format(
-            "is {:.3f}, but the sensors saw the ball move by {:.3f} m from its first place to its second",
-            *options.movement_m, *seen_m));
 }
 
 // One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
@@ -185,6 +168,23 @@ void check_agreement(const RigRefinement& refined, const WandViews& views, const
 }
 
 }  // namespace
+
+void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
+  constexpr double kLeast_m = 0.3;
+  const std::optional<double> seen_m = seen_movement_m(views);
+  if (options.world || !seen_m) return;
+  if (*seen_m < kLeast_m)
+    throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
+                                        "axis and should be a metre apart, {} m at least",
+                                        *seen_m, kLeast_m));
+  if (options.movement_m &&
+      std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
+    throw InputError(
+        "--movement-m",
+        fmt::format(
+            "is {:.3f}, but the sensors saw the ball move by {:.3f} m from its first place to its second",
+            *options.movement_m, *seen_m));
+}
 
 WandCalibration calibrate_views(WandViews views, const std::string& place,
                                 const CalibrateWandOptions& options) {
@@ -211,7 +211,7 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
   calibration.simulated = views.simulated;
   calibration.program = kProgramVersion;
   calibration.positions = views.positions.size();
-  calibration.reduced_chi2 = std::isfinite(refined.reduced_chi2) ? refined.reduced_chi2 : 0.0;
+  if (std::isfinite(refined.reduced_chi2)) calibration.reduced_chi2 = refined.reduced_chi2;
   for (std::size_t s = 0; s < refined.sensors.size(); ++s)
     calibration.sensors.push_back(pose_from(refined.sensors[s], views.evidence[s].name));
   calibration.rejected = rejected_of(problem, refined, views);

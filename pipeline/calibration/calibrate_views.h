@@ -29,6 +29,10 @@ struct WandCalibration {
   std::vector<Eigen::Vector3d> position_in_world_m;  // NaN when nothing of it was used
 };
 
+// InputError at `place` when the wand's first two places, which make the x axis, lie within 0.3 m of each other
+// as the sensors saw them, or not as far apart as stated.
+void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place);
+
 // Sensor poses from what a wand showed that was held still at many places (see docs/how-to/calibrate.md). The
 // first three places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says
 // where the wand was. InputError at `place` says which sensor cannot be placed and why.

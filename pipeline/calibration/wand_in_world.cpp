@@ -56,11 +56,10 @@ WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string&
   if (!reader.header().assets[asset].has_position)
     throw InputError(mocap.string(), "holds no position of \"" + asset_name + "\"");
   reader.read_only({asset});
-  FrozenFilter frames(reader);
   WandTrack track;
   MocapFrame frame;
-  while (frames.next(frame)) {
-    if (!frame.poses[asset].has_position()) continue;
+  while (reader.next(frame)) {  // a wand at rest may repeat a pose to the last digit
+    if (!frame.poses[asset].has_position() || frame.poses[asset].position_m.isZero(0.0)) continue;
     track.times.push_back(frame.time);
     track.position_m.push_back(frame.poses[asset].position_m);
   }

@@ -26,7 +26,7 @@ struct FloorPlane {
 // From the first of some hundred body frames, spread over the session, that has one.
 std::optional<FloorPlane> floor_seen_by(const SessionReader& session, std::size_t sensor);
 
-// Where an OptiTrack export has the wand's ball, in the order of time; without frozen stretches.
+// Where an OptiTrack export has the wand's ball, in the order of time.
 struct WandTrack {
   std::vector<MocapTime> times;
   std::vector<Eigen::Vector3d> position_m;  // one a time

@@ -106,7 +106,7 @@ RunOutcome compare(const Calibration& calibration, const RigidTransform& frame_f
   const std::vector<SensorPose>& poses = calibration.sensors;
   RunOutcome outcome;
   outcome.failed = false;
-  outcome.reduced_chi2 = calibration.reduced_chi2;
+  outcome.reduced_chi2 = calibration.reduced_chi2.value_or(ErrorSpread::kNone);
   const RigidTransform world_from_frame = frame_from_world.inverse();
   for (std::size_t s = 0; s < truth.size(); ++s) {
     outcome.sensors.push_back(
@@ -197,7 +197,8 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Meth
 // How right what the poses of one method state of themselves is, over all runs.
 void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, RigRow& row) {
   std::vector<double> covered, asked;  // of each run that states something
-  double position_z2 = 0.0, rotation_z2 = 0.0, mahalanobis2 = 0.0, poses = 0.0, chi2 = 0.0;
+  double position_z2 = 0.0, rotation_z2 = 0.0, mahalanobis2 = 0.0, poses = 0.0;
+  double chi2 = 0.0, runs_with_chi2 = 0.0;
   for (const RunOutcome& outcome : outcomes) {
     double run_covered = 0.0, run_asked = 0.0;
     for (const PoseError& e : outcome.sensors) {
@@ -212,7 +213,9 @@ void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, Ri
     if (run_asked == 0.0) continue;
     covered.push_back(run_covered);
     asked.push_back(run_asked);
+    if (std::isnan(outcome.reduced_chi2)) continue;  // a pose that is determined just so has none
     chi2 += outcome.reduced_chi2;
+    runs_with_chi2 += 1.0;
   }
   if (asked.empty()) return;
   row.coverage_share =
@@ -221,7 +224,7 @@ void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, Ri
   row.position_z_rms = std::sqrt(position_z2 / poses);
   row.rotation_z_rms = std::sqrt(rotation_z2 / poses);
   row.mahalanobis2_mean = mahalanobis2 / poses;
-  row.reduced_chi2_mean = chi2 / static_cast<double>(asked.size());
+  row.reduced_chi2_mean = chi2 / runs_with_chi2;
 }
 
 RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std::uint64_t seed) {

@@ -87,13 +87,15 @@ void print_notes(const std::vector<TakeNote>& notes) {
 }
 
 void print_cross_check(const ResultsSummary& summary) {
-  if (!summary.cross_check) return;
-  const CrossCheck& c = *summary.cross_check;
-  fmt::print(
-      stderr,
-      "cross-check of \"{}\" with Ceres: {} samples, worst {:.3g} m at {}, {} answered by one only: {}\n",
-      c.method, c.samples, c.worst_m, c.worst_at, c.disagreements,
-      c.passed() ? "agrees" : fmt::format("DISAGREES (limit {:g} m)", c.limit_m));
+  for (const CrossCheck& c : summary.cross_checks) {
+    const std::string verdict = c.passed()         ? "agrees"
+                                : c.samples == 0 ? "NOTHING COMPARED: no sample has an answer of both"
+                                                 : fmt::format("DISAGREES (limit {:g} m)", c.limit_m);
+    fmt::print(
+        stderr,
+        "cross-check of \"{}\" with Ceres: {} samples, worst {:.3g} m at {}, {} answered by one only: {}\n",
+        c.method, c.samples, c.worst_m, c.worst_at.empty() ? "none" : c.worst_at, c.disagreements, verdict);
+  }
 }
 
 Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
@@ -163,6 +165,7 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
             return print_plan(make_plan(spec, campaign, watch), shard, as_json);
           },
       .inputs = inputs_of(campaign),
+      .campaign = campaign,
       .key =
           [=](const Watch& watch) {
             return key_of_results(spec, campaign, options.cross_check, *hashes, watch);
@@ -178,13 +181,13 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
   const ResultsSummary summary = read_summary(results);
   print_notes(summary.notes);
   print_cross_check(summary);
-  const bool passed = !summary.cross_check || summary.cross_check->passed();
+  const bool passed = summary.cross_checks.empty() || summary.cross_check_passed();
   const auto tracking = read_beside<TrackingSummary>(results);
   if (shown.json) {
     document["results"] = results.string();
     document["takes"] = summary.takes;
     document["takes_failed"] = summary.takes_failed;
-    document["cross_check_passed"] = summary.cross_check ? Json(passed) : Json();
+    document["cross_check_passed"] = summary.cross_checks.empty() ? Json() : Json(passed);
     document["errors"] = errors_json(summary);
     document["best"] = json_of(summary.best);
     document["warnings"] = accuracy_warnings(summary, tracking);

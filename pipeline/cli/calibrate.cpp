@@ -30,13 +30,13 @@ struct CalibrateArguments {
   std::filesystem::path output;
   std::string method = "wand";
   std::filesystem::path from;  // of bodies: the calibration that is corrected; empty: none
-  double ball_radius_m = 0.075;
+  std::optional<double> ball_radius_m;
   std::vector<std::string> intrinsics;  // SENSOR=FILE
   std::filesystem::path mocap;
   std::string asset;
   std::optional<std::int64_t> mocap_start_host_ns;
   std::optional<double> movement_m;
-  double movement_sigma_m = 0.001;
+  std::optional<double> movement_sigma_m;
   bool no_depth_correction = false;
   std::string trajectory_axis;  // x, y or z; empty: that of the method
   int threads = 0;
@@ -105,10 +105,10 @@ std::vector<std::string> doubts_about(const Calibration& calibration) {
                       "another sensor's?",
                       pose.name, pose.left_out));
   }
-  if (calibration.method == "wand" && calibration.reduced_chi2 > 4.0)
+  if (calibration.method == "wand" && calibration.reduced_chi2.value_or(0.0) > 4.0)
     doubts.push_back(
         fmt::format("residuals are {:.1f} times what noise explains; the intrinsics may be wrong",
-                    std::sqrt(calibration.reduced_chi2)));
+                    std::sqrt(*calibration.reduced_chi2)));
   return doubts;
 }
 
@@ -117,8 +117,8 @@ void print_text(const Calibration& calibration, const std::vector<SensorEvidence
   fmt::print("{}\n", markdown_of(sensors_table(calibration, evidence)));
   for (const RejectedSighting& r : calibration.rejected)
     fmt::print("left out: {} at position {} ({:.1f} s after the first), {}\n", r.sensor, r.position, r.time_s,
-               r.off_by_m > 0.0 ? fmt::format("{:.0f} mm off", 1e3 * r.off_by_m)
-                                : std::string("seen by two that disagree"));
+               r.off_by_m ? fmt::format("{:.0f} mm off", 1e3 * *r.off_by_m)
+                          : std::string("seen by two that disagree"));
   if (calibration.method == "bodies")
     fmt::print(
         "± comes from leaving each joint out in turn: it contains what the tracker does differently at every "
@@ -159,12 +159,12 @@ std::vector<std::pair<std::string, std::filesystem::path>> named_files(
 
 CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Watch& watch) {
   CalibrateWandOptions options;
-  options.search.find.ball_radius_m = arguments.ball_radius_m;
+  if (arguments.ball_radius_m) options.search.find.ball_radius_m = *arguments.ball_radius_m;
   options.search.watch = watch;
   options.intrinsics = named_files(arguments.intrinsics);
   options.depth_correction = !arguments.no_depth_correction;
   options.movement_m = arguments.movement_m;
-  options.movement_sigma_m = arguments.movement_sigma_m;
+  if (arguments.movement_sigma_m) options.movement_sigma_m = *arguments.movement_sigma_m;
   const auto axis = std::ranges::find(kTrajectoryAxes, arguments.trajectory_axis);
   if (axis != kTrajectoryAxes.end())
     options.trajectory_axis = static_cast<TrajectoryAxis>(axis - kTrajectoryAxes.begin());
@@ -186,6 +186,8 @@ void refuse_ignored(const CalibrateArguments& a) {
   if (!bodies && !a.from.empty()) refuse("--from");
   if (bodies && !a.intrinsics.empty()) refuse("--intrinsics");
   if (bodies && a.movement_m) refuse("--movement-m");
+  if (bodies && a.movement_sigma_m) refuse("--movement-sigma-m");
+  if (bodies && a.ball_radius_m) refuse("--ball-radius-m");
   if ((bodies || two) && a.no_depth_correction) refuse("--no-depth-correction");
   if (!two && !a.trajectory_axis.empty()) refuse("--trajectory-axis");
   if ((bodies || two) && a.sessions.size() > 1)
@@ -212,6 +214,7 @@ struct Calibrated {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
   std::vector<CorrectionRow> corrections = {};
+  std::vector<std::string> notes = {};
 };
 
 Calibrated calibrate_by(const CalibrateArguments& arguments) {
@@ -219,10 +222,15 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
   if (!arguments.from.empty()) {
     CorrectedCalibration result =
         correct_calibration(arguments.sessions[0], arguments.from, {stop_requested, {}});
-    return {std::move(result.calibration), {}, std::move(result.corrections)};
+    std::vector<std::string> notes;
+    for (const TakeNote& note : result.notes) notes.push_back(note.place + ": " + note.text);
+    return {std::move(result.calibration), {}, std::move(result.corrections), std::move(notes)};
   }
-  if (arguments.method == "bodies")
-    return {calibrate_bodies(arguments.sessions[0], {.stop_requested = stop_requested}).calibration, {}};
+  if (arguments.method == "bodies") {
+    BodyCalibration result = calibrate_bodies(arguments.sessions[0], {.stop_requested = stop_requested});
+    for (std::string& note : result.notes) note = arguments.sessions[0].string() + ": " + note;
+    return {std::move(result.calibration), {}, {}, std::move(result.notes)};
+  }
   const Watch watch{stop_requested, [&](double share) { progress.set(share); }};
   WandCalibration result =
       calibrate_wand(arguments.sessions, wand_options(arguments, watch), wand_method(arguments));
@@ -232,9 +240,11 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
   check_output({arguments.output, OutputKind::calibration, inputs_of(arguments), arguments.force});
+  refuse_other_calibration(arguments.output, inputs_of(arguments), arguments.force);
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
+  for (const std::string& note : outcome.notes) fmt::print(stderr, "note: {}\n", note);
   if (!arguments.json)
     for (const CorrectionRow& row : outcome.corrections) fmt::print("{}\n", correction_text(row));
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);
@@ -257,9 +267,8 @@ void add_calibrate(CLI::App& app, int& code) {
       ->capture_default_str();
   verb.add_option("--from", a.from,
                   "bodies: this calibration.json, its sensors turned and shifted as the bodies show");
-  verb.add_option("--ball-radius-m", a.ball_radius_m, "of the wand's ball")
-      ->check(CLI::Range(0.02, 0.3))
-      ->capture_default_str();
+  verb.add_option("--ball-radius-m", a.ball_radius_m, "radius of the wand's ball; else 0.075")
+      ->check(CLI::Range(0.02, 0.3));
   verb.add_option(
       "--intrinsics", a.intrinsics,
       "SENSOR=FILE: an OpenCV calibration (YAML) instead of the session's intrinsics; may be repeated");
@@ -270,9 +279,9 @@ void add_calibrate(CLI::App& app, int& code) {
   verb.add_option("--movement-m", a.movement_m,
                   "how far the wand moved from its first place to its second, when measured: fixes the scale")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--movement-sigma-m", a.movement_sigma_m, "how sure that is, one standard deviation")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  verb.add_option("--movement-sigma-m", a.movement_sigma_m,
+                  "standard deviation of --movement-m; else 0.001")
+      ->check(CLI::PositiveNumber);
   verb.add_option("--trajectory-axis", a.trajectory_axis,
                   "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the "
                   "paper's y of eq. 6; without it y as printed, z (a horizontal axis) corrected")

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <set>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
@@ -224,6 +229,83 @@ void check_output(const PlannedOutput& output) {
   if (!output.force)
     throw InputError(output.path.string(),
                      std::string(row.refusal) + ". Choose another name, or replace it with --force");
+}
+
+namespace {
+
+[[noreturn]] void refuse_other(const fs::path& output, const std::string& what) {
+  throw InputError(output.string(), "holds " + what + "; --force replaces it, or take another name");
+}
+
+// The inputs of a manifest, by take and role.
+std::map<std::pair<std::string, std::string>, std::string> hashes_of(const Json& manifest) {
+  std::map<std::pair<std::string, std::string>, std::string> hashes;
+  for (const Json& input : manifest.value("inputs", Json::array()))
+    if (input.contains("sha256") && input["sha256"].is_string())
+      hashes[{input.value("take", ""), input.value("role", "")}] = input["sha256"];
+  return hashes;
+}
+
+// Small files first, so that the large ones are rarely read.
+bool has_equal_input(const Campaign& campaign, const Json& manifest) {
+  const auto hashes = hashes_of(manifest);
+  const auto is_equal = [&](const Take& take, const char* role, const fs::path& file) {
+    // A take that sensors are left out of stands there once for each.
+    for (const auto& [input, sha256] : hashes)
+      if (input.second == role && (input.first == take.id || input.first.starts_with(take.id + ".without.")))
+        return fs::is_regular_file(file) && hash_of_file(file) == sha256;
+    return false;
+  };
+  for (const auto& [role, member] : {std::pair{"mapping", &Take::mapping}, {"calibration", &Take::calibration},
+                                     {"mocap", &Take::mocap}, {"session", &Take::session}})
+    for (const Take& take : campaign.takes)
+      if (is_equal(take, role, take.*member)) return true;
+  return false;
+}
+
+}  // namespace
+
+void refuse_other_results(const fs::path& output, const std::string& study, const Campaign* campaign,
+                          bool force) {
+  const Json manifest = document(output / "manifest.json", "trilat.manifest");
+  if (force || manifest.empty()) return;
+  const std::string name = manifest.value("study", Json::object()).value("name", "");
+  if (!study.empty() && name != study) refuse_other(output, "study \"" + name + "\"");
+  if (!campaign) return;
+  const std::string other = manifest.value("campaign", "");
+  if (other != campaign->name) refuse_other(output, "study \"" + name + "\" of campaign \"" + other + '"');
+  if (!has_equal_input(*campaign, manifest))
+    refuse_other(output, "study \"" + name + "\" of another campaign that is called \"" + other + "\", too");
+}
+
+void refuse_other_report(const fs::path& output, const std::vector<fs::path>& results, bool force) {
+  if (force || !fs::is_directory(output / "studies")) return;
+  std::set<std::string> there, now;
+  for (const fs::directory_entry& entry : fs::directory_iterator(output / "studies"))
+    if (const Json study = read_json(entry.path()); study.is_object()) there.insert(study.value("name", ""));
+  for (const fs::path& folder : results)
+    now.insert(document(folder / "manifest.json", "trilat.manifest")
+                   .value("study", Json::object())
+                   .value("name", ""));
+  if (there.empty() || std::ranges::any_of(there, [&](const std::string& name) { return now.contains(name); }))
+    return;
+  refuse_other(output, fmt::format("a report of {}", fmt::join(there, ", ")));
+}
+
+void refuse_other_calibration(const fs::path& output, const std::vector<fs::path>& inputs, bool force) {
+  const Json sources = document(output, "trilat.calibration").value("sources", Json::array());
+  if (force || sources.empty()) return;
+  std::set<std::string> there;
+  for (const Json& source : sources) there.insert(source.value("sha256", ""));
+  for (const fs::path& input : inputs)
+    if (fs::is_regular_file(input) && there.contains(hash_of_file(input))) return;
+  refuse_other(output, "a calibration of other recordings (" + sources.front().value("file", "") + ")");
+}
+
+void refuse_other_campaign(const fs::path& output, const std::string& name, bool force) {
+  const Json campaign = document(output / "campaign.json", "trilat.campaign");
+  if (force || campaign.empty() || campaign.value("name", "") == name) return;
+  refuse_other(output, "campaign \"" + campaign.value("name", "") + '"');
 }
 
 }  // namespace trilat

@@ -52,11 +52,11 @@ int demo(const DemoArguments& arguments) {
     Progress progress("simulating");
     return simulate_campaign(spec, campaign_folder, {stop_requested, [&](double s) { progress.set(s); }});
   }();
-  {
+  const ResultsSummary summary = [&] {
     Progress progress("evaluating");
-    execute_study(parse_study(parse_json(kStudy, "demo"), "demo", {}), campaign, results,
-                  {.stop_requested = stop_requested, .progress = [&](double s) { progress.set(s); }});
-  }
+    return execute_study(parse_study(parse_json(kStudy, "demo"), "demo", {}), campaign, results,
+                         {.stop_requested = stop_requested, .progress = [&](double s) { progress.set(s); }});
+  }();
   const ReportFiles page = write_report({results}, report, {});
   if (arguments.json)
     fmt::print("{}\n", json_text(Json{{"campaign", campaign_folder.string()},
@@ -67,7 +67,7 @@ int demo(const DemoArguments& arguments) {
   else
     fmt::print("{}\npage:     {}\nnext: trilat run study.json --campaign your-campaign -o results\n",
                headline_text(page.headline), (report / "report.html").string());
-  return kDone;
+  return summary.takes_failed == 0 ? kDone : kItemsFailed;
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ struct InitArguments {
   fs::path folder = ".";
   std::string name, activity = "recorded";
   double start_within_s = 150.0;
+  std::string up_axis;  // of the motion capture: y, z, or empty
   bool force = false;
   bool json = false;
 };
@@ -37,6 +38,32 @@ struct FoundTake {
   bool simulated = false;
   std::string start = {};  // how its mocap's start was found
 };
+
+// A name as an id of a take: letters and digits of ASCII, '-' and '.'; '_' for any other character.
+std::string plain_id(const std::string& name) {
+  constexpr std::size_t kLongest = 90;  // of 100, with room for a number behind it
+  std::string id;
+  for (const char c : name) {
+    const bool goes_on = (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;  // of a character of UTF-8
+    if (goes_on || id.size() == kLongest) continue;
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.';
+    id += plain && !(id.empty() && c == '.') ? c : '_';
+  }
+  return id;
+}
+
+// Two names may give one id: "Müller" and "Möller".
+void number_equal_ids(std::vector<FoundTake>& takes, std::vector<std::string>& notes) {
+  std::set<std::string> taken;
+  for (FoundTake& found : takes) {
+    const std::string id = found.take.id;
+    for (int number = 2; !taken.insert(found.take.id).second; ++number)
+      found.take.id = fmt::format("{}-{}", id, number);
+    if (found.take.id != id)
+      notes.push_back(fmt::format("{}: is called {}, since another take is {} already",
+                                  found.take.session.string(), found.take.id, id));
+  }
+}
 
 struct Found {
   std::vector<FoundTake> takes;
@@ -66,13 +93,11 @@ fs::path nearest_file(const std::string& name, fs::path from, const fs::path& to
   }
 }
 
+// InputError for one that begins as a motion capture and cannot be read: passed over, its take would be
+// evaluated without it.
 bool is_mocap(const fs::path& file) {
   if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(file.extension().string())) return false;
-  try {
-    return !MocapReader(file).header().assets.empty();
-  } catch (const InputError&) {
-    return false;  // a table of something else
-  }
+  return begins_as_mocap(file) && !MocapReader(file).header().assets.empty();
 }
 
 // The motion capture beside a recording: of the same name, else the one called mocap, else the only one
@@ -103,9 +128,7 @@ FoundTake take_of(const SessionReader& reader, const fs::path& session, const In
   found.take.activity = has_folder && has_name ? stem : arguments.activity;
   fs::path id = has_name ? fs::path(inside).replace_extension() : inside.parent_path();
   found.take.id = fmt::format("{}", fmt::join(std::vector<std::string>(id.begin(), id.end()), "-"));
-  if (found.take.id.empty()) found.take.id = stem;
-  for (char& c : found.take.id)  // what a take may be called
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.') c = '_';
+  found.take.id = plain_id(found.take.id.empty() ? stem : found.take.id);
   found.take.session = session;
   found.sensors = reader.header().sensors.size();
   found.simulated = reader.header().simulated;
@@ -134,12 +157,23 @@ Found look_around(const InitArguments& arguments) {
       throw InputError(
           session.string(),
           fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method bodies "
-                      "-o {}` makes one from a walk, docs/how-to/calibrate.md has better ones",
-                      session.string(), (session.parent_path() / "calibration.json").string()));
+                      "-o {}` makes one from a walk for all recordings of this rig, docs/how-to/calibrate.md has "
+                      "better ones",
+                      session.string(), (arguments.folder / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
-    if (!take.mocap.empty()) take.mapping = arguments.folder / "mapping.json";
+    if (!take.mocap.empty()) {
+      take.mapping = arguments.folder / "mapping.json";
+      if (!arguments.up_axis.empty()) take.up_axis = arguments.up_axis == "z" ? UpAxis::z : UpAxis::y;
+    }
     found.takes.push_back(takes.at(session));
   }
+  number_equal_ids(found.takes, found.notes);
+  const auto in_top = [&](const fs::path& session) { return session.parent_path() == arguments.folder; };
+  if (std::ranges::count_if(sessions, in_top) > 1)
+    found.notes.push_back(fmt::format(
+        "{}: its recordings lie in one folder, so each is taken for another participant, called as the file is; "
+        "if one person made several, give each participant a folder",
+        arguments.folder.string()));
   return found;
 }
 
@@ -178,12 +212,11 @@ void find_starts(const InitArguments& arguments, Found& found) {
       take.mapping.clear();
       const std::string advice =
           start.status == "ambiguous"
-              ? "several starts fit, as when somebody walks in a circle; say with --start-within-s how far "
-                "apart both began at most"
-              : "give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand";
+              ? "state with --start-within-s how far apart both began at most"
+              : "or give \"mocap\", \"mapping\" and \"mocap_start_host_ns\" in campaign.json by hand";
       found.notes.push_back(fmt::format(
-          "{}: its motion capture is left out, since the motion does not tell when it starts ({}); {}",
-          take.id, start.status, advice));
+          "{}: its motion capture is left out, since the motion does not show when it starts ({}): {}; {}",
+          take.id, start.status, start.cause, advice));
     }
   }
 }
@@ -290,8 +323,14 @@ int init(const InitArguments& given) {
       throw InputError((arguments.folder / name).string(), "is there already; --force replaces it");
   Found found = look_around(arguments);
   add_mapping(arguments, found);
-  if (!found.mapping.joints.empty()) write_mapping(arguments.folder / "mapping.json", found.mapping);
-  find_starts(arguments, found);
+  const fs::path mapping = arguments.folder / "mapping.json";
+  if (!found.mapping.joints.empty()) write_mapping(mapping, found.mapping);
+  try {
+    find_starts(arguments, found);
+  } catch (...) {
+    if (!found.mapping.joints.empty()) fs::remove(mapping);  // nothing is left of what did not work out
+    throw;
+  }
   Campaign campaign;
   campaign.name = arguments.name;
   campaign.simulated = std::ranges::any_of(found.takes, &FoundTake::simulated);
@@ -344,6 +383,9 @@ void add_init(CLI::App& app, int& code) {
                   "how far apart a recording and its motion capture began at most")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
+  verb.add_option("--up-axis", a.up_axis,
+                  "of the motion capture's world, where nobody stands upright to show it")
+      ->check(CLI::IsMember({"y", "z"}));
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

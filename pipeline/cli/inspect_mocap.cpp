@@ -83,6 +83,8 @@ void print_anomalies(const MocapAnomalies& a) {
       {a.truncated_last_row ? 1 : 0, "last row that is cut, left out"}};
   for (const auto& [count, what] : counts)
     if (count > 0) fmt::print("odd: {} {}\n", count, what);
+  if (a.frames_promised > 0)
+    fmt::print("odd: the header promises {} frames, the file has {}\n", a.frames_promised, a.frames_there);
 }
 
 void print_text(const std::string& path, const MocapHeader& header, const MocapSummary& s,

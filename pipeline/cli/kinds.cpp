@@ -149,8 +149,13 @@ const std::vector<Kind>& kinds() {
          return sensitivity_study(parse_sensitivity(work, place, {}, {}));
        },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, sensitivity_tables(read_sensitivity_summary(results)),
-                             std::move(document), shown);
+         const SensitivitySummary summary = read_sensitivity_summary(results);
+         const int code = print_tables(results, sensitivity_tables(summary), std::move(document), shown);
+         const std::size_t failed = failed_points(summary);
+         if (failed > 0)
+           fmt::print(stderr, "failed: {} of {} campaigns have no errors; {} names why\n", failed,
+                      summary.points.size(), (results / "points.csv").string());
+         return failed > 0 ? int{kItemsFailed} : code;
        },
        sensitivity_schema},
       {StudyKind::twins, "pairs of sensors", "a twins study simulates its own takes", false, open_twins,

@@ -11,6 +11,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
+#include "datasets/take/campaign.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/study.h"
 
@@ -41,6 +42,7 @@ struct OpenedStudy {
   // Says what would be computed, on stdout, and gives the exit code.
   std::function<int(const Shard& shard, bool json, const Watch& watch)> print_plan;
   std::vector<std::filesystem::path> inputs = {};  // that it reads beside what the arguments name
+  std::optional<Campaign> campaign = {};           // whose takes it evaluates
   // Of the finished results, where that is known before planning.
   std::function<std::string(const Watch& watch)> key = {};
   // Says what a part holds, on stdout, and gives the exit code; empty: print_part() does.

@@ -83,6 +83,7 @@ int report(const ReportArguments& arguments) {
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
   const std::vector<std::filesystem::path> results = results_of(arguments.results);
   check_output({arguments.output, OutputKind::report, results, arguments.force});
+  refuse_other_report(arguments.output, results, arguments.force);
   ReportFiles files;
   {
     Progress progress("writing the report");

@@ -99,12 +99,15 @@ int run(const RunArguments& arguments) {
   const OpenedStudy opened = kind.open(arguments, json);
   if (arguments.dry_run) return opened.print_plan(shard, arguments.json, {stop_requested, {}});
   check_run_output(arguments, kind.kind, opened.inputs);
+  if (shard.whole())
+    refuse_other_results(arguments.output, json.value("name", ""), opened.campaign ? &*opened.campaign : nullptr,
+                         arguments.force);
   ItemTally tally;
   try {
     tally = run_opened(opened, arguments, shard);
   } catch (const Interrupted&) {
     tell_interrupted(partial_name(output_name(arguments.output)));
-    return kItemsFailed;
+    return kInterrupted;
   }
   tell_reuse(kind.items, tally);
   if (shard.whole())

@@ -87,7 +87,7 @@ Json calibration_document_schema() {
   Json example = Json::parse(R"({"format": "trilat.calibration", "version": 1, "method": "wand",
       "sensors": [{"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1]}],
       "rejected": [{"sensor": "k1", "position": 0, "time_s": 0, "off_by_m": 0}],
-      "sources": [{"file": "s.h5", "sha256": ""}]})");
+      "reduced_chi2": 1, "sources": [{"file": "s.h5", "sha256": ""}]})");
   example["sensors"][0]["covariance"] = std::vector<double>(21, 0.0);
   return schema_of({example}, [](const Json& json) { parse_calibration(json, "example"); });
 }

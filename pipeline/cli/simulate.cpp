@@ -97,6 +97,7 @@ int simulate(const SimulateArguments& arguments) {
   const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
   check_output({arguments.output, shard.whole() ? OutputKind::campaign : OutputKind::campaign_part,
                 files_of(arguments, spec), arguments.force, kCampaign});
+  if (shard.whole()) refuse_other_campaign(arguments.output, spec.name, arguments.force);
   const Study study = planned(arguments);
   if (!shard.whole() && !arguments.force) check_part(study, shard, arguments.output);
   StudyOptions options{.stop_requested = stop_requested, .shard = shard};
@@ -109,7 +110,7 @@ int simulate(const SimulateArguments& arguments) {
       tally = run_study(study, arguments.output, options);
     } catch (const Interrupted&) {
       tell_interrupted(partial_name(output_name(arguments.output)));
-      return kItemsFailed;
+      return kInterrupted;
     }
   }
   tell_reuse("recordings", tally);

@@ -11,7 +11,14 @@
 namespace trilat {
 
 // Exit codes of every verb. Bad input and bugs leave by exception: 2 and 70.
-enum ExitCode { kDone = 0, kItemsFailed = 1, kBadInput = 2, kNotJudged = 3, kOurBug = 70 };
+enum ExitCode {
+  kDone = 0,
+  kItemsFailed = 1,
+  kBadInput = 2,
+  kNotJudged = 3,
+  kOurBug = 70,
+  kInterrupted = 130  // by Ctrl-C or SIGTERM: the same line goes on
+};
 
 // True once the process has been asked to end (Ctrl-C, SIGTERM). Long work asks between items.
 bool stop_requested();

@@ -275,11 +275,14 @@ class Comparison {
     if (!fresh.empty() || now.takes_failed > before.takes_failed)
       add_failure(pair.now.name, "takes that could not be evaluated",
                   static_cast<double>(before.takes_failed), static_cast<double>(now.takes_failed), fresh);
-    if (now.cross_check && !now.cross_check->passed() &&
-        (!before.cross_check || before.cross_check->passed()))
-      add_failure(pair.now.name, "the cross-check with Ceres fails",
-                  before.cross_check ? before.cross_check->worst_m : kNoNumber, now.cross_check->worst_m,
-                  "worst at " + now.cross_check->worst_at);
+    for (const CrossCheck& check : now.cross_checks) {
+      const auto earlier = std::ranges::find(before.cross_checks, check.method, &CrossCheck::method);
+      const bool was_there = earlier != before.cross_checks.end();
+      if (check.passed() || (was_there && !earlier->passed())) continue;
+      add_failure(pair.now.name, "the cross-check of " + check.method + " with Ceres fails",
+                  was_there ? earlier->worst_m : kNoNumber, check.worst_m,
+                  check.samples == 0 ? "nothing was compared" : "worst at " + check.worst_at);
+    }
   }
 
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
+#include "datasets/session/body_readings.h"
 #include "datasets/base/philox.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker.h"
@@ -66,10 +67,11 @@ void trilaterate(const Rig& rig, const RigFrame& frame, const Method& method,
   std::vector<JointObservation> seen(frame.bodies.size());
   for (std::size_t j = 0; j < kJointCount; ++j) {
     for (std::size_t s = 0; s < frame.bodies.size(); ++s) {
-      const auto& at_m = frame.bodies[s].position_m[j];
-      seen[s] =
-          observe({at_m[0], at_m[1], at_m[2]}, static_cast<TrackingState>(frame.bodies[s].tracking_state[j]),
-                  rig.world_from_sensor[s]);
+      const Body& body = frame.bodies[s];
+      seen[s] = {};
+      if (reading_of(body, j) == JointReading::seen)
+        seen[s] = observe(Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data()).cast<double>(),
+                          static_cast<TrackingState>(body.tracking_state[j]), rig.world_from_sensor[s]);
     }
     const JointInstant instant{seen, rig.world_from_sensor, {}, ranges_of(seen, rig.world_from_sensor)};
     estimates[j] = evaluate(method, instant);

@@ -27,6 +27,7 @@ struct SimulatedTakePlan {
   std::vector<Joint> marker_joints;      // empty when the mocap is a real take
   std::filesystem::path recorded_mocap;  // the real take, or empty
   std::filesystem::path recorded_mapping;
+  UpAxis up_axis = UpAxis::y;  // of the mocap
 };
 
 // The sensors' true poses and what they look at.

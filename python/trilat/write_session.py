@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from trilat.errors import InputError
+from trilat.outputs import written_aside
 from trilat.skeleton import JOINT_COUNT
 
 DEPTH_SHAPE = (424, 512)  # rows, columns
@@ -150,7 +151,7 @@ def _write_sensor(group: h5py.Group, name: str, s: SensorFrames) -> None:
 
 def write_session(path: str | os.PathLike, sensors: Mapping[str, SensorFrames], *, note: str = "",
                   started_utc: str = "", simulated: bool = False, force: bool = False) -> Path:
-    """Writes a session of these sensors, whole or not at all; `trilat verify` reads it. Gives its path.
+    """Writes a session of these sensors, whole or not at all; `trilat verify` reads it. Returns its path.
 
     `note` is for people: what was assumed. A file that is there is replaced with `force` alone.
     """
@@ -159,20 +160,15 @@ def write_session(path: str | os.PathLike, sensors: Mapping[str, SensorFrames], 
         raise InputError(path, "is there already; take another name, or replace it with force")
     if not 1 <= len(sensors) <= MOST_SENSORS:
         raise InputError(path, f"a session has 1 to {MOST_SENSORS} sensors")
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with h5py.File(partial, "w", libver="latest") as file:
-            for key, text in {"format": "trilat.session", "created_by": "trilat python", "started_utc": started_utc,
-                              "note": note}.items():
-                _text(file, key, text)
-            for key, integer in {"version": 1, "simulated": int(simulated), "complete": 1}.items():
-                file.attrs.create(key, integer, dtype=np.int64)
-            group = file.create_group("sensors")
-            for name, sensor in sensors.items():
-                if not 1 <= len(name) <= 64 or "/" in name:
-                    raise InputError(path, f'a sensor\'s name has 1 to 64 characters and no "/", is "{name}"')
-                _write_sensor(group.create_group(name), name, sensor)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with written_aside(path) as aside, h5py.File(aside, "w", libver="latest") as file:
+        for key, text in {"format": "trilat.session", "created_by": "trilat python", "started_utc": started_utc,
+                          "note": note}.items():
+            _text(file, key, text)
+        for key, integer in {"version": 1, "simulated": int(simulated), "complete": 1}.items():
+            file.attrs.create(key, integer, dtype=np.int64)
+        group = file.create_group("sensors")
+        for name, sensor in sensors.items():
+            if not 1 <= len(name) <= 64 or "/" in name:
+                raise InputError(path, f'a sensor\'s name has 1 to 64 characters and no "/", is "{name}"')
+            _write_sensor(group.create_group(name), name, sensor)
     return path

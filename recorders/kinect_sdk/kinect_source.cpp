@@ -111,7 +111,13 @@ std::optional<SourceEvent> KinectSource::next() {
   return event;
 }
 
-// A frame that was replaced before it could be acquired leaves a gap in the numbers.
+// Frames that could not be acquired, of both streams together. One that was replaced before leaves a gap in the
+// numbers as well, of which the recorder counts the larger.
+void KinectSource::lose(std::int64_t frames) {
+  lost_ += frames;
+  ready_.push_back({0, DropCount{steady_now_ns(), lost_, 0}});
+}
+
 void KinectSource::take_frame() {
   const std::int64_t arrival_ns = steady_now_ns();
   ComPointer<kinect::IMultiSourceFrameArrivedEventArgs> event;
@@ -119,7 +125,7 @@ void KinectSource::take_frame() {
   ComPointer<kinect::IMultiSourceFrame> frame;
   if (failed(reader_->GetMultiSourceFrameArrivedEventData(arrived_, event.put())) ||
       failed(event->get_FrameReference(reference.put())) || failed(reference->AcquireFrame(frame.put())))
-    return;
+    return lose(kStreams);
   take_depth(*frame, arrival_ns);
   take_bodies(*frame, arrival_ns);
 }
@@ -133,7 +139,7 @@ void KinectSource::take_depth(kinect::IMultiSourceFrame& frame, std::int64_t arr
   if (failed(frame.get_DepthFrameReference(reference.put())) ||
       failed(reference->AcquireFrame(depth.put())) || failed(depth->get_RelativeTime(&ticks)) ||
       failed(depth->CopyFrameDataToArray(kDepthPixels, result.depth_mm.data())))
-    return;
+    return lose(1);
   depth.reset();
   result.stamp = {sequence_.number_of(kDepthStream, ticks), ticks, arrival_ns};
   ready_.push_back({0, std::move(result)});
@@ -146,7 +152,7 @@ void KinectSource::take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t ar
   if (failed(frame.get_BodyFrameReference(reference.put())) ||
       failed(reference->AcquireFrame(bodies.put())) || failed(bodies->get_RelativeTime(&ticks)) ||
       !bodies_.refresh(*bodies))
-    return;
+    return lose(1);
   BodyFrame result;
   kinect::Vector4 floor{};
   if (!failed(bodies->get_FloorClipPlane(&floor))) result.floor_plane = {floor.x, floor.y, floor.z, floor.w};

@@ -73,6 +73,7 @@ class KinectSource : public FrameSource {
   void describe();
   bool read_intrinsics(DepthIntrinsics& intrinsics);
   bool available();
+  void lose(std::int64_t frames);
   void take_frame();
   void take_depth(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);
   void take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);
@@ -88,6 +89,7 @@ class KinectSource : public FrameSource {
   SessionHeader header_;
   TickSequence sequence_;
   std::deque<SourceEvent> ready_;
+  std::int64_t lost_ = 0;  // frames that could not be acquired, since the start
   std::int64_t last_frame_ns_ = 0;
   std::string said_;  // of the present silence
   std::atomic<bool> stopped_{false};

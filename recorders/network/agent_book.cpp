@@ -220,6 +220,14 @@ bool AgentBook::all_said_bye() {
   return recording_over();
 }
 
+std::vector<std::string> AgentBook::unfinished() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> names;
+  for (const auto& slot : slots_)
+    if (!slot->said_bye) names.push_back(slot->name);
+  return names;
+}
+
 bool AgentBook::recording_over() const {
   return begun_ && std::ranges::all_of(slots_, [](const auto& slot) { return slot->said_bye; });
 }

@@ -88,6 +88,7 @@ struct AgentSlot {
   std::optional<std::chrono::steady_clock::time_point> lost_at;
 
   std::uint64_t next_number = 0;
+  std::optional<std::uint64_t> held_to;  // what the agent held when it was stopped, to this number
   std::vector<DropCount> lost;     // totals of this run of the agent, a sensor each
   std::vector<DropCount> earlier;  // of its earlier runs, and what was damaged on the way
 };
@@ -115,6 +116,8 @@ class AgentBook {
   bool begin(std::size_t count, std::chrono::milliseconds timeout, const std::function<bool()>& stop);
   bool begun();
   bool all_said_bye();
+  // Agents that have not sent all they held: they are away, or have not said bye.
+  std::vector<std::string> unfinished();
   std::vector<std::string> names();
   struct BrokenSource {
     std::string agent, problem;

@@ -34,7 +34,9 @@ AgentLink::AgentLink(FrameSource& source, AgentOptions options, ConnectLink conn
       options_(std::move(options)),
       connect_(std::move(connect)),
       state_(
-          std::make_unique<AgentState>(source.header().sensors.size(), options_.ring_bytes, source.live())) {}
+          std::make_unique<AgentState>(source.header().sensors.size(), options_.ring_bytes, source.live())) {
+  state_->stop = [this] { stop(); };
+}
 
 AgentLink::~AgentLink() = default;
 

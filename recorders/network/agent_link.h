@@ -39,7 +39,7 @@ struct AgentStatus {
 
 enum class AgentEnd {
   complete,         // the source has ended and everything has arrived, but for what was lost
-  ended_by_server,  // the recording is over; what was still buffered is nobody's loss
+  ended_by_server,  // the recording is over; frames that were still buffered are counted as lost
   abandoned,        // the recording is gone without an end, and the source has nothing left for another
   unacknowledged,   // the recording machine did not answer for too long
 };

@@ -45,7 +45,21 @@ struct AgentTurn {
     if (refusal.try_again) throw LinkLost(refusal.reason);
     throw LinkRefused(refusal.reason);
   }
-  void operator()(const ByeMessage&) { ended_by_server = true; }
+  void operator()(const ByeMessage&) {
+    ended_by_server = true;
+    const std::lock_guard lock(state.mutex);
+    const std::uint64_t lost_before = state.ring.lost_frames();
+    state.status.frames_lost += lost_before + state.ring.start_over();
+  }
+  void operator()(const StopMessage&) {
+    HeldMessage held;
+    {
+      const std::lock_guard lock(state.mutex);
+      held.end_number = state.ring.end_number();
+    }
+    link.send(held);
+    state.stop();
+  }
   // The last recording that this run took part in was abandoned.
   bool in_vain() {
     const std::lock_guard lock(state.mutex);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 
@@ -29,6 +30,7 @@ struct AgentState {
   std::chrono::steady_clock::time_point last_connected{};
   MessageLink* link = nullptr;  // to wake, while connected
   AgentStatus status;
+  std::function<void()> stop;  // ends the source; without the mutex
 };
 
 // The recording machine has begun another recording than the one that this run took part in: what that one

@@ -14,6 +14,7 @@ namespace trilat {
 namespace {
 
 constexpr std::chrono::milliseconds kSourceLookPeriod{50};
+constexpr std::chrono::milliseconds kCountLimit{500};  // for connections to count what has not come
 
 std::string utc_text() {
   const std::time_t now = std::time(nullptr);
@@ -34,6 +35,14 @@ void throw_if_broken(const std::vector<AgentBook::BrokenSource>& sources) {
   for (const auto& [agent, why] : sources)
     problem += (problem.empty() ? "" : "; agent " + agent + ": ") + ("its source broke: " + why);
   throw InputError("agent " + sources.front().agent, problem);
+}
+
+void throw_if_unfinished(const std::vector<std::string>& agents) {
+  if (agents.empty()) return;
+  std::string names;
+  for (const std::string& agent : agents) names += (names.empty() ? "" : ", ") + agent;
+  throw InputError("agent " + names,
+                   "has not sent all it held in the time after the recording was stopped; that is lost");
 }
 
 }  // namespace
@@ -57,6 +66,16 @@ class NetworkSource::Listening {
 
   std::uint16_t port() const { return listener_.port(); }
 
+  // Agents send what they hold, for as long as they may. Before the recording has begun there is nothing.
+  void drain() {
+    if (!state.book.begun()) {
+      state.stop = true;
+      state.queue.close();
+    } else if (!state.stopping.exchange(true)) {
+      drain_end_ns_ = steady_now_ns() + std::chrono::nanoseconds(state.options.drain_limit).count();
+    }
+  }
+
   ServerState state;
 
  private:
@@ -70,11 +89,21 @@ class NetworkSource::Listening {
       try {
         auto accepted = listener_.accept(kSourceLookPeriod);
         join_done();
+        end_drain();
         if (accepted) serve(std::move(*accepted));
       } catch (const std::exception& error) {
         state.refusals.add(std::string("a connection could not be taken: ") + error.what());
       }
     }
+  }
+  // First the connections count what has not come, then nothing more is taken.
+  void end_drain() {
+    const std::int64_t end_ns = drain_end_ns_;
+    if (end_ns == 0 || steady_now_ns() < end_ns || state.queue.closed()) return;
+    state.drain_is_over = true;
+    if (steady_now_ns() < end_ns + std::chrono::nanoseconds(kCountLimit).count()) return;
+    state.unfinished = state.book.unfinished();
+    state.queue.close();
   }
   void join_done() {
     connections_.remove_if([](Connection& connection) {
@@ -101,6 +130,7 @@ class NetworkSource::Listening {
     }
   }
 
+  std::atomic<std::int64_t> drain_end_ns_{0};
   SocketListener listener_;
   std::list<Connection> connections_;  // of the acceptor's thread, until that has ended
   std::thread acceptor_;
@@ -137,13 +167,13 @@ const SessionHeader& NetworkSource::header() const {
 
 std::optional<SourceEvent> NetworkSource::next() {
   if (auto event = listening_->state.queue.pop()) return event;
-  if (!std::exchange(told_what_broke_, true)) throw_if_broken(listening_->state.book.broken_sources());
+  if (!std::exchange(told_what_broke_, true)) {
+    throw_if_broken(listening_->state.book.broken_sources());
+    throw_if_unfinished(listening_->state.unfinished);
+  }
   return std::nullopt;
 }
 
-void NetworkSource::stop() {
-  listening_->state.stop = true;
-  listening_->state.queue.close();
-}
+void NetworkSource::stop() { listening_->drain(); }
 
 }  // namespace trilat

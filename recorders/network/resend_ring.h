@@ -53,6 +53,7 @@ class ResendRing {
   bool empty() const { return items_.empty() && !bye_pending_; }
   bool full() const { return bytes_ >= limit_bytes_; }
   std::size_t bytes() const { return bytes_; }
+  std::uint64_t end_number() const { return next_number_; }  // behind the last message
   std::uint64_t lost_frames() const;  // those that are certain
 
  private:

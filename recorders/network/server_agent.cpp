@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "recorders/frame_source.h"
 #include "recorders/network/server_state.h"
@@ -20,7 +21,7 @@ class AgentIntake {
       : state_(state), link_(link), slot_(slot) {}
 
   // False where the connection has to end in good order.
-  bool go_on() const { return !state_.stop && !state_.book.must_leave(slot_); }
+  bool go_on() const { return !state_.stop && !state_.drain_is_over && !state_.book.must_leave(slot_); }
   bool ended() const { return ended_; }
 
   void acknowledge(std::uint64_t at_least) {
@@ -61,7 +62,21 @@ class AgentIntake {
     state_.book.say_bye(slot_, bye.problem);
     if (state_.book.all_said_bye()) state_.queue.close();
   }
+  void operator()(const HeldMessage& held) { slot_.held_to = held.end_number; }
   void operator()(const AliveMessage&) {}
+  // Once, on this connection.
+  void ask_to_stop() {
+    if (!std::exchange(asked_to_stop_, true)) link_.send(StopMessage{});
+  }
+  // Of an agent that has not sent all within the time it had.
+  void count_held() {
+    if (slot_.said_bye) return;
+    const std::uint64_t left = slot_.held_to ? *slot_.held_to - std::min(*slot_.held_to, slot_.next_number) : 0;
+    tell(slot_.held_to ? std::to_string(left) + " messages that it still held are lost"
+                       : std::string("what it still held is lost"));
+    slot_.earlier[0].in_queue += static_cast<std::int64_t>(std::max<std::uint64_t>(1, left));
+    state_.queue.push_small({slot_.first_sensor, totals_of(0)});
+  }
   template <class Other>
   void operator()(const Other&) {
     throw LinkRefused("says what only the recording machine says");
@@ -97,11 +112,11 @@ class AgentIntake {
     tell_totals(sensor);
   }
 
-  void tell_totals(std::size_t sensor) {
+  DropCount totals_of(std::size_t sensor) const {
     const DropCount &now = slot_.lost[sensor], &earlier = slot_.earlier[sensor];
-    put({slot_.first_sensor + sensor,
-         DropCount{steady_now_ns(), now.at_source + earlier.at_source, now.in_queue + earlier.in_queue}});
+    return {steady_now_ns(), now.at_source + earlier.at_source, now.in_queue + earlier.in_queue};
   }
+  void tell_totals(std::size_t sensor) { put({slot_.first_sensor + sensor, totals_of(sensor)}); }
   void tell(const std::string& text) {
     state_.queue.push_small({slot_.first_sensor, SourceNotice{"agent " + slot_.name + ": " + text}});
   }
@@ -118,7 +133,7 @@ class AgentIntake {
   MessageLink& link_;
   AgentSlot& slot_;
   std::uint64_t acknowledged_ = 0;
-  bool ended_ = false;
+  bool ended_ = false, asked_to_stop_ = false;
   std::int64_t untold_ = 0;  // losses that no notice has named
   Clock::time_point told_{};
   std::vector<std::uint16_t> pixels_;
@@ -151,11 +166,13 @@ void serve_agent(ServerState& state, MessageLink& link, AgentSlot& slot) {
       std::visit(intake, *message);
       heard = true;
     }
-    if (intake.ended()) return;
+    if (intake.ended()) break;
+    if (state.stopping) intake.ask_to_stop();
     intake.acknowledge(1);
     link.send_sign_of_life(AckMessage{slot.next_number});
     if (!heard) link.wait(kAgentLookPeriod);
   }
+  if (state.drain_is_over) intake.count_held();
 }
 
 }  // namespace trilat

@@ -66,7 +66,7 @@ void serve_admitted(ServerState& state, MessageLink& link, AgentSlot& slot) {
   std::string problem;
   try {
     serve_agent(state, link, slot);
-    if (state.stop || state.queue.closed()) see_off(link, ByeMessage{});
+    if (state.stop || state.drain_is_over || state.queue.closed()) see_off(link, ByeMessage{});
   } catch (const LinkLost& lost) {
     problem = lost.what();
   } catch (const LinkRefused& refused) {

@@ -54,6 +54,9 @@ struct ServerState {
   RefusalLog refusals;
   PendingStrangers strangers;
   std::atomic<bool> stop{false};
+  // The recording has been stopped, and agents send what they hold; then the time for that is over.
+  std::atomic<bool> stopping{false}, drain_is_over{false};
+  std::vector<std::string> unfinished;  // agents; before the queue is closed
 };
 
 // Everything one connection goes through, until it ends. It is no stranger any more when it has said who it

@@ -163,9 +163,12 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
         fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
                     s.participants < 2 ? "there are no intervals"
                                        : "intervals are wide, and hold for people like these alone"));
-  if (s.cross_check && !s.cross_check->passed())
-    warnings.push_back(fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", s.cross_check->method,
-                                   s.cross_check->worst_m));
+  for (const CrossCheck& check : s.cross_checks)
+    if (!check.passed())
+      warnings.push_back(
+          check.samples == 0
+              ? fmt::format("`{}` was not compared with Ceres: no sample has an answer of both.", check.method)
+              : fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", check.method, check.worst_m));
   for (const std::string& condition : s.conditions)
     for (const std::string& method : leading_methods(s, condition)) {
       const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());

@@ -185,14 +185,14 @@ TEST(ErrorSources, EachSettingOfTheTrackerBelongsToOneOfThem) {
   }
 }
 
-// The frozen filter takes what stands still to the last digit for a lost marker that was filled in.
-TEST(ErrorSources, MarkersOfAPersonWhoStandsStillAreNotFrozen) {
-  const SimulationSpec spec = with_only(spec_with_everything(), ErrorSource::none);
-  const SkeletonPose pose = generated_motion(Person{}, Activity::standing)(0.0);
-  const auto first = simulate_markers(pose, Joint::head, spec.mocap, {}, 0);
-  const auto second = simulate_markers(pose, Joint::head, spec.mocap, {}, 1);
-  EXPECT_GT((first[0] - second[0]).norm(), 0.0);
-  EXPECT_LT((first[0] - second[0]).norm(), 2e-5);
+TEST(ErrorSources, LeaveTheCalibrationTrue) {
+  SimulationSpec spec = spec_with_everything();
+  spec.rig.position_sigma_m = 0.01;
+  spec.rig.rotation_sigma_rad = 0.02;
+  for (const ErrorSource source : error_sources()) {
+    EXPECT_EQ(with_only(spec, source).rig.position_sigma_m, 0.0) << name_of(source);
+    EXPECT_EQ(with_only(spec, source).rig.rotation_sigma_rad, 0.0) << name_of(source);
+  }
 }
 
 TEST(ErrorSources, HaveNamesAndDescriptionsOfTheirOwnWithNoneFirstAndAllLast) {

@@ -83,7 +83,7 @@ TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
   EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
 }
 
-// Markers that do not move at all are taken for frozen ones.
+// Markers that do not move at all are measured all the same.
 TEST(Budget, APersonWhoStandsStillHasOneToo) {
   const ScratchFolder folder;
   SimulationSpec spec = tracked_walk(1, 1.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -125,6 +126,12 @@ struct SensitivitySummary {
   }
   void check(const JsonObject& object) const;
 };
+
+// Simulated campaigns that have no errors.
+inline std::size_t failed_points(const SensitivitySummary& summary) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(summary.points, [](const SensitivityPoint& p) { return !p.problem.empty(); }));
+}
 
 // Of the claim at a point under the alignment of that number; NaN when no sample is answered by both.
 double difference_percent(const SensitivityClaim& claim, const std::vector<std::string>& methods,

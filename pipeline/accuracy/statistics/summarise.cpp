@@ -276,7 +276,7 @@ ResultsSummary empty_summary(const Plan& plan, const RunOutcome& outcome) {
   summary.reference = plan.methods[plan.reference].spec.name;
   for (AlignmentKind kind : plan.study.alignments) summary.alignments.emplace_back(name_of(kind));
   summary.notes = outcome.notes;
-  summary.cross_check = outcome.cross_check;
+  summary.cross_checks = outcome.cross_checks;
   return summary;
 }
 

@@ -23,11 +23,18 @@ constexpr std::array kTrunk{Joint::spine_base,    Joint::spine_mid,      Joint::
 // Farther from the markers than this, their middle in the median, is not whom they are on.
 constexpr double kFarthest_m = 1.0;
 
-// The bodies of all sensors, one tracklet a tracking id.
+// The bodies of all sensors, one tracklet an identity.
 struct Tracklets {
   std::vector<Tracklet> all;
-  std::vector<std::uint64_t> tracking_id;  // of each
-  std::uint64_t frames_with_several = 0;
+  std::vector<std::uint64_t> identity;  // of each
+  std::uint64_t frames_with_several = 0, jumps = 0;
+
+  std::size_t frames_of(const std::vector<std::size_t>& persons, std::size_t person) const {
+    std::size_t frames = 0;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (persons[k] == person) frames += all[k].time_ns.size();
+    return frames;
+  }
 };
 
 std::optional<Eigen::Vector3d> centre_of(const ObservedBody& body) {
@@ -42,18 +49,19 @@ std::optional<Eigen::Vector3d> centre_of(const ObservedBody& body) {
   return sum / count;
 }
 
-void add_tracklets(const PlannedTake& planned, const std::vector<SensorFrame>& frames, std::size_t sensor,
+void add_tracklets(const PlannedTake& planned, const SensorBodies& bodies, std::size_t sensor,
                    Tracklets& tracklets) {
+  tracklets.jumps += bodies.jumps;
   std::map<std::uint64_t, std::size_t> of_id;
-  for (const SensorFrame& frame : frames) {
+  for (const SensorFrame& frame : bodies.frames) {
     if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
     for (const SeenBody& seen : frame.bodies) {
       const auto centre = centre_of(seen.body);
       if (!centre) continue;
-      const auto [it, is_new] = of_id.emplace(seen.tracking_id, tracklets.all.size());
+      const auto [it, is_new] = of_id.emplace(seen.identity, tracklets.all.size());
       if (is_new) {
         tracklets.all.push_back({sensor, {}, {}});
-        tracklets.tracking_id.push_back(seen.tracking_id);
+        tracklets.identity.push_back(seen.identity);
       }
       Tracklet& tracklet = tracklets.all[it->second];
       if (!tracklet.time_ns.empty() && frame.time.ns <= tracklet.time_ns.back()) continue;
@@ -131,16 +139,30 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
   return taken;
 }
 
+Tracklets tracklets_of(const PlannedTake& planned, const RigBodies& seen) {
+  Tracklets tracklets;
+  for (std::size_t s = 0; s < seen.size(); ++s) add_tracklets(planned, seen[s], s, tracklets);
+  return tracklets;
+}
+
+// The bodies of these persons, by sensor.
+template <typename IsTaken>
+PersonChoice bodies_of(const Tracklets& tracklets, const PersonMatch& match, std::size_t sensors,
+                       const IsTaken& is_taken) {
+  PersonChoice choice;
+  choice.identities.resize(sensors);
+  for (std::size_t k = 0; k < tracklets.all.size(); ++k)
+    if (is_taken(match.person_of_tracklet[k]))
+      choice.identities[tracklets.all[k].sensor].insert(tracklets.identity[k]);
+  choice.sees_several = tracklets.frames_with_several > 0;
+  return choice;
+}
+
 // Person 0 has the most frames.
 std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const PersonMatch& match,
                                              std::size_t sensors) {
   if (match.persons < 2) return std::nullopt;
-  PersonChoice choice;
-  choice.tracking_ids.resize(sensors);
-  for (std::size_t k = 0; k < tracklets.all.size(); ++k)
-    if (match.person_of_tracklet[k] == 0)
-      choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
-  choice.sees_several = tracklets.frames_with_several > 0;
+  PersonChoice choice = bodies_of(tracklets, match, sensors, [](std::size_t p) { return p == 0; });
   choice.note = fmt::format(
       "matched across sensors, its bodies are {} persons, of whom the one with the most frames was taken",
       match.persons);
@@ -149,10 +171,22 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
 
 }  // namespace
 
-std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
-                                          const RigFrames& frames, const TakeData& data) {
-  Tracklets tracklets;
-  for (std::size_t s = 0; s < frames.size(); ++s) add_tracklets(planned, frames[s], s, tracklets);
+std::vector<PersonChoice> candidates_of(const PlannedTake& planned, const RigBodies& seen) {
+  const Tracklets tracklets = tracklets_of(planned, seen);
+  const PersonMatch match = match_persons(tracklets.all, {});
+  std::vector<PersonChoice> candidates;
+  if (match.persons == 0) return candidates;
+  const std::size_t most = tracklets.frames_of(match.person_of_tracklet, 0);
+  for (std::size_t p = 0; p < match.persons; ++p)
+    if (10 * tracklets.frames_of(match.person_of_tracklet, p) >= most)
+      candidates.push_back(
+          bodies_of(tracklets, match, seen.size(), [&](std::size_t person) { return person == p; }));
+  return candidates;
+}
+
+std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
+                                          const TakeData& data) {
+  const Tracklets tracklets = tracklets_of(planned, seen);
   const PersonMatch match = match_persons(tracklets.all, {});
   if (data.truth_m.empty()) return most_seen_person(tracklets, match, plan.rig.size());
   const std::vector<std::size_t>& persons = match.person_of_tracklet;
@@ -165,13 +199,12 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
   std::size_t elsewhere = 0;  // those of whom nothing is known do not count
   for (std::size_t p = 0; p < match.persons; ++p)
     if (std::isfinite(distance_m[p]) && !is_taken(p)) ++elsewhere;
-  if (tracklets.frames_with_several == 0 && (elsewhere == 0 || !(nearest_m <= kFarthest_m)))
-    return std::nullopt;
-  PersonChoice choice;
-  choice.tracking_ids.resize(plan.rig.size());
-  for (std::size_t k = 0; k < persons.size(); ++k)
-    if (is_taken(persons[k])) choice.tracking_ids[tracklets.all[k].sensor].insert(tracklets.tracking_id[k]);
-  choice.sees_several = tracklets.frames_with_several > 0;
+  if (tracklets.frames_with_several == 0) {
+    if (elsewhere == 0) return std::nullopt;
+    if (!(nearest_m <= kFarthest_m))
+      return tracklets.jumps > 0 ? most_seen_person(tracklets, match, plan.rig.size()) : std::nullopt;
+  }
+  PersonChoice choice = bodies_of(tracklets, match, plan.rig.size(), is_taken);
   choice.note = choice.sees_several
                     ? fmt::format("{} frames hold several bodies; matched across sensors they are {} persons",
                                   tracklets.frames_with_several, match.persons)

@@ -12,20 +12,24 @@
 
 namespace trilat {
 
-using RigFrames = std::vector<std::vector<SensorFrame>>;  // by rig sensor
+using RigBodies = std::vector<SensorBodies>;  // by rig sensor
 
-// Which bodies of each sensor are the person whom the mocap measured.
+// Which bodies of each sensor are one person.
 struct PersonChoice {
-  std::vector<std::set<std::uint64_t>> tracking_ids;  // by rig sensor
-  bool sees_several = false;                          // any sensor at one time
+  std::vector<std::set<std::uint64_t>> identities;  // by rig sensor
+  bool sees_several = false;                        // any sensor at one time
   std::string note;
 };
 
 // Matches the bodies across sensors and takes the person who is nearest to the ground truth in the median,
 // also before and after a long absence; without ground truth the one with the most frames. Nothing when all
-// bodies are that person's, or when no sensor ever sees two at once and nobody is near the truth (which may
-// be in another world). `data` has its times and truth.
-std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned,
-                                          const RigFrames& frames, const TakeData& data);
+// bodies are that person's, or when no sensor ever sees two at once, no tracking id went over to another body
+// and nobody is near the truth (which may be in another world). `data` has its times and truth.
+std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
+                                          const TakeData& data);
+
+// The persons whom the bodies can be, those with the most frames first: each with a tenth of the frames of the
+// first at least.
+std::vector<PersonChoice> candidates_of(const PlannedTake& planned, const RigBodies& seen);
 
 }  // namespace trilat

@@ -11,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/session/body_readings.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
@@ -18,7 +19,8 @@
 namespace trilat {
 namespace {
 
-// Of the truth, to see which axis points up: so many instants with a joint, of at most so many.
+// Instants of the truth that show which axis points up: so many with a joint, or more until one does, of at most
+// so many.
 constexpr double kProbe_s = 0.1;
 constexpr std::size_t kProbes = 10, kMostProbes = 300;
 constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
@@ -91,19 +93,22 @@ bool stands_along_z(const PlannedTake& planned, const SessionReader& session,
   StandingAxis of_truth, of_sensors;
   std::vector<Eigen::Vector3d> points(joints.size());
   std::size_t seen = 0;
-  for (std::size_t k = 0; k < kMostProbes && seen < kProbes; ++k) {
+  for (std::size_t k = 0; k < kMostProbes && (seen < kProbes || !of_truth.axis()); ++k) {
     truth.at(MocapTime{} + duration_from_s(static_cast<double>(k) * kProbe_s), points);
     for (std::size_t j = 0; j < joints.size(); ++j) of_truth.add(joints[j], points[j]);
     seen += std::ranges::any_of(points, [](const auto& point) { return point.allFinite(); }) ? 1 : 0;
   }
-  if (of_truth.axis() != UpAxis::z) return false;
+  const std::optional<UpAxis> of_truth_axis = of_truth.axis();
+  if (!of_truth_axis) throw InputError(planned.take.mocap.string(), kUnclearUp);
+  if (of_truth_axis != UpAxis::z) return false;
   for (std::size_t s = 0; s < planned.session_sensor.size(); ++s) {
     const std::size_t sensor = planned.session_sensor[s];
     const std::uint64_t frames = std::min<std::uint64_t>(session.counts(sensor).body_frames, kMostProbes);
     for (const BodyFrame& frame : session.body_frames(sensor, 0, frames))
       for (const Body& body : frame.bodies)
         for (std::size_t j = 0; j < kJointCount; ++j)
-          if (static_cast<TrackingState>(body.tracking_state[j]) == TrackingState::tracked)
+          if (reading_of(body, j) == JointReading::seen &&
+              static_cast<TrackingState>(body.tracking_state[j]) == TrackingState::tracked)
             of_sensors.add(static_cast<Joint>(j),
                            planned.world_from_sensor[s] *
                                Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data()).cast<double>());
@@ -123,8 +128,8 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
     throw InputError("take \"" + planned.take.id + '"',
-                     "has no \"mocap\" to be judged by; with \"truth\": \"left_out_sensor\" the study judges "
-                     "every take by its own sensors");
+                     "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a take by "
+                     "its own sensors, with \"left_out_sensor\" every take");
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
   const bool has_truth = has_mocap_truth(planned.take);
@@ -215,20 +220,30 @@ void keep_conditions(const StudySpec& study, Campaign& campaign) {
   });
 }
 
-// Each take once for every sensor of the rig, which is left out then.
-void leave_each_out(const StudySpec& study, Campaign& campaign) {
+// Each take that is not judged by its mocap once for every sensor of the rig, which is left out then. Beside
+// takes with mocap they are a condition of their own: a difference from a sensor is no error.
+void leave_each_out(const StudySpec& study, Campaign& campaign, bool with_mocap) {
+  const auto is_predicted = [&](const Take& take) { return with_mocap || take.mocap.empty(); };
+  if (std::ranges::none_of(campaign.takes, is_predicted)) return;
+  const bool is_mixed = !std::ranges::all_of(campaign.takes, is_predicted);
   const std::vector<std::string> rig = rig_of(study, campaign);
   if (rig.size() < 2)
     throw InputError(
         "study \"" + study.name + '"',
         "has takes without \"mocap\" and one sensor: left out, it leaves nothing to predict what it sees");
   std::vector<Take> takes;
-  for (const Take& take : campaign.takes)
+  for (const Take& take : campaign.takes) {
+    if (!is_predicted(take)) {
+      takes.push_back(take);
+      continue;
+    }
     for (const std::string& sensor : rig) {
       takes.push_back(take);
       takes.back().id += kWithout + sensor;
       takes.back().left_out = sensor;
+      if (is_mixed) takes.back().activity += kPredicted;
     }
+  }
   campaign.takes = std::move(takes);
 }
 
@@ -236,10 +251,8 @@ void leave_each_out(const StudySpec& study, Campaign& campaign) {
 
 Campaign takes_of(const StudySpec& study, Campaign campaign) {
   keep_conditions(study, campaign);
-  const bool no_mocap =
-      std::ranges::all_of(campaign.takes, [](const Take& take) { return take.mocap.empty(); });
-  if (study.truth == TruthSource::left_out_sensor || (study.truth == TruthSource::automatic && no_mocap))
-    leave_each_out(study, campaign);
+  if (study.truth == TruthSource::left_out_sensor) leave_each_out(study, campaign, true);
+  if (study.truth == TruthSource::automatic) leave_each_out(study, campaign, false);
   return campaign;
 }
 
@@ -251,7 +264,11 @@ std::string recorded_id(const Take& take) {
 }
 
 bool leaves_sensors_out(const Plan& plan) {
-  return std::ranges::any_of(plan.campaign.takes, [](const Take& take) { return !take.left_out.empty(); });
+  return std::ranges::all_of(plan.campaign.takes, [](const Take& take) { return !take.left_out.empty(); });
+}
+
+bool speaks_for_take(const Plan& plan, const PlannedTake& planned) {
+  return planned.take.left_out.empty() || planned.take.left_out == plan.rig.front();
 }
 
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
@@ -286,9 +303,11 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
     }
     watch.tell(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
   });
+  // Where no take can be evaluated, the first reason is said before anything is written.
+  if (std::ranges::none_of(plan.takes, &PlannedTake::ok))
+    throw InputError(plan.takes.front().place, plan.takes.front().problem);
   plan.joints = joints_of(study, plan.takes);
-  const bool any = std::ranges::any_of(plan.takes, [](const PlannedTake& t) { return t.ok; });
-  if (any && plan.joints.empty())
+  if (plan.joints.empty())
     throw InputError("study \"" + study.name + "\" /joints",
                      fmt::format("asks for {}, which no take's mapping maps; they map {}",
                                  fmt::join(study.joints, ", "), mapped_names(plan.takes)));

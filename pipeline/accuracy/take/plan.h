@@ -58,6 +58,9 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
+// Behind the activity of a take without mocap in a campaign in which others have one.
+inline constexpr const char* kPredicted = ", against a left-out sensor";
+
 // The takes of the conditions that the study asks for, each once for every sensor of the rig when sensors are
 // left out; InputError when it asks for a condition that no take is.
 Campaign takes_of(const StudySpec& study, Campaign campaign);
@@ -68,8 +71,12 @@ bool has_mocap_truth(const Take& take);
 // The id in the campaign, which takes with different sensors left out share.
 std::string recorded_id(const Take& take);
 
-// Whether the truth is what sensors see that are left out, and not mocap.
+// Whether the truth of every take is what sensors see that are left out, and not mocap.
 bool leaves_sensors_out(const Plan& plan);
+
+// Whether notes and tables of the recording as a whole come from this take: from each, and of those that differ
+// in the sensor that is left out from the first.
+bool speaks_for_take(const Plan& plan, const PlannedTake& planned);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
 // study that fits no rig, no joint mapped.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -26,9 +27,11 @@ constexpr double kApart_m = 0.3,
                  kLeastShare = 0.4;  // exchanged back, at most this share of the distances is left
 constexpr double kMoved_m = 0.15;
 constexpr double kMovement_s = 0.1;  // to both sides
-// Of the clocks: the offset; how far is looked; the correlation of the movements, and that without the offset
-// over it.
-constexpr double kClock_s = 0.1, kClockSearch_s = 0.7, kLeastCorrelation = 0.7, kCorrelationWithout = 0.8;
+// Of the clocks: the offset; how far is looked; the correlation of the movements; and by how much the part of
+// the movements that does not agree is larger without the offset.
+constexpr double kClock_s = 0.1, kClockSearch_s = 1.0, kLeastCorrelation = 0.7, kDisagreementWithout = 1.5;
+constexpr std::size_t kClockBlocks = 8;  // of time, each left out in turn for the offset's uncertainty
+constexpr double kClockSigmas = 2.0, kClockSurely_s = 0.05;  // the offset less its uncertainty is larger
 constexpr double kOneRange = 0.08, kAllRanges = 0.04;
 constexpr double kSigmas = 3.0;         // and so many standard deviations over the sensors
 constexpr double kLeastCrossing = 0.3;  // of the rays at a joint: 0 when all are parallel
@@ -64,17 +67,20 @@ class SensorChecks {
   }
 
   // What is found first explains what would be found next: sensors that are named are left out from then on.
-  std::vector<TakeNote> run() {
+  SensorFindings run() {
     find_same_streams();
     find_mirrored();
     place_all();
-    if (!find_exchanged_poses()) {
+    if (find_exchanged_poses()) {
+      findings_.misplaced = true;
+    } else {
+      find_clocks();  // a sensor that is late sees the person elsewhere: before the poses
       find_poses();
       find_moved();
-      find_clocks();
       find_scales();
     }
-    return std::move(notes_);
+    findings_.checked = true;
+    return std::move(findings_);
   }
 
  private:
@@ -89,7 +95,7 @@ class SensorChecks {
   const std::string& name(std::size_t s) const { return plan_.rig[s]; }
   void leave_out(std::size_t s) { std::erase(sound_, s); }
   void note(const std::filesystem::path& place, std::string text) {
-    notes_.push_back({planned_.take.id, false, place.string(), std::move(text)});
+    findings_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
   }
   void note_session(std::string text) { note(planned_.take.session, std::move(text)); }
   void note_calibration(std::string text) { note(planned_.take.calibration, std::move(text)); }
@@ -228,6 +234,7 @@ class SensorChecks {
     std::vector<std::size_t> far;
     for (Eigen::Index s = 0; s < apart_m.rows(); ++s)
       if (apart_m(centre, s) >= kApart_m) far.push_back(sound_[static_cast<std::size_t>(s)]);
+    findings_.misplaced = true;
     if (sound_.size() == 2) {
       note_calibration(
           fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one of them is wrong; "
@@ -300,18 +307,22 @@ class SensorChecks {
     movements_ = (joints_.size() + step - 1) / step;
   }
 
-  // By how many seconds a sensor shows movements later than the mean of the others; NaN when none agree.
-  double lag_s(std::size_t sensor) const {
-    const double rate_hz = plan_.study.rate_hz;
-    const auto most = static_cast<std::ptrdiff_t>(kClockSearch_s * rate_hz);
+  // Products of two sensors' movements, summed over one block of time.
+  struct MovementSums {
+    double product = 0.0, squares = 0.0, other_squares = 0.0;
+  };
+  using BlockSums = std::array<MovementSums, kClockBlocks>;
+
+  // By lag in instants, the first one `-most`.
+  std::vector<BlockSums> sums_by_lag(std::size_t sensor, std::ptrdiff_t most) const {
     const Points& own = movement_[sensor];
     Points others(own.size(), Eigen::Vector3d::Zero());
     for (const std::size_t s : sound_)
       for (std::size_t k = 0; s != sensor && k < own.size(); ++k)
         if (movement_[s][k].allFinite()) others[k] += movement_[s][k];
-    std::vector<double> correlation;
+    std::vector<BlockSums> by_lag;
     for (std::ptrdiff_t lag = -most; lag <= most; ++lag) {
-      double product = 0.0, squares = 0.0, other_squares = 0.0;
+      BlockSums& sums = by_lag.emplace_back();
       const auto shift = lag * static_cast<std::ptrdiff_t>(movements_);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(k) - shift;
@@ -319,20 +330,55 @@ class SensorChecks {
         const Eigen::Vector3d& a = own[k];
         const Eigen::Vector3d& b = others[static_cast<std::size_t>(other)];
         if (!a.allFinite() || b.isZero(0.0)) continue;
-        product += a.dot(b);
-        squares += a.squaredNorm();
-        other_squares += b.squaredNorm();
+        MovementSums& block = sums[k * kClockBlocks / own.size()];
+        block.product += a.dot(b);
+        block.squares += a.squaredNorm();
+        block.other_squares += b.squaredNorm();
       }
-      correlation.push_back(product / std::sqrt(squares * other_squares));
     }
+    return by_lag;
+  }
+
+  static double correlation_of(const BlockSums& blocks, std::size_t without) {
+    MovementSums sum;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (b == without) continue;
+      sum.product += blocks[b].product;
+      sum.squares += blocks[b].squares;
+      sum.other_squares += blocks[b].other_squares;
+    }
+    return sum.product / std::sqrt(sum.squares * sum.other_squares);
+  }
+
+  // The lag in instants at which the movements correlate best, one block left out; NaN where they do not, or
+  // correlate nearly as well without it.
+  static double best_lag(const std::vector<BlockSums>& by_lag, std::ptrdiff_t most, std::size_t without) {
+    std::vector<double> correlation;
+    for (const BlockSums& blocks : by_lag) correlation.push_back(correlation_of(blocks, without));
     const auto peak =
         std::ranges::max_element(correlation, [](double a, double b) { return std::isnan(a) || a < b; });
+    const double unshifted = correlation[static_cast<std::size_t>(most)];
     if (peak == correlation.begin() || peak + 1 >= correlation.end() || !(*peak > kLeastCorrelation) ||
-        !(correlation[static_cast<std::size_t>(most)] < kCorrelationWithout * *peak))
+        !(1.0 - unshifted > kDisagreementWithout * (1.0 - *peak)))
       return kNaN;
     const double left = *(peak - 1), right = *(peak + 1);
     const double between = 0.5 * (left - right) / (left - 2.0 * *peak + right);  // of the parabola
-    return (static_cast<double>(peak - correlation.begin() - most) + between) / rate_hz;
+    return static_cast<double>(peak - correlation.begin() - most) + between;
+  }
+
+  // By how many seconds a sensor shows movements later than the mean of the others; NaN when that is not
+  // surely so.
+  double lag_s(std::size_t sensor) const {
+    const auto most = static_cast<std::ptrdiff_t>(kClockSearch_s * plan_.study.rate_hz);
+    const std::vector<BlockSums> by_lag = sums_by_lag(sensor, most);
+    const double lag = best_lag(by_lag, most, kClockBlocks);
+    double squares = 0.0;
+    for (std::size_t b = 0; b < kClockBlocks; ++b)
+      squares += std::pow(best_lag(by_lag, most, b) - lag, 2);  // NaN where a block decides
+    constexpr double kBlocks = kClockBlocks;
+    const double sigma = std::sqrt((kBlocks - 1.0) / kBlocks * squares);
+    const bool is_sure = (std::abs(lag) - kClockSigmas * sigma) / plan_.study.rate_hz > kClockSurely_s;
+    return is_sure ? lag / plan_.study.rate_hz : kNaN;
   }
 
   void find_clocks() {
@@ -428,15 +474,13 @@ class SensorChecks {
   std::vector<Points> movement_;              // by sensor: instants x some joints
   std::size_t movements_ = 0;                 // how many joints these are
   std::vector<std::size_t> sound_;            // of whom nothing bad is known yet
-  std::vector<TakeNote> notes_;
+  SensorFindings findings_;
 };
 
 }  // namespace
 
-std::vector<TakeNote> check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies) {
-  if (bodies.sensors() < 2 || bodies.instants() == 0) return {};
-  // of takes that differ in what is left out alone the first says it for all
-  if (!planned.take.left_out.empty() && planned.take.left_out != plan.rig.front()) return {};
+SensorFindings check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies) {
+  if (bodies.sensors() < 2 || bodies.instants() == 0) return {.checked = true};
   return SensorChecks(plan, planned, bodies).run();
 }
 

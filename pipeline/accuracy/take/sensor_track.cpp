@@ -11,15 +11,14 @@ namespace {
 
 constexpr std::uint64_t kBlockRows = 512;
 
-ObservedBody observed(const Body& body) {
+ObservedBody observed(const Body& body, JointCounts& out_of_reach) {
   ObservedBody result;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const auto& p = body.position_m[j];
-    const Eigen::Vector3f point(p[0], p[1], p[2]);
-    const std::uint8_t state = body.tracking_state[j];
-    if ((state != 1 && state != 2) || !point.allFinite()) continue;
-    result.joint_in_sensor_m[j] = point;
-    result.state[j] = static_cast<TrackingState>(state);
+    const JointReading reading = reading_of(body, j);
+    if (reading == JointReading::out_of_reach) ++out_of_reach[j];
+    if (reading != JointReading::seen) continue;
+    result.joint_in_sensor_m[j] = Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data());
+    result.state[j] = static_cast<TrackingState>(body.tracking_state[j]);
   }
   return result;
 }
@@ -56,7 +55,7 @@ ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>
   const SeenBody* best = nullptr;
   std::ptrdiff_t most = -1;
   for (const SeenBody& seen : frame.bodies) {
-    if (wanted && !wanted->contains(seen.tracking_id)) continue;
+    if (wanted && !wanted->contains(seen.identity)) continue;
     const auto tracked = std::ranges::count(seen.body.state, TrackingState::tracked);
     if (tracked > most) {
       most = tracked;
@@ -68,22 +67,28 @@ ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>
 
 }  // namespace
 
-std::vector<SensorFrame> read_sensor_frames(const SessionReader& session, std::size_t sensor,
-                                            const SensorClockMap& host_from_sensor,
-                                            const std::function<bool()>& stop_requested) {
+SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor,
+                                const SensorClockMap& host_from_sensor,
+                                const std::function<bool()>& stop_requested) {
   const std::uint64_t rows = session.counts(sensor).body_frames;
-  std::vector<SensorFrame> frames;
+  SensorBodies result;
+  std::vector<SensorFrame>& frames = result.frames;
   frames.reserve(rows);
+  BodyIdentities identities;
   for (std::uint64_t first = 0; first < rows; first += kBlockRows) {
     if (stop_requested && stop_requested()) throw Interrupted();
     for (const BodyFrame& row : session.body_frames(sensor, first, std::min(kBlockRows, rows - first))) {
       SensorFrame frame{host_from_sensor(row.stamp), {}};
       if (!frames.empty() && frame.time <= frames.back().time) continue;
-      for (const Body& body : row.bodies) frame.bodies.push_back({body.tracking_id, observed(body)});
+      const std::vector<std::uint64_t> identity =
+          identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
+      for (std::size_t b = 0; b < row.bodies.size(); ++b)
+        frame.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
       frames.push_back(std::move(frame));
     }
   }
-  return frames;
+  result.jumps = identities.jumps();
+  return result;
 }
 
 ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "datasets/session/body_readings.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "evaluators/bodies/observed_body.h"
@@ -14,7 +15,7 @@
 namespace trilat {
 
 struct SeenBody {
-  std::uint64_t tracking_id = 0;
+  std::uint64_t identity = 0;  // tracking id, or a number of its own after a jump: BodyIdentities
   ObservedBody body;
 };
 
@@ -24,16 +25,23 @@ struct SensorFrame {
   std::vector<SeenBody> bodies;
 };
 
+// What one sensor sees in a session.
+struct SensorBodies {
+  std::vector<SensorFrame> frames;
+  JointCounts out_of_reach{};  // joints that were not used
+  std::uint64_t jumps = 0;     // bodies that became others under one tracking id
+};
+
 // All body frames of a sensor. Those whose time does not rise are left out. Throws Interrupted when asked to
 // stop.
-std::vector<SensorFrame> read_sensor_frames(const SessionReader& session, std::size_t sensor,
-                                            const SensorClockMap& host_from_sensor,
-                                            const std::function<bool()>& stop_requested);
+SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor,
+                                const SensorClockMap& host_from_sensor,
+                                const std::function<bool()>& stop_requested);
 
 // One person at any time. A joint is interpolated linearly between two frames that both see it and are no
 // farther apart than `longest_gap`; its state is the worse of the two. Of several bodies in a frame the one
-// with the most tracked joints is taken (the first of equals), of those with a wanted tracking id when
-// `wanted` is given.
+// with the most tracked joints is taken (the first of equals), of those with a wanted identity when `wanted` is
+// given.
 ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,
                      const std::set<std::uint64_t>* wanted = nullptr);
 

@@ -138,18 +138,19 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
 
 }  // namespace
 
-const Method* checked_method(const Plan& plan) {
+std::vector<const Method*> checked_methods(const Plan& plan) {
+  std::vector<const Method*> checked;
   for (const Method& m : plan.methods)
-    if (m.spec.kind->name == "nonlinear" && m.spec.nonlinear.damping == Damping::lm &&
-        m.spec.nonlinear.stop == StopRule::step && m.spec.nonlinear.loss == Loss::squares &&
-        !m.spec.calibration_is_estimated)
-      return &m;
-  return nullptr;
+    if ((m.spec.kind->name == "nonlinear" || m.spec.kind->name == "newton") &&
+        m.spec.nonlinear.damping == Damping::lm && m.spec.nonlinear.stop == StopRule::step &&
+        m.spec.nonlinear.loss == Loss::squares && !m.spec.calibration_is_estimated)
+      checked.push_back(&m);
+  return checked;
 }
 
-TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                      const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block) {
-  const Method* checked = cross_check ? checked_method(plan) : nullptr;
+std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                   const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block) {
+  const auto checked = cross_check ? checked_methods(plan) : std::vector<const Method*>{};
   const std::uint64_t count = block.instants;
   std::vector<Observations> rigs;
   for (const bool is_corrected : {false, true}) {
@@ -159,20 +160,21 @@ TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeDa
     gather(plan, planned, data, block, seen);
     rigs.push_back(std::move(seen));
   }
-  std::vector<TakeCheck> checks(checked ? count : 0);
+  std::vector<TakeCheck> checks(checked.size() * count);  // by method and instant
   parallel_for_index((count + kSideBySide - 1) / kSideBySide, 1, [&](std::size_t part) {
     const std::uint64_t from = part * kSideBySide, to = std::min(count, from + kSideBySide);
     for (const Observations& seen : rigs) solve_instants(plan, planned, data, seen, from, to, block);
-    for (std::uint64_t i = from; checked && i < to; ++i) {
+    for (std::uint64_t i = from; i < to; ++i) {
       if ((block.first_instant + i) % kCheckedEvery != 0) continue;
-      checks[i] =
-          cross_check_instant(plan, planned, data, rigs.front(), i, *checked, block.first_instant + i);
+      for (std::size_t m = 0; m < checked.size(); ++m)
+        checks[m * count + i] =
+            cross_check_instant(plan, planned, data, rigs.front(), i, *checked[m], block.first_instant + i);
     }
   });
   for (const MethodPaths& path : paths) store(plan, path, block);
-  TakeCheck check;
-  for (const TakeCheck& one : checks) check.merge(one);
-  return check;
+  std::vector<TakeCheck> sums(checked.size());
+  for (std::size_t k = 0; k < checks.size(); ++k) sums[k / count].merge(checks[k]);
+  return sums;
 }
 
 std::size_t windowed_methods(const Plan& plan) {

@@ -11,15 +11,15 @@
 
 namespace trilat {
 
-// The method that is held against Ceres: the first nonlinear one with damping lm and the step rule; null
-// without one.
-const Method* checked_method(const Plan& plan);
+// The methods that are compared with Ceres: all nonlinear and newton ones with damping lm, the step rule and
+// squares, with the stated calibration.
+std::vector<const Method*> checked_methods(const Plan& plan);
 
 // Sends every instant of a block, which has its size already, through every method on the threads of the
-// current arena; `paths` is what the methods over time have found. The result is how Ceres compares, where
-// that is asked for.
-TakeCheck solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                      const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block);
+// current arena; `paths` is what the methods over time have found. The result is how Ceres compares, by checked
+// method, where that is asked for.
+std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                   const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block);
 
 // How many methods of the plan solve windows of all joints together, which takes long.
 std::size_t windowed_methods(const Plan& plan);

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/depth_occlusion.h"
@@ -23,6 +26,9 @@ namespace {
 constexpr std::size_t kStopPeriod = 256;  // instants between two looks at stop_requested
 constexpr double kMostRepeated = 0.2;     // of the frames of a truth
 constexpr std::size_t kTogether = 64;     // instants that one thread looks at for occlusions
+// A sensor_gap_s that fits a sensor's frames: so many times their distance, rounded up to whole steps.
+constexpr double kGapsOfFrames = 1.3, kGapStep_s = 0.05;
+constexpr double kHole = 2.0;  // times the median step between frames
 
 void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
   if (i % kStopPeriod == 0 && stop_requested && stop_requested()) throw Interrupted();
@@ -64,16 +70,23 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
         100.0 * share, 100.0 * (1.0 - share)));
-  if (truth.samples_frozen() > 0)
+  if (const RemovedPoses removed = truth.removed(); removed.frozen > 0)
     note(
-        fmt::format("{} samples stand still to the last digit or lie exactly at the origin and were not used "
-                    "as ground truth",
-                    truth.samples_frozen()));
+        fmt::format("{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
+                    "has finer steps: they were lost, and are not used as ground truth",
+                    removed.frozen));
+  if (const RemovedPoses removed = truth.removed(); removed.at_origin > 0)
+    note(fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
+                     "used as ground truth",
+                     removed.at_origin));
   const MocapAnomalies& odd = truth.anomalies();
   if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
     note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
                      odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
                      odd.partial_poses));
+  if (odd.frames_promised > 0)
+    note(fmt::format("has {} frames where its header promises {}: was it cut?", odd.frames_there,
+                     odd.frames_promised));
   if (odd.printed_time_differs > 0)
     note(
         fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
@@ -82,33 +95,102 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
   return notes;
 }
 
-// Of the person, or of whoever is tracked best when nobody is chosen.
-BodyTracks follow(const Plan& plan, const RigFrames& frames, const PersonChoice* person,
+// The chosen person's bodies, or those that are tracked best when nobody is chosen.
+BodyTracks follow(const Plan& plan, const RigBodies& seen, const PersonChoice* person,
                   const std::vector<HostTime>& time) {
   const Duration gap = duration_from_s(plan.study.sensor_gap_s);
-  BodyTracks bodies(time.size(), frames.size());
-  for (std::size_t s = 0; s < frames.size(); ++s)
+  BodyTracks bodies(time.size(), seen.size());
+  for (std::size_t s = 0; s < seen.size(); ++s)
     for (std::size_t i = 0; i < time.size(); ++i)
-      bodies.at(i, s) = body_at(frames[s], time[i], gap, person ? &person->tracking_ids[s] : nullptr);
+      bodies.at(i, s) = body_at(seen[s].frames, time[i], gap, person ? &person->identities[s] : nullptr);
   return bodies;
 }
 
-void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
+// Mean time between a sensor's frames, longer holes left out; nothing for fewer than two frames.
+std::optional<double> frame_step_s(const SensorBodies& seen) {
+  std::vector<double> steps_s;
+  for (std::size_t f = 1; f < seen.frames.size(); ++f)
+    steps_s.push_back((seen.frames[f].time - seen.frames[f - 1].time).seconds());
+  if (steps_s.empty()) return std::nullopt;
+  const double most_s = kHole * upper_median(steps_s);
+  std::erase_if(steps_s, [&](double step_s) { return step_s > most_s; });
+  return std::accumulate(steps_s.begin(), steps_s.end(), 0.0) / static_cast<double>(steps_s.size());
+}
+
+// What a sensor's stream is like by itself; sensors of which the same is to be said are named together.
+std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& planned, const RigBodies& seen) {
+  std::vector<std::pair<std::string, std::string>> notes;  // sensors, text
+  const auto note = [&](std::size_t s, const std::string& text) {
+    const auto same = std::ranges::find(notes, text, &std::pair<std::string, std::string>::second);
+    if (same == notes.end())
+      notes.emplace_back(plan.rig[s], text);
+    else
+      same->first += ", " + plan.rig[s];
+  };
+  for (std::size_t s = 0; s < seen.size(); ++s) {
+    if (const auto text = out_of_reach_text(seen[s].out_of_reach)) note(s, *text);
+    if (seen[s].jumps > 0)
+      note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
+                          "id; from there it counts as another body, and the person is chosen again",
+                          seen[s].jumps));
+    if (const auto step_s = frame_step_s(seen[s]); step_s && *step_s > plan.study.sensor_gap_s)
+      note(s, fmt::format("frames are {:.2f} s apart, and sensor_gap_s is {:g} s, so that nothing is "
+                          "interpolated between them and most instants have no answer; set "
+                          "\"sensor_gap_s\": {:g} in the study",
+                          *step_s, plan.study.sensor_gap_s,
+                          kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
+  }
+  std::vector<TakeNote> result;
+  for (const auto& [sensors, text] : notes)
+    result.push_back({planned.take.id, false, planned.take.session.string(), sensors + ": " + text});
+  return result;
+}
+
+// With "clock": "motion" the stated start may be seconds off, and by it another person can be nearest to the
+// truth: puts the truth at the offset by which one of several persons moves as it does.
+void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
+                           TruthTrack& truth, const std::function<bool()>& stop_requested, TakeData& data) {
+  const std::vector<PersonChoice> candidates = candidates_of(planned, seen);
+  if (candidates.size() < 2) return;
+  double best_peak = -1.0;
+  ClockRow best;
+  for (const PersonChoice& person : candidates) {
+    data.bodies = follow(plan, seen, &person, data.time);
+    const ClockRow row = clock_by_motion(plan, planned, data, truth, stop_requested).row;
+    if (!std::isfinite(row.offset_s) || !(row.peak > best_peak)) continue;
+    best_peak = row.peak;
+    best = row;
+  }
+  if (best_peak < 0.0) return;
+  data.clock = best;
+  data.clock.applied = true;
+  read_truth(plan, planned, truth, stop_requested, data);
+}
+
+void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session, TruthTrack* truth,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   const std::size_t sensors = plan.rig.size();
-  RigFrames frames;
+  RigBodies seen;
   for (std::size_t s = 0; s < sensors; ++s)
-    frames.push_back(
-        read_sensor_frames(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
-  const auto person = choose_person(plan, planned, frames, data);
+    seen.push_back(
+        read_sensor_bodies(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
+  const auto add_notes = [&](const std::vector<TakeNote>& notes) {
+    data.notes.insert(data.notes.end(), notes.begin(), notes.end());
+  };
+  if (speaks_for_take(plan, planned)) add_notes(notes_on_streams(plan, planned, seen));
+  if (truth && plan.study.clock == ClockSource::motion)
+    place_truth_by_motion(plan, planned, seen, *truth, stop_requested, data);
+  auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
-  std::vector<TakeNote> notes;
-  if (person && !person->sees_several)
-    notes = check_sensors(plan, planned, follow(plan, frames, nullptr, data.time));
+  SensorFindings findings;
+  if (person && !person->sees_several) {
+    findings = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
+    if (findings.misplaced && !truth) person.reset();
+  }
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
-  data.bodies = follow(plan, frames, person ? &*person : nullptr, data.time);
-  if (!person || person->sees_several) notes = check_sensors(plan, planned, data.bodies);
-  data.notes.insert(data.notes.end(), notes.begin(), notes.end());
+  data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
+  if (!findings.checked) findings = check_sensors(plan, planned, data.bodies);
+  if (speaks_for_take(plan, planned)) add_notes(findings.notes);
   bool any_seen = false;
   for (std::size_t i = 0; i < data.time.size(); ++i)
     for (std::size_t s = 0; s < sensors; ++s)
@@ -116,20 +198,42 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
   if (!any_seen)
     throw InputError(planned.take.session.string(),
                      "no sensor ever sees a joint that is asked for: there are no bodies, or all positions "
-                     "are untracked or not finite");
+                     "are untracked, not finite or out of reach");
 }
 
+// Finds the exchanges that these sensors of the rig show of each other.
+void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& plan, const PlannedTake& planned,
+                          const BodyTracks& bodies, ExchangeRepair& exchanges) {
+  if (sensors.empty()) return;
+  BodyTracks part(bodies.instants(), sensors.size());
+  std::vector<RigidTransform> poses;
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    poses.push_back(planned.world_from_sensor[sensors[k]]);
+    for (std::size_t i = 0; i < bodies.instants(); ++i) part.at(i, k) = bodies.at(i, sensors[k]);
+  }
+  const ExchangeRepair found = find_exchanges(part, poses, {.instant_s = 1.0 / plan.study.rate_hz});
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    exchanges.stretches[sensors[k]] = found.stretches[k];
+    for (std::size_t i = 0; i < bodies.instants(); ++i)
+      exchanges.exchanged[i * exchanges.sensors + sensors[k]] = found.at(i, k) ? 1 : 0;
+  }
+}
+
+// A sensor that is left out is the truth: it and its predictors are put right each without the other.
 void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
-  if (planned.level) {
-    data.exchanges =
-        find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
-    if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+  const std::size_t rig = plan.rig.size();
+  data.exchanges = {rig, std::vector<std::uint8_t>(data.time.size() * rig, 0), std::vector<std::size_t>(rig, 0)};
+  if (!planned.level) {
+    data.notes.push_back({planned.take.id, false, planned.take.calibration.string(),
+                          "has a world that is not level, so exchanges of left and right are not looked for"});
     return;
   }
-  data.exchanges = {plan.rig.size(), std::vector<std::uint8_t>(data.time.size() * plan.rig.size(), 0),
-                    std::vector<std::size_t>(plan.rig.size(), 0)};
-  data.notes.push_back({planned.take.id, false, planned.take.calibration.string(),
-                        "has a world that is not level, so exchanges of left and right are not looked for"});
+  std::vector<std::size_t> truth, others;
+  for (std::size_t s = 0; s < rig; ++s)
+    (plan.rig[s] == planned.take.left_out ? truth : others).push_back(s);
+  find_exchanges_among(others, plan, planned, data.bodies, data.exchanges);
+  find_exchanges_among(truth, plan, planned, data.bodies, data.exchanges);
+  if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
 }
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
@@ -147,7 +251,8 @@ void check_clock(const Plan& plan, const PlannedTake& planned, TruthTrack& truth
   else
     data.notes.push_back(
         {planned.take.id, false, planned.take.mocap.string(),
-         "keeps its stated start: by motion the clocks' offset is not known (" + data.clock.status + ")"});
+         "keeps its stated start, since by the motion the clocks' offset is not known (" + data.clock.status +
+             "): " + cause_of(data.clock.status)});
 }
 
 // Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
@@ -208,13 +313,18 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
   if (!session.complete())
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
+  if (speaks_for_take(plan, planned) && planned.take.activity.ends_with(kPredicted))
+    data.notes.push_back(
+        {planned.take.id, false, planned.take.session.string(),
+         "has no motion capture: each sensor is predicted from the others, and the differences stand under \"" +
+             planned.take.activity + '"'});
   std::optional<TruthTrack> truth;
   if (has_mocap_truth(planned.take))
     truth.emplace(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
   if (truth)
     for (TakeNote& note : read_truth(plan, planned, *truth, stop_requested, data))
       data.notes.push_back(std::move(note));
-  read_bodies(plan, planned, session, stop_requested, data);
+  read_bodies(plan, planned, session, truth ? &*truth : nullptr, stop_requested, data);
   repair(plan, planned, data);
   if (truth) {
     check_clock(plan, planned, *truth, stop_requested, data);

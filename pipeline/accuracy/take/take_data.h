@@ -81,9 +81,14 @@ JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint j
 
 // What the sensors of a take say against each other: the same stream twice, a mirrored one, poses that were
 // exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
-// scale. Each note has its size and the remedy; a sound take has none. `bodies`: as they were read, before
-// anything is repaired.
-std::vector<TakeNote> check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
+// scale. Each note has its size and the remedy; a sound take has none.
+struct SensorFindings {
+  bool checked = false;
+  bool misplaced = false;  // poses are exchanged or far off, so that one person's bodies lie apart
+  std::vector<TakeNote> notes = {};
+};
+// `bodies`: as they were read, before anything is repaired.
+SensorFindings check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
 
 // What the sensors of a take say against its ground truth, however the two worlds lie: another unit, of all
 // or of one joint; joints that are exchanged in the mapping, or far from where they should be. Each note has

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/accuracy/take/take_result.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "datasets/results/studies/tracking_summary.h"
@@ -19,22 +21,23 @@ void TakeCheck::merge(const TakeCheck& later) {
 
 RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check) {
   RunOutcome outcome;
-  TakeCheck check;
+  const std::vector<const Method*> checked = checked_methods(plan);
+  std::vector<TakeCheck> checks(checked.size());
   std::vector<TakeTracking> tracking;
   for (const EvaluatedTake& take : takes) {
     tracking.push_back(take.result.tracking);
     outcome.notes.insert(outcome.notes.end(), take.result.notes.begin(), take.result.notes.end());
     outcome.evaluated.push_back(take.result.evaluated);
-    check.merge(take.result.check);
+    for (std::size_t m = 0; m < std::min(checks.size(), take.result.checks.size()); ++m)
+      checks[m].merge(take.result.checks[m]);
   }
   outcome.tracking = sum_tracking(plan, tracking);
-  if (cross_check)
-    outcome.cross_check = CrossCheck{checked_method(plan)->spec.name,
-                                     check.samples,
-                                     check.disagreements,
-                                     check.worst_m,
-                                     plan.study.cross_check_limit_m,
-                                     check.disagreements > 0 ? check.disagreed_at : check.worst_at};
+  for (std::size_t m = 0; cross_check && m < checks.size(); ++m) {
+    const TakeCheck& check = checks[m];
+    outcome.cross_checks.push_back({checked[m]->spec.name, check.samples, check.disagreements, check.worst_m,
+                                    plan.study.cross_check_limit_m,
+                                    check.disagreements > 0 ? check.disagreed_at : check.worst_at});
+  }
   return outcome;
 }
 

@@ -26,7 +26,7 @@ struct TakeInput {
   TRILAT_FIELDS(role, file, bytes, sha256)
 };
 
-// How far the own solver and Ceres were apart in one take.
+// How far one of the own solvers and Ceres were apart in one take.
 struct TakeCheck {
   std::uint64_t samples = 0, disagreements = 0;
   double worst_m = 0.0;
@@ -40,11 +40,11 @@ struct TakeCheck {
 struct TakeResult {
   std::vector<TakeInput> inputs;
   std::vector<TakeNote> notes;  // places are given from the campaign's folder
-  TakeCheck check;
+  std::vector<TakeCheck> checks;  // by checked method; empty when the cross-check was not asked for
   TakeTracking tracking;
   bool evaluated = false;
 
-  TRILAT_FIELDS(evaluated, inputs, notes, check, tracking)
+  TRILAT_FIELDS(evaluated, inputs, notes, checks, tracking)
 };
 
 // Where the samples of a take are: `folder`/samples.h5 and, when it is shown, `folder`/replay.h5, under its
@@ -59,7 +59,7 @@ struct EvaluatedTake {
 struct RunOutcome {
   std::vector<TakeNote> notes;  // in the order of the takes
   std::vector<bool> evaluated;  // by take
-  std::optional<CrossCheck> cross_check;
+  std::vector<CrossCheck> cross_checks;
   TrackingSummary tracking;
 };
 RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check);

@@ -23,6 +23,9 @@ constexpr double kScale = 0.075, kScaleAlpha = 0.01;
 constexpr double kExchanged_m = 0.1, kExchangedShare = 0.6;
 constexpr double kFar_m = 0.25, kFarTimes = 3.0;
 constexpr double kMovesTimes = 1.4;
+// Root mean square distance of the joints, turned onto each other; and how much smaller it is for a mirrored
+// truth.
+constexpr double kReflected_m = 0.1, kReflectedShare = 0.5;
 // One Kinect v2 beside Vicon: up to 1.11 in 14 of 89 sound takes (docs/explanation/real_recordings.md).
 constexpr double kMarkersOff = 0.15;
 
@@ -32,16 +35,22 @@ struct Unit {
   double times;  // how much too large the numbers are
   const char* what;
 };
-constexpr std::array kUnits{Unit{1.0 / 0.9144, "yards"}, Unit{0.9144, "metres that were taken for yards"},
-                            Unit{1.0 / 0.3048, "feet"},  Unit{1.0 / 0.0254, "inches"},
-                            Unit{100.0, "centimetres"},  Unit{1000.0, "millimetres"}};
+constexpr std::array kUnits{Unit{1.0 / 0.3048, "feet"}, Unit{1.0 / 0.0254, "inches"},
+                            Unit{100.0, "centimetres"}, Unit{1000.0, "millimetres"},
+                            Unit{0.01, "metres that the header calls centimetres"},
+                            Unit{0.001, "metres that the header calls millimetres"}};
+constexpr std::array kYards{Unit{1.0 / 0.9144, "yards"}, Unit{0.9144, "metres that were taken for yards"}};
+constexpr double kNearUnit = 0.03;
+// Markers off the joints explain as much as yards do: these are named only where the scale is known closely.
+constexpr double kNearYards = 0.005, kYardsSigma = 0.004;
 
-std::string unit_text(double times) {
+// `sigma` of the scale; NaN where it is not known.
+std::string unit_text(double times, double sigma) {
   for (const Unit& unit : kUnits)
-    if (std::abs(times / unit.times - 1.0) < 0.03)
-      return fmt::format(
-          " (as {} are{})", unit.what,
-          std::abs(times - 1.0) < kMarkersOff ? "; markers that stand off the joints do that, too" : "");
+    if (std::abs(times / unit.times - 1.0) < kNearUnit) return fmt::format(" (as {} are)", unit.what);
+  for (const Unit& unit : kYards)
+    if (std::abs(times / unit.times - 1.0) < kNearYards && sigma < kYardsSigma)
+      return fmt::format(" (as {} are; markers that stand off the joints do that, too)", unit.what);
   return std::abs(times - 1.0) < kMarkersOff ? " (markers that stand off the joints do that, too)" : "";
 }
 
@@ -92,14 +101,16 @@ Both both_of(const Plan& plan, const PlannedTake& planned, const TakeData& data)
   return both;
 }
 
-// Of all joints together, each with a weight that falls with its median distance: a joint in another unit, or
+Points joined(const std::vector<Points>& of_joints) {
+  Points all;
+  for (const Points& points : of_joints) all.insert(all.end(), points.begin(), points.end());
+  return all;
+}
+
+// One fit of all joints, each with a weight that falls with its median distance: a joint in another unit, or
 // two that are exchanged, do not turn the rest.
 PointFit fit_joints(const Both& both) {
-  Points seen, truth;
-  for (std::size_t j = 0; j < both.seen.size(); ++j) {
-    seen.insert(seen.end(), both.seen[j].begin(), both.seen[j].end());
-    truth.insert(truth.end(), both.truth[j].begin(), both.truth[j].end());
-  }
+  const Points seen = joined(both.seen), truth = joined(both.truth);
   std::vector<double> weight(seen.size(), 1.0);
   PointFit fit;
   for (int round = 0; round < kRounds; ++round) {
@@ -143,13 +154,15 @@ class TruthChecks {
       : plan_(plan), planned_(planned), both_(both_of(plan, planned, data)) {}
 
   std::vector<TakeNote> run() {
+    if (find_mirrored()) return std::move(notes_);  // nothing else can be said of it
     const PointFit fit = fit_joints(both_);
     if (!std::isfinite(fit.scale)) return {};
-    const bool is_scaled = is_beyond_doubt(fit.scale);
+    double sigma = kNaN;
+    const bool is_scaled = is_beyond_doubt(fit.scale, sigma);
     if (is_scaled)
       note(planned_.take.mocap, fmt::format("shows movements and a body {:.3f} times as large as the sensors "
                                             "do{}; is the export's unit right?",
-                                            fit.scale, unit_text(fit.scale)));
+                                            fit.scale, unit_text(fit.scale, sigma)));
     lay_over(fit, is_scaled ? fit.scale : 1.0);
     find_exchanged();
     find_far();
@@ -157,10 +170,20 @@ class TruthChecks {
   }
 
  private:
-  bool is_beyond_doubt(double scale) const {
+  bool find_mirrored() {
+    const PointFit fit = fit_points(joined(both_.seen), joined(both_.truth));
+    if (!(fit.rms_m > kReflected_m && fit.mirrored_rms_m < kReflectedShare * fit.rms_m)) return false;
+    note(planned_.take.mocap,
+         fmt::format("is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and {:.2f} m "
+                     "off when it is mirrored first; export it with right-handed axes (or, if every left joint "
+                     "is mapped to the right, mend the mapping)",
+                     fit.rms_m, fit.mirrored_rms_m));
+    return true;
+  }
+  bool is_beyond_doubt(double scale, double& sigma) const {
     if (!(std::abs(scale - 1.0) > kScale)) return false;
     std::size_t clusters = 0;
-    const double sigma = scale_sigma(plan_.joints, both_, clusters);
+    sigma = scale_sigma(plan_.joints, both_, clusters);
     return clusters >= 2 && std::abs(scale - 1.0) > student_quantile(clusters - 1, kScaleAlpha) * sigma;
   }
   void note(const std::filesystem::path& place, std::string text) {
@@ -216,7 +239,7 @@ class TruthChecks {
         note(planned_.take.mocap,
              fmt::format(
                  "moves {} {:.2f} times as far as the sensors see it move{}; is the unit of its asset right?",
-                 name(j), times, unit_text(times)));
+                 name(j), times, unit_text(times, kNaN)));
       else
         note(planned_.take.mapping,
              fmt::format("maps {} to what lies {:.2f} m from where the sensors see it, other joints {:.2f} m "

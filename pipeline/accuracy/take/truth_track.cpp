@@ -17,24 +17,6 @@
 namespace trilat {
 namespace {
 
-std::vector<std::size_t> resolve(const JointMapping::Entry& entry, const MocapHeader& header,
-                                 const std::filesystem::path& mapping_file) {
-  const std::string place = mapping_file.string() + " /joints/" + std::string(name_of(entry.joint));
-  std::vector<std::size_t> assets;
-  for (const std::string& key : entry.assets) {
-    assets.push_back(find_asset(header, key, place));
-    const MocapAsset& asset = header.assets[assets.back()];
-    if (header.coordinate_space == "Local" &&
-        (asset.type == AssetType::bone || asset.type == AssetType::bone_marker))
-      throw InputError(place, "names \"" + key +
-                                  "\", whose positions are relative to its parent; export again with the "
-                                  "coordinate space Global");
-    if (!asset.has_position)
-      throw InputError(place, "names the asset \"" + key + "\", of which the export holds no position");
-  }
-  return assets;
-}
-
 constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
 constexpr double kGrid_hz = 120.0;
 // Of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
@@ -171,7 +153,9 @@ TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joi
   for (Joint joint : joints) {
     std::vector<std::size_t> assets;
     for (const auto& entry : planned.mapping.joints)
-      if (entry.joint == joint) assets = resolve(entry, state_->reader.header(), planned.take.mapping);
+      if (entry.joint == joint)
+        assets = assets_of_joint(state_->reader.header(), entry.assets,
+                                 planned.take.mapping.string() + " /joints/" + std::string(name_of(joint)));
     wanted.insert(assets.begin(), assets.end());
     state_->assets_of_joint.push_back(std::move(assets));
   }
@@ -199,9 +183,12 @@ MocapTime TruthTrack::read_to_end() {
   return state_->frame.time;
 }
 
-std::uint64_t TruthTrack::samples_frozen() const {
-  std::uint64_t sum = 0;
-  for (const std::int64_t removed : state_->frames.removed()) sum += static_cast<std::uint64_t>(removed);
+RemovedPoses TruthTrack::removed() const {
+  RemovedPoses sum;
+  for (const RemovedPoses& removed : state_->frames.removed()) {
+    sum.frozen += removed.frozen;
+    sum.at_origin += removed.at_origin;
+  }
   return sum;
 }
 
@@ -210,6 +197,20 @@ double TruthTrack::repeated_share() const {
 }
 
 const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }
+
+std::string cause_of(const std::string& status) {
+  const auto is = [&](ClockOffsetStatus one) { return status == name_of(one); };
+  if (is(ClockOffsetStatus::too_little_motion))
+    return "the joints hardly move, in it or as the sensors see them; if the person did move, its numbers have "
+           "another unit than its header says, such as metres under Millimeters";
+  if (is(ClockOffsetStatus::no_agreement))
+    return "its joints do not move as the sensors see them move at any start that was looked at; is it this take "
+           "and this person? The files of two persons may be exchanged";
+  if (is(ClockOffsetStatus::ambiguous)) return "several starts fit, as when somebody walks in a circle";
+  if (is(ClockOffsetStatus::at_limit)) return "the best start lies at the end of the search; look farther";
+  if (is(ClockOffsetStatus::too_uncertain)) return "the movements are too few to say it closely";
+  return "nothing was compared";
+}
 
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                             TruthTrack& truth, const std::function<bool()>& stop_requested) {

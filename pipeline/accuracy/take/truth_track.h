@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/time.h"
-#include "datasets/mocap/mocap_take.h"
+#include "datasets/mocap/mocap_reader.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"
 
@@ -34,7 +34,7 @@ class TruthTrack {
   void at(MocapTime t, std::span<Eigen::Vector3d> joints);
   // The last frame's time. Reads to the end of the export.
   MocapTime read_to_end();
-  std::uint64_t samples_frozen() const;
+  RemovedPoses removed() const;  // of the mapped assets, so far
   // The share of the frames so far that hold the same positions as the frame before, to the bit.
   double repeated_share() const;
   // Of what has been read so far.
@@ -49,6 +49,9 @@ struct MotionClock {
   ClockRow row;
   std::string warning;  // what the trackers' lag does not explain, for the take's notes; empty when it does
 };
+
+// The likely cause why the motion does not say when the mocap starts, as a sentence; `status`: its name.
+std::string cause_of(const std::string& status);
 
 // By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
 // against the ground truth. `data` has its times and bodies.

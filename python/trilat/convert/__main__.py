@@ -43,8 +43,13 @@ def main(words: list[str] | None = None) -> int:
     except BrokenPipeError:  # whoever read what is printed has gone
         sys.stdout = None
         return 1
+    except OSError as error:
+        print(f"trilat.convert: {error.filename or arguments.output}: {error.strerror or error}", file=sys.stderr)
     except ModuleNotFoundError as error:
         print(f"trilat.convert: {error.name}: is missing; install it (Debian: python3-{error.name.lower()})", file=sys.stderr)
+    except Exception as error:  # a file that no check foresaw: its place, and nothing is left behind
+        print(f"trilat.convert: {', '.join(map(str, arguments.files))}: cannot be read as {arguments.format}: "
+              f"{type(error).__name__}: {error}; is the file damaged, or in another format?", file=sys.stderr)
     return 2
 
 

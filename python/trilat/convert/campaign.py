@@ -2,8 +2,6 @@
 """Takes of one sensor and motion capture that share neither clock nor axes: a campaign that `trilat run` evaluates."""
 import argparse
 import json
-import os
-import shutil
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +12,8 @@ import numpy as np
 from trilat.convert.motion import Comparison, Motion, Pairing, rotation_of
 from trilat.convert.recording import TICKS_PER_S
 from trilat.errors import InputError
-from trilat.skeleton import JOINT_COUNT, JOINT_NUMBER, TRACKED
+from trilat.outputs import folder_aside, refuse_inputs_within
+from trilat.skeleton import JOINT_COUNT, JOINT_NUMBER, TRACKED, states_within_reach
 from trilat.write_session import SensorFrames, write_session
 
 START_S = 10.0  # what a take's host clock shows at the sensor's first frame
@@ -142,6 +141,7 @@ def write_take(folder: Path, take: Take, pairing: Pairing, note: str, source: st
     state = np.zeros((frames, JOINT_COUNT), np.uint8)
     columns = [JOINT_NUMBER[joint] for joint in take.joints]
     position_m[:, columns], state[:, columns] = take.sensor_m, TRACKED
+    state, _ = states_within_reach(position_m, state)
     ticks = np.round(TICKS_PER_S * (START_S + np.arange(frames) / take.rate_hz)).astype(np.int64)
     write_session(folder / take.id / "session.h5", {"k1": SensorFrames(
         ticks, np.arange(frames), position_m, state, orientation_xyzw=take.orientation_xyzw, source=source,
@@ -153,19 +153,33 @@ def write_take(folder: Path, take: Take, pairing: Pairing, note: str, source: st
             "mocap_start_host_ns": round(1e9 * (START_S - pairing.offset_s / pairing.ratio))}
 
 
+def refuse_other_files(folder: Path) -> None:
+    """InputError unless the folder is a campaign and holds its files alone: it is replaced as a whole."""
+    try:
+        campaign = json.loads((folder / "campaign.json").read_text())
+        takes = [take for take in campaign["takes"] if campaign["format"] == "trilat.campaign"]
+        known = {folder / str(take[key]) for take in takes for key in ("session", "calibration", "mocap", "mapping") if key in take}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(folder, "is there already and is no campaign; take another name") from error
+    known.add(folder / "campaign.json")
+    for path in sorted(folder.rglob("*")):
+        if not path.is_dir() and path not in known:
+            raise InputError(path, f"is no file of the campaign {folder}, which is replaced as a whole; move it, or take another name")
+
+
 def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], left_out: list[str], note: str,
                    search_s: float, ratios: tuple[float, ...] = (1.0,)) -> int:
     """Pairs, writes and says all; the exit code is 1 when takes were left out. The folder is whole or not there."""
     output: Path = arguments.output
-    if output.exists() and not (arguments.force and (output / "campaign.json").exists()):
-        raise InputError(output, "is there already; take another name, or replace a campaign with --force")
+    refuse_inputs_within(output, arguments.files)
+    if output.exists():
+        if not arguments.force:
+            raise InputError(output, "is there already; take another name, or replace a campaign with --force")
+        refuse_other_files(output)
     if not takes:
         raise InputError(arguments.files[0], "holds no take" + (f"; first: {left_out[0]}" if left_out else ""))
-    partial = output.with_name(output.name + ".partial")
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
     entries, report = [], []
-    try:
+    with folder_aside(output) as aside:
         for participant in sorted({take.participant for take in takes}):
             mine = [take for take in takes if take.participant == participant]
             if sys.stderr.isatty():
@@ -175,8 +189,8 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
             if pose is None:
                 continue
             used = [take for take in mine if take.id in pairings]
-            entries += [write_take(partial, take, pairings[take.id], note, f"import {arguments.format}") for take in used]
-            write_json(partial / f"{participant}.json", "calibration", {
+            entries += [write_take(aside, take, pairings[take.id], note, f"import {arguments.format}") for take in used]
+            write_json(aside / f"{participant}.json", "calibration", {
                 "method": f"fitted to the motion of {len(used)} takes; a constant difference between all markers and all joints "
                           "is in the position", "world": "optitrack", "simulated": False,
                 "sensors": [{"name": "k1", "position_m": [float(v) for v in pose.position_m],
@@ -188,16 +202,8 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
         if not entries:
             raise InputError(arguments.files[0], "holds no take whose sensor and motion capture fit together; first: "
                              + left_out[0])
-        write_json(partial / "mapping.json", "mapping", {"joints": {joint: list(names) for joint, names in takes[0].mapping.items()}})
-        write_json(partial / "campaign.json", "campaign", {"name": name, "simulated": False, "takes": entries})
-        older = output.with_name(output.name + ".old")
-        shutil.rmtree(older, ignore_errors=True)
-        if output.exists():
-            os.replace(output, older)
-        os.replace(partial, output)
-        shutil.rmtree(older, ignore_errors=True)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+        write_json(aside / "mapping.json", "mapping", {"joints": {joint: list(names) for joint, names in takes[0].mapping.items()}})
+        write_json(aside / "campaign.json", "campaign", {"name": name, "simulated": False, "takes": entries})
     widths = [row["high_s"] - row["low_s"] for row in report]
     if arguments.json:
         print(json.dumps({"campaign": str(output), "format": arguments.format, "note": note, "takes": report,

@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from trilat.errors import InputError
-from trilat.skeleton import JOINT_COUNT, TRACKED
+from trilat.skeleton import FARTHEST_JOINT_M, JOINT_COUNT, NEAREST_JOINT_M, NOT_TRACKED, TRACKED, states_within_reach
 from trilat.write_session import DEPTH_SHAPE, MOST_BODIES, DepthFrame, SensorFrames, write_session
 
 TICK_NS = 100
 TICKS_PER_S = 1e9 / TICK_NS
-FARTHEST_JOINT_M = 20.0
+SLOWEST_HZ, FASTEST_HZ = 1.0, 100.0  # of a Kinect's frames, which come 30 times a second
+MOST_OUT_OF_REACH = 0.5  # of the tracked joints of a recording
 LATEST_TICKS = 2**59 // TICK_NS  # 18 years
 FEWEST_FITTED, SMALLEST_SPREAD, LARGEST_RMS_PX = 200, 0.03, 1.0
 
@@ -128,7 +129,7 @@ class Recording:
         self.frames: list[tuple[int, int]] = []  # sequence, ticks
         self.floors: list[np.ndarray] = []
         self.bodies: list[tuple[int, Body]] = []  # row of its frame
-        self.depth_frames = 0
+        self.depth_frames = self.out_of_reach = 0
         self.rms_px: float | None = None
 
     def leave_out(self, why: str, place: str, problem: str) -> None:
@@ -146,12 +147,7 @@ class Recording:
 
     def add(self, place: str, ticks: int, bodies: list[Body], sequence: int | None = None,
             floor_plane: np.ndarray | None = None) -> None:
-        """A frame at `ticks` of 100 ns. InputError for joints beyond 20 m: they are not in metres."""
-        for body in bodies:
-            farthest = np.abs(body.position_m).max()
-            if not farthest <= FARTHEST_JOINT_M:
-                raise InputError(place, f"has a joint at {farthest:g} m, farther than any Kinect sees; positions must be in "
-                                        "metres, not in millimetres or pixels")
+        """A frame at `ticks` of 100 ns."""
         if len(bodies) > MOST_BODIES:
             raise TornRow(f"has {len(bodies)} bodies; a Kinect tracks at most {MOST_BODIES}")
         number = self._number(self.stamps, place, ticks, sequence)
@@ -188,7 +184,9 @@ class Recording:
             first = f" that can be read; is it in this format? First: {self.first_left_out}" if self.first_left_out else ""
             raise InputError(self.file, "holds no frame" + first)
         stamps = np.array(self.frames, np.int64).reshape(-1, 2)
+        self._check_rate(stamps[:, 1])
         bodies = [body for _, body in self.bodies]
+        self._leave_out_of_reach(bodies)
 
         def column(name: str, row_shape: tuple[int, ...], dtype: type) -> np.ndarray:
             return np.array([getattr(body, name) for body in bodies], dtype).reshape(-1, *row_shape)
@@ -202,6 +200,28 @@ class Recording:
             hand_state=column("hand_state", (2,), np.uint8), hand_confidence=column("hand_confidence", (2,), np.uint8),
             floor_plane=np.array(self.floors, np.float32).reshape(-1, 4), intrinsics=self._intrinsics(),
             depth=depth, source=source, tick_ns=TICK_NS, rate_hz=self.rate_hz)
+
+    def _check_rate(self, ticks: np.ndarray) -> None:
+        """InputError for times that are no Kinect's: then they are in another unit."""
+        if len(ticks) < 3:
+            return
+        rate_hz = TICKS_PER_S / np.median(np.diff(ticks))
+        if not SLOWEST_HZ <= rate_hz <= FASTEST_HZ:
+            raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; are the times in "
+                                        "another unit than this format's (such as milliseconds)? Write them in that unit")
+
+    def _leave_out_of_reach(self, bodies: list[Body]) -> None:
+        """Joints where no Kinect measures any are not tracked. InputError when most are: they are not in metres."""
+        tracked = 0
+        for body in bodies:
+            tracked += int((body.tracking_state != NOT_TRACKED).sum())
+            body.tracking_state, beyond = states_within_reach(body.position_m, body.tracking_state)
+            self.out_of_reach += beyond
+        if tracked and self.out_of_reach > MOST_OUT_OF_REACH * tracked:
+            farthest_m = max(float(np.abs(body.position_m).max()) for body in bodies)
+            raise InputError(self.file, f"has {self.out_of_reach} of {tracked} joints nearer than {NEAREST_JOINT_M} m or farther than "
+                                        f"{FARTHEST_JOINT_M:g} m of the sensor, up to {farthest_m:g} m; positions must be in metres, not "
+                                        "in millimetres or pixels")
 
     def _intrinsics(self) -> Mapping[str, float] | None:
         """The depth camera from joints that a file has in space and in pixels: column = cx + fx X / Z, by least squares."""
@@ -225,7 +245,7 @@ class Recording:
         """What is in the session and what was left out."""
         return {"name": self.name, "file": str(self.file), "body_frames": len(self.frames), "bodies": len(self.bodies),
                 "depth_frames": self.depth_frames, "gap_frames": self.stamps.gap_frames + self.depth_stamps.gap_frames,
-                **self.left_out, **self.skipped, "first_left_out": self.first_left_out, "intrinsics_rms_px": self.rms_px}
+                "out_of_reach": self.out_of_reach, **self.left_out, **self.skipped, "first_left_out": self.first_left_out, "intrinsics_rms_px": self.rms_px}
 
 
 def finish(arguments: argparse.Namespace, recordings: list[Recording], note: str, started_utc: str = "",
@@ -255,6 +275,8 @@ def say(arguments: argparse.Namespace, sensors: list[dict], note: str) -> int:
             if left_out:
                 print(f"{s['name']}: {left_out} rows are left out ({s['torn_rows']} torn, {s['repeated_times']} repeat a time, "
                       f"{s['backward_times']} go back); first: {s['first_left_out']}")
+            if s["out_of_reach"]:
+                print(f"{s['name']}: {s['out_of_reach']} joints lie where no Kinect measures any, and are not tracked in the session")
             if s["skipped_events"] or s["skipped_bytes"]:
                 print(f"{s['name']}: {s['skipped_events']} events of other streams and {s['skipped_bytes']} damaged bytes "
                       "are stepped over")

@@ -154,6 +154,8 @@ void pass(auto& wire, Is<EventMessage> auto& event) {
 
 void pass(auto& wire, Is<AckMessage> auto& ack) { wire.number(ack.next_number); }
 void pass(auto&, Is<AliveMessage> auto&) {}
+void pass(auto&, Is<StopMessage> auto&) {}
+void pass(auto& wire, Is<HeldMessage> auto& held) { wire.number(held.end_number); }
 void pass(auto& wire, Is<ClockPingMessage> auto& ping) { wire.number(ping.id); }
 
 void pass(auto& wire, Is<ClockPongMessage> auto& pong) {
@@ -182,7 +184,9 @@ const std::vector<Message>& messages() {
                                         AliveMessage{},
                                         ClockPingMessage{},
                                         ClockPongMessage{},
-                                        ByeMessage{}};
+                                        ByeMessage{},
+                                        StopMessage{},
+                                        HeldMessage{}};
   return all;
 }
 

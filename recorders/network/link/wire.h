@@ -17,7 +17,7 @@ namespace trilat {
 
 // What agents and the recording machine say to each other. On the wire a message is its length (u32), a type
 // byte and its fields, all little-endian; texts carry their length (u16) and hold no control characters.
-inline constexpr std::uint16_t kWireVersion = 2;
+inline constexpr std::uint16_t kWireVersion = 3;
 inline constexpr std::size_t kLengthBytes = 4;
 inline constexpr std::size_t kMaxMessageBytes = 2u << 20;        // without the length
 inline constexpr std::size_t kMaxFirstMessageBytes = 96u << 10;  // holds kMaxSessionSensors descriptions
@@ -79,6 +79,14 @@ struct ClockPongMessage {
   std::int64_t t3_ns = 0;
 };
 
+// From the recording machine: no more frames are wanted; the agent sends what it holds, and then says bye.
+struct StopMessage {};
+
+// An agent's answer: the number behind that of the last message it holds.
+struct HeldMessage {
+  std::uint64_t end_number = 0;
+};
+
 // From an agent: its last message, and why its source broke where it did. From the recording machine: the
 // recording is over.
 struct ByeMessage {
@@ -87,7 +95,8 @@ struct ByeMessage {
 };
 
 using Message = std::variant<HelloMessage, WelcomeMessage, RefusalMessage, ResumeMessage, EventMessage,
-                             AckMessage, AliveMessage, ClockPingMessage, ClockPongMessage, ByeMessage>;
+                             AckMessage, AliveMessage, ClockPingMessage, ClockPongMessage, ByeMessage, StopMessage,
+                             HeldMessage>;
 
 struct WireError {
   std::string problem;

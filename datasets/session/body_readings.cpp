@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/session/body_readings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace trilat {
+namespace {
+
+constexpr double kJump_m = 1.0;
+constexpr double kRunning_m_s = 5.0;
+constexpr std::size_t kFewestJoints = 3;   // that both frames see
+constexpr std::size_t kMostEarlier = 16;   // bodies of one tracking id that are remembered
+
+double distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return std::hypot(double{a[0]} - double{b[0]}, double{a[1]} - double{b[1]}, double{a[2]} - double{b[2]});
+}
+
+// Median distance of the joints that both bodies show; nothing for too few.
+std::optional<double> moved_m(const Body& from, const Body& to) {
+  std::vector<double> moved;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    if (reading_of(from, j) == JointReading::seen && reading_of(to, j) == JointReading::seen)
+      moved.push_back(distance_m(from.position_m[j], to.position_m[j]));
+  if (moved.size() < kFewestJoints) return std::nullopt;
+  const auto middle = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2);
+  std::ranges::nth_element(moved, middle);
+  return *middle;
+}
+
+}  // namespace
+
+JointReading reading_of(const Body& body, std::size_t joint) {
+  const std::uint8_t state = body.tracking_state[joint];
+  if (state != 1 && state != 2) return JointReading::not_tracked;
+  const double range_m = distance_m(body.position_m[joint], {});
+  if (!std::isfinite(range_m)) return JointReading::not_finite;
+  return range_m >= kNearestJoint_m && range_m <= kFarthestJoint_m ? JointReading::seen
+                                                                   : JointReading::out_of_reach;
+}
+
+std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
+  std::uint64_t all = 0;
+  std::vector<std::string> joints;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    all += counts[j];
+    if (counts[j] > 0) joints.push_back(fmt::format("{} {}", name_of(static_cast<Joint>(j)), counts[j]));
+  }
+  if (all == 0) return std::nullopt;
+  return fmt::format("{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as "
+                     "not seen; are positions in metres?",
+                     all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
+}
+
+std::vector<std::uint64_t> BodyIdentities::of(std::span<const Body> bodies, double time_s) {
+  std::vector<std::uint64_t> identities;
+  std::set<std::uint64_t> taken;  // in this frame: two bodies may have one tracking id
+  for (const Body& body : bodies) {
+    std::vector<Track>& tracks = tracks_[body.tracking_id];
+    Track* nearest = nullptr;
+    double least_m = 0.0;
+    for (Track& track : tracks) {
+      if (taken.contains(track.identity)) continue;
+      // Without joints in common nothing speaks against the same body, and less for it.
+      const double m = moved_m(track.last, body).value_or(kJump_m);
+      if (m > std::max(kJump_m, kRunning_m_s * (time_s - track.time_s))) continue;
+      if (nearest && m >= least_m) continue;
+      nearest = &track;
+      least_m = m;
+    }
+    if (!nearest) {
+      const bool is_first = tracks.empty();
+      if (tracks.size() >= kMostEarlier) tracks.erase(tracks.begin());
+      nearest = &tracks.emplace_back(Track{is_first ? body.tracking_id : fresh_++, body, time_s});
+    }
+    const auto [latest, is_new] = latest_.emplace(body.tracking_id, nearest->identity);
+    const bool is_alone = std::ranges::count(bodies, body.tracking_id, &Body::tracking_id) == 1;
+    if (!is_new && latest->second != nearest->identity && is_alone) ++jumps_;
+    latest->second = nearest->identity;
+    if (moved_m(body, body)) {  // shows enough to be compared with
+      nearest->last = body;
+      nearest->time_s = time_s;
+    }
+    taken.insert(nearest->identity);
+    identities.push_back(nearest->identity);
+  }
+  return identities;
+}
+
+}  // namespace trilat

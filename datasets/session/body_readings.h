@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/session/session_types.h"
+
+namespace trilat {
+
+// How the position of a joint counts. A Kinect v2 measures depth from 0.5 m to 4.5 m and delivers some up to
+// 8 m: a tracked or inferred joint nearer than 0.4 m or farther than 10 m of its sensor is no measurement.
+// Drivers and converters write such positions, most often (0, 0, 0), for joints that were not seen.
+enum class JointReading : std::uint8_t { not_tracked, seen, not_finite, out_of_reach };
+inline constexpr double kNearestJoint_m = 0.4, kFarthestJoint_m = 10.0;
+JointReading reading_of(const Body& body, std::size_t joint);
+
+// Joints out of reach, by joint.
+using JointCounts = std::array<std::uint64_t, kJointCount>;
+// "45 joints lie nearer than 0.4 m or farther than 10 m of the sensor (wrist_left 45) and count as not seen";
+// nothing when there are none.
+std::optional<std::string> out_of_reach_text(const JointCounts& counts);
+
+// Tells the bodies of one sensor apart. A body that moves more than 1 m from one frame to the next under one
+// tracking id, in the median over its joints, is another body from there: trackers hand an id on to a second
+// person. A person who runs may move farther between frames that lie far apart.
+class BodyIdentities {
+ public:
+  // The identities of the bodies of the next frame, in their order: the tracking id, or a fresh number that no
+  // tracker gives. A body that is again where an earlier one of its tracking id was is that one.
+  std::vector<std::uint64_t> of(std::span<const Body> bodies, double time_s);
+  // How often a tracking id went over from one body to another.
+  std::uint64_t jumps() const { return jumps_; }
+
+ private:
+  struct Track {
+    std::uint64_t identity;
+    Body last;
+    double time_s;
+  };
+  std::map<std::uint64_t, std::vector<Track>> tracks_;  // by tracking id
+  std::map<std::uint64_t, std::uint64_t> latest_;       // identity by tracking id
+  std::uint64_t fresh_ = std::uint64_t{1} << 63;
+  std::uint64_t jumps_ = 0;
+};
+
+}  // namespace trilat

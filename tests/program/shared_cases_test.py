@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""Inputs after public bug reports, in ../shared/data/cases where that is there: each gives what its `expect` says."""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+SOURCE = Path(__file__).resolve().parents[2]
+CASES = SOURCE.parent / "shared/data/cases"
+EXPECTED = json.loads((Path(__file__).parent / "shared_cases.json").read_text())
+
+
+def rotation_of(q):
+    x, y, z, w = q
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def poses_beside_first(calibration):
+    """(rotation, position in metres) of each sensor in the frame of k1."""
+    poses = {s["name"]: (rotation_of(s["rotation_xyzw"]), np.array(s["position_m"])) for s in calibration["sensors"]}
+    r1, p1 = poses["k1"]
+    return {name: (r1.T @ r, r1.T @ (p - p1)) for name, (r, p) in poses.items()}
+
+
+class SharedCases(unittest.TestCase):
+    def check(self, name):
+        case, expected = CASES / name, EXPECTED[name]
+        with tempfile.TemporaryDirectory() as scratch:
+            env = {**os.environ, "TRILAT_PYTHON": str(SOURCE / "python"), "TMPDIR": scratch, "LC_ALL": "C.UTF-8"}
+            ended = subprocess.run(["sh", "cmd"], cwd=case, env=env, text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, timeout=300, check=False)
+        said = ended.stdout
+        exits = [int(code) for code in re.findall(r"^exit (\d+)$", said, re.M)]
+        self.assertEqual(exits, expected["exits"], said)
+        for text in expected["said"]:
+            self.assertIn(text, said)
+        for text in expected.get("not_said", []):
+            self.assertNotIn(text, said)
+        for method, most_cm in expected.get("most_cm", {}).items():
+            self.assertLess(self.largest_cm(said, method), most_cm, said)
+        if expected.get("check") == "poses":
+            self.check_poses(said, json.loads((case / "truth.json").read_text()))
+
+    def largest_cm(self, said, method):
+        """The largest error of a method in the table that `run` prints."""
+        lines = said.splitlines()
+        start = next(n for n, line in enumerate(lines) if line.startswith("method "))
+        row = next(line for line in lines[start:] if line.split() and line.split()[0] == method)
+        return max(float(number) for number in re.findall(r"\d+\.\d+", re.sub(r"[\d.]+ %", "", row)))
+
+    def check_poses(self, said, truth):
+        found = poses_beside_first(json.loads(said[said.index("{\n"):said.rindex("}") + 1]))
+        for name, (rotation, position_m) in poses_beside_first(truth).items():
+            turn = np.degrees(np.arccos(np.clip((np.trace(found[name][0].T @ rotation) - 1) / 2, -1, 1)))
+            self.assertLess(turn, 0.3, name)
+            self.assertLess(np.linalg.norm(found[name][1] - position_m), 0.015, name)
+
+
+def add_cases():
+    for name in EXPECTED:
+        def test(self, name=name):
+            self.check(name)
+        setattr(SharedCases, "test_" + name.replace("-", "_"), test)
+
+
+add_cases()
+
+if __name__ == "__main__":
+    if not CASES.is_dir():
+        print(f"skipped: {CASES} is not there")
+        sys.exit(77)
+    unittest.main(verbosity=2)
