@@ -8,6 +8,10 @@ import pathlib
 import sys
 import time
 
+if {"-h", "--help"} & set(sys.argv[1:]):  # before the libraries below are needed
+    print(__doc__)
+    sys.exit()
+
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys

@@ -17,7 +17,7 @@
 namespace trilat {
 namespace {
 
-constexpr double kShortest_m = 0.1;  // from the lowest level to the highest
+constexpr double kShortest_m = 5e-4;  // from the lowest level to the highest; a unit may be wrong by 1000
 constexpr double kLeastCosine = 0.8;
 
 // What lies at one height of a person who stands, from the top. The arms may be anywhere.
@@ -122,7 +122,7 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
 std::string mapping_text(const JointMapping& mapping) {
   Json joints = Json::object();
   for (const auto& entry : mapping.joints) joints[std::string(name_of(entry.joint))] = entry.assets;
-  return Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}.dump(2);
+  return exact_json_text(Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}, 2);
 }
 
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
@@ -173,12 +173,12 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
       takes.back()["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
     if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
   }
-  write_file(folder / "campaign.json", Json{{"format", kCampaignFormat},
-                                            {"version", 1},
-                                            {"name", campaign.name},
-                                            {"simulated", campaign.simulated},
-                                            {"takes", takes}}
-                                               .dump(2) +
+  write_file(folder / "campaign.json", exact_json_text(Json{{"format", kCampaignFormat},
+                                                            {"version", 1},
+                                                            {"name", campaign.name},
+                                                            {"simulated", campaign.simulated},
+                                                            {"takes", takes}},
+                                                       2) +
                                            "\n");
 }
 

@@ -167,23 +167,26 @@ void check_agreement(const RigRefinement& refined, const WandViews& views, const
   }
 }
 
-}  // namespace
-
-void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place) {
-  constexpr double kLeast_m = 0.3;
+void check_stated_movement(const WandViews& views, const CalibrateWandOptions& options) {
   const std::optional<double> seen_m = seen_movement_m(views);
-  if (options.world || !seen_m) return;
-  if (*seen_m < kLeast_m)
-    throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
-                                        "axis and should be a metre apart, {} m at least",
-                                        *seen_m, kLeast_m));
-  if (options.movement_m &&
-      std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
+  if (!seen_m || !options.movement_m) return;
+  if (std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
     throw InputError(
         "--movement-m",
         fmt::format(
             "is {:.3f}, but the sensors saw the ball move by {:.3f} m from its first place to its second",
             *options.movement_m, *seen_m));
+}
+
+}  // namespace
+
+void check_first_places(const WandViews& views, const std::string& place) {
+  constexpr double kLeast_m = 0.3;
+  const std::optional<double> seen_m = seen_movement_m(views);
+  if (seen_m && *seen_m < kLeast_m)
+    throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
+                                        "axis and should be a metre apart, {} m at least",
+                                        *seen_m, kLeast_m));
 }
 
 WandCalibration calibrate_views(WandViews views, const std::string& place,
@@ -197,7 +200,10 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
     throw InputError(place,
                      fmt::format("shows the wand at rest at {} places; three are the least, fifty are good",
                                  views.positions.size()));
-  check_movement(views, options, place);
+  if (!options.world) {
+    check_first_places(views, place);
+    check_stated_movement(views, options);
+  }
   RigRefinementOptions refinement;
   if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
   const RigRefinement refined =

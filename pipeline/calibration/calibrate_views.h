@@ -30,8 +30,8 @@ struct WandCalibration {
 };
 
 // InputError at `place` when the wand's first two places, which make the x axis, lie within 0.3 m of each other
-// as the sensors saw them, or not as far apart as stated.
-void check_movement(const WandViews& views, const CalibrateWandOptions& options, const std::string& place);
+// as the sensors saw them.
+void check_first_places(const WandViews& views, const std::string& place);
 
 // Sensor poses from what a wand showed that was held still at many places (see docs/how-to/calibrate.md). The
 // first three places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says

@@ -11,11 +11,6 @@ namespace {
 
 WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
                                  const CalibrateWandOptions& options, WandViews views) {
-  const std::string place = first.path().string();
-  keep_useful_positions(views);
-  if (views.positions.size() < 2)
-    throw InputError(place, "shows the wand at rest at fewer than two places that two sensors see");
-  check_movement(views, options, place);
   const bool corrected = method == WandMethod::two_positions;
   const TwoPositionOptions two{
       options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
@@ -23,7 +18,7 @@ WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
   std::vector<std::optional<FloorPlane>> floors(views.evidence.size());
   for (std::size_t s = 0; corrected && s < floors.size(); ++s) floors[s] = floor_seen_by(first, s);
   WandCalibration result;
-  result.calibration = calibrate_two_positions(views, place, two, options.movement_m, floors);
+  result.calibration = calibrate_two_positions(views, first.path().string(), two, options.movement_m, floors);
   result.views = std::move(views);
   return result;
 }
@@ -63,10 +58,13 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
   return result;
 }
 
-Calibration calibrate_two_positions(const WandViews& views, const std::string& place,
+Calibration calibrate_two_positions(const WandViews& all_views, const std::string& place,
                                     const TwoPositionOptions& options, std::optional<double> movement_m,
                                     std::span<const std::optional<FloorPlane>> floors) {
+  WandViews views = all_views;
+  keep_useful_positions(views);
   if (views.positions.size() < 2) throw InputError(place, "shows the wand at rest at fewer than two places");
+  check_first_places(views, place);
   const std::size_t sensors = views.evidence.size();
   if (!movement_m) {
     movement_m = 0.0;

@@ -192,13 +192,22 @@ void add_mapping(const InitArguments& arguments, Found& found) {
                        " (docs/how-to/own_recordings.md; `trilat mocap` lists the names) and ask again");
 }
 
+MocapStart start_of(const Take& take, const InitArguments& arguments) {
+  try {
+    return find_mocap_start(take, arguments.start_within_s, {stop_requested, {}});
+  } catch (const InputError& error) {
+    if (error.problem() != kUnclearUp) throw;
+    throw InputError(error.place(), error.problem() + ", here with --up-axis");
+  }
+}
+
 void find_starts(const InitArguments& arguments, Found& found) {
   Progress progress("finding when the motion capture starts");
   for (std::size_t k = 0; k < found.takes.size(); ++k) {
     progress.set(static_cast<double>(k) / static_cast<double>(found.takes.size()));
     Take& take = found.takes[k].take;
     if (take.mocap.empty()) continue;
-    const MocapStart start = find_mocap_start(take, arguments.start_within_s, {stop_requested, {}});
+    const MocapStart start = start_of(take, arguments);
     if (start.status == "found") {
       take.mocap_start_host_ns = start.host_ns;
       const bool before = start.after_recording_s < 0.0;
@@ -322,6 +331,9 @@ int init(const InitArguments& given) {
     if (fs::exists(arguments.folder / name) && !arguments.force)
       throw InputError((arguments.folder / name).string(), "is there already; --force replaces it");
   Found found = look_around(arguments);
+  Json paths = Json::array();
+  for (const FoundTake& f : found.takes) paths.push_back(f.take.session.string());
+  exact_json_text(paths, 0);  // before anything is written
   add_mapping(arguments, found);
   const fs::path mapping = arguments.folder / "mapping.json";
   if (!found.mapping.joints.empty()) write_mapping(mapping, found.mapping);

@@ -264,10 +264,10 @@ void tell(Settings& s, SweepSpec& spec) {
   tell_choices(s, "error_models", kErrors, spec.error_models,
                "of ranges, or of the joint as a sensor sees it");
   tell_choices(s, "threshold_units", kUnits, spec.threshold_units, "in which C is counted");
-  tell_choices(s, "gradients", kGradients, spec.gradients, "as printed (eq. 12) or corrected");
+  tell_choices(s, "gradients", kGradients, spec.gradients, "as printed (eq. 17) or corrected");
   tell_choices(s, "curvatures", kCurvatures, spec.curvatures, "of the step");
   tell_choices(s, "stops", kStops, spec.stops,
-               "the rule: as printed (eq. 18), of the objective, or of the step");
+               "the rule: as printed (eq. 19), of the objective, or of the step");
   tell_choices(s, "dampings", kDampings, spec.dampings, "of the step");
   tell_choices(s, "starts", kStarts, spec.starts, "of the descent");
   if (object) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/kinect_sdk/kinect_source.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -64,8 +65,9 @@ void KinectSource::describe() {
   bool frames_came = false;
   for (;;) {
     if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
-    frames_came = frames_came || !ready_.empty();
+    frames_came = frames_came || has_frame();
     ready_.clear();
+    lost_ = 0;  // before the recording
     if (frames_came && read_intrinsics(sensor.intrinsics)) break;
     if (steady_now_ns() < deadline_ns) continue;
     throw InputError(kPlace, frames_came   ? "the sensor does not tell its intrinsics"
@@ -162,9 +164,15 @@ void KinectSource::take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t ar
   ready_.push_back({0, std::move(result)});
 }
 
+bool KinectSource::has_frame() const {
+  return std::ranges::any_of(ready_, [](const SourceEvent& event) {
+    return std::holds_alternative<DepthFrame>(event.data) || std::holds_alternative<BodyFrame>(event.data);
+  });
+}
+
 void KinectSource::mind_silence() {
   const std::int64_t now_ns = steady_now_ns();
-  if (!ready_.empty()) {
+  if (has_frame()) {
     last_frame_ns_ = now_ns;
     if (std::exchange(said_, {}).empty()) return;
     SourceEvent& back = ready_.emplace_front();

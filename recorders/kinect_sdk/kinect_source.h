@@ -74,6 +74,7 @@ class KinectSource : public FrameSource {
   bool read_intrinsics(DepthIntrinsics& intrinsics);
   bool available();
   void lose(std::int64_t frames);
+  bool has_frame() const;
   void take_frame();
   void take_depth(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);
   void take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);

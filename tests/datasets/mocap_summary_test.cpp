@@ -2,9 +2,11 @@
 #include "datasets/mocap/mocap_summary.h"
 
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/mocap/mocap_reader.h"
@@ -121,7 +123,7 @@ TEST(MocapSummary, FrozenIsAStretchOfATenthOfASecondToTheBit) {
 
 TEST(MocapSummary, FrozenTakesFiveFramesAtALowRate) {
   const MocapSummaryOptions slow{.frozen = {.min_s = 0.01, .min_frames = 5}};
-  std::vector<MocapPose> poses = moving(1);
+  std::vector<MocapPose> poses = moving(2);
   append(poses, 4, pose_at(0.5));
   EXPECT_EQ(asset_summary(poses, slow).frozen, 0);
   append(poses, 1, pose_at(0.5));
@@ -136,8 +138,14 @@ TEST(MocapSummary, AStillBodyWithNoiseInTheLastDigitIsNotFrozen) {
   EXPECT_EQ(asset_summary(poses).frozen, 0);
 }
 
-TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
+TEST(MocapSummary, ABodyThatHasNotMovedIsNotFrozen) {
   std::vector<MocapPose> poses;
+  append(poses, 50, pose_at(0.5));
+  EXPECT_EQ(asset_summary(poses).frozen, 0);
+}
+
+TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
+  std::vector<MocapPose> poses = moving(3);
   append(poses, 8, pose_at(0.5));
   append(poses, 1, MocapPose());
   append(poses, 8, pose_at(0.5));
@@ -162,14 +170,17 @@ TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
   EXPECT_EQ(asset_summary({pose_at(0.3), pose_at(0.3), pose_at(0.3)}).sentinels, 0);
 }
 
-std::string take_of(const std::vector<int>& x_mm) {
-  std::string text =
-      "Format Version,1.23,Export Frame Rate,100,Length "
-      "Units,Millimeters\n\n,Type,Marker,Marker,Marker,Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,"
-      "2,2\n,,Position,Position,Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
+// An asset "a" of this type, and a marker "b" that moves by `step_mm` a frame.
+template <class Number>
+std::string take_of(const std::vector<Number>& x_mm, const std::string& type = "Rigid Body",
+                    double step_mm = 0.001) {
+  std::string text = "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type + "," +
+                     type + "," + type +
+                     ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,Position,"
+                     "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
   for (std::size_t i = 0; i < x_mm.size(); ++i)
-    text += std::to_string(i) + "," + std::to_string(0.01 * static_cast<double>(i)) + "," +
-            std::to_string(x_mm[i]) + ",5,0," + std::to_string(i) + ",5,0\n";
+    text += fmt::format("{},{:.2f},{},5,0,{:.3f},5,0\n", i, 0.01 * static_cast<double>(i), x_mm[i],
+                        step_mm * static_cast<double>(i));
   return text;
 }
 
@@ -200,7 +211,7 @@ TEST(FrozenFilter, TakesOutTheWholeStretchFromItsFirstFrameOn) {
   const FrozenOptions options{.min_s = 0.02, .min_frames = 3};
   EXPECT_EQ(filtered({1, 2, 7, 7, 7, 7, 7, 3, 4}, options),
             (std::vector<int>{1, 2, -1, -1, -1, -1, -1, 3, 4}));
-  EXPECT_EQ(filtered({7, 7, 7}, options), (std::vector<int>{-1, -1, -1}));
+  EXPECT_EQ(filtered({7, 7, 7}, options), (std::vector<int>{7, 7, 7}));  // it has not moved before
   EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}, options), (std::vector<int>{1, 7, 7, 2, 8, 8}));
   EXPECT_EQ(filtered({1}, options), (std::vector<int>{1}));
   EXPECT_EQ(filtered({}, options), (std::vector<int>{}));
@@ -216,7 +227,42 @@ TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
   std::vector<bool> present;
   for (MocapFrame frame; filter.next(frame);) present.push_back(frame.poses[0].has_position());
   EXPECT_EQ(present, (std::vector<bool>{true, true, false, true}));
-  EXPECT_EQ(filter.removed()[0], 1);
+  EXPECT_EQ(filter.removed()[0].at_origin, 1);
+  EXPECT_EQ(filter.removed()[0].frozen, 0);
+}
+
+// Rest of a still asset: noise of 0.02 mm that is smoothed over 20 frames (AR(1), 0.95), written in such steps.
+std::vector<double> resting_mm(double step_mm) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 0.02 * std::sqrt(1.0 - 0.95 * 0.95));
+  std::vector<double> x_mm;
+  for (double noise_mm = 0.0; x_mm.size() < 2000;) {
+    const double moved_mm = x_mm.size() < 50 ? 20.0 * static_cast<double>(x_mm.size()) : 1000.0;  // then it rests
+    noise_mm = 0.95 * noise_mm + normal(random);
+    x_mm.push_back(step_mm * std::round((moved_mm + noise_mm) / step_mm));
+  }
+  return x_mm;
+}
+
+std::int64_t frozen_in(const std::string& text) {
+  const TemporaryFile file(text);
+  MocapReader reader(file.path());
+  FrozenFilter filter(reader);
+  for (MocapFrame frame; filter.next(frame);) continue;
+  return filter.removed()[0].frozen;
+}
+
+TEST(FrozenFilter, KeepsWhatRestsInACoarseFile) {
+  for (const double step_mm : {0.1, 1.0})
+    for (const char* type : {"Marker", "Rigid Body", "Bone"})
+      EXPECT_EQ(frozen_in(take_of(resting_mm(step_mm), type, step_mm)), 0) << type << " in steps of " << step_mm;
+}
+
+TEST(FrozenFilter, KeepsAMarkerThatStandsStillToTheLastDigit) {
+  std::vector<double> x_mm(50, 3.0);
+  for (int i = 0; i < 10; ++i) x_mm[static_cast<std::size_t>(i)] = i;
+  EXPECT_EQ(frozen_in(take_of(x_mm, "Marker")), 0);
+  EXPECT_EQ(frozen_in(take_of(x_mm, "Rigid Body")), 40);
 }
 
 TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {

@@ -261,7 +261,24 @@ TEST(Session, VerifyAsksWhetherPositionsAreMetresAlongEachAxis) {
     frame.bodies[0].position_m[7][static_cast<std::size_t>(i)] = -2100.0f;
     return true;
   }));
-  EXPECT_THAT(said, HasSubstr("error 3 joints lie beyond 20 m: are positions in metres?"));
+  EXPECT_THAT(said, HasSubstr("are positions in metres?"));
+}
+
+TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
+  const std::string said = said_of(written("spoiled.h5", 60, [](std::int64_t i, BodyFrame& frame) {
+    Body& body = frame.bodies[0];
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      body.position_m[j] = {i >= 20 && i < 30 ? 1.6F : 0.1F, 0.2F, 2.5F};
+      body.tracking_state[j] = 2;
+    }
+    if (i < 45) body.position_m[static_cast<std::size_t>(Joint::wrist_left)] = {0.0F, 0.0F, 0.0F};
+    body.position_m[static_cast<std::size_t>(Joint::head)] = {0.0F, 0.0F, i < 2 ? 0.39F : 10.01F};
+    frame.bodies.resize(1);
+    return true;
+  }));
+  EXPECT_THAT(said, HasSubstr("error 105 joints lie nearer than 0.4 m or farther than 10 m of the sensor (head "
+                              "60, wrist_left 45) and count as not seen"));
+  EXPECT_THAT(said, HasSubstr("warning 2 times a body moves more than 1 m from one frame to the next"));
 }
 
 TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {

@@ -303,6 +303,18 @@ TEST(BoneWindow, OneInstantIsEnough) {
   }
 }
 
+// 0.1 s hold no or one of the instants of 5 Hz.
+TEST(BoneWindow, WindowsShorterThanTheTimeBetweenInstantsAnswerEachInstantOnce) {
+  Scene scene = scene_of(30, 0.0);
+  for (std::size_t i = 0; i < scene.time_ns.size(); ++i)
+    scene.time_ns[i] = static_cast<std::int64_t>(i) * 200'000'000;
+  const auto estimates = solve(scene, {.window_s = 0.1});
+  for (std::size_t k = 0; k < estimates.size(); ++k) {
+    EXPECT_EQ(estimates[k].status, SolveStatus::converged) << k;
+    EXPECT_LT((estimates[k].position_m - scene.truth_m[k]).norm(), 1e-6) << k;
+  }
+}
+
 TEST(BoneWindow, TooFewIterationsAreSaid) {
   const auto estimates = solve(scene_of(30, 0.05), {.bone_sigma_m = 1e-3, .max_iterations = 1});
   for (const PointEstimate& estimate : estimates) EXPECT_EQ(estimate.status, SolveStatus::iteration_limit);

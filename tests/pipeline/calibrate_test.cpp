@@ -224,8 +224,9 @@ TEST(CalibrateVerb, WrongUsageIsOneLine) {
   expect_refused(calibrated({"--method", "guess"}), "guess");
   expect_refused(calibrated({"--ball-radius-m", "7.5"}), "--ball-radius-m");
   expect_refused(calibrated({"--method", "bodies"}), "has no body frames");
-  expect_refused(calibrated({"--method", "bodies", "--movement-m", "1"}),
-                 "--movement-m: is of no use with --method bodies");
+  for (const char* option : {"--movement-m", "--movement-sigma-m", "--ball-radius-m"})
+    expect_refused(calibrated({"--method", "bodies", option, "0.1"}),
+                   std::string(option) + ": is of no use with --method bodies");
   expect_refused(calibrated({"--method", "two_positions", "--mocap", "a.csv", "--asset", "w",
                              "--mocap-start-host-ns", "1"}),
                  "--mocap: is of no use with --method two_positions");
@@ -361,7 +362,7 @@ TEST(CalibrateViews, AWrongSightingIsListedWithItsPlaceAndTime) {
   EXPECT_EQ(rejected.sensor, "k2");
   EXPECT_EQ(rejected.position, 6u);
   EXPECT_NEAR(rejected.time_s, 6.0, 1e-9);
-  EXPECT_NEAR(rejected.off_by_m, 0.08, 1e-3);
+  EXPECT_NEAR(rejected.off_by_m.value(), 0.08, 1e-3);
   EXPECT_EQ(result.calibration.sensors[1].left_out, 1u);
 }
 
@@ -478,9 +479,26 @@ TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
                 HasSubstr("sensor \"k3\" does not see the wand's first position"));
     EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0]}, always), options),
                 HasSubstr("at rest at fewer than two places"));
+    EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0]}, always), options),
+                HasSubstr("at rest at fewer than two places"));
+    EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.2, 0.0, 0.0)}, always),
+                          options),
+                HasSubstr("0.20 m apart"));
   }
-  EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0]}, always), kCorrected),
-              HasSubstr("sensor \"k1\" has no pose: no_movement"));
+}
+
+// A hand that drifts over 1 cm ends one rest and begins another; and one sensor alone may see an early rest.
+TEST(CalibrateTwoPositions, ARestThatDriftedIsNoSecondPlace) {
+  const auto rig = rig_of(3);
+  const Calibration sound =
+      calibrate_two_positions(views_of(rig, kTwoPlaces, always), "session.h5", kCorrected, std::nullopt, kNoFloors);
+  const std::vector<Vector3d> places{{0.4, 1.3, -0.2}, kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.0, 0.012, 0.0),
+                                     kTwoPlaces[1]};
+  const Calibration drifted = calibrate_two_positions(
+      views_of(rig, places, [](std::size_t s, std::size_t p) { return p > 0 || s == 1; }), "session.h5",
+      kCorrected, std::nullopt, kNoFloors);
+  for (std::size_t s = 0; s < 3; ++s)
+    expect_pose(drifted.sensors[s], sound.sensors[s].world_from_sensor, 1e-9, 1e-7);
 }
 
 TEST(RunVerbCalibration, TheCalibrationNamedOnTheCommandLineIsUsed) {

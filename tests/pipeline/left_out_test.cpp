@@ -262,5 +262,31 @@ TEST(LeftOut, AMappingWithoutMocapIsOfNoUse) {
   }
 }
 
+// As `init` says of each take: those with motion capture are judged by it, the others by their own sensors.
+TEST(LeftOut, TakesWithoutMocapBesideOthersAreAConditionOfTheirOwn) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(2, 2.0));
+  campaign.takes[1].mocap.clear();
+  campaign.takes[1].mapping.clear();
+  const ResultsSummary summary =
+      execute_study(study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])"), campaign,
+                    folder / "results", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  EXPECT_EQ(summary.takes, 5u);
+  EXPECT_EQ(summary.truth, kMocapTruth);
+  EXPECT_THAT(summary.conditions,
+              testing::ElementsAre("walking", "walking, against a left-out sensor"));
+  for (const std::string& condition : summary.conditions) {
+    const SummaryCell* cell = find_cell(summary, "mean", condition, "wrist", "none");
+    ASSERT_NE(cell, nullptr) << condition;
+    EXPECT_GT(cell->answered, 50u) << condition;
+  }
+  EXPECT_EQ(std::ranges::count_if(summary.notes,
+                                  [](const TakeNote& note) {
+                                    return note.text.find("has no motion capture") == 0;
+                                  }),
+            1);
+}
+
 }  // namespace
 }  // namespace trilat

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -15,6 +16,9 @@ import numpy as np
 import made_up_files as made
 import trilat
 from trilat.convert.__main__ import main
+from trilat.convert.campaign import refuse_other_files
+from trilat.errors import InputError
+from trilat.outputs import folder_aside, refuse_inputs_within
 from trilat.program import program_path
 
 SHARED = Path(__file__).resolve().parents[3] / "shared/data"
@@ -80,7 +84,7 @@ class ConvertTest(unittest.TestCase):
     def test_what_cannot_be_meant_is_refused_with_its_place(self):
         row = made.labanotation_row
         self.assertRegex(self.refused("labanotation", self.file("a.csv", row(0, 0) + row(1, ENDS, "1.5"))), "a.csv:2.*averaged")
-        self.assertRegex(self.refused("labanotation", self.file("a.csv", "0" + ",100,200,2500,2" * 25)), "a.csv:1.*metres")
+        self.assertRegex(self.refused("labanotation", self.file("a.csv", "0" + ",100,200,2500,2" * 25)), "must be in metres.*a.csv:1 has a joint")
         self.assertIn("holds no frame", self.refused("labanotation", self.file("a.csv", "")))
         self.assertIn("a.csv:1 has 2 cells", self.refused("labanotation", self.file("a.csv", "frame,time\n0,1\n")))
         self.assertIn("cannot be opened", self.refused("labanotation", self.folder / "absent.csv"))
@@ -93,6 +97,59 @@ class ConvertTest(unittest.TestCase):
             self.assertEqual(main(["labanotation", str(one), "-o", str(two)]), 2)
         self.assertRegex(err.getvalue(), "also read.*\n.*is there already")
         self.assertEqual(one.read_text(), row(0, 0))
+
+    def test_joints_where_no_kinect_measures_are_not_tracked_and_counted(self):
+        cells = made.labanotation_row(0, 0).strip().split(",")
+        cells[1 + 4 * 6:4 + 4 * 6] = "0", "0", "0"  # as missing joints are written: at the sensor
+        cells[1 + 4 * 7:4 + 4 * 7] = "0", "0", "1e8"
+        report, sensors, _ = self.converted("labanotation", self.file("a.csv", ",".join(cells) + "\n"))
+        states = sensors["k1/bodies/tracking_state"][0].tolist()
+        self.assertEqual((states[5], states[6], states[7]), (2, 0, 0))
+        self.assertEqual(report["k1"]["out_of_reach"], 2)
+
+    def test_times_in_another_unit_are_refused(self):
+        rows = "".join(made.labanotation_row(i, 690 + 33 * i) for i in range(5))  # milliseconds
+        self.assertRegex(self.refused("labanotation", self.file("a.csv", rows)), "a.csv: has 303030 frames a second.*milliseconds")
+
+    def test_nothing_is_deleted_that_the_run_did_not_make(self):
+        recording = self.file("a.csv", made.labanotation_row(0, 0))
+        partial = self.file("session.h5.partial", "what a killed recording left for `trilat recover`")
+        self.converted("labanotation", recording)
+        self.assertIn("killed recording", partial.read_text())
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["a.csv", "session.h5", "session.h5.partial"])
+
+    def test_a_folder_is_exchanged_as_a_whole_and_with_its_own_files_alone(self):
+        old, camp = self.folder / "camp.old", self.folder / "camp"
+        for folder in (old, camp):
+            folder.mkdir()
+        (old / "thesis.txt").write_text("ten years of work")
+        (camp / "campaign.json").write_text(json.dumps({"format": "trilat.campaign", "takes": [{"id": "a", "session": "a/session.h5"}]}))
+        (camp / "notes.txt").write_text("mine")
+        with self.assertRaisesRegex(InputError, "notes.txt: is no file of the campaign"):
+            refuse_other_files(camp)
+        (camp / "notes.txt").unlink()
+        refuse_other_files(camp)
+        with self.assertRaisesRegex(InputError, "an output is never an input"):
+            refuse_inputs_within(camp, [camp / "raw"])
+        with self.assertRaises(ZeroDivisionError), folder_aside(camp) as aside:
+            (aside / "half").write_text("1")
+            1 / 0
+        self.assertTrue((camp / "campaign.json").exists())
+        with folder_aside(camp) as aside:
+            (aside / "new").write_text("1")
+        self.assertEqual([path.name for path in camp.iterdir()], ["new"])
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["camp", "camp.old"])
+        self.assertTrue((old / "thesis.txt").exists())
+
+    def test_what_no_check_foresaw_is_exit_code_2_with_the_place(self):
+        recording = self.file("a.csv", made.labanotation_row(0, 0))
+        err = io.StringIO()
+        with contextlib.redirect_stderr(err):
+            self.assertEqual(main(["labanotation", str(recording), "-o", str(recording / "below" / "s.h5")]), 2)
+            with mock.patch("trilat.convert.joint_rows.integer", side_effect=KeyError("odd")):
+                self.assertEqual(main(["labanotation", str(recording), "-o", str(self.folder / "s.h5")]), 2)
+        self.assertRegex(err.getvalue(), "a.csv.*[Nn]ot a directory")
+        self.assertRegex(err.getvalue(), "a.csv: cannot be read as labanotation: KeyError")
 
     def test_umons_taichi_calls_every_joint_tracked(self):
         text = made.umons_row(0, 12) + made.umons_row(1, 45)

@@ -143,6 +143,11 @@ class RealTest(unittest.TestCase):
         self.assertTrue(0.1 < errors["ankle"] < 1.0 and 0.5 < errors["elbow"] < 3.0 and 0.5 < errors["wrist"] < 4.0, errors)
         self.assertFalse(results.summary["simulated"])
         self.assertIn("is there already", self.converted("ui-prmd", data, "-o", self.folder / "campaign", code=2))
+        raw = self.folder / "campaign/raw"
+        shutil.copytree(data, raw)
+        text = self.converted("ui-prmd", raw, "-o", self.folder / "campaign", "--force", code=2)
+        self.assertIn("an output is never an input", text)
+        self.assertTrue(any(raw.rglob("*.txt.gz")))
 
     def test_ui_prmds_files_of_different_takes_and_torn_ones_are_left_out(self):
         data = self.some_of_ui_prmd("m0[17]_s0[45]_e01_*")

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
@@ -159,10 +160,48 @@ TEST(Capture, ASilentSensorIsToldOnceAndWhenItIsBack) {
   capture(sources_of(std::make_unique<UnreliableSource>(4, 0.6)), folder / "session.h5", options);
   const SessionReader session(folder / "session.h5");
   const auto notices = notices_of(session, 0);
-  EXPECT_EQ(
-      std::ranges::count_if(notices, [](const std::string& n) { return n.find("no frame for 0.1 s") == 0; }),
-      1);
-  EXPECT_THAT(notices, Contains("frames again"));
+  for (const char* stream : {"bodies", "depth"}) {
+    EXPECT_EQ(std::ranges::count(notices, fmt::format("no frame of {} for 0.1 s", stream)), 1);
+    EXPECT_THAT(notices, Contains(fmt::format("frames of {} again", stream)));
+  }
+}
+
+// Bodies of a sensor, of which every fifth frame is missing and of which no depth comes.
+class GappySource : public FrameSource {
+ public:
+  explicit GappySource(std::int64_t frames) : frames_(frames) {
+    SensorDescription sensor;
+    sensor.name = "k1";
+    sensor.source = "made";
+    sensor.has_depth = true;
+    header_.sensors = {sensor};
+  }
+  const SessionHeader& header() const override { return header_; }
+  std::optional<SourceEvent> next() override {
+    if (frame_ % 5 == 4) ++frame_;
+    if (frame_ >= frames_) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return SourceEvent{0, PatternSource::bodies_of(0, frame_++)};
+  }
+
+ private:
+  SessionHeader header_;
+  std::int64_t frames_, frame_ = 0;
+};
+
+TEST(Capture, FramesThatAreMissingByTheirNumbersAreCountedAndADeadStreamIsNamed) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.silence_s = 0.1;
+  options.flush_period_s = 0.02;
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<GappySource>(50)), folder / "session.h5", options);
+  EXPECT_TRUE(summary.lost_frames());
+  EXPECT_EQ(summary.last.sensors[0].lost_at_source, 9);  // the last one leaves no gap
+  const SessionReader session(folder / "session.h5");
+  EXPECT_EQ(session.drop_counts(0).back().at_source, 9);
+  EXPECT_THAT(notices_of(session, 0), Contains("no frame of depth for 0.1 s"));
+  EXPECT_THAT(notices_of(session, 0), testing::Not(Contains(HasSubstr("bodies"))));
 }
 
 TEST(Capture, WhenAskedToStopClosesTheFileWithAllThatCame) {

@@ -126,17 +126,18 @@ TEST(KinectSource, DeliversDepthAndBodiesOfAnExposureWithOneNumber) {
 TEST(KinectSource, TakesWhatATornExposureHas) {
   Desk desk = desk_with({{std::nullopt, 1000 + kPeriod}, {1000 + 2 * kPeriod, std::nullopt}});
   KinectSource source(kinect::fake::runtime_of(desk), kQuick);
-  const auto bodies = take<BodyFrame>(source);
-  const auto depth = take<DepthFrame>(source);
-  EXPECT_EQ(bodies.stamp.sequence, 1);
-  EXPECT_EQ(depth.stamp.sequence, 2);
+  EXPECT_EQ(take<DropCount>(source).at_source, 1);
+  EXPECT_EQ(take<BodyFrame>(source).stamp.sequence, 1);
+  EXPECT_EQ(take<DepthFrame>(source).stamp.sequence, 2);
+  EXPECT_EQ(take<DropCount>(source).at_source, 2);
 }
 
-TEST(KinectSource, AFrameThatIsGoneLeavesAGapInTheNumbers) {
+TEST(KinectSource, AFrameThatIsGoneIsCountedAndLeavesAGapInTheNumbers) {
   Exposure gone = both(1000 + kPeriod);
   gone.pending = true;
   Desk desk = desk_with({gone, both(1000 + 2 * kPeriod)});
   KinectSource source(kinect::fake::runtime_of(desk), kQuick);
+  EXPECT_EQ(take<DropCount>(source).at_source, 2);  // of depth and of bodies
   EXPECT_EQ(take<DepthFrame>(source).stamp.sequence, 2);
 }
 

@@ -248,13 +248,42 @@ TEST(NetworkLink, StoppingTheRecordingMachineEndsTheAgent) {
   MadeSource source("kinect", made_events(100'000'000, 1'000'000), false);
   RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network->port()));
   network->wait_for_agents(1, kGenerous);
-  for (int i = 0; i < 50; ++i) ASSERT_TRUE(network->next());
+  Received received;
+  while (received.frames.size() < 50) put(received, *network->next());
   network->stop();
   network->stop();
-  while (network->next()) {
-  }
+  while (auto event = network->next()) put(received, std::move(*event));
   network.reset();
-  EXPECT_EQ(agent.report().end, AgentEnd::ended_by_server);
+  const AgentReport report = agent.report();
+  EXPECT_EQ(report.end, AgentEnd::complete);
+  EXPECT_EQ(report.status.frames_lost, 0u);
+  EXPECT_EQ(received.frames.size(), report.status.frames_taken);  // also what it held when it was stopped
+}
+
+TEST(NetworkLink, WhatAnAgentCannotSendInTimeAfterTheStopIsCountedAndNamed) {
+  const TestKeys keys;
+  ListenOptions listen = listen_options(keys);
+  listen.queue_bytes = 20'000;
+  listen.drain_limit = std::chrono::milliseconds(100);
+  NetworkSource network(listen);
+  MadeSource source("kinect", made_events(400));
+  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
+  network.wait_for_agents(1, kGenerous);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // nobody takes what comes
+  network.stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  Received received;
+  std::string problem = "no error";
+  try {
+    while (auto event = network.next()) put(received, std::move(*event));
+  } catch (const InputError& error) {
+    problem = error.what();
+  }
+  EXPECT_THAT(problem, HasSubstr("agent k1: has not sent all it held"));
+  EXPECT_LT(received.frames.size(), 400u);
+  ASSERT_FALSE(received.drops.empty());
+  EXPECT_GT(received.drops.back().in_queue, 0);
+  EXPECT_THAT(received.notices, testing::Contains(HasSubstr("that it still held are lost")));
 }
 
 TEST(NetworkLink, StoppingTheAgentSendsWhatItHasAndEndsTheRecording) {

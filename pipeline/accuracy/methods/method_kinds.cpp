@@ -39,8 +39,8 @@ void linear_settings(Settings& s, MethodSpec& m) {
 }
 
 void descent_settings(Settings& s, NonlinearOptions& o) {
-  s.choice("stop", o.stop, kStops, "the rule: as printed (eq. 18), of the objective, or of the step");
-  s.positive("threshold_cm2", o.threshold_m2, "C of eq. 18", kSquareMetresPerSquareCentimetre);
+  s.choice("stop", o.stop, kStops, "the rule: as printed (eq. 19), of the objective, or of the step");
+  s.positive("threshold_cm2", o.threshold_m2, "C of eq. 19", kSquareMetresPerSquareCentimetre);
   s.positive("step_tolerance_m", o.step_tolerance_m, "ends with `stop`: `step`");
   s("max_iterations", o.max_iterations, {1, 1'000'000}, "of each descent");
   range_sigma(s, o.range_sigma_m);
@@ -53,7 +53,7 @@ void descent_settings(Settings& s, NonlinearOptions& o) {
 
 void nonlinear_settings(Settings& s, MethodSpec& m) {
   NonlinearOptions& o = m.nonlinear;
-  s.choice("gradient", o.gradient, kGradients, "as printed (eq. 12) or corrected");
+  s.choice("gradient", o.gradient, kGradients, "as printed (eq. 17) or corrected");
   s.choice("damping", o.damping, kDampings,
            "none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane");
   s.positive("printed_unit_m", o.printed_unit_m, "unit of length of the printed gradient");

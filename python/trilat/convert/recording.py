@@ -129,7 +129,9 @@ class Recording:
         self.frames: list[tuple[int, int]] = []  # sequence, ticks
         self.floors: list[np.ndarray] = []
         self.bodies: list[tuple[int, Body]] = []  # row of its frame
-        self.depth_frames = self.out_of_reach = 0
+        self.depth_frames = 0
+        self.tracked = self.out_of_reach = 0  # joints
+        self.first_out_of_reach = ""
         self.rms_px: float | None = None
 
     def leave_out(self, why: str, place: str, problem: str) -> None:
@@ -147,7 +149,13 @@ class Recording:
 
     def add(self, place: str, ticks: int, bodies: list[Body], sequence: int | None = None,
             floor_plane: np.ndarray | None = None) -> None:
-        """A frame at `ticks` of 100 ns."""
+        """A frame at `ticks` of 100 ns. Joints where no Kinect measures any are not tracked, and counted."""
+        for body in bodies:
+            self.tracked += int((body.tracking_state != NOT_TRACKED).sum())
+            body.tracking_state, beyond = states_within_reach(body.position_m, body.tracking_state)
+            self.out_of_reach += beyond
+            if beyond and not self.first_out_of_reach:
+                self.first_out_of_reach = f"{place} has a joint {np.linalg.norm(body.position_m, axis=1).max():g} m from the sensor"
         if len(bodies) > MOST_BODIES:
             raise TornRow(f"has {len(bodies)} bodies; a Kinect tracks at most {MOST_BODIES}")
         number = self._number(self.stamps, place, ticks, sequence)
@@ -186,7 +194,7 @@ class Recording:
         stamps = np.array(self.frames, np.int64).reshape(-1, 2)
         self._check_rate(stamps[:, 1])
         bodies = [body for _, body in self.bodies]
-        self._leave_out_of_reach(bodies)
+        self._check_reach()
 
         def column(name: str, row_shape: tuple[int, ...], dtype: type) -> np.ndarray:
             return np.array([getattr(body, name) for body in bodies], dtype).reshape(-1, *row_shape)
@@ -210,18 +218,12 @@ class Recording:
             raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; are the times in "
                                         "another unit than this format's (such as milliseconds)? Write them in that unit")
 
-    def _leave_out_of_reach(self, bodies: list[Body]) -> None:
-        """Joints where no Kinect measures any are not tracked. InputError when most are: they are not in metres."""
-        tracked = 0
-        for body in bodies:
-            tracked += int((body.tracking_state != NOT_TRACKED).sum())
-            body.tracking_state, beyond = states_within_reach(body.position_m, body.tracking_state)
-            self.out_of_reach += beyond
-        if tracked and self.out_of_reach > MOST_OUT_OF_REACH * tracked:
-            farthest_m = max(float(np.abs(body.position_m).max()) for body in bodies)
-            raise InputError(self.file, f"has {self.out_of_reach} of {tracked} joints nearer than {NEAREST_JOINT_M} m or farther than "
-                                        f"{FARTHEST_JOINT_M:g} m of the sensor, up to {farthest_m:g} m; positions must be in metres, not "
-                                        "in millimetres or pixels")
+    def _check_reach(self) -> None:
+        """InputError when most joints lie where no Kinect measures any: then they are not in metres."""
+        if self.tracked and self.out_of_reach > MOST_OUT_OF_REACH * self.tracked:
+            raise InputError(self.file, f"has {self.out_of_reach} of {self.tracked} joints nearer than {NEAREST_JOINT_M} m or farther "
+                                        f"than {FARTHEST_JOINT_M:g} m of the sensor; positions must be in metres, not in millimetres or "
+                                        f"pixels. First: {self.first_out_of_reach}")
 
     def _intrinsics(self) -> Mapping[str, float] | None:
         """The depth camera from joints that a file has in space and in pixels: column = cx + fx X / Z, by least squares."""

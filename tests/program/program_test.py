@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: MIT
+"""The program as a person uses it: what it replaces, what it refuses, and what it leaves behind."""
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["TRILAT"]
+STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "lab", "alignments": ["none"],
+         "methods": [{"method": "mean"}, {"method": "nonlinear"}]}
+SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "walks", "participants": 2,
+              "activities": [{"name": "walking", "duration_s": 4}]}
+MOTIVE = """Format Version,1.23,Take Name,Take,Take Notes,{notes},Capture Frame Rate,50.000000,Export Frame Rate,50.000000,\
+Capture Start Frame,0,Total Frames in Take,{promised},Total Exported Frames,{promised},Rotation Type,Quaternion,Length Units,Meters,\
+Coordinate Space,Global
+
+,Type,Marker,Marker,Marker,Marker,Marker,Marker
+,Name,a,a,a,b,b,b
+,ID,1,1,1,2,2,2
+,,Position,Position,Position,Position,Position,Position
+Frame,Time (Seconds),X,Y,Z,X,Y,Z
+"""
+
+
+def trilat(*words, code=0, cwd=None):
+    """Runs the program; gives what it printed on both streams."""
+    ended = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=300, check=False)
+    said = ended.stdout + ended.stderr
+    assert ended.returncode == code, f"exit {ended.returncode}: {said}"
+    return said
+
+
+class ProgramTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.made = Path(holder.name)
+        (cls.made / "simulation.json").write_text(json.dumps(SIMULATION))
+        trilat("simulate", cls.made / "simulation.json", "-o", cls.made / "campaign")
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+
+    def written(self, name, document):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(document if isinstance(document, str) else json.dumps(document))
+        return path
+
+    def campaign(self, **changes):
+        """A copy of the campaign whose takes are changed."""
+        folder = self.folder / "campaign"
+        shutil.copytree(self.made / "campaign", folder)
+        document = json.loads((folder / "campaign.json").read_text())
+        document.update({key: value for key, value in changes.items() if key != "takes"})
+        for take in document["takes"]:
+            take.update(changes.get("takes", {}))
+        (folder / "campaign.json").write_text(json.dumps(document))
+        return folder
+
+    def ran(self, study=STUDY, campaign=None, **options):
+        return trilat("run", self.written("study.json", study), "--campaign", campaign or self.made / "campaign",
+                      "-o", self.folder / "results", *(["--force"] if options.pop("force", False) else []), **options)
+
+    def test_results_of_another_study_or_campaign_are_not_replaced(self):
+        self.ran()
+        before = (self.folder / "results/summary.json").read_bytes()
+        said = self.ran({**STUDY, "name": "other"}, code=2)
+        self.assertIn('results: holds study "lab"', said)
+        self.assertIn("--force", said)
+        self.assertIn('campaign "walks"', self.ran(campaign=self.campaign(name="another"), code=2))
+        self.assertEqual((self.folder / "results/summary.json").read_bytes(), before)
+        self.ran({**STUDY, "sensor_gap_s": 0.2})  # changed settings go on in place
+        self.ran({**STUDY, "name": "other"}, force=True)
+
+    def test_another_campaign_of_the_same_name_is_known_by_its_files(self):
+        self.ran()
+        other = self.written("simulation.json", {**SIMULATION, "seed": 7, "rig": {"radius_m": 2.5}})
+        trilat("simulate", other, "-o", self.folder / "other")
+        mapping = self.folder / "other/p01-walking/mapping.json"
+        for take in ("p01", "p02"):  # nothing is equal, to the byte
+            mapping = self.folder / f"other/{take}-walking/mapping.json"
+            mapping.write_text(mapping.read_text() + "\n")
+        self.assertIn("of another campaign", self.ran(campaign=self.folder / "other", code=2))
+
+    def test_campaigns_reports_and_calibrations_of_something_else_are_not_replaced(self):
+        other = self.written("simulation.json", {**SIMULATION, "name": "runs", "participants": 1})
+        trilat("simulate", other, "-o", self.folder / "sim")
+        self.assertIn('sim: holds campaign "runs"', trilat("simulate", self.made / "simulation.json", "-o", self.folder / "sim", code=2))
+        trilat("simulate", other, "-o", self.folder / "sim")
+        self.ran()
+        trilat("report", self.folder / "results", "-o", self.folder / "report")
+        trilat("report", self.folder / "results", "-o", self.folder / "report")
+        self.ran({**STUDY, "name": "other"}, force=True)
+        self.assertIn("report: holds a report of lab", trilat("report", self.folder / "results", "-o", self.folder / "report", code=2))
+        first, second = (self.made / f"campaign/{take}-walking/session.h5" for take in ("p01", "p02"))
+        calibration = self.folder / "calibration.json"
+        trilat("calibrate", first, "--method", "bodies", "-o", calibration)
+        trilat("calibrate", first, "--method", "bodies", "-o", calibration)
+        self.assertIn("calibration of other recordings", trilat("calibrate", second, "--method", "bodies", "-o", calibration, code=2))
+
+    def test_a_misspelled_joint_is_named_before_anything_is_computed(self):
+        mapping = json.loads((self.made / "campaign/p01-walking/mapping.json").read_text())
+        mapping["joints"]["left_wrist"] = mapping["joints"].pop("wrist_left")
+        folder = self.campaign(takes={"mapping": "mapping.json"})
+        (folder / "mapping.json").write_text(json.dumps(mapping))
+        said = self.ran(campaign=folder, code=2)
+        self.assertIn('mapping.json /joints/left_wrist: is not a joint; did you mean "wrist_left"?', said)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["campaign", "study.json"])
+
+    def test_up_axis_that_is_stated_later_makes_new_results(self):
+        folder = self.campaign(takes={"up_axis": "y"})
+        self.ran(campaign=folder)
+        document = json.loads((folder / "campaign.json").read_text())
+        for take in document["takes"]:
+            take["up_axis"] = "z"
+        (folder / "campaign.json").write_text(json.dumps(document))
+        self.assertNotIn("nothing changed", self.ran(campaign=folder))
+        self.assertIn("nothing changed", self.ran(campaign=folder))
+
+    def test_a_simulation_states_the_up_axis(self):
+        takes = json.loads((self.made / "campaign/campaign.json").read_text())["takes"]
+        self.assertEqual({take["up_axis"] for take in takes}, {"y"})
+
+    def test_a_cross_check_that_compares_nothing_fails_and_each_method_is_compared(self):
+        study = {**STUDY, "methods": [{"method": "nonlinear"}, {"method": "newton"}]}
+        said = trilat("run", self.written("study.json", study), "--campaign", self.made / "campaign", "-o",
+                      self.folder / "results", "--cross-check")
+        for method in ("nonlinear", "newton"):
+            self.assertRegex(said, rf'cross-check of "{method}" with Ceres: [1-9]\d* samples.*agrees')
+        study["sensors"] = ["k1", "k2"]  # two spheres meet in a circle
+        said = trilat("run", self.written("study.json", study), "--campaign", self.made / "campaign", "-o",
+                      self.folder / "two", "--cross-check", code=1)
+        self.assertIn("NOTHING COMPARED", said)
+
+    def own_folder(self, *names):
+        """Recordings under these names with their motion capture beside them, as somebody has them."""
+        folder = self.folder / "own"
+        for k, name in enumerate(names):
+            take = self.made / f"campaign/p0{k + 1}-walking"
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(take / "session.h5", folder / f"{name}.h5")
+            shutil.copy(take / "mocap.csv", folder / f"{name}.csv")
+        shutil.copy(self.made / "campaign/calibration.json", folder)
+        return folder
+
+    def test_names_are_whatever_a_file_system_allows(self):
+        folder = self.own_folder("Müller, A <b> & \"c\" %_$#\\{}~^\ttab/walk", "Möller, A <b> & \"c\" %_$#\\{}~^\ttab/walk")
+        trilat("init", folder)
+        takes = json.loads((folder / "campaign.json").read_text())["takes"]
+        self.assertEqual(len({take["id"] for take in takes}), 2)
+        trilat("run", folder / "study.json", "--campaign", folder, "-o", self.folder / "results")
+        trilat("report", self.folder / "results", "-o", self.folder / "report")
+        self.assertNotIn("A <b>", (self.folder / "report/report.html").read_text())
+        shutil.rmtree(folder)
+        folder = self.own_folder("a/walk")
+        os.rename(os.fsencode(folder / "a"), os.fsencode(folder) + b"/M\xfcller")
+        self.assertIn("is not UTF-8", trilat("init", folder, code=2))
+
+    def test_init_names_a_motion_capture_that_cannot_be_read_and_keeps_nothing(self):
+        folder = self.own_folder("p1/walk")
+        mocap = folder / "p1/walk.csv"
+        text = mocap.read_text()
+        mocap.write_text(text.replace("Length Units,Meters", "Length Units,Cubits"))
+        self.assertIn('walk.csv:1: "Length Units" is "Cubits"', trilat("init", folder, code=2))
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["calibration.json", "p1"])
+
+    def test_init_says_what_it_takes_for_persons_and_one_rig_has_one_calibration(self):
+        folder = self.own_folder("first", "second")
+        said = trilat("init", folder)
+        self.assertIn("each is taken for another participant", said)
+        (folder / "calibration.json").unlink()
+        self.assertIn(f"-o {folder}/calibration.json", trilat("init", folder, "--force", code=2))
+
+    def test_init_and_run_say_the_likely_cause_where_motion_does_not_tell_the_start(self):
+        folder = self.own_folder("p1/walk", "p2/walk")
+        first, second = folder / "p1/walk.csv", folder / "p2/walk.csv"
+        text = first.read_text()
+        first.write_text(text.replace("Length Units,Meters", "Length Units,Millimeters"))
+        said = trilat("init", folder)
+        self.assertIn("metres under Millimeters", said)
+        first.write_text(second.read_text())
+        second.write_text(text)
+        said = trilat("init", folder, "--force", "--start-within-s", "1")
+        self.assertIn("The files of two persons may be exchanged", said)
+
+    def test_exports_that_others_have_changed(self):
+        rows = "".join(f"{i},{0.02 * i:.6f},{0.1 * i:.6f},1.6,0.2,{0.1 * i:.6f},0.9,0.2\n" for i in range(30))
+        notes = self.written("notes.csv", MOTIVE.format(notes='"first line\n\nsecond line"', promised=30) + rows)
+        self.assertIn("30 frames from 0 at 50 Hz", trilat("mocap", notes))
+        notes = self.written("notes.csv", MOTIVE.format(notes="first line\n\nsecond line", promised=30) + rows)
+        self.assertIn("30 frames from 0 at 50 Hz", trilat("mocap", notes))
+        cut = self.written("cut.csv", MOTIVE.format(notes="", promised=200) + rows)
+        self.assertIn("the header promises 200 frames, the file has 30", trilat("mocap", cut))
+        comma = self.written("comma.csv", MOTIVE.format(notes="", promised=30) + rows.replace(".", ","))
+        self.assertIn("decimal comma", trilat("mocap", comma, code=2))
+
+    def test_scripts_print_their_help_and_do_nothing_else(self):
+        for script in (SOURCE / "scripts").iterdir():
+            if not script.is_file() or not os.access(script, os.X_OK):
+                continue
+            with self.subTest(script.name):
+                ended = subprocess.run([script, "--help"], capture_output=True, text=True, cwd=self.folder, timeout=10, check=False)
+                self.assertEqual(ended.returncode, 0, ended.stderr)
+                self.assertGreater(len(ended.stdout), 50)
+                self.assertEqual(list(self.folder.iterdir()), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
