@@ -16,7 +16,7 @@ const std::vector<std::string> kKinds{"accuracy",  "threshold_sweep", "calibrati
                                       "recording", "sensitivity",     "twins"};
 
 std::int64_t version_of(StudyKind kind) {
-  if (kind == StudyKind::accuracy) return 6;
+  if (kind == StudyKind::accuracy) return 7;
   return kind == StudyKind::recording || kind == StudyKind::calibration ? 2 : 1;
 }
 

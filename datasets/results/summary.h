@@ -286,7 +286,7 @@ struct ResultsSummary {
   void check(const JsonObject& object) const;
 };
 
-// summary.json (results format 6, kind accuracy). NaN is written as null.
+// summary.json (results format 7, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or not one.
 ResultsSummary read_summary(const std::filesystem::path& folder);

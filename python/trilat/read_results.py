@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 6
+NEWEST_SUMMARY = 7
 NEWEST_SAMPLES = 2
 ANSWERS = ("converged", "closed_form", "clamped")
 AXES = "xyz"

@@ -218,7 +218,7 @@ TEST(FrozenFilter, TakesOutTheWholeStretchFromItsFirstFrameOn) {
 }
 
 TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
-  std::string text = take_of({1, 2, 3, 4});
+  std::string text = take_of(std::vector<int>{1, 2, 3, 4});
   const auto row = text.find("\n2,") + 1;
   text.replace(row, text.find('\n', row) - row, "2,0.02,0,0,0,2,5,0");
   const TemporaryFile file(text);

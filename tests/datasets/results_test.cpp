@@ -231,7 +231,7 @@ TEST(Summary, ErrorsNameThePlaceAndWhatWouldBeRight) {
   write_file(folder / "summary.json", R"({"format": "trilat.results", "version": 1})");
   EXPECT_THAT(
       message_of([&] { read_summary(folder.path()); }),
-      HasSubstr("summary.json /version: is another version; this program reads version 6 of results of "
+      HasSubstr("summary.json /version: is another version; this program reads version 7 of results of "
                 "kind \"accuracy\""));
   write_file(folder / "summary.json", R"({"format": "coverage.py", "version": 1})");
   EXPECT_THAT(message_of([&] { read_summary(folder.path()); }),

@@ -219,7 +219,7 @@ class DoorTest(unittest.TestCase):
         shutil.copytree(self.results.folder, newer)
         summary = json.loads((newer / "summary.json").read_text())
         (newer / "summary.json").write_text(json.dumps({**summary, "version": 99}))
-        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 6"):
+        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 7"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
         with h5py.File(newer / "samples.h5", "r+") as file:
