@@ -56,7 +56,8 @@ class CaptureStore {
       : writer_(writer), options_(options) {
     for (const SensorDescription& sensor : header.sensors) {
       status_.push_back({.name = sensor.name});
-      sensors_.push_back({.bodies = {"bodies", sensor.source != kWithoutBodies}, .depth = {"depth", sensor.has_depth}});
+      sensors_.push_back(
+          {.bodies = {"bodies", sensor.source != kWithoutBodies}, .depth = {"depth", sensor.has_depth}});
     }
   }
 
@@ -104,8 +105,8 @@ class CaptureStore {
     }
   }
 
-  // Stores how many frames were lost, where that has changed: those that the source counts or that are missing by
-  // their numbers, and those for which a queue had no room, which leave gaps, too.
+  // Stores how many frames were lost, where that has changed: those that the source counts or that are
+  // missing by their numbers, and those for which a queue had no room, which leave gaps, too.
   void note_drops(const CaptureQueue& queue) {
     for (std::size_t s = 0; s < status_.size(); ++s) {
       const Sensor& sensor = sensors_[s];

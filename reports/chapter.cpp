@@ -46,10 +46,10 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   chapter.warnings = accuracy_warnings(s, tracking);
   if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   for (const CrossCheck& check : s.cross_checks)
-    chapter.sentences.push_back(
-        fmt::format("Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
-                    check.method, check.samples, check.worst_m, check.limit_m,
-                    check.passed() ? "agrees" : "**disagrees**"));
+    chapter.sentences.push_back(fmt::format(
+        "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
+        check.method, check.samples, check.worst_m, check.limit_m,
+        check.passed() ? "agrees" : "**disagrees**"));
   // of the paper's studies one asks what compensation does, and some what more sensors do
   const std::vector<Table> second = paper ? table2(s) : std::vector<Table>{};
   const bool counts_sensors = paper && !sensor_counts_figure(s).empty();

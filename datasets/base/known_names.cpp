@@ -64,8 +64,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 
 std::string known_names(std::string_view word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(word, known);
-  if (nearest.empty()) return "known are: " + listed(known);
-  return "did you mean \"" + nearest + "\"? Known are: " + listed(known);
+  return "known are: " + listed(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
 }
 
 }  // namespace trilat

@@ -89,8 +89,9 @@ std::string exact_json_text(const Json& json, int indent) {
     return json.dump(indent);
   } catch (const Json::type_error&) {
     if (json.is_string())
-      throw InputError(json.dump(-1, ' ', false, Json::error_handler_t::replace),
-                       "is not UTF-8 text; rename the file or folder, or save the file that holds the name as UTF-8");
+      throw InputError(
+          json.dump(-1, ' ', false, Json::error_handler_t::replace),
+          "is not UTF-8 text; rename the file or folder, or save the file that holds the name as UTF-8");
     for (const Json& inside : json) exact_json_text(inside, indent);  // names the text
     throw;
   }

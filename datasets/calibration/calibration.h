@@ -33,8 +33,8 @@ struct SensorPose {
 // A measurement that disagreed with all others.
 struct RejectedSighting {
   std::string sensor;
-  std::uint64_t position = 0;  // from 1, in the order of time
-  double time_s = 0.0;         // since the recording's first frame
+  std::uint64_t position = 0;                     // from 1, in the order of time
+  double time_s = 0.0;                            // since the recording's first frame
   std::optional<double> off_by_m = std::nullopt;  // from where the others put it; empty where two disagree
 };
 

@@ -55,11 +55,11 @@ class MocapReader {
   MocapAnomalies anomalies_;
 };
 
-// Some systems repeat the last pose of a rigid body or bone that they have lost instead of leaving it out. What
-// is truly still shows its noise in the last digits, provided that the file has digits for it: a solved pose
-// that has moved before and then stays the same to the bit is lost where steps elsewhere in the file are many
-// times smaller than the noise of a body at rest, some 0.02 mm. Markers are measured, and missing when hidden:
-// they are never lost in this way.
+// Some systems repeat the last pose of a rigid body or bone that they have lost instead of leaving it out.
+// What is truly still shows its noise in the last digits, provided that the file has digits for it: a solved
+// pose that has moved before and then stays the same to the bit is lost where steps elsewhere in the file are
+// many times smaller than the noise of a body at rest, some 0.02 mm. Markers are measured, and missing when
+// hidden: they are never lost in this way.
 struct FrozenOptions {
   double min_s = 0.095;         // from the first to the last frame of the stretch
   std::int64_t min_frames = 5;  // and at least so many
@@ -93,8 +93,8 @@ struct RemovedPoses {
   std::int64_t at_origin = 0;  // exactly (0, 0, 0), which some exports write for "missing"
 };
 
-// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one exactly
-// at the origin. Reads ahead, and holds, no more than one shortest stretch.
+// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one
+// exactly at the origin. Reads ahead, and holds, no more than one shortest stretch.
 class FrozenFilter {
  public:
   explicit FrozenFilter(MocapReader& reader, FrozenOptions options = {});

@@ -86,7 +86,8 @@ struct MocapAnomalies {
   std::int64_t invalid_rotations = 0;     // rotations dropped: the quaternion is not of length 1
   std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
   bool truncated_last_row = false;        // the file ends inside a row, which is not trusted
-  // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the end.
+  // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the
+  // end.
   std::int64_t frames_promised = 0, frames_there = 0;
 };
 
@@ -103,8 +104,8 @@ std::string key_of(const MocapHeader& header, std::size_t asset);
 // InputError at `place` when no asset has that key (lists those there are) or several have it (lists them).
 std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place);
 
-// The assets whose mean position is a joint. InputError at `place` for one that does not exist, has no position,
-// or is a bone whose positions are relative to its parent.
+// The assets whose mean position is a joint. InputError at `place` for one that does not exist, has no
+// position, or is a bone whose positions are relative to its parent.
 std::vector<std::size_t> assets_of_joint(const MocapHeader& header, const std::vector<std::string>& keys,
                                          const std::string& place);
 

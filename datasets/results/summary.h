@@ -90,7 +90,8 @@ struct TakeNote {
   TRILAT_FIELDS(take, failed, place, text)
 };
 
-// How far an iterative method and Ceres were apart on the well-posed samples. Nothing compared is no agreement.
+// How far an iterative method and Ceres were apart on the well-posed samples. Nothing compared is no
+// agreement.
 struct CrossCheck {
   std::string method;
   std::uint64_t samples = 0;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kJump_m = 1.0;
 constexpr double kRunning_m_s = 5.0;
-constexpr std::size_t kFewestJoints = 3;   // that both frames see
-constexpr std::size_t kMostEarlier = 16;   // bodies of one tracking id that are remembered
+constexpr std::size_t kFewestJoints = 3;  // that both frames see
+constexpr std::size_t kMostEarlier = 16;  // bodies of one tracking id that are remembered
 
 double distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return std::hypot(double{a[0]} - double{b[0]}, double{a[1]} - double{b[1]}, double{a[2]} - double{b[2]});
@@ -51,9 +51,10 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
     if (counts[j] > 0) joints.push_back(fmt::format("{} {}", name_of(static_cast<Joint>(j)), counts[j]));
   }
   if (all == 0) return std::nullopt;
-  return fmt::format("{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as "
-                     "not seen; are positions in metres?",
-                     all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
+  return fmt::format(
+      "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as "
+      "not seen; are positions in metres?",
+      all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
 }
 
 std::vector<std::uint64_t> BodyIdentities::of(std::span<const Body> bodies, double time_s) {

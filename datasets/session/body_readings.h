@@ -31,8 +31,8 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts);
 // person. A person who runs may move farther between frames that lie far apart.
 class BodyIdentities {
  public:
-  // The identities of the bodies of the next frame, in their order: the tracking id, or a fresh number that no
-  // tracker gives. A body that is again where an earlier one of its tracking id was is that one.
+  // The identities of the bodies of the next frame, in their order: the tracking id, or a fresh number that
+  // no tracker gives. A body that is again where an earlier one of its tracking id was is that one.
   std::vector<std::uint64_t> of(std::span<const Body> bodies, double time_s);
   // How often a tracking id went over from one body to another.
   std::uint64_t jumps() const { return jumps_; }

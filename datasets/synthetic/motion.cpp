@@ -30,8 +30,8 @@ struct JointTrack {
 std::vector<MappedJoint> resolve(const MocapHeader& header, const std::filesystem::path& mapping) {
   std::vector<MappedJoint> joints;
   for (const auto& entry : read_mapping(mapping).joints)
-    joints.push_back({entry.joint,
-                      assets_of_joint(header, entry.assets,
+    joints.push_back(
+        {entry.joint, assets_of_joint(header, entry.assets,
                                       mapping.string() + " /joints/" + std::string(name_of(entry.joint)))});
   return joints;
 }
@@ -55,8 +55,8 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
 
 }  // namespace
 
-RecordedMotion read_recorded_motion(const std::filesystem::path& mocap,
-                                    const std::filesystem::path& mapping, UpAxis up_axis) {
+RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const std::filesystem::path& mapping,
+                                    UpAxis up_axis) {
   MocapReader reader(mocap);
   const auto joints = resolve(reader.header(), mapping);
   auto tracks = std::make_shared<std::vector<JointTrack>>();

@@ -257,10 +257,11 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
     spec.recorded->up_axis =
         static_cast<UpAxis>(recorded.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
-    recorded.about({{"mocap", "its export, relative to this file"},
-                    {"mapping", "of its assets to joints"},
-                    {"activity", "what studies call it"},
-                    {"up_axis", "of its world; auto: the one along which the person stands, if that is clear"}});
+    recorded.about(
+        {{"mocap", "its export, relative to this file"},
+         {"mapping", "of its assets to joints"},
+         {"activity", "what studies call it"},
+         {"up_axis", "of its world; auto: the one along which the person stands, if that is clear"}});
     recorded.finish();
   }
   if (object.has("activities"))

@@ -17,7 +17,7 @@
 namespace trilat {
 namespace {
 
-constexpr double kShortest_m = 5e-4;  // from the lowest level to the highest; a unit may be wrong by 1000
+constexpr double kShortest_m = 5e-5;  // from the lowest level to the highest; a unit may be wrong by 1000
 constexpr double kLeastCosine = 0.8;
 
 // What lies at one height of a person who stands, from the top. The arms may be anywhere.
@@ -106,7 +106,11 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   JsonObject joints = object.object("joints");
   for (const std::string& key : joints.keys()) {
     const auto joint = joint_from_name(key);
-    if (!joint) joints.refuse(key, "is not a joint; " + known_names(key, joint_names()));
+    if (!joint) {
+      const std::string nearest = nearest_name(key, joint_names());
+      joints.refuse(key, "is not a joint; " + (nearest.empty() ? known_names(key, joint_names())
+                                                               : "did you mean \"" + nearest + "\"?"));
+    }
     auto assets = joints.texts(key);
     if (assets.empty()) joints.refuse(key, "must name at least one asset");
     if (const std::string twice = first_repeated(assets); !twice.empty())
@@ -169,7 +173,7 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
       takes.back().update({{"mocap", inside(take.mocap)},
                            {"mapping", inside(take.mapping)},
                            {"mocap_start_host_ns", take.mocap_start_host_ns}});
-    if (take.up_axis != UpAxis::automatic)
+    if (!take.mocap.empty() && take.up_axis != UpAxis::automatic)
       takes.back()["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
     if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
   }

@@ -373,7 +373,8 @@ Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covarian
   const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
   if (variance == 0.0) return {std::sqrt(square), std::sqrt(square), std::sqrt(square)};
   const double shape = square * square / variance, scale = variance / square;
-  if (!(shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale))) return {kNaN, kNaN, kNaN};
+  if (!(shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale)))
+    return {kNaN, kNaN, kNaN};
   constexpr double kChiSquare3 = 7.814727903251179;  // not exceeded in 95 %, three degrees of freedom
   const auto quantile = [&](double p) { return std::sqrt(gamma_quantile(p, shape, scale)); };
   const bool may_be_none = mean.dot(covariance.inverse() * mean) < kChiSquare3;

@@ -64,8 +64,9 @@ double student_two_sided(double t, std::size_t degrees) {
 }
 
 double gamma_quantile(double p, double shape, double scale) {
-  TRILAT_CHECK(p > 0.0 && p < 1.0 && shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale),
-               "a gamma distribution has a finite shape and scale");
+  TRILAT_CHECK(
+      p > 0.0 && p < 1.0 && shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale),
+      "a gamma distribution has a finite shape and scale");
   double low = 0.0, high = shape + 1.0;  // of scale 1
   while (gsl_cdf_gamma_P(high, shape, 1.0) < p) high *= 2.0;
   // Halving ends at two neighbouring numbers.

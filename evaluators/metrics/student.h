@@ -26,8 +26,8 @@ double student_quantile(std::size_t degrees, double alpha = 0.05);
 double student_two_sided(double t, std::size_t degrees);
 
 // The quantile of the gamma distribution: what is not exceeded with probability `p`. Shape and scale must be
-// finite and greater than 0, `p` between 0 and 1: InternalError otherwise. GSL's own inverse fails for a fifth
-// of the shapes beyond 2000, so the distribution itself is inverted.
+// finite and greater than 0, `p` between 0 and 1: InternalError otherwise. GSL's own inverse fails for a
+// fifth of the shapes beyond 2000, so the distribution itself is inverted.
 double gamma_quantile(double p, double shape, double scale);
 
 }  // namespace trilat

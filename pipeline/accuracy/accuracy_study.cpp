@@ -195,9 +195,9 @@ Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
 
 void check_cross_check(const Plan& plan) {
   if (checked_methods(plan).empty())
-    throw InputError(
-        "study \"" + plan.study.name + '"',
-        "has no nonlinear or newton method with damping lm and stop step that could be checked against Ceres");
+    throw InputError("study \"" + plan.study.name + '"',
+                     "has no nonlinear or newton method with damping lm and stop step that could be checked "
+                     "against Ceres");
 }
 
 }  // namespace

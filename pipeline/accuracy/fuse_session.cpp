@@ -118,7 +118,8 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   find_corrections(plan, planned, data);
   if (!data.shown.problem.empty())
     throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
-  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data), data.notes};
+  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data),
+                              data.notes};
   Calibration& corrected = result.calibration;
   corrected.method = "corrected by bodies";
   corrected.program = kProgramVersion;

@@ -196,8 +196,8 @@ MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watc
   planned.take.mocap_start_host_ns = planned.start.ns;
   const ClockRow clock = load_take(plan, planned, watch.stop_requested).clock;
   if (!clock.applied) return {clock.status, cause_of(clock.status)};
-  return {clock.status, {}, planned.start.ns - duration_from_s(clock.offset_s).ns, -clock.offset_s, -clock.high_s,
-          -clock.low_s};
+  return {clock.status,  {},          planned.start.ns - duration_from_s(clock.offset_s).ns, -clock.offset_s,
+          -clock.high_s, -clock.low_s};
 }
 
 }  // namespace trilat

@@ -21,7 +21,7 @@ struct CalibrateBodiesOptions {
 
 struct BodyCalibration {
   Calibration calibration;
-  std::size_t reference = 0;  // the sensor whose pose is the world; it has no uncertainty
+  std::size_t reference = 0;            // the sensor whose pose is the world; it has no uncertainty
   std::vector<std::string> notes = {};  // joints that were not used, by sensor
 };
 

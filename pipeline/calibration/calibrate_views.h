@@ -29,8 +29,8 @@ struct WandCalibration {
   std::vector<Eigen::Vector3d> position_in_world_m;  // NaN when nothing of it was used
 };
 
-// InputError at `place` when the wand's first two places, which make the x axis, lie within 0.3 m of each other
-// as the sensors saw them.
+// InputError at `place` when the wand's first two places, which make the x axis, lie within 0.3 m of each
+// other as the sensors saw them.
 void check_first_places(const WandViews& views, const std::string& place);
 
 // Sensor poses from what a wand showed that was held still at many places (see docs/how-to/calibrate.md). The

@@ -88,7 +88,7 @@ void print_notes(const std::vector<TakeNote>& notes) {
 
 void print_cross_check(const ResultsSummary& summary) {
   for (const CrossCheck& c : summary.cross_checks) {
-    const std::string verdict = c.passed()         ? "agrees"
+    const std::string verdict = c.passed()       ? "agrees"
                                 : c.samples == 0 ? "NOTHING COMPARED: no sample has an answer of both"
                                                  : fmt::format("DISAGREES (limit {:g} m)", c.limit_m);
     fmt::print(

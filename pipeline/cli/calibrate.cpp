@@ -279,8 +279,7 @@ void add_calibrate(CLI::App& app, int& code) {
   verb.add_option("--movement-m", a.movement_m,
                   "how far the wand moved from its first place to its second, when measured: fixes the scale")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--movement-sigma-m", a.movement_sigma_m,
-                  "standard deviation of --movement-m; else 0.001")
+  verb.add_option("--movement-sigma-m", a.movement_sigma_m, "standard deviation of --movement-m; else 0.001")
       ->check(CLI::PositiveNumber);
   verb.add_option("--trajectory-axis", a.trajectory_axis,
                   "two_positions, printed: which axis of the sensor (x right, y down, z depth) is the "

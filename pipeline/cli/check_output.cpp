@@ -256,8 +256,10 @@ bool has_equal_input(const Campaign& campaign, const Json& manifest) {
         return fs::is_regular_file(file) && hash_of_file(file) == sha256;
     return false;
   };
-  for (const auto& [role, member] : {std::pair{"mapping", &Take::mapping}, {"calibration", &Take::calibration},
-                                     {"mocap", &Take::mocap}, {"session", &Take::session}})
+  for (const auto& [role, member] : {std::pair{"mapping", &Take::mapping},
+                                     {"calibration", &Take::calibration},
+                                     {"mocap", &Take::mocap},
+                                     {"session", &Take::session}})
     for (const Take& take : campaign.takes)
       if (is_equal(take, role, take.*member)) return true;
   return false;
@@ -287,7 +289,8 @@ void refuse_other_report(const fs::path& output, const std::vector<fs::path>& re
     now.insert(document(folder / "manifest.json", "trilat.manifest")
                    .value("study", Json::object())
                    .value("name", ""));
-  if (there.empty() || std::ranges::any_of(there, [&](const std::string& name) { return now.contains(name); }))
+  if (there.empty() ||
+      std::ranges::any_of(there, [&](const std::string& name) { return now.contains(name); }))
     return;
   refuse_other(output, fmt::format("a report of {}", fmt::join(there, ", ")));
 }

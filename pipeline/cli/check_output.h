@@ -40,14 +40,14 @@ struct PlannedOutput {
   std::string aside = ".partial";  // behind the name while it is unfinished
 };
 
-// InputError unless `force` where the folder holds finished results of another study, by name (empty: not looked at), or of another
-// campaign: of another name, without a common take, or with no input of equal SHA-256. Changed settings of the
-// same study go on in place. `campaign`: null for a study that has none.
+// InputError unless `force` where the folder holds finished results of another study, by name (empty: not
+// looked at), or of another campaign: of another name, without a common take, or with no input of equal
+// SHA-256. Changed settings of the same study go on in place. `campaign`: null for a study that has none.
 void refuse_other_results(const std::filesystem::path& output, const std::string& study,
                           const Campaign* campaign, bool force);
 // The same where a report was made of other studies than those of these results.
-void refuse_other_report(const std::filesystem::path& output, const std::vector<std::filesystem::path>& results,
-                         bool force);
+void refuse_other_report(const std::filesystem::path& output,
+                         const std::vector<std::filesystem::path>& results, bool force);
 // The same where a calibration was made of other inputs.
 void refuse_other_calibration(const std::filesystem::path& output,
                               const std::vector<std::filesystem::path>& inputs, bool force);

@@ -156,10 +156,11 @@ Found look_around(const InitArguments& arguments) {
     if (take.calibration.empty())
       throw InputError(
           session.string(),
-          fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} --method bodies "
-                      "-o {}` makes one from a walk for all recordings of this rig, docs/how-to/calibrate.md has "
-                      "better ones",
-                      session.string(), (arguments.folder / "calibration.json").string()));
+          fmt::format(
+              "has no calibration.json in its folder or above; `trilat calibrate {} --method bodies "
+              "-o {}` makes one from a walk for all recordings of this rig, docs/how-to/calibrate.md has "
+              "better ones",
+              session.string(), (arguments.folder / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
     if (!take.mocap.empty()) {
       take.mapping = arguments.folder / "mapping.json";
@@ -170,10 +171,11 @@ Found look_around(const InitArguments& arguments) {
   number_equal_ids(found.takes, found.notes);
   const auto in_top = [&](const fs::path& session) { return session.parent_path() == arguments.folder; };
   if (std::ranges::count_if(sessions, in_top) > 1)
-    found.notes.push_back(fmt::format(
-        "{}: its recordings lie in one folder, so each is taken for another participant, called as the file is; "
-        "if one person made several, give each participant a folder",
-        arguments.folder.string()));
+    found.notes.push_back(
+        fmt::format("{}: its recordings lie in one folder, so each is taken for another participant, called "
+                    "as the file is; "
+                    "if one person made several, give each participant a folder",
+                    arguments.folder.string()));
   return found;
 }
 

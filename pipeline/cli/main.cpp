@@ -37,7 +37,8 @@ void add_import(CLI::App& app) {
 int guarded_main(int argc, char** argv) {
   CLI::App app(
       "Offline evaluation of trilateration with several Kinect v2 sensors against OptiTrack.\n"
-      "Exit codes: 0 done; 1 done, but items failed or something was lost; 2 bad input or usage; 3 (gate) not "
+      "Exit codes: 0 done; 1 done, but items failed or something was lost; 2 bad input or usage; 3 (gate) "
+      "not "
       "judged; 70 a bug of this program; 130 interrupted, the same line goes on.",
       "trilat");
   app.set_version_flag("--version", std::string(kProgramVersion) + "\n" + TRILAT_BUILD);

@@ -100,8 +100,8 @@ int run(const RunArguments& arguments) {
   if (arguments.dry_run) return opened.print_plan(shard, arguments.json, {stop_requested, {}});
   check_run_output(arguments, kind.kind, opened.inputs);
   if (shard.whole())
-    refuse_other_results(arguments.output, json.value("name", ""), opened.campaign ? &*opened.campaign : nullptr,
-                         arguments.force);
+    refuse_other_results(arguments.output, json.value("name", ""),
+                         opened.campaign ? &*opened.campaign : nullptr, arguments.force);
   ItemTally tally;
   try {
     tally = run_opened(opened, arguments, shard);

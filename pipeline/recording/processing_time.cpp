@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
-#include "datasets/session/body_readings.h"
 #include "datasets/base/philox.h"
+#include "datasets/session/body_readings.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker.h"
 #include "evaluators/metrics/error_statistics.h"

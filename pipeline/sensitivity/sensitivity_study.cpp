@@ -99,6 +99,16 @@ std::uint64_t seed_of(const SensitivitySpec& spec, const Row& row) {
   return spec.head.seed;
 }
 
+// Why no take of a campaign can be evaluated; empty: some can.
+std::string problem_of(const StudySpec& study, const Campaign& campaign, const Watch& watch) {
+  try {
+    make_plan(study, campaign, {watch.stop_requested, {}});
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::filesystem::path& scratch,
                     const Watch& watch, SensitivityPoint& point) {
   const std::size_t methods = spec.head.methods.size();
@@ -106,12 +116,15 @@ void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::
   point.answered.assign(methods, kNoNumber);
   const SimulationSpec simulation = simulation_at(spec, point.position, seed);
   const Campaign campaign = simulate_campaign(simulation, scratch / "campaign", {watch.stop_requested, {}});
-  const ResultsSummary summary =
-      execute_study(spec.study, campaign, scratch / "results", {.stop_requested = watch.stop_requested});
-  for (const TakeNote& note : summary.notes)
-    if (note.failed && point.problem.empty()) point.problem = note.text;
-  if (!summary.conditions.empty())
-    take_errors(spec.study, campaign, scratch / "results", summary, watch, point);
+  point.problem = problem_of(spec.study, campaign, watch);
+  if (point.problem.empty()) {
+    const ResultsSummary summary =
+        execute_study(spec.study, campaign, scratch / "results", {.stop_requested = watch.stop_requested});
+    for (const TakeNote& note : summary.notes)
+      if (note.failed && point.problem.empty()) point.problem = note.text;
+    if (!summary.conditions.empty())
+      take_errors(spec.study, campaign, scratch / "results", summary, watch, point);
+  }
   std::filesystem::remove_all(scratch);
 }
 

@@ -122,17 +122,24 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
   const Json truth =
       simulated_truth(plan.item, sensors, error, spec.depth.takes ? &spec.depth.noise : nullptr);
   write_file(folder / "truth.json", truth.dump(2) + "\n");
-  return {plan.id,      plan.participant,     plan.activity,           folder / "session.h5",
-          {},           folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns,
-          tracker_truth, plan.up_axis};
+  return {plan.id,
+          plan.participant,
+          plan.activity,
+          folder / "session.h5",
+          {},
+          folder / "mocap.csv",
+          folder / "mapping.json",
+          (kMotionStart + error).ns,
+          tracker_truth,
+          plan.up_axis};
 }
 
 SimulatedCampaign simulated_campaign(const SimulationSpec& spec) {
   SimulatedCampaign campaign;
   Eigen::Vector3d centre_m(0.0, 1.0, 0.0);
   if (spec.recorded) {
-    const RecordedMotion recorded = read_recorded_motion(spec.recorded->mocap, spec.recorded->mapping,
-                                                         spec.recorded->up_axis);
+    const RecordedMotion recorded =
+        read_recorded_motion(spec.recorded->mocap, spec.recorded->mapping, spec.recorded->up_axis);
     centre_m = recorded.centre_m;
     campaign.takes.push_back(recorded_take(spec, recorded));
   } else {

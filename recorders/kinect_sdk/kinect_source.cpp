@@ -113,8 +113,8 @@ std::optional<SourceEvent> KinectSource::next() {
   return event;
 }
 
-// Frames that could not be acquired, of both streams together. One that was replaced before leaves a gap in the
-// numbers as well, of which the recorder counts the larger.
+// Frames that could not be acquired, of both streams together. One that was replaced before leaves a gap in
+// the numbers as well, of which the recorder counts the larger.
 void KinectSource::lose(std::int64_t frames) {
   lost_ += frames;
   ready_.push_back({0, DropCount{steady_now_ns(), lost_, 0}});

@@ -89,8 +89,8 @@ struct AgentSlot {
 
   std::uint64_t next_number = 0;
   std::optional<std::uint64_t> held_to;  // what the agent held when it was stopped, to this number
-  std::vector<DropCount> lost;     // totals of this run of the agent, a sensor each
-  std::vector<DropCount> earlier;  // of its earlier runs, and what was damaged on the way
+  std::vector<DropCount> lost;           // totals of this run of the agent, a sensor each
+  std::vector<DropCount> earlier;        // of its earlier runs, and what was damaged on the way
 };
 
 // Which agents take part. Any thread.

@@ -24,8 +24,8 @@ struct ListenOptions {
   std::chrono::milliseconds handshake_limit{5000};
   std::chrono::milliseconds silence_limit{5000};
   std::chrono::milliseconds exchange_period{250};
-  // How long agents may take to send what they hold when the recording is stopped; what is left then is lost and
-  // counted.
+  // How long agents may take to send what they hold when the recording is stopped; what is left then is lost
+  // and counted.
   std::chrono::milliseconds drain_limit{10000};
   // Who was turned away and why, at most one line a second. Any thread, one at a time.
   std::function<void(const std::string& line)> on_refusal = [](const std::string&) {};

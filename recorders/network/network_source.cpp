@@ -14,7 +14,7 @@ namespace trilat {
 namespace {
 
 constexpr std::chrono::milliseconds kSourceLookPeriod{50};
-constexpr std::chrono::milliseconds kCountLimit{500};  // for connections to count what has not come
+constexpr std::chrono::milliseconds kCountLimit{1000};  // for connections to count what has not come
 
 std::string utc_text() {
   const std::time_t now = std::time(nullptr);

@@ -54,7 +54,7 @@ class ResendRing {
   bool full() const { return bytes_ >= limit_bytes_; }
   std::size_t bytes() const { return bytes_; }
   std::uint64_t end_number() const { return next_number_; }  // behind the last message
-  std::uint64_t lost_frames() const;  // those that are certain
+  std::uint64_t lost_frames() const;                         // those that are certain
 
  private:
   struct DropTotals {};

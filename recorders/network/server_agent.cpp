@@ -14,6 +14,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kAgentLookPeriod{100};
 constexpr std::chrono::seconds kTellPeriod{1};
 constexpr std::uint64_t kMessagesAnAck = 32;
+constexpr std::chrono::milliseconds kCountPeriod{300};  // for messages that were sent and not stored
 
 class AgentIntake {
  public:
@@ -68,13 +69,26 @@ class AgentIntake {
   void ask_to_stop() {
     if (!std::exchange(asked_to_stop_, true)) link_.send(StopMessage{});
   }
-  // Of an agent that has not sent all within the time it had.
+  // Counts what an agent has not sent within the time it had: what is still on the way, and what it holds
+  // behind.
   void count_held() {
     if (slot_.said_bye) return;
-    const std::uint64_t left = slot_.held_to ? *slot_.held_to - std::min(*slot_.held_to, slot_.next_number) : 0;
-    tell(slot_.held_to ? std::to_string(left) + " messages that it still held are lost"
-                       : std::string("what it still held is lost"));
-    slot_.earlier[0].in_queue += static_cast<std::int64_t>(std::max<std::uint64_t>(1, left));
+    const auto until = Clock::now() + kCountPeriod;
+    std::uint64_t lost = 0, next_number = slot_.next_number;
+    for (auto message = link_.receive(); Clock::now() < until; message = link_.receive()) {
+      if (!message) {
+        link_.wait(kCountPeriod / 10);
+      } else if (const auto* event = std::get_if<EventMessage>(&*message)) {
+        if (event->number < next_number) continue;
+        next_number = event->number + 1;
+        ++lost;
+      } else if (const auto* held = std::get_if<HeldMessage>(&*message)) {
+        slot_.held_to = held->end_number;
+      }
+    }
+    if (slot_.held_to) lost += *slot_.held_to - std::min(*slot_.held_to, next_number);
+    tell((slot_.held_to ? "" : "at least ") + std::to_string(lost) + " messages that it still held are lost");
+    slot_.earlier[0].in_queue += static_cast<std::int64_t>(std::max<std::uint64_t>(1, lost));
     state_.queue.push_small({slot_.first_sensor, totals_of(0)});
   }
   template <class Other>
@@ -125,6 +139,7 @@ class AgentIntake {
     while (!state_.queue.push_for(event, kAgentLookPeriod)) {
       ended_ = !go_on() || state_.queue.closed();
       if (ended_) return;
+      if (state_.stopping) ask_to_stop();
       link_.send_sign_of_life(AckMessage{slot_.next_number});
     }
   }

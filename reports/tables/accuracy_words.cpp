@@ -167,7 +167,8 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
     if (!check.passed())
       warnings.push_back(
           check.samples == 0
-              ? fmt::format("`{}` was not compared with Ceres: no sample has an answer of both.", check.method)
+              ? fmt::format("`{}` was not compared with Ceres: no sample has an answer of both.",
+                            check.method)
               : fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", check.method, check.worst_m));
   for (const std::string& condition : s.conditions)
     for (const std::string& method : leading_methods(s, condition)) {

@@ -72,6 +72,11 @@ TEST(Philox, UniformsLieInsideTheOpenUnitInterval) {
   }
 }
 
+TEST(Philox, TheLargestAndTheSmallestBitsLieInsideToo) {
+  EXPECT_LT(open_unit(~0U, ~0U), 1.0);
+  EXPECT_GT(open_unit(0, 0), 0.0);
+}
+
 TEST(Philox, EveryPartOfTheKeyChangesTheNumber) {
   const RandomStream base{1, Purpose::test, 1};
   EXPECT_NE(base.uniform(0), base.uniform(1));

@@ -116,6 +116,24 @@ TEST(Calibration, CovariancesEvidenceAndSourcesAreReadBackToTheBit) {
   EXPECT_EQ(read.sources[1].sha256, "def");
 }
 
+TEST(Calibration, WhatIsUnknownStaysUnknownAndOffsetsAreKeptWithoutCounts) {
+  const ScratchFolder folder;
+  Calibration written = full_calibration();
+  written.positions = 0;
+  written.reduced_chi2.reset();
+  written.rejected[0].off_by_m.reset();
+  written.sensors[1].used = 0;
+  write_calibration(folder / "calibration.json", written);
+  const Calibration read = read_calibration(folder / "calibration.json");
+  EXPECT_FALSE(read.reduced_chi2);
+  ASSERT_EQ(read.rejected.size(), 2u);
+  EXPECT_FALSE(read.rejected[0].off_by_m);
+  EXPECT_EQ(read.sensors[1].depth_offset_m, -0.0123);
+  EXPECT_EQ(read.sensors[1].depth_offset_sigma_m, 0.0021);
+  ASSERT_EQ(read.sources.size(), 2u);
+  EXPECT_EQ(read.program, "0.1.0");
+}
+
 // The full calibration with one thing in it spoilt.
 class SpoiltCalibration : public testing::Test {
  protected:

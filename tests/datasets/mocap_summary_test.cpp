@@ -174,10 +174,11 @@ TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
 template <class Number>
 std::string take_of(const std::vector<Number>& x_mm, const std::string& type = "Rigid Body",
                     double step_mm = 0.001) {
-  std::string text = "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type + "," +
-                     type + "," + type +
-                     ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,Position,"
-                     "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
+  std::string text =
+      "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type + "," + type +
+      "," + type +
+      ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,Position,"
+      "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
   for (std::size_t i = 0; i < x_mm.size(); ++i)
     text += fmt::format("{},{:.2f},{},5,0,{:.3f},5,0\n", i, 0.01 * static_cast<double>(i), x_mm[i],
                         step_mm * static_cast<double>(i));
@@ -231,13 +232,15 @@ TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
   EXPECT_EQ(filter.removed()[0].frozen, 0);
 }
 
-// Rest of a still asset: noise of 0.02 mm that is smoothed over 20 frames (AR(1), 0.95), written in such steps.
+// Rest of a still asset: noise of 0.02 mm that is smoothed over 20 frames (AR(1), 0.95), written in such
+// steps.
 std::vector<double> resting_mm(double step_mm) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal(0.0, 0.02 * std::sqrt(1.0 - 0.95 * 0.95));
   std::vector<double> x_mm;
   for (double noise_mm = 0.0; x_mm.size() < 2000;) {
-    const double moved_mm = x_mm.size() < 50 ? 20.0 * static_cast<double>(x_mm.size()) : 1000.0;  // then it rests
+    const double moved_mm =
+        x_mm.size() < 50 ? 20.0 * static_cast<double>(x_mm.size()) : 1000.0;  // then it rests
     noise_mm = 0.95 * noise_mm + normal(random);
     x_mm.push_back(step_mm * std::round((moved_mm + noise_mm) / step_mm));
   }
@@ -255,7 +258,8 @@ std::int64_t frozen_in(const std::string& text) {
 TEST(FrozenFilter, KeepsWhatRestsInACoarseFile) {
   for (const double step_mm : {0.1, 1.0})
     for (const char* type : {"Marker", "Rigid Body", "Bone"})
-      EXPECT_EQ(frozen_in(take_of(resting_mm(step_mm), type, step_mm)), 0) << type << " in steps of " << step_mm;
+      EXPECT_EQ(frozen_in(take_of(resting_mm(step_mm), type, step_mm)), 0)
+          << type << " in steps of " << step_mm;
 }
 
 TEST(FrozenFilter, KeepsAMarkerThatStandsStillToTheLastDigit) {

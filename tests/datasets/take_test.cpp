@@ -160,7 +160,7 @@ TEST(MappingFile, ErrorsNameThePlaceAndWhatWouldBeRight) {
   };
   EXPECT_EQ(refusal(R"({"head": ["a"]})"), "no error");
   EXPECT_THAT(refusal(R"({"nose": ["a"]})"),
-              HasSubstr("mapping.json /joints/nose: is no joint; known are: spine_base, "));
+              HasSubstr("mapping.json /joints/nose: is not a joint; known are: spine_base, "));
   EXPECT_THAT(refusal(R"({"head": []})"), HasSubstr("/joints/head: must name at least one asset"));
   EXPECT_THAT(refusal(R"({"head": ["a", "a"]})"), HasSubstr("/joints/head: names the asset \"a\" twice"));
   EXPECT_THAT(refusal(R"({"head": "a"})"), HasSubstr("/joints/head: must be an array of texts"));

@@ -481,19 +481,20 @@ TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
                 HasSubstr("at rest at fewer than two places"));
     EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0]}, always), options),
                 HasSubstr("at rest at fewer than two places"));
-    EXPECT_THAT(complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.2, 0.0, 0.0)}, always),
-                          options),
-                HasSubstr("0.20 m apart"));
+    EXPECT_THAT(
+        complaint(views_of(rig_of(3), {kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.2, 0.0, 0.0)}, always),
+                  options),
+        HasSubstr("0.20 m apart"));
   }
 }
 
 // A hand that drifts over 1 cm ends one rest and begins another; and one sensor alone may see an early rest.
 TEST(CalibrateTwoPositions, ARestThatDriftedIsNoSecondPlace) {
   const auto rig = rig_of(3);
-  const Calibration sound =
-      calibrate_two_positions(views_of(rig, kTwoPlaces, always), "session.h5", kCorrected, std::nullopt, kNoFloors);
-  const std::vector<Vector3d> places{{0.4, 1.3, -0.2}, kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.0, 0.012, 0.0),
-                                     kTwoPlaces[1]};
+  const Calibration sound = calibrate_two_positions(views_of(rig, kTwoPlaces, always), "session.h5",
+                                                    kCorrected, std::nullopt, kNoFloors);
+  const std::vector<Vector3d> places{
+      {0.4, 1.3, -0.2}, kTwoPlaces[0], kTwoPlaces[0] + Vector3d(0.0, 0.012, 0.0), kTwoPlaces[1]};
   const Calibration drifted = calibrate_two_positions(
       views_of(rig, places, [](std::size_t s, std::size_t p) { return p > 0 || s == 1; }), "session.h5",
       kCorrected, std::nullopt, kNoFloors);

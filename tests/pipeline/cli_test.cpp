@@ -111,7 +111,7 @@ TEST(Door, AMessageSaysWhatWouldBeRight) {
        "method \"single k9\": names the sensor \"k9\"; the rig has k1"},
       {{"calibrate", "session.h5", "--shard", "1/2", "-o", results},
        "--shard: is not there any more; run it whole: ten minutes of four sensors take one to two minutes"},
-      {{"mocap", kinect}, "Bodies of a Kinect are a session's: `trilat import` reads them"},
+      {{"mocap", kinect}, "Bodies of a Kinect belong into a session: `python3 -m trilat.convert` makes one"},
       {{"export", "csv", campaign, "-o", folder / "x.csv"},
        "is a campaign; export one of its sessions, such as"},
   };
@@ -267,7 +267,7 @@ Ended interrupted_at(const Process& process, const std::filesystem::path& sign) 
   process.interrupt();
   const Ended ended = process.wait();
   EXPECT_LT(Clock::now() - start, std::chrono::milliseconds(2000));
-  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_EQ(ended.code, 130) << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("interrupted"));
   return ended;
 }

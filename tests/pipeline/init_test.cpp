@@ -121,7 +121,7 @@ TEST(Init, AWalkInACircleNeedsToKnowHowFarApartBothBegan) {
   ASSERT_NE(at, std::string::npos);
   write_file(own / "calibration.json", text.replace(at, 11, "\"sensor k1\""));
   EXPECT_THAT(run_trilat(folder, {"init", own.string()}).err,
-              HasSubstr("(ambiguous); several starts fit, as when somebody walks in a circle"));
+              HasSubstr("(ambiguous): several starts fit, as when somebody walks in a circle"));
   const Ended ended = run_trilat(folder, {"init", own.string(), "--force", "--start-within-s", "0.5"});
   EXPECT_THAT(ended.out, HasSubstr("by the motion")) << ended.err;
   EXPECT_THAT(read_file(own / "study.json"), Not(HasSubstr("joint_offset")));

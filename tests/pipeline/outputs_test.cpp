@@ -115,7 +115,8 @@ class Outputs : public testing::TestWithParam<Verb> {
     data_ = new fs::path(fs::path(testing::TempDir()) / ("trilat_outputs_" + std::to_string(getpid())));
     fs::create_directories(*data_ / "spec");
     write_file(*data_ / "spec/simulation.json", R"({"format": "trilat.simulation", "version": 1,
-      "participants": 1, "activities": [{"name": "walking", "duration_s": 3}]})");
+      "participants": 1, "activities": [{"name": "walking", "duration_s": 3}],
+      "sensor": {"dropped_share": 0}})");
     write_file(*data_ / "study.json", R"({"format": "trilat.study", "version": 1, "kind": "accuracy",
       "name": "test", "methods": [{"method": "mean"}, {"method": "median"}]})");
     for (const Words& words : std::vector<Words>{

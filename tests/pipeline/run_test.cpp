@@ -361,7 +361,7 @@ TEST(Run, CrossCheckingNeedsAMethodToCheck) {
                 execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results",
                               {.cross_check = true});
               }),
-              HasSubstr("has no nonlinear method with damping lm"));
+              HasSubstr("has no nonlinear or newton method with damping lm"));
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 

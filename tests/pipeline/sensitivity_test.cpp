@@ -148,6 +148,20 @@ TEST(SensitivityVerb, TablesReportAndSlices) {
               HasSubstr("simulated campaigns all over the space of settings"));
 }
 
+// All frames of every sensor are lost at one value: those campaigns fail, the others count.
+TEST(SensitivityVerb, CampaignsThatFailAreNamedAndTheExitCodeSaysSo) {
+  const ScratchFolder folder;
+  write_file(folder / "map.json",
+             study_json(R"("space": [{"name": "ratio", "setting": "/body_tracker/ray_ratio", "low": 0.1,
+                 "high": 5, "logarithmic": true},
+                 {"name": "lost", "setting": "/sensor/dropped_share", "values": [0.01, 1]}])")
+                 .dump());
+  const Ended ended = run_trilat(folder, {"run", folder / "map.json", "-o", folder / "results"});
+  EXPECT_EQ(ended.code, 1) << ended.err;
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("failed: "), HasSubstr("campaigns have no errors")));
+  EXPECT_THAT(read_file(folder / "results/points.csv"), HasSubstr("has no frames"));
+}
+
 // A difference that one factor decides alone, with a known break-even.
 TEST(SensitivityAnalysis, SharesBreakEvenAndIndicesOfAKnownDifference) {
   SensitivitySummary s;

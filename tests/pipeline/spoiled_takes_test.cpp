@@ -238,7 +238,7 @@ std::vector<Spoiled> all_spoiled() {
       {"jumping_body", jump_to_another, {"k2: 2 times a body moves more than 1 m"}},
       {"slow_frames",
        keep_every_fourth_frame,
-       {"k1, k2, k3, k4: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},
+       {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},
       {"mirrored_truth", mirror_export, {"mocap.csv", "is mirrored", "right-handed axes"}},
       {"cut_export", cut_export, {"mocap.csv", "frames where its header promises", "was it cut?"}},
       {"large_calibration",
@@ -280,7 +280,8 @@ std::vector<Spoiled> all_spoiled_poses() {
        calibrated(
            [](Calibration& c) { std::swap(c.sensors[0].world_from_sensor, c.sensors[1].world_from_sensor); }),
        {"calibration.json", "has the poses of k1 and k2 exchanged"}},
-      {"turned", calibrated([](Calibration& c) {
+      {"turned",
+       calibrated([](Calibration& c) {
          c.sensors[1].world_from_sensor.rotation =
              Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())) *
              c.sensors[1].world_from_sensor.rotation;
@@ -300,7 +301,8 @@ void expect_one_note(const std::string& notes, const std::vector<std::string>& s
   std::istringstream lines(notes);
   std::vector<std::string> with_all;
   for (std::string line; std::getline(lines, line);)
-    if (std::ranges::all_of(said, [&](const std::string& part) { return line.find(part) != std::string::npos; }))
+    if (std::ranges::all_of(said,
+                            [&](const std::string& part) { return line.find(part) != std::string::npos; }))
       with_all.push_back(line);
   EXPECT_EQ(with_all.size(), 1u) << notes;
 }
@@ -370,12 +372,15 @@ TEST(SpoiledSensors, ABodyThatJumpsToAnotherPersonIsNotTaken) {
 TEST(SpoiledSensors, AJointAtTheSensorIsNotTaken) {
   const ScratchFolder folder;
   Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
-  const StudySpec study = study_of(
-      R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "range_bearing"}])");
+  const StudySpec study =
+      study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "range_bearing"}])");
   joint_put(0, Joint::wrist_left, {0.0F, 0.0F, 1e8F})(recorded);
   const ResultsSummary summary = execute_study(study, recorded.campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  for (const SummaryCell& cell : summary.cells) EXPECT_LT(cell.max_m, 0.5) << cell.method << " " << cell.group;
+  for (const SummaryCell& cell : summary.cells) {
+    if (cell.group == kAverageGroup) continue;
+    EXPECT_LT(cell.max_m, 0.5) << cell.method << " " << cell.group;
+  }
 }
 
 // The errors are those of the take before it was laid on its side.

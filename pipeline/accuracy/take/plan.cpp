@@ -19,8 +19,8 @@
 namespace trilat {
 namespace {
 
-// Instants of the truth that show which axis points up: so many with a joint, or more until one does, of at most
-// so many.
+// Instants of the truth that show which axis points up: so many with a joint, or more until one does, of at
+// most so many.
 constexpr double kProbe_s = 0.1;
 constexpr std::size_t kProbes = 10, kMostProbes = 300;
 constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
@@ -127,9 +127,10 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
 
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
-    throw InputError("take \"" + planned.take.id + '"',
-                     "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a take by "
-                     "its own sensors, with \"left_out_sensor\" every take");
+    throw InputError(
+        "take \"" + planned.take.id + '"',
+        "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a take by "
+        "its own sensors, with \"left_out_sensor\" every take");
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
   const bool has_truth = has_mocap_truth(planned.take);

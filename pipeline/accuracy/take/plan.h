@@ -74,8 +74,8 @@ std::string recorded_id(const Take& take);
 // Whether the truth of every take is what sensors see that are left out, and not mocap.
 bool leaves_sensors_out(const Plan& plan);
 
-// Whether notes and tables of the recording as a whole come from this take: from each, and of those that differ
-// in the sensor that is left out from the first.
+// Whether notes and tables of the recording as a whole come from this take: from each, and of those that
+// differ in the sensor that is left out from the first.
 bool speaks_for_take(const Plan& plan, const PlannedTake& planned);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a

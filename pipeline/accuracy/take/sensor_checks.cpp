@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,7 +30,7 @@ constexpr double kMoved_m = 0.15;
 constexpr double kMovement_s = 0.1;  // to both sides
 // Of the clocks: the offset; how far is looked; the correlation of the movements; and by how much the part of
 // the movements that does not agree is larger without the offset.
-constexpr double kClock_s = 0.1, kClockSearch_s = 1.0, kLeastCorrelation = 0.7, kDisagreementWithout = 1.5;
+constexpr double kClock_s = 0.1, kClockSearch_s = 1.0, kLeastCorrelation = 0.5, kDisagreementWithout = 1.1;
 constexpr std::size_t kClockBlocks = 8;  // of time, each left out in turn for the offset's uncertainty
 constexpr double kClockSigmas = 2.0, kClockSurely_s = 0.05;  // the offset less its uncertainty is larger
 constexpr double kOneRange = 0.08, kAllRanges = 0.04;
@@ -309,7 +310,8 @@ class SensorChecks {
 
   // Products of two sensors' movements, summed over one block of time.
   struct MovementSums {
-    double product = 0.0, squares = 0.0, other_squares = 0.0;
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    double squares = 0.0, other_squares = 0.0;
   };
   using BlockSums = std::array<MovementSums, kClockBlocks>;
 
@@ -331,7 +333,7 @@ class SensorChecks {
         const Eigen::Vector3d& b = others[static_cast<std::size_t>(other)];
         if (!a.allFinite() || b.isZero(0.0)) continue;
         MovementSums& block = sums[k * kClockBlocks / own.size()];
-        block.product += a.dot(b);
+        block.products += a * b.transpose();
         block.squares += a.squaredNorm();
         block.other_squares += b.squaredNorm();
       }
@@ -339,19 +341,22 @@ class SensorChecks {
     return by_lag;
   }
 
-  static double correlation_of(const BlockSums& blocks, std::size_t without) {
+  // `turned`: one sensor's movements turned as they agree best with the others'.
+  static double correlation_of(const BlockSums& blocks, std::size_t without, bool turned = false) {
     MovementSums sum;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       if (b == without) continue;
-      sum.product += blocks[b].product;
+      sum.products += blocks[b].products;
       sum.squares += blocks[b].squares;
       sum.other_squares += blocks[b].other_squares;
     }
-    return sum.product / std::sqrt(sum.squares * sum.other_squares);
+    const Eigen::Vector3d singular = sum.products.jacobiSvd().singularValues();
+    const double best = singular[0] + singular[1] + std::copysign(singular[2], sum.products.determinant());
+    return (turned ? best : sum.products.trace()) / std::sqrt(sum.squares * sum.other_squares);
   }
 
   // The lag in instants at which the movements correlate best, one block left out; NaN where they do not, or
-  // correlate nearly as well without it.
+  // correlate nearly as well without it, or as well by turning the sensor.
   static double best_lag(const std::vector<BlockSums>& by_lag, std::ptrdiff_t most, std::size_t without) {
     std::vector<double> correlation;
     for (const BlockSums& blocks : by_lag) correlation.push_back(correlation_of(blocks, without));
@@ -359,7 +364,8 @@ class SensorChecks {
         std::ranges::max_element(correlation, [](double a, double b) { return std::isnan(a) || a < b; });
     const double unshifted = correlation[static_cast<std::size_t>(most)];
     if (peak == correlation.begin() || peak + 1 >= correlation.end() || !(*peak > kLeastCorrelation) ||
-        !(1.0 - unshifted > kDisagreementWithout * (1.0 - *peak)))
+        !(1.0 - unshifted > kDisagreementWithout * (1.0 - *peak)) ||
+        !(*peak > correlation_of(by_lag[static_cast<std::size_t>(most)], without, true)))
       return kNaN;
     const double left = *(peak - 1), right = *(peak + 1);
     const double between = 0.5 * (left - right) / (left - 2.0 * *peak + right);  // of the parabola

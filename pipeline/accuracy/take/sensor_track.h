@@ -40,8 +40,8 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
 
 // One person at any time. A joint is interpolated linearly between two frames that both see it and are no
 // farther apart than `longest_gap`; its state is the worse of the two. Of several bodies in a frame the one
-// with the most tracked joints is taken (the first of equals), of those with a wanted identity when `wanted` is
-// given.
+// with the most tracked joints is taken (the first of equals), of those with a wanted identity when `wanted`
+// is given.
 ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,
                      const std::set<std::uint64_t>* wanted = nullptr);
 

@@ -149,7 +149,8 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 }
 
 std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                   const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block) {
+                                   const std::vector<MethodPaths>& paths, bool cross_check,
+                                   SampleBlock& block) {
   const auto checked = cross_check ? checked_methods(plan) : std::vector<const Method*>{};
   const std::uint64_t count = block.instants;
   std::vector<Observations> rigs;

@@ -16,10 +16,11 @@ namespace trilat {
 std::vector<const Method*> checked_methods(const Plan& plan);
 
 // Sends every instant of a block, which has its size already, through every method on the threads of the
-// current arena; `paths` is what the methods over time have found. The result is how Ceres compares, by checked
-// method, where that is asked for.
+// current arena; `paths` is what the methods over time have found. The result is how Ceres compares, by
+// checked method, where that is asked for.
 std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                   const std::vector<MethodPaths>& paths, bool cross_check, SampleBlock& block);
+                                   const std::vector<MethodPaths>& paths, bool cross_check,
+                                   SampleBlock& block);
 
 // How many methods of the plan solve windows of all joints together, which takes long.
 std::size_t windowed_methods(const Plan& plan);

@@ -71,14 +71,15 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
         100.0 * share, 100.0 * (1.0 - share)));
   if (const RemovedPoses removed = truth.removed(); removed.frozen > 0)
-    note(
-        fmt::format("{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
-                    "has finer steps: they were lost, and are not used as ground truth",
-                    removed.frozen));
+    note(fmt::format(
+        "{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
+        "has finer steps: they were lost, and are not used as ground truth",
+        removed.frozen));
   if (const RemovedPoses removed = truth.removed(); removed.at_origin > 0)
-    note(fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
-                     "used as ground truth",
-                     removed.at_origin));
+    note(
+        fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
+                    "used as ground truth",
+                    removed.at_origin));
   const MocapAnomalies& odd = truth.anomalies();
   if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
     note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
@@ -167,8 +168,8 @@ void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const R
   read_truth(plan, planned, truth, stop_requested, data);
 }
 
-void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session, TruthTrack* truth,
-                 const std::function<bool()>& stop_requested, TakeData& data) {
+void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
+                 TruthTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
   const std::size_t sensors = plan.rig.size();
   RigBodies seen;
   for (std::size_t s = 0; s < sensors; ++s)
@@ -202,8 +203,8 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
 }
 
 // Finds the exchanges that these sensors of the rig show of each other.
-void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& plan, const PlannedTake& planned,
-                          const BodyTracks& bodies, ExchangeRepair& exchanges) {
+void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& plan,
+                          const PlannedTake& planned, const BodyTracks& bodies, ExchangeRepair& exchanges) {
   if (sensors.empty()) return;
   BodyTracks part(bodies.instants(), sensors.size());
   std::vector<RigidTransform> poses;
@@ -222,15 +223,16 @@ void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& p
 // A sensor that is left out is the truth: it and its predictors are put right each without the other.
 void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
   const std::size_t rig = plan.rig.size();
-  data.exchanges = {rig, std::vector<std::uint8_t>(data.time.size() * rig, 0), std::vector<std::size_t>(rig, 0)};
+  data.exchanges = {rig, std::vector<std::uint8_t>(data.time.size() * rig, 0),
+                    std::vector<std::size_t>(rig, 0)};
   if (!planned.level) {
-    data.notes.push_back({planned.take.id, false, planned.take.calibration.string(),
-                          "has a world that is not level, so exchanges of left and right are not looked for"});
+    data.notes.push_back(
+        {planned.take.id, false, planned.take.calibration.string(),
+         "has a world that is not level, so exchanges of left and right are not looked for"});
     return;
   }
   std::vector<std::size_t> truth, others;
-  for (std::size_t s = 0; s < rig; ++s)
-    (plan.rig[s] == planned.take.left_out ? truth : others).push_back(s);
+  for (std::size_t s = 0; s < rig; ++s) (plan.rig[s] == planned.take.left_out ? truth : others).push_back(s);
   find_exchanges_among(others, plan, planned, data.bodies, data.exchanges);
   find_exchanges_among(truth, plan, planned, data.bodies, data.exchanges);
   if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
@@ -249,10 +251,9 @@ void check_clock(const Plan& plan, const PlannedTake& planned, TruthTrack& truth
   if (data.clock.applied)
     read_truth(plan, planned, truth, stop_requested, data);
   else
-    data.notes.push_back(
-        {planned.take.id, false, planned.take.mocap.string(),
-         "keeps its stated start, since by the motion the clocks' offset is not known (" + data.clock.status +
-             "): " + cause_of(data.clock.status)});
+    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(),
+                          "keeps its stated start, since by the motion the clocks' offset is not known (" +
+                              data.clock.status + "): " + cause_of(data.clock.status)});
 }
 
 // Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
@@ -314,10 +315,10 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
     data.notes.push_back(
         {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
   if (speaks_for_take(plan, planned) && planned.take.activity.ends_with(kPredicted))
-    data.notes.push_back(
-        {planned.take.id, false, planned.take.session.string(),
-         "has no motion capture: each sensor is predicted from the others, and the differences stand under \"" +
-             planned.take.activity + '"'});
+    data.notes.push_back({planned.take.id, false, planned.take.session.string(),
+                          "has no motion capture: each sensor is predicted from the others, and the "
+                          "differences stand under \"" +
+                              planned.take.activity + '"'});
   std::optional<TruthTrack> truth;
   if (has_mocap_truth(planned.take))
     truth.emplace(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));

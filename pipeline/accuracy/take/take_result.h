@@ -39,7 +39,7 @@ struct TakeCheck {
 // All that evaluating one take gives besides its samples and its replay.
 struct TakeResult {
   std::vector<TakeInput> inputs;
-  std::vector<TakeNote> notes;  // places are given from the campaign's folder
+  std::vector<TakeNote> notes;    // places are given from the campaign's folder
   std::vector<TakeCheck> checks;  // by checked method; empty when the cross-check was not asked for
   TakeTracking tracking;
   bool evaluated = false;

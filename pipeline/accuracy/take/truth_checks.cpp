@@ -35,8 +35,10 @@ struct Unit {
   double times;  // how much too large the numbers are
   const char* what;
 };
-constexpr std::array kUnits{Unit{1.0 / 0.3048, "feet"}, Unit{1.0 / 0.0254, "inches"},
-                            Unit{100.0, "centimetres"}, Unit{1000.0, "millimetres"},
+constexpr std::array kUnits{Unit{1.0 / 0.3048, "feet"},
+                            Unit{1.0 / 0.0254, "inches"},
+                            Unit{100.0, "centimetres"},
+                            Unit{1000.0, "millimetres"},
                             Unit{0.01, "metres that the header calls centimetres"},
                             Unit{0.001, "metres that the header calls millimetres"}};
 constexpr std::array kYards{Unit{1.0 / 0.9144, "yards"}, Unit{0.9144, "metres that were taken for yards"}};
@@ -174,10 +176,11 @@ class TruthChecks {
     const PointFit fit = fit_points(joined(both_.seen), joined(both_.truth));
     if (!(fit.rms_m > kReflected_m && fit.mirrored_rms_m < kReflectedShare * fit.rms_m)) return false;
     note(planned_.take.mocap,
-         fmt::format("is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and {:.2f} m "
-                     "off when it is mirrored first; export it with right-handed axes (or, if every left joint "
-                     "is mapped to the right, mend the mapping)",
-                     fit.rms_m, fit.mirrored_rms_m));
+         fmt::format(
+             "is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and {:.2f} m "
+             "off when it is mirrored first; export it with right-handed axes (or, if every left joint "
+             "is mapped to the right, mend the mapping)",
+             fit.rms_m, fit.mirrored_rms_m));
     return true;
   }
   bool is_beyond_doubt(double scale, double& sigma) const {

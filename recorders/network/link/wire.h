@@ -94,9 +94,9 @@ struct ByeMessage {
   std::string problem{};
 };
 
-using Message = std::variant<HelloMessage, WelcomeMessage, RefusalMessage, ResumeMessage, EventMessage,
-                             AckMessage, AliveMessage, ClockPingMessage, ClockPongMessage, ByeMessage, StopMessage,
-                             HeldMessage>;
+using Message =
+    std::variant<HelloMessage, WelcomeMessage, RefusalMessage, ResumeMessage, EventMessage, AckMessage,
+                 AliveMessage, ClockPingMessage, ClockPongMessage, ByeMessage, StopMessage, HeldMessage>;
 
 struct WireError {
   std::string problem;
