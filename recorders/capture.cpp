@@ -56,8 +56,7 @@ class CaptureStore {
       : writer_(writer), options_(options) {
     for (const SensorDescription& sensor : header.sensors) {
       status_.push_back({.name = sensor.name});
-      sensors_.push_back(
-          {.bodies = {"bodies", sensor.source != kWithoutBodies}, .depth = {"depth", sensor.has_depth}});
+      sensors_.push_back({.bodies = {"bodies", true}, .depth = {"depth", sensor.has_depth}});
     }
   }
 
@@ -140,7 +139,6 @@ class CaptureStore {
     std::int64_t counted_at_source = 0;
     std::int64_t lost_on_the_way = 0;  // in an agent's queue
   };
-  static constexpr const char* kWithoutBodies = "libfreenect2";
 
   void heard(std::size_t sensor, StreamWatch& stream, const FrameStamp& stamp) {
     stream.add(stamp);

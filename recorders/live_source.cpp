@@ -24,8 +24,7 @@ LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& op
       options_(options),
       first_arrival_ns_(inner_->header().sensors.size()),
       lost_(first_arrival_ns_.size(), 0),
-      last_lost_(first_arrival_ns_.size(), -1),
-      depth_frames_(first_arrival_ns_.size(), 0) {}
+      last_lost_(first_arrival_ns_.size(), -1) {}
 
 std::int64_t LiveSource::start() {
   if (!start_ns_) {
@@ -69,14 +68,7 @@ bool LiveSource::spoiled(SourceEvent& event, std::int64_t due_ns) {
   const double due_s = static_cast<double>(due_ns) * 1e-9;
   if (f.unplugged_at_s >= 0.0 && due_s >= f.unplugged_at_s)
     throw InputError("the sensor", "is no longer there (unplugged, as was asked for)");
-  FrameStamp* stamp = stamp_of(event);
-  if (!stamp) return false;
-  if (f.clock_jump_at_s >= 0.0 && due_s >= f.clock_jump_at_s)
-    stamp->device_ticks += duration_from_s(f.clock_jump_s).ns / header().sensors.at(event.sensor).tick_ns;
-  if (auto* depth = std::get_if<DepthFrame>(&event.data))
-    if (f.torn_every > 0 && ++depth_frames_[event.sensor] % f.torn_every == 0)
-      depth->depth_mm.resize(kDepthPixels / 2);
-  return f.stall_at_s >= 0.0 && due_s >= f.stall_at_s && due_s < f.stall_at_s + f.stall_s;
+  return stamp_of(event) && f.stall_at_s >= 0.0 && due_s >= f.stall_at_s && due_s < f.stall_at_s + f.stall_s;
 }
 
 void LiveSource::move_to_now(SourceEvent& event) const {

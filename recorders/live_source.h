@@ -16,10 +16,8 @@ namespace trilat {
 
 // What can go wrong with a sensor, to be tried without one. Seconds since the start; negative: never.
 struct SourceFaults {
-  double stall_at_s = -1.0, stall_s = 0.0;            // nothing comes meanwhile, and the frames are lost
-  double clock_jump_at_s = -1.0, clock_jump_s = 0.0;  // of the device ticks
-  double unplugged_at_s = -1.0;                       // the source breaks
-  std::int64_t torn_every = 0;  // every so many depth frames one has only half its pixels
+  double stall_at_s = -1.0, stall_s = 0.0;  // nothing comes meanwhile, and the frames are lost
+  double unplugged_at_s = -1.0;             // the source breaks
 };
 
 struct LiveOptions {
@@ -60,7 +58,7 @@ class LiveSource : public FrameSource {
   std::optional<std::int64_t> start_ns_;
   std::multimap<std::int64_t, SourceEvent> ahead_;             // by due time
   std::vector<std::optional<std::int64_t>> first_arrival_ns_;  // one a sensor
-  std::vector<std::int64_t> lost_, last_lost_, depth_frames_;  // one a sensor; frames, by their numbers
+  std::vector<std::int64_t> lost_, last_lost_;                 // one a sensor; frames, by their numbers
   std::mutex mutex_;
   std::condition_variable stop_changed_;
   bool stopped_ = false;

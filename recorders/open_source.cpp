@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <deque>
-#include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,134 +12,11 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/session_reader.h"
 #include "datasets/synthetic/depth/room_scene.h"
 #include "recorders/frame_source.h"
-#include "recorders/freenect2/freenect2_source.h"
 
 namespace trilat {
 namespace {
-
-constexpr std::uint64_t kBlock = 256;  // frames whose stamps are read together
-
-std::optional<std::int64_t> first_arrival(const SessionReader& session, std::size_t sensor) {
-  std::optional<std::int64_t> first;
-  const SensorCounts& counts = session.counts(sensor);
-  for (const auto& [stream, frames] : {std::pair{FrameStream::bodies, counts.body_frames},
-                                       std::pair{FrameStream::depth, counts.depth_frames}})
-    if (frames > 0) {
-      const std::int64_t arrival = session.stamps(sensor, stream, 0, 1)[0].arrival_ns;
-      first = std::min(first.value_or(arrival), arrival);
-    }
-  return first;
-}
-
-// Frames and clock exchanges of a session once more, sensor against sensor in the order of arrival since each
-// one's first frame. Depth comes as it is stored. But for the exchanges, memory does not depend on the
-// length.
-class ReplaySource : public FrameSource {
- public:
-  explicit ReplaySource(const std::filesystem::path& session) : session_(session) {
-    for (std::size_t s = 0; s < session_.header().sensors.size(); ++s) {
-      Stream stream;
-      stream.sensor = s;
-      const auto exchanges = session_.clock_exchanges(s);
-      stream.exchanges.assign(exchanges.begin(), exchanges.end());
-      stream.first_arrival_ns = first_arrival(session_, s).value_or(0);
-      if (!exchanges.empty()) stream.first_exchange_ns = exchanges.front().t1_ns;
-      streams_.push_back(std::move(stream));
-    }
-  }
-
-  const SessionHeader& header() const override { return session_.header(); }
-  std::optional<SourceEvent> next() override {
-    Stream* behind = nullptr;
-    Due first;
-    for (Stream& stream : streams_) {
-      fill(stream);
-      const auto due = due_of(stream);
-      if (due && (!behind || due->at_ns < first.at_ns)) {
-        behind = &stream;
-        first = *due;
-      }
-    }
-    if (!behind) return std::nullopt;
-    return take(*behind, first.kind);
-  }
-
-  // The earliest time of the host clock in the session; ask before the first event is taken.
-  std::int64_t origin_ns() const {
-    std::int64_t origin = std::numeric_limits<std::int64_t>::max();
-    for (std::size_t s = 0; s < streams_.size(); ++s) {
-      if (!streams_[s].exchanges.empty())
-        origin = std::min(origin, streams_[s].first_exchange_ns);
-      else if (const auto first = first_arrival(session_, s))
-        origin = std::min(origin, *first);
-    }
-    return origin == std::numeric_limits<std::int64_t>::max() ? 0 : origin;
-  }
-
- private:
-  struct Stream {
-    std::size_t sensor = 0;
-    std::uint64_t next_body = 0, next_depth = 0;
-    std::deque<BodyFrame> bodies;
-    std::deque<FrameStamp> depth_stamps;
-    std::deque<ClockExchange> exchanges;
-    std::int64_t first_arrival_ns = 0, first_exchange_ns = 0;
-  };
-  struct Due {
-    std::int64_t at_ns = 0;
-    int kind = 0;  // 0 an exchange, 1 bodies, 2 depth
-  };
-  void fill(Stream& stream) const {
-    const SensorCounts& counts = session_.counts(stream.sensor);
-    if (stream.bodies.empty() && stream.next_body < counts.body_frames) {
-      const std::uint64_t count = std::min(kBlock, counts.body_frames - stream.next_body);
-      auto frames = session_.body_frames(stream.sensor, stream.next_body, count);
-      stream.bodies.assign(std::make_move_iterator(frames.begin()), std::make_move_iterator(frames.end()));
-      stream.next_body += count;
-    }
-    if (stream.depth_stamps.empty() && stream.next_depth < counts.depth_frames) {
-      const std::uint64_t count = std::min(kBlock, counts.depth_frames - stream.next_depth);
-      const auto stamps = session_.stamps(stream.sensor, FrameStream::depth, stream.next_depth, count);
-      stream.depth_stamps.assign(stamps.begin(), stamps.end());
-    }
-  }
-
-  std::optional<Due> due_of(const Stream& stream) const {
-    std::optional<Due> due;
-    const auto earliest = [&](std::int64_t at_ns, int kind) {
-      if (!due || at_ns < due->at_ns) due = Due{at_ns, kind};
-    };
-    if (!stream.exchanges.empty()) earliest(stream.exchanges.front().t4_ns - stream.first_exchange_ns, 0);
-    if (!stream.bodies.empty()) earliest(stream.bodies.front().stamp.arrival_ns - stream.first_arrival_ns, 1);
-    if (!stream.depth_stamps.empty())
-      earliest(stream.depth_stamps.front().arrival_ns - stream.first_arrival_ns, 2);
-    return due;
-  }
-
-  SourceEvent take(Stream& stream, int kind) {
-    const auto pop = [](auto& queue) {
-      auto front = std::move(queue.front());
-      queue.pop_front();
-      return front;
-    };
-    if (kind == 0) return {stream.sensor, pop(stream.exchanges)};
-    if (kind == 1) return {stream.sensor, pop(stream.bodies)};
-    const FrameStamp stamp = pop(stream.depth_stamps);
-    const std::uint64_t index = stream.next_depth++;
-    StoredDepthFrame stored = session_.stored_depth_frame(stream.sensor, index);
-    if (stored.compression)
-      return {stream.sensor, EncodedDepthFrame{stamp, std::move(stored.chunk), *stored.compression}};
-    DepthFrame raw{stamp, std::vector<std::uint16_t>(kDepthPixels)};
-    decode_depth_frame(stored, raw.depth_mm);
-    return {stream.sensor, std::move(raw)};
-  }
-
-  SessionReader session_;
-  std::vector<Stream> streams_;
-};
 
 // KIND:WHAT,KEY=VALUE,…
 struct SourceText {
@@ -225,14 +99,12 @@ SyntheticRequest read_synthetic(SourceText text) {
   request.dropped_share = text.take_number("drop", request.dropped_share, 0.0, 1.0);
   SourceFaults& faults = request.live.faults;
   text.take_pair("stall", faults.stall_at_s, faults.stall_s);
-  text.take_pair("jump", faults.clock_jump_at_s, faults.clock_jump_s);
   faults.unplugged_at_s = text.take_number("unplug", -1.0, 0.0, 1e6);
-  faults.torn_every = static_cast<std::int64_t>(text.take_number("torn", 0.0, 1.0, 1e9));
   request.live.speed = take_speed(text);
   request.live.stamp_arrivals = request.live.speed == 1.0;
   request.live.one_clock = true;
   request.live.origin_ns = kMotionStart.ns;
-  text.refuse_the_rest("seed, depth, duration, drop, stall, jump, unplug, torn, speed");
+  text.refuse_the_rest("seed, depth, duration, drop, stall, unplug, speed");
   return request;
 }
 
@@ -255,25 +127,6 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
   constexpr std::size_t kEventsAhead = 128;  // 28 MB of depth, half a second of four sensors
   return std::make_unique<LiveSource>(std::make_unique<PrefetchSource>(std::move(source), kEventsAhead),
                                       request.live);
-}
-
-std::unique_ptr<FrameSource> open_replay(SourceText text, SourceUse use) {
-  if (text.what.empty()) text.refuse("a replay source needs a session: replay:session.h5");
-  LiveOptions options;
-  options.speed = take_speed(text);
-  options.stamp_arrivals = use == SourceUse::agent;
-  text.refuse_the_rest("speed");
-  auto replay = std::make_unique<ReplaySource>(text.what);
-  options.origin_ns = replay->origin_ns();
-  return std::make_unique<LiveSource>(std::move(replay), options);
-}
-
-std::unique_ptr<FrameSource> open_freenect2_text(SourceText text) {
-  Freenect2Options options;
-  options.serial = text.what;
-  if (const auto pipeline = text.take("pipeline")) options.pipeline = *pipeline;
-  text.refuse_the_rest("pipeline");
-  return open_freenect2(options, text.place);
 }
 
 }  // namespace
@@ -309,20 +162,14 @@ std::unique_ptr<FrameSource> open_source(const std::string& text, const std::str
   if (use == SourceUse::agent && parsed.settings.count("speed") > 0 && parsed.settings.at("speed") != "1")
     parsed.refuse("an agent's source has real speed only; leave \"speed\" out");
   if (parsed.kind == "synthetic") return open_synthetic(read_synthetic(parsed));
-  if (parsed.kind == "replay") return open_replay(parsed, use);
-  if (parsed.kind == "freenect2") return open_freenect2_text(parsed);
   if (parsed.kind == "kinect")
     parsed.refuse("the Kinect SDK is on Windows only: there `trilat-agent.exe run` sends what it delivers");
-  parsed.refuse("there is no source \"" + parsed.kind + "\"; there are synthetic:4 and replay:session.h5");
+  parsed.refuse("there is no source \"" + parsed.kind + "\"; there is synthetic:4");
 }
 
 std::string source_help() {
-  const std::string real =
-      has_freenect2() ? "freenect2:SERIAL (a Kinect v2 on this computer; with ,pipeline=cpu), " : "";
-  return real +
-         "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
-         ",stall=AT+SECONDS ,jump=AT+SECONDS ,unplug=AT ,torn=EVERY) or replay:FILE (a session once more); "
-         "both with ,speed=FACTOR or ,speed=max";
+  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
+         ",stall=AT+SECONDS ,unplug=AT ,speed=FACTOR or ,speed=max)";
 }
 
 PrefetchSource::PrefetchSource(std::unique_ptr<FrameSource> inner, std::size_t events_ahead)

@@ -47,11 +47,9 @@ enum class SourceUse { record, agent };
 
 // A source by its text, KIND:WHAT with settings KEY=VALUE behind commas:
 //   synthetic:N          N virtual Kinects and a walking person; seed=1, depth=yes, duration=SECONDS,
-//                        drop=SHARE, stall=AT+SECONDS, jump=AT+SECONDS, unplug=AT, torn=EVERY
-//   replay:FILE          a session once more
-//   freenect2:SERIAL     a Kinect v2 on this computer, where built with libfreenect2; pipeline=cpu
-// and for the first two speed=FACTOR (1; max: as fast as it can be taken). `place` is what an InputError
-// names.
+//                        drop=SHARE, stall=AT+SECONDS, unplug=AT, speed=FACTOR (1; max: as fast as it can
+//                        be taken)
+// `place` is what an InputError names.
 std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place = "--source",
                                          SourceUse use = SourceUse::record);
 

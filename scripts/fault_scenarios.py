@@ -41,7 +41,6 @@ SCENARIOS = [
     Scenario("merge campaign", "merge made1 made2 -o out", "made1 made2"),
     Scenario("sweep", "run sweep.json -o out --threads 1", "sweep.json"),
     Scenario("sweep, resumed", "run sweep.json -o out --threads 1", "sweep.json stopped_sweep=out.partial"),
-    Scenario("export", "export csv results -o out", "results"),
     Scenario("report", "report results -o out --time then", "results", False),
     Scenario("report: gnuplot", "report results -o out --time then", "results", False),
     Scenario("gate", "gate older --baseline accepted --junit out --threads 1", "older accepted"),

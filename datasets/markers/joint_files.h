@@ -36,10 +36,6 @@ struct JointTrack {
 // A marker file as OpenSim reads it: millimetres to the micrometre, a missing joint is three empty cells.
 void write_trc(const std::filesystem::path& path, const JointTrack& track);
 
-// Points as Intel reals in millimetres. The residual is the uncertainty in whole millimetres, 1 to 255, 0
-// when it is not known and -1 for a missing joint. At most 255 joints; times count from the first frame.
-void write_c3d(const std::filesystem::path& path, const JointTrack& track);
-
 inline constexpr const char* kJointCsvHead = "frame,time_s,joint,status,x_m,y_m,z_m,sigma_m\n";
 
 // A row a frame and joint, blank where nothing is known.

@@ -11,14 +11,6 @@
 
 namespace trilat {
 
-// A file of nothing but markers, with tabs between the cells, of which `first_line` has been read already;
-// the next line is then the first of the data. Axes stay as they are. InputError with the line where
-// something is missing or contradictory.
-
-bool is_trc(std::string_view first_line);
-// OpenSim's TRC: lengths in the unit that the header states.
-ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line);
-
 // Data rows of the formats with a frame a row and a number a column: Motive and TRC. Time is the frame index
 // times the export rate; only when the header states no rate it is the printed one.
 class ColumnRows : public RowSource {

@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/c3d_rows.h"
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/motive_header.h"
 #include "datasets/mocap/trackable_header.h"
 #include "datasets/mocap/trackable_rows.h"
+#include "datasets/mocap/trc_header.h"
 
 namespace trilat {
 namespace {
@@ -37,8 +39,11 @@ bool is_numbers_only(std::string_view line) {
                      "when it is Motive's, export it again with the header switched on. Bodies of a Kinect "
                      "belong into a session: `python3 -m trilat.convert` makes one");
   if (line.starts_with("NO_OF_") || line.starts_with("FILE_VERSION"))
+    throw InputError(place, "Qualisys' TSV is not read; export C3D from Qualisys Track Manager instead");
+  if (line.starts_with('{') || line.starts_with('['))
     throw InputError(place,
-                     "Qualisys' TSV is not read any more; export C3D from Qualisys Track Manager instead");
+                     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
+                     "trilat.convert azure-kinect` makes one of offline_processor's JSON");
   if (line.starts_with("Format Version;"))
     throw InputError(place, "the cells are separated by semicolons; save the file with commas");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
@@ -46,7 +51,17 @@ bool is_numbers_only(std::string_view line) {
   throw InputError(
       place,
       "this is no motion capture that can be read; known are Motive's CSV, which begins with \"Format "
-      "Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\"), TRC (\"PathFileType\") and C3D");
+      "Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\") and TRC (\"PathFileType\")");
+}
+
+// By its first two bytes: the block of the parameters, and a key.
+bool is_c3d(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  constexpr int kKey = 0x50;
+  std::ifstream file(path, std::ios::binary);
+  const int block = file.get(), key = file.get();
+  return key == kKey && block > 0 && block < ' ';
 }
 
 }  // namespace
@@ -61,10 +76,9 @@ bool begins_as_mocap(const std::filesystem::path& path) {
 }
 
 MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions options) {
-  if (is_c3d(path)) {
-    rows_ = std::make_unique<C3dRows>(path, header_);
-    return;
-  }
+  if (is_c3d(path))
+    throw InputError(path.string(), "is C3D; python3 -m trilat.convert c3d " + path.string() + " -o " +
+                                        std::filesystem::path(path).replace_extension(".csv").string());
   lines_ = std::make_unique<LineReader>(path, options.block_bytes);
   std::string_view line;
   if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");

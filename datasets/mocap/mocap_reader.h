@@ -23,7 +23,7 @@ struct MocapReadOptions {
 bool begins_as_mocap(const std::filesystem::path& path);
 
 // Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column format 1.2
-// to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC and C3D files; the content says which.
+// to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC files; the content says which.
 // Poses come out right-handed in metres: units are converted, Euler angles become quaternions, and a
 // left-handed file is mirrored in z. Lost bodies that an export writes as a frozen pose or a sentinel are
 // delivered as they stand; the summary and the frozen filter find them.

@@ -77,7 +77,7 @@ struct MocapFrame {
   std::vector<MocapPose> poses;      // by asset of the header
 };
 
-// Oddities a reader lives with. A careful user looks at them; `trilat mocap` prints them.
+// Oddities a reader lives with. A careful user looks at them; `trilat info` prints them.
 struct MocapAnomalies {
   std::int64_t repeated_frames = 0;  // rows dropped because time did not advance
   std::int64_t rows_with_extra_fields = 0;

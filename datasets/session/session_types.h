@@ -20,12 +20,12 @@ inline constexpr int kMaxBodies = 6;           // slots of the Kinect SDK
 inline constexpr int kMaxSessionSensors = 64;  // a session with more is not believed
 
 // One sensor of a session. `name` is the key that calibration files use; `tick_ns` the length of a device
-// tick (100 for the Kinect SDK, 125000 for libfreenect2).
+// tick (100 for the Kinect SDK).
 struct SensorDescription {
   std::string name;
   std::string serial;
   std::string model = "Kinect v2";
-  std::string source;  // "simulated", "kinect-sdk", "libfreenect2", an import format
+  std::string source;  // "simulated", "kinect-sdk", an import format
   DepthIntrinsics intrinsics;
   std::int64_t tick_ns = 100;
   double nominal_rate_hz = 30.0;

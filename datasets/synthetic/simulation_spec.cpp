@@ -235,7 +235,7 @@ ActivitySpec read_activity(JsonObject& object) {
 }  // namespace
 
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
-                                const std::filesystem::path& folder, OutsidePaths outside) {
+                                const std::filesystem::path& folder) {
   JsonObject object(json, place, "");
   SimulationSpec spec;
   object.format(kFormat);
@@ -252,8 +252,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   }
   if (object.has("recorded")) {
     JsonObject recorded = object.object("recorded");
-    spec.recorded = RecordedSpec{path_within(recorded, "mocap", folder, outside),
-                                 path_within(recorded, "mapping", folder, outside)};
+    spec.recorded = RecordedSpec{path_of(recorded, "mocap", folder), path_of(recorded, "mapping", folder)};
     spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
     spec.recorded->up_axis =
         static_cast<UpAxis>(recorded.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
@@ -304,15 +303,15 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   return spec;
 }
 
-SimulationSpec read_simulation(const std::filesystem::path& path, OutsidePaths outside) {
+SimulationSpec read_simulation(const std::filesystem::path& path) {
   Json json = read_json(path);
   std::filesystem::path tracker;
   if (json.is_object() && json.contains("body_tracker") && json["body_tracker"].is_string()) {
     JsonObject object(json, path.string(), "");
-    tracker = path_within(object, "body_tracker", path.parent_path(), outside);
+    tracker = path_of(object, "body_tracker", path.parent_path());
     json["body_tracker"] = read_json(tracker);
   }
-  SimulationSpec spec = parse_simulation(json, path.string(), path.parent_path(), outside);
+  SimulationSpec spec = parse_simulation(json, path.string(), path.parent_path());
   spec.body_tracker_file = tracker;
   return spec;
 }

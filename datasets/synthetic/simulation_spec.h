@@ -98,11 +98,9 @@ struct SimulationSpec {
 
 // Paths are relative to `folder` and must lie in it unless others are allowed.
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
-                                const std::filesystem::path& folder,
-                                OutsidePaths outside = OutsidePaths::refused);
+                                const std::filesystem::path& folder);
 // "body_tracker" may name the file of `trilat measure-tracker` here.
-SimulationSpec read_simulation(const std::filesystem::path& path,
-                               OutsidePaths outside = OutsidePaths::refused);
+SimulationSpec read_simulation(const std::filesystem::path& path);
 
 // The poses of the rig's sensors, named k1, k2, …; they look at the centre.
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m);

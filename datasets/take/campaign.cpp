@@ -57,18 +57,18 @@ namespace {
 constexpr const char* kCampaignFormat = "trilat.campaign";
 constexpr const char* kMappingFormat = "trilat.mapping";
 
-Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePaths outside) {
+Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   Take take;
   take.id = entry.text("id");
   if (!is_plain_name(take.id))
     entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
   take.participant = entry.text("participant");
   take.activity = entry.text("activity", "");
-  take.session = path_within(entry, "session", folder, outside);
-  take.calibration = path_within(entry, "calibration", folder, outside);
+  take.session = path_of(entry, "session", folder);
+  take.calibration = path_of(entry, "calibration", folder);
   if (entry.has("mocap")) {
-    take.mocap = path_within(entry, "mocap", folder, outside);
-    take.mapping = path_within(entry, "mapping", folder, outside);
+    take.mocap = path_of(entry, "mocap", folder);
+    take.mapping = path_of(entry, "mapping", folder);
     take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
     take.up_axis =
         static_cast<UpAxis>(entry.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
@@ -77,7 +77,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder, OutsidePa
     if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
-  if (entry.has("tracker_truth")) take.tracker_truth = path_within(entry, "tracker_truth", folder, outside);
+  if (entry.has("tracker_truth")) take.tracker_truth = path_of(entry, "tracker_truth", folder);
   entry.about(
       {{"id", "of the take; names its files"},
        {"participant", "who is seen"},
@@ -133,12 +133,12 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
   write_file(path, mapping_text(mapping) + "\n");
 }
 
-Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside) {
+Campaign read_campaign(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "campaign.json" : path;
-  return parse_campaign(read_json(file), file, outside);
+  return parse_campaign(read_json(file), file);
 }
 
-Campaign parse_campaign(const Json& json, const std::filesystem::path& file, OutsidePaths outside) {
+Campaign parse_campaign(const Json& json, const std::filesystem::path& file) {
   JsonObject object(json, file.string(), "");
   object.format(kCampaignFormat);
   Campaign campaign;
@@ -147,7 +147,7 @@ Campaign parse_campaign(const Json& json, const std::filesystem::path& file, Out
   campaign.simulated = object.boolean("simulated", false);
   std::set<std::string> ids;
   for (JsonObject& entry : object.objects("takes")) {
-    campaign.takes.push_back(read_take(entry, file.parent_path(), outside));
+    campaign.takes.push_back(read_take(entry, file.parent_path()));
     if (!ids.insert(campaign.takes.back().id).second)
       entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
   }

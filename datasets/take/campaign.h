@@ -16,7 +16,7 @@
 
 namespace trilat {
 
-// Which axis of a ground truth's world points up. Ours is y; laboratories that write C3D or TRC often have z.
+// Which axis of a ground truth's world points up. Ours is y; laboratories that write TRC often have z.
 enum class UpAxis : std::uint8_t { automatic, y, z };
 inline const std::array<std::string, 3> kUpAxisNames{"auto", "y", "z"};
 // Why a take fails whose up axis is neither stated nor clear.
@@ -92,10 +92,9 @@ struct Campaign {
   std::filesystem::path folder{};  // where it was read from
 };
 
-// `path` is the folder or its campaign.json. Take ids must be unique and usable as names; files must lie in
-// the folder unless others are allowed.
-Campaign read_campaign(const std::filesystem::path& path, OutsidePaths outside = OutsidePaths::refused);
-Campaign parse_campaign(const Json& json, const std::filesystem::path& file, OutsidePaths outside);
+// `path` is the folder or its campaign.json. Take ids must be unique and usable as names.
+Campaign read_campaign(const std::filesystem::path& path);
+Campaign parse_campaign(const Json& json, const std::filesystem::path& file);
 // Writes paths relative to `folder`, whatever they are.
 void write_campaign(const std::filesystem::path& folder, const Campaign& campaign);
 

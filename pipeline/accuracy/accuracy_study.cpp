@@ -28,7 +28,7 @@ std::string item_of(const PlannedTake& planned) { return "takes/" + planned.take
 // What the items of one study share.
 struct AccuracyRun {
   Plan plan;
-  AccuracyOptions options;
+  bool cross_check = false;
   std::shared_ptr<HashCache> hashes;
   std::vector<WatchedFiles> files;                    // by take, from before the plan was made
   std::vector<std::vector<TakeInput>> inputs;         // by take, once its key was asked for
@@ -63,7 +63,7 @@ std::string key_of_take(AccuracyRun& run, std::size_t t, const Watch& watch) {
   const bool read =
       std::ranges::none_of(run.inputs[t], [](const TakeInput& input) { return input.sha256.empty(); });
   if (!planned.ok || !read || run.files[t].changed()) return "";
-  return trilat::key_of_take(run.plan, t, run.inputs[t], run.options.cross_check);
+  return trilat::key_of_take(run.plan, t, run.inputs[t], run.cross_check);
 }
 
 TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
@@ -71,8 +71,7 @@ TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   for (const TakeInput& input : run.inputs[t])
     if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-  check_memory(run.plan, planned, run.options.memory_bytes);
-  EvaluatedTake evaluated = evaluate_take(run.plan, t, run.options.cross_check, into, run.clocks, watch);
+  EvaluatedTake evaluated = evaluate_take(run.plan, t, run.cross_check, into, run.clocks, watch);
   run.files[t].check();
   run.summaries[t] = std::move(evaluated.summary);
   TakeResult& result = evaluated.result;
@@ -109,7 +108,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& re
                          std::exchange(run.summaries[t], {})});
   }
   const Stopwatch time(run.clocks.summarise_ns);
-  gather_takes(run.plan, run.takes, run.options.cross_check, results, watch);
+  gather_takes(run.plan, run.takes, run.cross_check, results, watch);
 }
 
 Json inputs_json(const AccuracyRun& run) {
@@ -173,7 +172,7 @@ Study study_of(const std::shared_ptr<AccuracyRun>& run, Json work,
               [run, parameters] {
                 const Campaign& campaign = run->plan.campaign;
                 RunIdentity identity{run->plan.study,
-                                     run->options.cross_check,
+                                     run->cross_check,
                                      campaign.name,
                                      campaign.simulated,
                                      parameters,
@@ -216,20 +215,20 @@ std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool
   return key_of_run(run);
 }
 
-Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const AccuracyOptions& options,
+Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross_check,
                      const std::shared_ptr<HashCache>& hashes, const Watch& watch,
                      std::vector<TakeNote>* unreadable) {
   const auto run = std::make_shared<AccuracyRun>();
   for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
   run->plan = make_plan(spec, campaign, watch);
-  if (options.cross_check) check_cross_check(run->plan);
-  run->options = options;
+  if (cross_check) check_cross_check(run->plan);
+  run->cross_check = cross_check;
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
   run->summaries.resize(run->plan.takes.size());
   const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
-  Study study = study_of(
-      run, planned_work(run->plan, options.cross_check, *hashes, {watch.stop_requested, {}}), parameters);
+  Study study =
+      study_of(run, planned_work(run->plan, cross_check, *hashes, {watch.stop_requested, {}}), parameters);
   for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
   for (const PlannedTake& planned : run->plan.takes)
     if (unreadable && !planned.ok)
@@ -242,7 +241,6 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const Accu
   if (std::ranges::any_of(std::views::iota(std::size_t{0}, run->plan.takes.size()),
                           [&](std::size_t t) { return is_replayed(run->plan, t); }))
     study.gathers.emplace_back("replay.h5");
-  study.at_once = takes_at_once(run->plan, options.memory_bytes);
   return study;
 }
 
@@ -251,7 +249,7 @@ Study accuracy_of_parts(const Json& work, const std::string& place) {
   PlannedWork planned = read_planned_work(work, place);
   run->plan = std::move(planned.plan);
   run->summaries.resize(run->plan.takes.size());
-  run->options = {.cross_check = planned.cross_check};
+  run->cross_check = planned.cross_check;
   run->hashes = std::make_shared<HashCache>();
   return study_of(run, work, planned.parameters);
 }
@@ -281,9 +279,9 @@ ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const fs
       tally.unchanged = true;
       return;
     }
-    tally = run_study(accuracy_study(spec, campaign, {options.cross_check, options.memory_bytes}, hashes,
-                                     {options.stop_requested, {}}),
-                      output, run);
+    tally =
+        run_study(accuracy_study(spec, campaign, options.cross_check, hashes, {options.stop_requested, {}}),
+                  output, run);
   });
   return tally;
 }

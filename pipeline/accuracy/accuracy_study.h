@@ -9,16 +9,10 @@
 
 #include "datasets/results/summary.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/accuracy/memory_budget.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
-
-struct AccuracyOptions {
-  bool cross_check = false;                             // the study's own solver against Ceres
-  std::uint64_t memory_bytes = half_of_memory_bytes();  // takes are evaluated at once as far as they fit
-};
 
 // The key of the finished results, which is known before the takes are planned. Reads what `hashes` does not
 // know. Interrupted when asked to stop.
@@ -28,7 +22,7 @@ std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool
 // Takes of a campaign through every method; an item is a take. A take that cannot be evaluated fails, the
 // others go on. Its summary.json is a ResultsSummary. InputError when the study has no method that could be
 // cross-checked, and as make_plan(). `unreadable`: why takes cannot be evaluated, as far as the plan knows.
-Study accuracy_study(const StudySpec& spec, const Campaign& campaign, const AccuracyOptions& options,
+Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross_check,
                      const std::shared_ptr<HashCache>& hashes, const Watch& watch,
                      std::vector<TakeNote>* unreadable = nullptr);
 // To put parts together: needs them only, not the campaign. InputError when `work` is not what they share.
@@ -53,7 +47,6 @@ struct ExecuteOptions {
   std::function<void(double)> progress = {};
   std::vector<std::filesystem::path> reuse = {};  // earlier results, asked in this order for takes
   bool fresh = false;                             // what `output`.partial holds is not gone on with
-  std::uint64_t memory_bytes = half_of_memory_bytes();
   Shard shard = {};
 };
 ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const std::filesystem::path& output,

@@ -60,7 +60,7 @@ std::string hash_of_inputs(const Json& json, const std::filesystem::path& simula
 }  // namespace
 
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
-                        const SimulationSpec& fallback, OutsidePaths outside) {
+                        const SimulationSpec& fallback) {
   JsonObject object(json, place, "");
   object.choice("kind", {"error_budget"});
   BudgetSpec spec;
@@ -74,7 +74,7 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
   WatchedFiles document;
   if (!path.empty()) {
     document.add(folder / path);
-    spec.simulation = read_simulation(folder / path, outside);
+    spec.simulation = read_simulation(folder / path);
   }
   if (spec.simulation.recorded)
     spec.inputs = WatchedFiles({spec.simulation.recorded->mocap, spec.simulation.recorded->mapping});
@@ -111,16 +111,14 @@ void perturb(const BudgetSpec& spec, const std::filesystem::path& folder, Campai
 }
 
 ResultsSummary evaluate_source(const BudgetSpec& spec, ErrorSource source,
-                               const std::filesystem::path& folder, std::uint64_t memory_bytes,
-                               const Watch& watch) {
+                               const std::filesystem::path& folder, const Watch& watch) {
   Campaign campaign = simulate_campaign(with_only(spec.simulation, source), folder / "campaign",
                                         {watch.stop_requested, share_of(watch.progress, 0.0, kSimulating)});
   if (source == ErrorSource::calibration || source == ErrorSource::all)
     perturb(spec, folder / "campaign", campaign);
-  ExecuteOptions options{.stop_requested = watch.stop_requested,
-                         .progress = share_of(watch.progress, kSimulating, 1.0 - kSimulating)};
-  options.memory_bytes = memory_bytes;
-  return execute_study(spec.study, campaign, folder / "results", options);
+  return execute_study(spec.study, campaign, folder / "results",
+                       {.stop_requested = watch.stop_requested,
+                        .progress = share_of(watch.progress, kSimulating, 1.0 - kSimulating)});
 }
 
 std::string failure_of(const ResultsSummary& summary) {
@@ -131,8 +129,8 @@ std::string failure_of(const ResultsSummary& summary) {
 
 // The rows of one source alone.
 Json measure_source(const BudgetSpec& spec, ErrorSource source, const std::filesystem::path& work,
-                    std::uint64_t memory_bytes, const Watch& watch) {
-  const ResultsSummary summary = evaluate_source(spec, source, work, memory_bytes, watch);
+                    const Watch& watch) {
+  const ResultsSummary summary = evaluate_source(spec, source, work, watch);
   if (summary.takes_failed > 0)
     throw InputError(spec.simulation.name, "has a take that cannot be evaluated with the error \"" +
                                                name_of(source) + "\" alone: " + failure_of(summary));
@@ -203,7 +201,7 @@ Study budget_of_parts(const Json& work, const std::string& place) {
   return study;
 }
 
-Study budget_study(const BudgetSpec& spec, std::uint64_t memory_bytes) {
+Study budget_study(const BudgetSpec& spec) {
   Study study = budget_of_parts(work_json(spec), "error budget");
   study.write_beside = [parameters =
                             simulation_parameters(spec.simulation)](const std::filesystem::path& folder) {
@@ -213,7 +211,7 @@ Study budget_study(const BudgetSpec& spec, std::uint64_t memory_bytes) {
   for (std::size_t i = 0; i < study.items.size(); ++i)
     study.items[i].compute = [=, source = error_sources()[i]](const std::filesystem::path& into,
                                                               const Watch& watch) {
-      return measure_source(*shared, source, into / "work", memory_bytes, watch);
+      return measure_source(*shared, source, into / "work", watch);
     };
   return study;
 }

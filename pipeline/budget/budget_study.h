@@ -4,7 +4,6 @@
 #include <string>
 
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/accuracy/memory_budget.h"
 #include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/study.h"
@@ -24,11 +23,11 @@ struct BudgetSpec {
 // `simulation` is a path relative to `folder`, wherever it leads; without one it is `fallback`, the paper's
 // campaign. `seed` and `participants` replace those of the simulation.
 BudgetSpec parse_budget(const Json& json, const std::string& place, const std::filesystem::path& folder,
-                        const SimulationSpec& fallback, OutsidePaths outside = OutsidePaths::refused);
+                        const SimulationSpec& fallback);
 
 // A simulated campaign, once for every source of error, evaluated; the campaigns themselves are not kept. An
 // item a source of error. Its summary.json is a BudgetSummary.
-Study budget_study(const BudgetSpec& spec, std::uint64_t memory_bytes = half_of_memory_bytes());
+Study budget_study(const BudgetSpec& spec);
 // The same from what its parts share, to put them together. InputError when that is not what they share.
 Study budget_of_parts(const Json& work, const std::string& place);
 

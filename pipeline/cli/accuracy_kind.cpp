@@ -103,7 +103,7 @@ Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
                      "is missing; name it there or with --campaign DIR");
-  Campaign campaign = read_campaign(folder, arguments.outside);
+  Campaign campaign = read_campaign(folder);
   if (!arguments.calibration.empty()) {
     read_calibration(arguments.calibration);  // one error now instead of one a take
     for (Take& take : campaign.takes) take.calibration = arguments.calibration;
@@ -152,13 +152,12 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   const Campaign campaign = campaign_of(spec, arguments);
   const auto hashes = std::make_shared<HashCache>();
   for (const std::filesystem::path& earlier : reused_results(arguments)) hashes->load(earlier);
-  AccuracyOptions options{.cross_check = arguments.cross_check};
-  if (arguments.memory_mb) options.memory_bytes = *arguments.memory_mb * 1'000'000;
+  const bool cross_check = arguments.cross_check;
   const auto unreadable = std::make_shared<std::vector<TakeNote>>();
   return {
       .plan =
           [=](const Watch& watch) {
-            return accuracy_study(spec, campaign, options, hashes, watch, unreadable.get());
+            return accuracy_study(spec, campaign, cross_check, hashes, watch, unreadable.get());
           },
       .print_plan =
           [=](const Shard& shard, bool as_json, const Watch& watch) {
@@ -166,10 +165,7 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
           },
       .inputs = inputs_of(campaign),
       .campaign = campaign,
-      .key =
-          [=](const Watch& watch) {
-            return key_of_results(spec, campaign, options.cross_check, *hashes, watch);
-          },
+      .key = [=](const Watch& watch) { return key_of_results(spec, campaign, cross_check, *hashes, watch); },
       .print_part =
           [=](const std::filesystem::path& part, const Shard& shard, const ItemTally& tally, bool as_json) {
             return print_accuracy_part(part, shard, tally, *unreadable, takes_of(spec, campaign).takes.size(),

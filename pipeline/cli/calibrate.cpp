@@ -287,7 +287,6 @@ void add_calibrate(CLI::App& app, int& code) {
       ->check(CLI::IsMember({"x", "y", "z"}));
   verb.add_flag("--no-depth-correction", a.no_depth_correction,
                 "do not estimate each sensor's depth offset and wiggle beside its pose");
-  add_gone(verb, "--shard", "run it whole: ten minutes of four sensors take one to two minutes");
   add_threads(verb, a.threads);
   add_force(verb, a.force);
   add_json(verb, a.json);

@@ -15,8 +15,6 @@
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
-#include "datasets/export/samples_csv.h"
-#include "datasets/export/session_export.h"
 #include "datasets/markers/joint_files.h"
 #include "datasets/results/items.h"
 #include "datasets/skeleton/skeleton.h"
@@ -123,10 +121,6 @@ struct KindRow {
 bool nobodys(const PlannedOutput&) { return false; }
 
 const KindRow kKinds[] = {
-    {OutputKind::session_table, false, [](const PlannedOutput& o) { return begins_with(o, kSessionCsvHead); },
-     "exists and is no table of a session"},
-    {OutputKind::samples_table, false, [](const PlannedOutput& o) { return begins_with(o, kSamplesCsvHead); },
-     "exists and is no table of results"},
     {OutputKind::joint_table, false, [](const PlannedOutput& o) { return begins_with(o, kJointCsvHead); },
      "exists and is no table of joints"},
     {OutputKind::trc, false,
@@ -136,11 +130,6 @@ const KindRow kKinds[] = {
               text.find("Frame#\tTime\t" + std::string(name_of(Joint{}))) != std::string::npos;
      },
      "exists and is no TRC file of this program"},
-    {OutputKind::c3d, false,
-     [](const PlannedOutput& o) {
-       return begins_with(o, "\x02\x50") && beginning_of(o.path).find(name_of(Joint{})) != std::string::npos;
-     },
-     "exists and is no C3D file of this program"},
     {OutputKind::calibration, false,
      [](const PlannedOutput& o) { return document(o.path, "trilat.calibration").contains("program"); },
      "exists and is no calibration of `trilat calibrate`"},

@@ -11,11 +11,8 @@ namespace trilat {
 
 // What a verb writes, and with it how an older one of its own is known.
 enum class OutputKind {
-  session_table,
-  samples_table,
   joint_table,
   trc,
-  c3d,
   calibration,
   body_tracker,
   junit,

@@ -43,13 +43,12 @@ struct JointFormat {
 };
 
 constexpr JointFormat kJointFormats[] = {{".trc", OutputKind::trc, write_trc},
-                                         {".c3d", OutputKind::c3d, write_c3d},
                                          {".csv", OutputKind::joint_table, write_joint_csv}};
 
 const JointFormat& joint_format_of(const std::filesystem::path& output) {
   for (const JointFormat& format : kJointFormats)
     if (output.extension() == format.extension) return format;
-  throw InputError(output.string(), "must end in .trc, .c3d or .csv, which say the format");
+  throw InputError(output.string(), "must end in .trc or .csv, which say the format");
 }
 
 int fuse(const FuseArguments& a) {
@@ -94,7 +93,7 @@ void add_fuse(CLI::App& app, int& code) {
   verb.add_option("session", a.session, "session.h5 of several calibrated sensors")->required();
   verb.add_option("--calibration", a.calibration, "calibration.json of its sensors")->required();
   verb.add_option("-o,--output", a.output,
-                  "walk.trc (OpenSim's markers), walk.c3d or walk.csv (with statuses and sigmas)")
+                  "walk.trc (OpenSim's markers) or walk.csv (with statuses and sigmas)")
       ->required();
   verb.add_option("--method", a.method,
                   "any method of a study, with its default settings; range_bearing finds from the bodies how "

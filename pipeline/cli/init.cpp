@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/terminal/progress.h"
-#include "pipeline/cli/terminal/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
@@ -26,7 +26,8 @@ struct InitArguments {
   fs::path folder = ".";
   std::string name, activity = "recorded";
   double start_within_s = 150.0;
-  std::string up_axis;  // of the motion capture: y, z, or empty
+  std::string up_axis;       // of the motion capture: y, z, or empty
+  fs::path propose_mapping;  // of this motion capture, and nothing else; empty: the folder
   bool force = false;
   bool json = false;
 };
@@ -69,7 +70,6 @@ struct Found {
   std::vector<FoundTake> takes;
   std::vector<std::string> notes;
   JointMapping mapping;  // empty where one is there already, or no take has mocap
-  fs::path mapped;       // the export that it was made from
 };
 
 // All that end so, below a folder, in order; not in folders of results.
@@ -187,11 +187,10 @@ void add_mapping(const InitArguments& arguments, Found& found) {
   if (fs::exists(file) || with_mocap == found.takes.end()) return;
   const fs::path mocap = with_mocap->take.mocap;
   found.mapping = propose_mapping(MocapReader(mocap).header());
-  found.mapped = mocap;
   if (!found.mapping.joints.empty()) return;
   throw InputError(mocap.string(),
                    "has no names that tell which joint is which; write " + file.string() +
-                       " (docs/how-to/own_recordings.md; `trilat mocap` lists the names) and ask again");
+                       " (docs/how-to/own_recordings.md; `trilat info` lists the names) and ask again");
 }
 
 MocapStart start_of(const Take& take, const InitArguments& arguments) {
@@ -232,76 +231,6 @@ void find_starts(const InitArguments& arguments, Found& found) {
   }
 }
 
-// Joints of the trunk that no asset gives stand between those that are there, so that limbs hang together.
-void fill_trunk(Body& body) {
-  const auto fill = [&](Joint joint, Joint one, Joint other) {
-    const auto j = static_cast<std::size_t>(joint), a = static_cast<std::size_t>(one),
-               b = static_cast<std::size_t>(other);
-    if (body.tracking_state[j] > 0 || body.tracking_state[a] == 0 || body.tracking_state[b] == 0) return;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      body.position_m[j][axis] = 0.5F * (body.position_m[a][axis] + body.position_m[b][axis]);
-    body.tracking_state[j] = 1;
-  };
-  fill(Joint::spine_shoulder, Joint::shoulder_left, Joint::shoulder_right);
-  fill(Joint::neck, Joint::spine_shoulder, Joint::spine_shoulder);
-  fill(Joint::spine_base, Joint::hip_left, Joint::hip_right);
-  fill(Joint::spine_mid, Joint::spine_shoulder, Joint::spine_base);
-}
-
-// The mapped joints at the first moment when most of them are seen, from the side where they spread most;
-// upright is where they spread most of all. Joints that are missing or stand in each other's place show;
-// whether left is right as a whole does not.
-std::vector<std::string> drawn_joints(const fs::path& mocap, const JointMapping& mapping) {
-  constexpr float kAway_m = 2.2F;
-  MocapReader reader(mocap);
-  std::vector<std::vector<std::size_t>> assets_of_joint;
-  for (const JointMapping::Entry& entry : mapping.joints) {
-    assets_of_joint.emplace_back();
-    for (const std::string& asset : entry.assets)
-      assets_of_joint.back().push_back(find_asset(reader.header(), asset, mocap.string()));
-  }
-  Body fullest;
-  std::size_t most = 0;
-  for (MocapFrame frame; most < mapping.joints.size() && reader.next(frame);) {
-    Eigen::Matrix3Xd seen_m(3, 0);
-    std::vector<Joint> joints;
-    for (std::size_t k = 0; k < assets_of_joint.size(); ++k) {
-      Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-      for (const std::size_t asset : assets_of_joint[k]) sum_m += frame.poses[asset].position_m;
-      if (!sum_m.allFinite()) continue;
-      joints.push_back(mapping.joints[k].joint);
-      seen_m.conservativeResize(3, seen_m.cols() + 1);
-      seen_m.rightCols<1>() = sum_m / static_cast<double>(assets_of_joint[k].size());
-    }
-    if (joints.size() <= most) continue;
-    most = joints.size();
-    const Eigen::Vector3d spread_m = seen_m.rowwise().maxCoeff() - seen_m.rowwise().minCoeff();
-    Eigen::Index up = 0;
-    spread_m.maxCoeff(&up);
-    const Eigen::Index one = (up + 1) % 3, other = (up + 2) % 3,
-                       across = spread_m[one] > spread_m[other] ? one : other;
-    const Eigen::Vector3d middle_m = 0.5 * (seen_m.rowwise().maxCoeff() + seen_m.rowwise().minCoeff());
-    Body body;
-    for (std::size_t k = 0; k < joints.size(); ++k) {
-      const auto joint = static_cast<std::size_t>(joints[k]);
-      const Eigen::Vector3d off_m = seen_m.col(static_cast<Eigen::Index>(k)) - middle_m;
-      body.position_m[joint] = {static_cast<float>(off_m[across]), static_cast<float>(off_m[up]), kAway_m};
-      body.tracking_state[joint] = 2;
-    }
-    fullest = body;
-  }
-  fill_trunk(fullest);
-  BodyFrame seen;
-  seen.bodies.push_back(fullest);
-  std::vector<std::string> rows = skeleton_text(seen, DepthIntrinsics{}, 50);
-  std::erase_if(rows, [](const std::string& row) {
-    for (std::size_t at = 0; at < row.size(); at += 3)
-      if (row.substr(at, 3) != "\u2800") return false;
-    return true;
-  });
-  return rows;
-}
-
 Json study_of(const InitArguments& arguments, const Found& found) {
   const auto with_mocap = [](const FoundTake& f) { return !f.take.mocap.empty(); };
   const bool all_three = std::ranges::all_of(found.takes, [](const FoundTake& f) { return f.sensors >= 3; });
@@ -324,8 +253,26 @@ Json study_of(const InitArguments& arguments, const Found& found) {
   return study;
 }
 
+// Prints mapping.json, and on stderr which joints are not in it.
+int print_mapping(const std::filesystem::path& file) {
+  const JointMapping mapping = propose_mapping(MocapReader(file).header());
+  if (mapping.joints.empty())
+    throw InputError(file.string(),
+                     "has no names that tell which joint is which; write mapping.json by hand "
+                     "(docs/how-to/own_recordings.md)");
+  fmt::print("{}\n", mapping_text(mapping));
+  std::vector<std::string> left = joint_names();
+  for (const auto& entry : mapping.joints) std::erase(left, name_of(entry.joint));
+  fmt::print(stderr,
+             "{} joints by their names; look at them: a bone stands at its upper joint, a marker lies on the "
+             "skin. Without a name that is known: {}\n",
+             mapping.joints.size(), listed(left));
+  return kDone;
+}
+
 int init(const InitArguments& given) {
   InitArguments arguments = given;
+  if (!arguments.propose_mapping.empty()) return print_mapping(arguments.propose_mapping);
   if (!fs::is_directory(arguments.folder))
     throw InputError(arguments.folder.string(), "must be the folder that holds the recordings");
   if (arguments.name.empty()) arguments.name = fs::canonical(arguments.folder).filename().string();
@@ -365,7 +312,6 @@ int init(const InitArguments& given) {
                take.mocap.empty() ? ", no motion capture: each sensor is predicted from the others"
                                   : fmt::format("; {} {}", take.mocap.filename().string(), start));
   if (!found.mapping.joints.empty()) {
-    for (const std::string& row : drawn_joints(found.mapped, found.mapping)) fmt::print("{}\n", row);
     fmt::print(
         "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its upper "
         "joint, a marker lies on the skin\n",
@@ -400,6 +346,8 @@ void add_init(CLI::App& app, int& code) {
   verb.add_option("--up-axis", a.up_axis,
                   "of the motion capture's world, where nobody stands upright to show it")
       ->check(CLI::IsMember({"y", "z"}));
+  verb.add_option("--propose-mapping", a.propose_mapping,
+                  "of this motion capture alone: print a mapping.json by the names of bones and markers");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: MIT
-// `trilat mocap`.
+#include "pipeline/cli/inspect_mocap.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/error.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
-#include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
 namespace {
-
-struct MocapArguments {
-  std::filesystem::path file;
-  bool propose_mapping = false;
-  bool json = false;
-};
 
 // Motive's own exports have y up, whatever they show.
 LikelyUp up_of(const MocapHeader& header, const MocapSummary& summary) {
@@ -118,45 +110,16 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   }
 }
 
-// Prints mapping.json, and on stderr which joints are not in it.
-int print_mapping(const MocapHeader& header, const std::string& file) {
-  const JointMapping mapping = propose_mapping(header);
-  if (mapping.joints.empty())
-    throw InputError(file,
-                     "has no names that tell which joint is which; write mapping.json by hand "
-                     "(docs/how-to/own_recordings.md)");
-  fmt::print("{}\n", mapping_text(mapping));
-  std::vector<std::string> left = joint_names();
-  for (const auto& entry : mapping.joints) std::erase(left, name_of(entry.joint));
-  fmt::print(stderr,
-             "{} joints by their names; look at them: a bone stands at its upper joint, a marker lies on the "
-             "skin. Without a name that is known: {}\n",
-             mapping.joints.size(), listed(left));
-  return kDone;
-}
-
-int mocap(const MocapArguments& arguments) {
-  MocapReader reader(arguments.file);
-  if (arguments.propose_mapping) return print_mapping(reader.header(), arguments.file.string());
-  const MocapSummary summary = summarize_mocap(reader);
-  if (arguments.json)
-    fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
-  else
-    print_text(arguments.file.string(), reader.header(), summary, reader.anomalies());
-  return kDone;
-}
-
 }  // namespace
 
-void add_mocap(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<MocapArguments>(
-      app, code, "mocap",
-      "what an OptiTrack export holds: format, rate, unit, every asset with samples, gaps, frozen stretches",
-      mocap, Ends::at_once);
-  verb.add_option("file", a.file, "CSV of Motive, Arena or Tracking Tools, TRC, or C3D")->required();
-  verb.add_flag("--propose-mapping", a.propose_mapping,
-                "print a mapping.json by the names of bones and markers");
-  add_json(verb, a.json);
+int info_of_mocap(const std::filesystem::path& file, bool json) {
+  MocapReader reader(file);
+  const MocapSummary summary = summarize_mocap(reader);
+  if (json)
+    fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
+  else
+    print_text(file.string(), reader.header(), summary, reader.anomalies());
+  return kDone;
 }
 
 }  // namespace trilat

@@ -2,6 +2,7 @@
 // `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <map>
 #include <set>
 #include <thread>
@@ -18,6 +19,7 @@
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/inspect_mocap.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
@@ -38,7 +40,7 @@ struct VerifyArguments {
 };
 
 struct InfoArguments {
-  std::filesystem::path session;
+  std::filesystem::path file;
   bool follow = false;
   bool json = false;
 };
@@ -172,9 +174,19 @@ int follow(const std::filesystem::path& path) {
   return kDone;
 }
 
+// By its name, or by what every HDF5 file begins with.
+bool may_be_session(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path) || path.extension() == ".h5" || path.extension() == ".partial")
+    return true;
+  std::string begin(4, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == "\x89HDF";
+}
+
 int info(const InfoArguments& arguments) {
-  if (arguments.follow) return follow(arguments.session);
-  const SessionReader session(found_session(arguments.session));
+  if (arguments.follow) return follow(arguments.file);
+  if (!may_be_session(arguments.file)) return info_of_mocap(arguments.file, arguments.json);
+  const SessionReader session(found_session(arguments.file));
   Json sensors = Json::array();
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s) sensors.push_back(json_of(session, s));
   if (arguments.json) {
@@ -189,7 +201,7 @@ int info(const InfoArguments& arguments) {
     fmt::print("{}\n", json_text(json, 2));
     return kDone;
   }
-  fmt::print("{}: session, {}{}, written by {}\n", arguments.session.string(),
+  fmt::print("{}: session, {}{}, written by {}\n", arguments.file.string(),
              session.complete() ? "complete" : "NOT closed by its recorder",
              session.header().simulated ? ", simulated" : "", session.created_by());
   if (!session.header().started_utc.empty()) fmt::print("started {}\n", session.header().started_utc);
@@ -336,9 +348,12 @@ int recover(const RecoverArguments& arguments) {
 }  // namespace
 
 void add_info(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<InfoArguments>(app, code, "info", "what is in a session", info, Ends::at_once);
-  verb.add_option("session", a.session, "session.h5")->required();
-  auto* follow = verb.add_flag("--follow", a.follow, "a line a second while it is being recorded");
+  auto [verb, a] = add_verb<InfoArguments>(
+      app, code, "info", "what is in a session or in motion capture: sensors or assets, rates, gaps", info,
+      Ends::at_once);
+  verb.add_option("file", a.file, "session.h5, or a CSV of Motive, Arena or Tracking Tools, or a TRC")
+      ->required();
+  auto* follow = verb.add_flag("--follow", a.follow, "a line a second while a session is being recorded");
   add_json(verb, a.json);
   verb.get_option("--json")->excludes(follow);
 }

@@ -60,9 +60,9 @@ OpenedStudy open_budget(const RunArguments& arguments, const Json& study) {
   const char* place = "pipeline/studies/paper_campaign.json";
   const SimulationSpec paper = parse_simulation(parse_json(embedded::paper_campaign_json, place), place, {});
   const std::filesystem::path folder = arguments.study.parent_path();
-  const BudgetSpec spec = parse_budget(study, arguments.study.string(), folder, paper, arguments.outside);
+  const BudgetSpec spec = parse_budget(study, arguments.study.string(), folder, paper);
   OpenedStudy budget = opened(
-      budget_study(spec, arguments.memory_mb ? *arguments.memory_mb * 1'000'000 : half_of_memory_bytes()),
+      budget_study(spec),
       {{"study", resolved_json(spec.study)},
        {"participants", spec.simulation.participants},
        {"campaigns", error_sources().size()}},
@@ -105,14 +105,14 @@ int print_tables(const std::filesystem::path& results, const std::vector<Table>&
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
-      {StudyKind::accuracy, "takes", "", true, open_accuracy,
+      {StudyKind::accuracy, "takes", "", open_accuracy,
        [](const Json& work, const std::string& place) { return accuracy_of_parts(work, place); },
        print_accuracy, accuracy_schema},
       {StudyKind::threshold_sweep, "items",
-       "a threshold sweep makes its own trials and places its own sensors", false, open_sweep,
+       "a threshold sweep makes its own trials and places its own sensors", open_sweep,
        [](const Json& work, const std::string& place) { return sweep_study(plan_of_work(work, place)); },
        print_sweep, sweep_schema},
-      {StudyKind::calibration, "items", "a calibration study renders its own images", false, open_calibration,
+      {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
        [](const Json& work, const std::string& place) {
          return calibration_study(parse_calibration_spec(work, place));
        },
@@ -124,14 +124,13 @@ const std::vector<Kind>& kinds() {
       {StudyKind::error_budget, "sources of error",
        "an error budget simulates its own campaigns; name their simulation.json in the study, as "
        "\"simulation\"",
-       true, open_budget,
-       [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
+       open_budget, [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, budget_tables(read_results<BudgetSummary>(results)),
                              std::move(document), shown);
        },
        budget_schema},
-      {StudyKind::recording, "items", "a recording study simulates its own recordings", false, open_recording,
+      {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
        [](const Json& work, const std::string& place) {
          return recording_study(parse_recording_spec(work, place));
        },
@@ -144,7 +143,7 @@ const std::vector<Kind>& kinds() {
       {StudyKind::sensitivity, "rows of campaigns",
        "a sensitivity study simulates its own campaigns; say in the study, as \"simulation\", what they have "
        "in common",
-       false, open_sensitivity,
+       open_sensitivity,
        [](const Json& work, const std::string& place) {
          return sensitivity_study(parse_sensitivity(work, place, {}, {}));
        },
@@ -158,7 +157,7 @@ const std::vector<Kind>& kinds() {
          return failed > 0 ? int{kItemsFailed} : code;
        },
        sensitivity_schema},
-      {StudyKind::twins, "pairs of sensors", "a twins study simulates its own takes", false, open_twins,
+      {StudyKind::twins, "pairs of sensors", "a twins study simulates its own takes", open_twins,
        [](const Json& work, const std::string& place) { return twins_study(parse_twins(work, place)); },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, twins_tables(read_results<TwinsSummary>(results)), std::move(document),

@@ -23,9 +23,7 @@ struct RunArguments {
   std::filesystem::path campaign;
   std::filesystem::path calibration;  // instead of the takes' own
   std::filesystem::path output;
-  OutsidePaths outside = OutsidePaths::refused;
-  int threads = 0;                         // 0: as many as there are processors
-  std::optional<std::uint64_t> memory_mb;  // none: half of what there is
+  int threads = 0;  // 0: as many as there are processors
   bool cross_check = false;
   bool dry_run = false;
   std::string shard;                         // k/n, or empty: all of it
@@ -61,7 +59,6 @@ struct Kind {
   StudyKind kind;
   std::string items;        // what its items are called
   std::string no_campaign;  // why a campaign is of no use; empty: it needs one
-  bool has_memory_limit;
   OpenedStudy (*open)(const RunArguments& arguments, const Json& study);
   // To put parts together; `place`: of the work that they share.
   Study (*of_parts)(const Json& work, const std::string& place);

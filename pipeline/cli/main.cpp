@@ -16,23 +16,12 @@ namespace {
 
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
-constexpr AddVerb kVerbs[] = {
-    add_demo,      add_init,      add_simulate,        add_run,  add_merge,  add_report,
-    add_reproduce, add_calibrate, add_measure_tracker, add_gate, add_record, add_info,
-    add_verify,    add_recover,   add_export,          add_fuse, add_mocap,  add_schema,
-    add_doctor,    add_manual};
-
-// Its readers are Python now: a format is thirty lines there.
-void add_import(CLI::App& app) {
-  auto* verb = app.add_subcommand("import", "is not there any more; python3 -m trilat.convert does it");
-  verb->allow_extras();
-  verb->group("");  // in no help
-  verb->callback([] {
-    throw InputError("import",
-                     "is not there any more; PYTHONPATH=python python3 -m trilat.convert FORMAT FILE... -o "
-                     "session.h5 does it (docs/how-to/other_formats.md)");
-  });
-}
+constexpr AddVerb kVerbs[] = {add_demo,      add_init,      add_simulate,
+                              add_run,       add_merge,     add_report,
+                              add_reproduce, add_calibrate, add_measure_tracker,
+                              add_gate,      add_record,    add_info,
+                              add_verify,    add_recover,   add_fuse,
+                              add_schema};
 
 int guarded_main(int argc, char** argv) {
   CLI::App app(
@@ -46,7 +35,6 @@ int guarded_main(int argc, char** argv) {
   app.failure_message(CLI::FailureMessage::help);
   int code = kDone;
   for (const AddVerb add : kVerbs) add(app, code);
-  add_import(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {

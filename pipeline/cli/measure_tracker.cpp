@@ -21,7 +21,6 @@ namespace {
 struct MeasureTrackerArguments {
   std::vector<std::filesystem::path> campaigns;
   std::filesystem::path output;
-  OutsidePaths outside = OutsidePaths::refused;
   bool force = false;  // may replace what others wrote
   bool json = false;
 };
@@ -75,7 +74,7 @@ int measure_tracker(const MeasureTrackerArguments& a) {
     for (std::size_t c = 0; c < a.campaigns.size(); ++c) {
       const auto n = static_cast<double>(a.campaigns.size());
       WatchedCampaign campaign = read_watched_takes(
-          read_campaign(a.campaigns[c], a.outside),
+          read_campaign(a.campaigns[c]),
           {stop_requested, [&](double share) { progress.set(0.5 * (static_cast<double>(c) + share) / n); }});
       for (const std::string& text : campaign.left_out) fmt::print(stderr, "note: left out: {}\n", text);
       left_out += campaign.left_out.size();
@@ -90,7 +89,7 @@ int measure_tracker(const MeasureTrackerArguments& a) {
   }
   const TrackerMeasurement measurement = measure_tracker(takes);
   std::set<std::string> names;
-  for (const auto& campaign : a.campaigns) names.insert(read_campaign(campaign, a.outside).name);
+  for (const auto& campaign : a.campaigns) names.insert(read_campaign(campaign).name);
   const std::string measured_on =
                         fmt::format("{} takes of {} participants", takes.size(), participants.size()),
                     campaigns = fmt::format("{}", fmt::join(names, ", "));
@@ -118,7 +117,6 @@ void add_measure_tracker(CLI::App& app, int& code) {
   verb.add_option("-o,--output", a.output,
                   "body_tracker.json; simulation.json may name it as \"body_tracker\"")
       ->required();
-  add_allow_outside(verb, a.outside, "campaign.json");
   add_force(verb, a.force);
   add_json(verb, a.json);
   verb.footer(

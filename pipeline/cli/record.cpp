@@ -294,15 +294,6 @@ std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDis
   return source;
 }
 
-std::vector<std::filesystem::path> replayed_files(const std::vector<std::string>& sources) {
-  constexpr std::string_view kReplay = "replay:";
-  std::vector<std::filesystem::path> files;
-  for (const std::string& source : sources)
-    if (source.starts_with(kReplay))
-      files.emplace_back(source.substr(kReplay.size(), source.find(',') - kReplay.size()));
-  return files;
-}
-
 void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
   const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
@@ -327,7 +318,7 @@ int record_session(const RecordArguments& arguments) {
   if (!arguments.truth.empty())
     check_output({arguments.truth, OutputKind::truth, {}, arguments.force, arguments.output.string()});
   const OutputClaim claim(arguments.output);
-  check_output({arguments.output, OutputKind::session, replayed_files(arguments.sources), arguments.force});
+  check_output({arguments.output, OutputKind::session, {}, arguments.force});
   if (!arguments.truth.empty()) write_truth(arguments.sources, arguments.truth, arguments.duration_s);
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));

@@ -34,8 +34,6 @@ void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
                      "is of no use: " + kind.no_campaign);
   if (arguments.cross_check && kind.kind != StudyKind::accuracy)
     throw InputError("--cross-check", "is for studies of kind accuracy");
-  if (arguments.memory_mb && !kind.has_memory_limit)
-    throw InputError("--memory-mb", "is for studies of kind accuracy and error_budget; others need little");
 }
 
 // Plans and computes what is not known.
@@ -135,10 +133,7 @@ int merge(const MergeArguments& given) {
   const Kind* kind = find_kind(first.part.kind);
   if (!kind)
     throw InputError(first.folder.string(),
-                     "is a part of kind " + first.part.kind + ", which cannot be merged" +
-                         (first.part.kind == "wand_search"
-                              ? " any more; calibrate the recording whole, which takes a minute or two"
-                              : ""));
+                     "is a part of kind " + first.part.kind + ", which cannot be merged");
   put_together(kind->of_parts(first.part.work, place), arguments, parts);
   return kind->print(arguments.output, {{"parts", parts.size()}}, {arguments.json, arguments.tables});
 }
@@ -154,9 +149,6 @@ void add_run(CLI::App& app, int& code) {
   verb.add_option("--calibration", a.calibration, "calibration.json, instead of the takes' own");
   verb.add_option("-o,--output", a.output, "results folder; not needed with --dry-run");
   add_threads(verb, a.threads);
-  verb.add_option("--memory-mb", a.memory_mb,
-                  "evaluate no more takes at once than fit into so much memory; half of what there is")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
   verb.add_flag("--cross-check", a.cross_check,
                 "solve again with Ceres, report the worst difference and fail beyond the study's limit");
   verb.add_flag("--dry-run", a.dry_run, "print the plan and stop");
@@ -165,7 +157,6 @@ void add_run(CLI::App& app, int& code) {
                   "earlier results: what did not change since is taken from there; may be repeated. What "
                   "--output holds is always asked");
   verb.add_flag("--fresh", a.fresh, "compute all again, whatever --output holds");
-  add_allow_outside(verb, a.outside, "campaign.json or simulation.json");
   add_force(verb, a.force);
   add_json(verb, a.json);
   verb.add_flag("--tables", a.tables, "accuracy: print all tables, as Markdown");

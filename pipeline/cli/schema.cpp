@@ -65,15 +65,14 @@ Json simulation_schema() {
       "mocap": {}, "room": {}, "depth": {"takes": true, "axial": {}}, "wand": {}})"));
   examples[1].update(Json::parse(R"({"recorded": {"mocap": "take.csv", "mapping": "mapping.json"}})"));
   add_trackers(examples);
-  return schema_of(examples,
-                   [](const Json& json) { parse_simulation(json, "example", {}, OutsidePaths::allowed); });
+  return schema_of(examples, [](const Json& json) { parse_simulation(json, "example", {}); });
 }
 
 Json campaign_schema() {
   return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example", "takes": [
       {"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json", "mocap": "m.csv",
        "mapping": "mapping.json", "mocap_start_host_ns": 0, "tracker_truth": "t.h5"}]})")},
-                   [](const Json& json) { parse_campaign(json, "campaign.json", OutsidePaths::allowed); });
+                   [](const Json& json) { parse_campaign(json, "campaign.json"); });
 }
 
 Json mapping_schema() {

@@ -24,8 +24,7 @@ namespace {
 struct SimulateArguments {
   std::filesystem::path spec;
   std::filesystem::path output;
-  std::string shard;  // k/n, or empty: all of it
-  OutsidePaths outside = OutsidePaths::refused;
+  std::string shard;   // k/n, or empty: all of it
   bool force = false;  // may replace what others wrote
   bool json = false;
 };
@@ -72,7 +71,7 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
 // To be made of the documents that the arguments name, as long as they stay as they are.
 Study planned(const SimulateArguments& arguments) {
   WatchedFiles inputs({arguments.spec});
-  const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
+  const SimulationSpec spec = read_simulation(arguments.spec);
   std::string sha256;
   for (const std::filesystem::path& file : files_of(arguments, spec)) {
     if (file != arguments.spec) inputs.add(file);
@@ -94,7 +93,7 @@ void check_part(const Study& study, const Shard& shard, const std::filesystem::p
 
 int simulate(const SimulateArguments& arguments) {
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
-  const SimulationSpec spec = read_simulation(arguments.spec, arguments.outside);
+  const SimulationSpec spec = read_simulation(arguments.spec);
   check_output({arguments.output, shard.whole() ? OutputKind::campaign : OutputKind::campaign_part,
                 files_of(arguments, spec), arguments.force, kCampaign});
   if (shard.whole()) refuse_other_campaign(arguments.output, spec.name, arguments.force);
@@ -129,7 +128,6 @@ void add_simulate(CLI::App& app, int& code) {
   verb.add_option("spec", a.spec, "simulation.json")->required();
   verb.add_option("-o,--output", a.output, "folder of the campaign")->required();
   verb.add_option("--shard", a.shard, "k/n: make only part k of n, into a folder for `trilat merge`");
-  add_allow_outside(verb, a.outside, "simulation.json");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

@@ -43,18 +43,4 @@ void add_threads(CLI::App& verb, int& threads) {
       ->capture_default_str();
 }
 
-void add_allow_outside(CLI::App& verb, OutsidePaths& outside, const std::string& document) {
-  verb.add_flag_callback(
-      "--allow-outside", [&outside] { outside = OutsidePaths::allowed; },
-      "let " + document + " name files outside its own folder");
-}
-
-void add_gone(CLI::App& verb, const std::string& option, const std::string& instead) {
-  verb.add_option_function<std::string>(option,
-                                        [option, instead](const std::string&) {
-                                          throw InputError(option, "is not there any more; " + instead);
-                                        })
-      ->group("");  // in no help
-}
-
 }  // namespace trilat

@@ -53,22 +53,15 @@ Verb<Arguments> add_verb(CLI::App& app, int& code, const std::string& name, cons
 void add_json(CLI::App& verb, bool& json);
 void add_force(CLI::App& verb, bool& force);
 void add_threads(CLI::App& verb, int& threads);
-void add_allow_outside(CLI::App& verb, OutsidePaths& outside, const std::string& document);
-// An option of earlier versions; InputError with what to do instead.
-void add_gone(CLI::App& verb, const std::string& option, const std::string& instead);
 
 void add_calibrate(CLI::App& app, int& code);
 void add_demo(CLI::App& app, int& code);
-void add_doctor(CLI::App& app, int& code);
-void add_export(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_init(CLI::App& app, int& code);
-void add_manual(CLI::App& app, int& code);
 void add_measure_tracker(CLI::App& app, int& code);
 void add_merge(CLI::App& app, int& code);
-void add_mocap(CLI::App& app, int& code);
 void add_record(CLI::App& app, int& code);
 void add_recover(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);

@@ -110,9 +110,7 @@ class Run {
     StageProgress progress(std::move(costs), watch);
     std::atomic<std::size_t> next{0};
     const std::size_t step = step_through(items.size());
-    // threads that may not begin another item help with those that are being computed
-    const std::size_t at_once = study_.at_once > 0 ? std::min(study_.at_once, items.size()) : items.size();
-    parallel_for_index(at_once, 1, [&](std::size_t) {
+    parallel_for_index(items.size(), 1, [&](std::size_t) {
       try {
         for (std::size_t n; (n = next++) < items.size();) {
           const std::size_t k = n * step % items.size();

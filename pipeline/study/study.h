@@ -95,7 +95,6 @@ struct Study {
   std::vector<std::string> gathers = {};
   // Where the key of all results depends on more than `work`: asked when all items are done.
   std::function<std::string()> key = {};
-  std::size_t at_once = 0;                 // items that are computed beside each other; 0: any number
   std::shared_ptr<HashCache> hashes = {};  // kept with the output, where there is one
   std::function<Json()> times = {};        // that run.json lists beside its own
 };

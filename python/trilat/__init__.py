@@ -9,6 +9,12 @@
 Lengths are metres, times seconds or nanoseconds as their names say. Converters of other people's recordings:
 `python3 -m trilat.convert --help`.
 """
+try:
+    import h5py  # noqa: F401
+    import numpy  # noqa: F401
+except ImportError as error:
+    raise ImportError("trilat needs h5py and numpy (Debian: python3-h5py python3-numpy)") from error
+
 from trilat.errors import InputError, ProgramError
 from trilat.program import run
 from trilat.read_results import Results, results

@@ -1,24 +1,17 @@
 # SPDX-License-Identifier: MIT
-# `cmake --install` and `cpack`: the programs, the man page and completions that the program makes itself, studies,
-# documents and the Python module.
+# `cmake --install` and `cpack`: the programs, studies, documents and the Python module; with help2man a man page, too.
 include(GNUInstallDirs)
-set(made ${PROJECT_BINARY_DIR}/made)
-set(outputs)
-foreach(what IN ITEMS man:trilat.1 bash:trilat zsh:_trilat fish:trilat.fish)
-  string(REPLACE ":" ";" parts ${what})
-  list(GET parts 0 kind)
-  list(GET parts 1 name)
-  add_custom_command(OUTPUT ${made}/${kind}/${name} COMMAND ${CMAKE_COMMAND} -E make_directory ${made}/${kind}
-    COMMAND trilat manual ${kind} > ${made}/${kind}/${name} DEPENDS trilat VERBATIM)
-  list(APPEND outputs ${made}/${kind}/${name})
-endforeach()
-add_custom_target(trilat_manuals ALL DEPENDS ${outputs})
+find_program(TRILAT_HELP2MAN help2man)
+if(TRILAT_HELP2MAN)
+  set(manual ${PROJECT_BINARY_DIR}/trilat.1)
+  add_custom_command(OUTPUT ${manual} DEPENDS trilat VERBATIM
+    COMMAND ${TRILAT_HELP2MAN} --no-info --name "trilateration with several Kinect v2 against OptiTrack"
+            --output ${manual} $<TARGET_FILE:trilat>)
+  add_custom_target(trilat_manual ALL DEPENDS ${manual})
+  install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+endif()
 
 install(TARGETS trilat trilat-agent RUNTIME)
-install(FILES ${made}/man/trilat.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES ${made}/bash/trilat DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-install(FILES ${made}/zsh/_trilat DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
-install(FILES ${made}/fish/trilat.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(DIRECTORY pipeline/studies DESTINATION ${CMAKE_INSTALL_DATADIR}/trilat)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What evaluating one take keeps in memory at most, against the estimate that `--memory-mb` goes by, and how
-// far that limit is kept when there are many takes. Usage: memory_benchmark [MINUTES [SENSORS…]]
+// What evaluating takes keeps in memory at most: one by one, and beside each other on several threads.
+// Usage: memory_benchmark [MINUTES [SENSORS…]]
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -13,8 +13,6 @@
 #include <unistd.h>
 
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/memory_budget.h"
-#include "pipeline/accuracy/take/plan.h"
 #include "tests/pipeline/campaigns.h"
 
 namespace trilat {
@@ -50,20 +48,15 @@ struct Load {
   std::size_t sensors = 4;
   std::uint64_t takes = 1;
   int threads = 1;
-  std::uint64_t at_once = 1;
 };
 
 void evaluate(const Load& load, const std::filesystem::path& folder, const char* methods) {
   const Campaign campaign = read_campaign(folder);
   const StudySpec study = study_of(methods);
-  const Plan plan = make_plan(study, campaign);
   const double before_mb = peak_mb();
-  const std::uint64_t limit_bytes = load.at_once * memory_needed_bytes(plan, plan.takes[0]);
-  execute_study(study, campaign, folder / "results", {.threads = load.threads, .memory_bytes = limit_bytes});
-  fmt::print("{:7.1f} {:7} {:5} {:7} {:7} {:>9} {:8.0f} {:8.0f} {:9.0f}\n", load.minutes, load.sensors,
-             load.takes, load.threads, takes_at_once(plan, limit_bytes),
-             methods == kPlain ? "plain" : "over time", static_cast<double>(limit_bytes) * 1e-6, peak_mb(),
-             before_mb);
+  execute_study(study, campaign, folder / "results", {.threads = load.threads});
+  fmt::print("{:7.1f} {:7} {:5} {:7} {:>9} {:8.0f} {:9.0f}\n", load.minutes, load.sensors, load.takes,
+             load.threads, methods == kPlain ? "plain" : "over time", peak_mb(), before_mb);
 }
 
 void measure(const Load& load) {
@@ -84,8 +77,8 @@ int main(int argc, char** argv) {
   std::vector<std::size_t> rigs;
   for (int i = 2; i < argc; ++i) rigs.push_back(std::strtoull(argv[i], nullptr, 10));
   if (rigs.empty()) rigs = {1, 4, 8};
-  fmt::print("{:>7} {:>7} {:>5} {:>7} {:>7} {:>9} {:>8} {:>8} {:>9}\n", "minutes", "sensors", "takes",
-             "threads", "at once", "methods", "limit MB", "peak MB", "before MB");
-  for (const std::size_t sensors : rigs) trilat::measure({minutes, sensors, 1, 1, 1});
-  for (const std::uint64_t at_once : {1, 2, 4}) trilat::measure({minutes / 4.0, 4, 6, 4, at_once});
+  fmt::print("{:>7} {:>7} {:>5} {:>7} {:>9} {:>8} {:>9}\n", "minutes", "sensors", "takes", "threads",
+             "methods", "peak MB", "before MB");
+  for (const std::size_t sensors : rigs) trilat::measure({minutes, sensors, 1, 1});
+  for (const int threads : {1, 2, 4}) trilat::measure({minutes / 4.0, 4, 6, threads});
 }

@@ -6,7 +6,6 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/byte_file.h"
 #include "datasets/base/files.h"
 #include "tests/support/scratch.h"
 #include "tests/support/whole_take.h"
@@ -14,7 +13,6 @@
 namespace trilat {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 const double kNan = std::nan("");
@@ -82,32 +80,6 @@ TEST(JointFiles, ATrcHasTheRowsThatOpenSimReads) {
       "3\t0.080000\t79.915\t1009.877\t-2500.000\t\t\t\n");
 }
 
-TEST(JointFiles, AC3dComesBackToSinglePrecision) {
-  const ScratchFolder folder;
-  write_c3d(folder / "walk.c3d", track_of(100));
-  expect_read_back(folder / "walk.c3d", 100, 2e-7);
-  EXPECT_EQ(std::filesystem::file_size(folder / "walk.c3d") % 512, 0u);
-}
-
-TEST(JointFiles, AC3dHoldsMoreFramesThanItsHeadersWord) {
-  const ScratchFolder folder;
-  write_c3d(folder / "long.c3d", track_of(70'000));
-  expect_read_back(folder / "long.c3d", 70'000, 2e-7);
-}
-
-TEST(JointFiles, AC3dHasTheUncertaintyAsResidualInMillimetres) {
-  const ScratchFolder folder;
-  write_c3d(folder / "walk.c3d", track_of(3));
-  const ByteFile file(folder / "walk.c3d");
-  std::vector<std::byte> bytes(file.size());
-  ASSERT_TRUE(file.read(0, bytes));
-  const std::size_t data = 512 * (static_cast<std::size_t>(value_at<std::uint16_t>(bytes, 16)) - 1);
-  std::vector<float> residuals;
-  for (std::size_t point = 0; point < 6; ++point)
-    residuals.push_back(value_at<float>(bytes, data + 16 * point + 12));
-  EXPECT_THAT(residuals, ElementsAre(12.0f, 255.0f, 12.0f, 255.0f, 12.0f, -1.0f));
-}
-
 TEST(JointFiles, ACsvHasARowAFrameAndJointWithBlanksForWhatIsMissing) {
   const ScratchFolder folder;
   JointTrack track = track_of(3);
@@ -131,7 +103,7 @@ TEST(JointFiles, WhatIsNotKnownOfAJointIsLeftOut) {
 TEST(JointFiles, ATrackThatFailsLeavesNoFile) {
   const ScratchFolder folder;
   const JointTrack track{{"Head"}, 25.0, 1, [](JointFrame&) { throw InputError("x", "y"); }};
-  for (const auto write : {write_trc, write_c3d, write_joint_csv})
+  for (const auto write : {write_trc, write_joint_csv})
     EXPECT_THROW(write(folder / "walk", track), InputError);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

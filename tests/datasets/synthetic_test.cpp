@@ -395,13 +395,11 @@ TEST(SimulationSpec, DepthAndWandAreAbsentUnlessAskedForAndHaveDefaults) {
   EXPECT_EQ(all.room.walls, 2);
 }
 
-TEST(SimulationSpec, PathsInItAreRelativeToItsFileAndStayInItsFolderUnlessOthersAreAllowed) {
+TEST(SimulationSpec, PathsInItAreRelativeToItsFile) {
   const Json json = parse_json(
       R"({"format": "trilat.simulation", "version": 1, "recorded": {"mocap": "a.csv", "mapping": "/m.json"}})",
       "sim.json");
-  EXPECT_THAT(message_of([&] { parse_simulation(json, "sim.json", "/data"); }),
-              testing::HasSubstr("sim.json /recorded/mapping: \"/m.json\" is absolute"));
-  const SimulationSpec spec = parse_simulation(json, "sim.json", "/data", OutsidePaths::allowed);
+  const SimulationSpec spec = parse_simulation(json, "sim.json", "/data");
   EXPECT_EQ(spec.recorded->mocap, "/data/a.csv");
   EXPECT_EQ(spec.recorded->mapping, "/m.json");
   EXPECT_EQ(spec.participants, 1u);

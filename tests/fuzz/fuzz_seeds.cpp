@@ -76,13 +76,6 @@ constexpr const char* kTrc =
     "100\t100\t2\t2\tmm\t100\t1\t2\nFrame#\tTime\ta\t\t\tb\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
     "1\t0.00\t1500\t250.5\t-1e2\t\t\t\n2\t0.01\tnan\tnan\tnan\t4\t5\t6\n";
 
-void write_points(const std::filesystem::path& path) {
-  write_c3d(path, {{"a", "b"}, 100.0, 2, [](JointFrame& frame) {
-                     frame.time_s += frame.position_m.empty() ? 0.0 : 0.01;
-                     frame.position_m = {{1.0, 2.0, 3.0}, Eigen::Vector3d::Constant(kMissing)};
-                   }});
-}
-
 constexpr const char* kIntrinsics =
     "%YAML:1.0\n---\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
     "   data: [ 365.4, 0., 254.8, 0., 365.4, 205.3, 0., 0., 1. ]\n"
@@ -99,7 +92,6 @@ void write_seeds(const std::filesystem::path& folder) {
   write_motive(seed("mocap", "motive"));
   write_file(seed("mocap", "rows"), kRowFormat);
   write_file(seed("mocap", "trc"), kTrc);
-  write_points(seed("mocap", "c3d"));
   write_file(seed("intrinsics", "kinect"), kIntrinsics);
   write_settings_seeds(seed);
   write_results_seeds(seed, folder / "sound_results");

@@ -22,10 +22,9 @@ using testing::Not;
 using testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> kVerbs{"info",     "verify",    "recover", "record", "mocap",
-                                      "simulate", "calibrate", "run",     "report", "reproduce",
-                                      "export",   "demo",      "doctor",  "manual", "init",
-                                      "merge",    "gate",      "fuse",    "schema", "measure-tracker"};
+const std::vector<std::string> kVerbs{
+    "info",      "verify", "recover", "record", "simulate", "calibrate", "run",    "report",
+    "reproduce", "demo",   "init",    "merge",  "gate",     "fuse",      "schema", "measure-tracker"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",
@@ -109,11 +108,7 @@ TEST(Door, AMessageSaysWhatWouldBeRight) {
        "asks for foot_left, which no take's mapping maps; they map"},
       {{"run", four, "--campaign", campaign, "-o", results},
        "method \"single k9\": names the sensor \"k9\"; the rig has k1"},
-      {{"calibrate", "session.h5", "--shard", "1/2", "-o", results},
-       "--shard: is not there any more; run it whole: ten minutes of four sensors take one to two minutes"},
-      {{"mocap", kinect}, "Bodies of a Kinect belong into a session: `python3 -m trilat.convert` makes one"},
-      {{"export", "csv", campaign, "-o", folder / "x.csv"},
-       "is a campaign; export one of its sessions, such as"},
+      {{"info", kinect}, "Bodies of a Kinect belong into a session: `python3 -m trilat.convert` makes one"},
   };
   for (const auto& [arguments, said] : cases) expect_refused(run_trilat(folder, arguments), said);
   EXPECT_THAT(run_trilat(folder, {"run", k9, "--campaign", campaign, "-o", results}).err,
@@ -133,8 +128,7 @@ TEST(Door, ARigThatSeesNobodyIsSaidTo) {
 TEST(Door, AMissingFileIsNamed) {
   const ScratchFolder folder;
   const std::string absent = folder / "absent";
-  for (const char* verb : {"info", "verify", "mocap"})
-    expect_refused(run_trilat(folder, {verb, absent}), absent);
+  for (const char* verb : {"info", "verify"}) expect_refused(run_trilat(folder, {verb, absent}), absent);
   for (const char* verb : {"simulate", "run", "report"})
     expect_refused(run_trilat(folder, {verb, absent, "-o", folder / "out"}), absent);
   expect_refused(run_trilat(folder, {"run", study_file(folder), "--campaign", absent, "-o", folder / "out"}),
@@ -145,7 +139,7 @@ TEST(Door, AMissingFileIsNamed) {
 TEST(Door, AFolderOrAnEmptyFileInPlaceOfAFileIsNamed) {
   const ScratchFolder folder;
   const std::string place = folder.path().string(), empty = file_with(folder, "empty", "");
-  for (const char* verb : {"info", "verify", "mocap"}) {
+  for (const char* verb : {"info", "verify"}) {
     expect_refused(run_trilat(folder, {verb, place}), place);
     expect_refused(run_trilat(folder, {verb, empty}), empty);
   }
@@ -160,7 +154,6 @@ TEST(Door, ANameTheFileSystemRefusesIsBadInputNotABug) {
   const std::string name = folder / std::string(300, 'a');
   expect_refused(run_trilat(folder, {"report", name, "-o", folder / "out"}), "aaa");
   expect_refused(run_trilat(folder, {"info", name}), "aaa");
-  expect_refused(run_trilat(folder, {"mocap", name}), "aaa");
   expect_refused(run_trilat(folder, {"simulate", simulation_file(folder, kTwoShortTakes), "-o", name}),
                  "aaa");
 }
@@ -195,7 +188,7 @@ TEST(RunVerb, AWholeWalkPrintsOneJsonDocumentAStep) {
   EXPECT_EQ(ended.code, 0) << ended.out;
   EXPECT_EQ(only_json(ended)["sound"], true);
 
-  ended = run_trilat(folder, {"mocap", take + "/mocap.csv", "--json"});
+  ended = run_trilat(folder, {"info", take + "/mocap.csv", "--json"});
   EXPECT_EQ(ended.code, 0);
   EXPECT_EQ(only_json(ended)["assets"].size(), 28u);
   EXPECT_EQ(only_json(ended)["frames"], 101);
@@ -266,7 +259,7 @@ Ended interrupted_at(const Process& process, const std::filesystem::path& sign) 
   const auto start = Clock::now();
   process.interrupt();
   const Ended ended = process.wait();
-  EXPECT_LT(Clock::now() - start, std::chrono::milliseconds(2000));
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(10));
   EXPECT_EQ(ended.code, 130) << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("interrupted"));
   return ended;

@@ -351,7 +351,7 @@ struct Simulated {
   }
   Study study() const {
     const auto file = folder / "simulation.json";
-    return campaign_study(read_simulation(file, {}), hash_of_file(file), WatchedFiles({file}));
+    return campaign_study(read_simulation(file), hash_of_file(file), WatchedFiles({file}));
   }
   ItemTally part(const std::filesystem::path& output, const StudyOptions& options = {.shard = {1, 1}}) {
     return run_study(study(), output, options);
@@ -478,7 +478,6 @@ TEST(Merge, RefusesABudgetsPartThatWasWrittenByHand) {
 TEST(Items, OptionsThatWouldHaveNoEffectAreRefused) {
   StudyFiles study(kRecording);
   EXPECT_THAT(study.run("out", {"--dry-run", "--shard", "9/3"}).err, HasSubstr("--shard: is \"9/3\""));
-  EXPECT_THAT(study.run("out", {"--memory-mb", "500"}).err, HasSubstr("--memory-mb: is for studies of kind"));
 }
 
 }  // namespace

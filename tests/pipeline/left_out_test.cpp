@@ -255,7 +255,7 @@ TEST(LeftOut, AMappingWithoutMocapIsOfNoUse) {
   const Json json = Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "c", "takes": [
     {"id": "t", "participant": "p", "session": "s.h5", "calibration": "c.json", "mapping": "m.json"}]})");
   try {
-    parse_campaign(json, "campaign.json", OutsidePaths::refused);
+    parse_campaign(json, "campaign.json");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(std::string(error.what()), HasSubstr("/takes/0/mapping"));

@@ -191,16 +191,46 @@ class ProgramTest(unittest.TestCase):
         said = trilat("init", folder, "--force", "--start-within-s", "1")
         self.assertIn("The files of two persons may be exchanged", said)
 
+    def test_a_mapping_alone_is_proposed(self):
+        said = trilat("init", "--propose-mapping", self.made / "campaign/p01-walking/mocap.csv")
+        self.assertIn('"trilat.mapping"', said)
+        self.assertIn("joints by their names; look at them", said)
+        rows = "".join(f"{i},{0.02 * i:.6f},0.1,1.6,0.2,0.3,0.9,0.2\n" for i in range(30))
+        nameless = self.written("nameless.csv", MOTIVE.format(notes="", promised=30) + rows)
+        self.assertIn("has no names that tell which joint is which", trilat("init", "--propose-mapping", nameless, code=2))
+
     def test_exports_that_others_have_changed(self):
         rows = "".join(f"{i},{0.02 * i:.6f},{0.1 * i:.6f},1.6,0.2,{0.1 * i:.6f},0.9,0.2\n" for i in range(30))
         notes = self.written("notes.csv", MOTIVE.format(notes='"first line\n\nsecond line"', promised=30) + rows)
-        self.assertIn("30 frames from 0 at 50 Hz", trilat("mocap", notes))
+        self.assertIn("30 frames from 0 at 50 Hz", trilat("info", notes))
         notes = self.written("notes.csv", MOTIVE.format(notes="first line\n\nsecond line", promised=30) + rows)
-        self.assertIn("30 frames from 0 at 50 Hz", trilat("mocap", notes))
+        self.assertIn("30 frames from 0 at 50 Hz", trilat("info", notes))
         cut = self.written("cut.csv", MOTIVE.format(notes="", promised=200) + rows)
-        self.assertIn("the header promises 200 frames, the file has 30", trilat("mocap", cut))
+        self.assertIn("the header promises 200 frames, the file has 30", trilat("info", cut))
         comma = self.written("comma.csv", MOTIVE.format(notes="", promised=30) + rows.replace(".", ","))
-        self.assertIn("decimal comma", trilat("mocap", comma, code=2))
+        self.assertIn("decimal comma", trilat("info", comma, code=2))
+
+    def test_same_results_compares_reports_by_value(self):
+        def compared(*words):
+            ended = subprocess.run([SOURCE / "scripts/same_results", *map(str, words)], capture_output=True, text=True, check=False)
+            return ended.returncode, ended.stdout + ended.stderr
+
+        head = "method,condition,mae_m,took_us\n"
+        self.written("one/tables/errors.csv", head + "mean,walking,0.021,7\nnonlinear,walking,0.030,9\n")
+        self.written("two/tables/errors.csv", head + "nonlinear,walking,0.030,8\nmean,walking,0.021,7\n")
+        one, two = self.folder / "one", self.folder / "two"
+        self.assertEqual(compared(one, two, "--except", "*:*_us"), (0, "1 tables compared, 0 differences\n"))
+        code, said = compared(one, two)
+        self.assertEqual(code, 1)
+        self.assertIn("tables/errors: row nonlinear | walking, took_us: 9 and 8", said)
+        self.written("two/tables/errors.csv", head + "mean,walking,0.022,7\nmedian,walking,0.021,7\n")
+        self.written("two/tables/pace.csv", "pace,mae_m\nslow,1\n")
+        code, said = compared(one, two)
+        self.assertIn("row mean | walking, mae_m: 0.021 and 0.022", said)
+        self.assertIn("row nonlinear | walking is in the first report only", said)
+        self.assertIn("row median | walking is in the second report only", said)
+        self.assertIn("tables/pace: is in the second report only", said)
+        self.assertEqual(compared(one, self.folder / "none")[0], 2)
 
     def test_scripts_print_their_help_and_do_nothing_else(self):
         for script in (SOURCE / "scripts").iterdir():

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Inputs after public bug reports, in ../shared/data/cases where that is there: each gives what its `expect` says."""
+import gzip
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -35,7 +37,8 @@ class SharedCases(unittest.TestCase):
         case, expected = CASES / name, EXPECTED[name]
         with tempfile.TemporaryDirectory() as scratch:
             env = {**os.environ, "TRILAT_PYTHON": str(SOURCE / "python"), "TMPDIR": scratch, "LC_ALL": "C.UTF-8"}
-            ended = subprocess.run(["sh", "cmd"], cwd=case, env=env, text=True, stdout=subprocess.PIPE,
+            script = (case / "cmd").read_text().replace('"$T" mocap ', '"$T" info ')  # today's name of the verb
+            ended = subprocess.run(["sh", "-c", script], cwd=case, env=env, text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, timeout=300, check=False)
         said = ended.stdout
         exits = [int(code) for code in re.findall(r"^exit (\d+)$", said, re.M)]
@@ -62,6 +65,45 @@ class SharedCases(unittest.TestCase):
             turn = np.degrees(np.arccos(np.clip((np.trace(found[name][0].T @ rotation) - 1) / 2, -1, 1)))
             self.assertLess(turn, 0.3, name)
             self.assertLess(np.linalg.norm(found[name][1] - position_m), 0.015, name)
+
+
+    def converted(self, name, folder, *options, code=0):
+        """What the converter says of a case's C3D, which becomes folder/m.csv."""
+        source = folder / "m.c3d"
+        case = CASES / name / "m.c3d"
+        source.write_bytes(case.read_bytes() if case.exists() else gzip.decompress(case.with_suffix(".c3d.gz").read_bytes()))
+        ended = subprocess.run([sys.executable, "-B", "-m", "trilat.convert", "c3d", source, "-o", folder / "m.csv", "--force", *options],
+                               env={**os.environ, "PYTHONPATH": str(SOURCE / "python")}, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended.stdout + ended.stderr
+
+    def test_c3d(self):
+        cases = {"c3d-70000-frames-clamped": (["--up-axis", "y"], 0, "70000 frames from 1"),
+                 "c3d-data-start-zero": ([], 0, "200 frames from 1 at 50 Hz, 6 markers in mm, y up"),
+                 "c3d-doubled-names-proposal": ([], 0, "LKNE stands twice: LKNE#5, LKNE#11"),
+                 "c3d-moments-beyond-100m": ([], 0, "200 frames from 1 at 50 Hz, 6 markers in mm, y up"),
+                 "c3d-scale-of-header": ([], 2, "the scale is 0.0551 in the header (block 1, words 7 and 8) and 0.0215 in POINT:SCALE"),
+                 "c3d-unit-cut-to-mete": ([], 0, "6 markers in m, y up"),
+                 "c3d-up-by-unlabelled": ([], 0, "6 markers in mm, z up")}
+        for name, (options, code, said) in cases.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as scratch:
+                self.assertIn(said, self.converted(name, Path(scratch), *options, code=code))
+
+    def test_c3d_analog_words_of_header(self):
+        name = "c3d-analog-words-of-header"
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "case"
+            shutil.copytree(CASES / name, folder)
+            words = [os.environ["TRILAT"], "run", folder / "study.json", "--campaign", folder, "-o", folder / "results"]
+            ended = subprocess.run(words, capture_output=True, text=True, check=False)
+            self.assertIn(f"m.c3d: is C3D; python3 -m trilat.convert c3d {folder}/m.c3d -o {folder}/m.csv", ended.stdout + ended.stderr)
+            self.assertIn("ANALOG states 112", self.converted(name, folder))
+            campaign = json.loads((folder / "campaign.json").read_text())
+            campaign["takes"][0]["mocap"] = "m.csv"
+            (folder / "campaign.json").write_text(json.dumps(campaign))
+            ended = subprocess.run(words, capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertLess(self.largest_cm(ended.stdout, "mean"), 2.0)
 
 
 def add_cases():

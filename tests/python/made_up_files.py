@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Recordings in other people's layouts, of our own making: joint j of frame i stands where joint_m() says."""
-import json
 import struct
-import zlib
 
 import numpy as np
 
@@ -26,10 +24,6 @@ def pixel(frame, joint):
 def labanotation_row(frame, ticks, state="2"):
     joints = "".join(f",{x!r},{y!r},{z!r},{state}" for x, y, z in (joint_m(frame, j) for j in range(JOINTS)))
     return f"{ticks}{joints},\n"
-
-
-def umons_row(frame, time_ms):
-    return " ".join([str(time_ms), *(repr(v) for j in range(JOINTS) for v in joint_m(frame, j))]) + " \n"
 
 
 def kimore_files(folder, frames, turns=True):
@@ -70,59 +64,57 @@ def kinectron_body(frame, time_ms, tracked=True, body_id=str(ID), start=1_500_00
     return body
 
 
-def kinectron_text(bodies):
-    return json.dumps(bodies)
-
-
 def depth_mm(frame):
     """Every pixel says its frame and its column."""
     return np.broadcast_to(500 + 100 * frame + np.arange(512, dtype=np.uint16), (424, 512)).astype("<u2")
 
 
-class Xef:
-    """Writes .xef files, plain or archived, as far as the layout is known."""
-    DEPTH, BODIES = "d614390a163be111aac3001e4fd58c0f", "7951c4a068517548a75cf8f1760f637c"
-    INFRARED, RAW = "d714390a163be111aac3001e4fd58c0f", "e214390a163be111aac3001e4fd58c0f"
+class C3d:
+    """A C3D file laid out by hand, by the guide of c3d.org: the header, parameters from block 2 on, the points behind them."""
 
-    def __init__(self, streams, archived=False):
-        self.archived, self.streams = archived, streams
-        self.data = b"EVENTS1\0" + struct.pack("<Iiq", 5, 0 if archived else streams + 1, 0)
-        self.describe(0, "00" * 16, 24)
+    def __init__(self, processor=84, scale=-1.0, units="mm", labels=("a", "b"), analog=0, first=1, last=None, frames=None, **parameters):
+        self.processor, self.scale, self.labels, self.analog, self.first = processor, scale, labels, analog, first
+        self.frames = frames if frames is not None else [[1500, 250, -100, 0, 1004, 5, 6, 0], [1501, 250, -100, 0, 9, 9, 9, -1]]
+        self.last = first + len(self.frames) - 1 if last is None else last
+        self.of_header = {}  # word: value, where the header shall say something else
+        self.parameters = {"POINT:UNITS": [units], "POINT:LABELS": list(labels[:255]), "POINT:Y_SCREEN": ["+Y"], **parameters}
+        if len(labels) > 255:
+            self.parameters["POINT:LABELS2"] = list(labels[255:])
 
-    def header(self, stream, flags, stored, ticks, full):
-        self.data += struct.pack("<HHIqII", stream, flags, stored, ticks, 0, full)
+    def integer(self, value):
+        return struct.pack(">H" if self.processor == 86 else "<H", int(value) & 0xFFFF)
 
-    def describe(self, stream, guid, tag_bytes=4):
-        self.header(stream, 0, 292, 0, 292)
-        self.data += struct.pack("<HH16s4x", stream, 0, bytes.fromhex(guid)) + bytes(258) + struct.pack("<H", tag_bytes) + bytes(32)
-        self.data += bytes(8) if self.archived else b""
-        self.header(0, 0, 98, 0, 98)
-        self.data += bytes(24 + 98)
+    def real(self, value):
+        if self.processor == 86:
+            return struct.pack(">f", value)
+        low = struct.pack("<f", 4 * value if self.processor == 85 else value)
+        return low[2:] + low[:2] if self.processor == 85 else low
 
-    def event(self, stream, ticks, number, payload):
-        stored = zlib.compress(payload) if self.archived else payload
-        self.header(stream, int(self.archived), len(stored), ticks, len(payload))
-        self.data += struct.pack("<I", number) + stored
+    def content(self, value):
+        if isinstance(value, float):
+            return b"\x04\0" + self.real(value)
+        if isinstance(value, int):
+            return b"\x02\0" + self.integer(value)
+        if value and isinstance(value[0], int):
+            return bytes([2, 1, len(value)]) + b"".join(map(self.integer, value))
+        length = max(map(len, value), default=1)
+        return bytes([255, 2, length, len(value)]) + "".join(text.ljust(length) for text in value).encode("latin-1")
 
-    def index_block(self, size):
-        self.header(0xFFFF, 0, 0, 0, 0)
-        self.data += b"\xEE" * size
+    def data(self):
+        groups = sorted({name.split(":")[0] for name in self.parameters})
+        section = bytes([1, 0x50, 0, self.processor])
+        for name, value in self.parameters.items():  # a parameter may stand before its group, and its name in any case
+            group, name = name.split(":")
+            body = self.content(value) + b"\0"
+            section += bytes([len(name), groups.index(group) + 1]) + name.title().encode() + self.integer(2 + len(body)) + body
+        for number, group in enumerate(groups, 1):
+            section += bytes([len(group), 256 - number]) + group.encode() + self.integer(3) + b"\0"
+        blocks = (len(section) + 2 + 511) // 512
+        section = (section[:2] + bytes([blocks]) + section[3:]).ljust(512 * blocks, b"\0")
+        words = {2: len(self.labels), 3: self.analog, 4: self.first, 5: self.last, 6: 0, 9: 2 + blocks, 10: 1} | self.of_header
+        header = bytes([2, 0x50]) + b"".join(self.integer(words[n]) for n in range(2, 7)) + self.real(self.scale)
+        header += self.integer(words[9]) + self.integer(words[10]) + self.real(100.0)
+        number = self.real if self.scale < 0 else self.integer
+        rows = b"".join(b"".join(map(number, frame)) + self.analog * number(7777) for frame in self.frames)
+        return header.ljust(512, b"\0") + section + rows
 
-    def footer(self):
-        self.header(self.streams + 1, 0, 0, 0, 0)
-        self.data += bytes(0x6B0 - 24)
-
-
-def xef_bodies(frame, body_id=ID, hand_state=1):
-    """A body in slot 3, with the left hand closed and the right one open."""
-    data = bytearray(6288)
-    struct.pack_into("<f", data, 4, 1.0)
-    at = 32 + 1040 * 3
-    for j in range(JOINTS):
-        struct.pack_into("<fff", data, at + 16 * j, 0.01 * frame, 0.0, 2.0 + 0.01 * j)
-        struct.pack_into("<f", data, at + 400 + 16 * j + 12, 1.0)
-        struct.pack_into("<i", data, at + 800 + 4 * j, 1)
-    struct.pack_into("<iii", data, at + 980, hand_state, 2, 1)
-    struct.pack_into("<iii", data, at + 992, 0, 2, 0)
-    struct.pack_into("<QI", data, at + 1008, body_id, 1)
-    return bytes(data)

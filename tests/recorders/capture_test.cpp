@@ -12,7 +12,6 @@
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
 #include "recorders/live_source.h"
-#include "recorders/open_source.h"
 #include "tests/recorders/pattern_source.h"
 #include "tests/support/scratch.h"
 
@@ -68,15 +67,26 @@ TEST(Capture, StoresWhatAllSourcesDeliverInTheirOrder) {
   EXPECT_EQ(session.counts(1).clock_exchanges, 40u);
 }
 
+// Its depth comes compressed, as from an agent.
+class CompressedSource : public PatternSource {
+ public:
+  CompressedSource() : PatternSource(1, 5) {}
+  std::optional<SourceEvent> next() override {
+    auto event = PatternSource::next();
+    if (!event) return event;
+    if (auto* depth = std::get_if<DepthFrame>(&event->data))
+      event->data = encode_depth_frame(depth->stamp, depth->depth_mm, ChunkCompression::blosc);
+    return event;
+  }
+};
+
 TEST(Capture, DepthThatComesCompressedIsCompressedAgainOnlyWhenTheFileWantsAnother) {
   const ScratchFolder folder;
   CaptureOptions options;
   for (const ChunkCompression compression : {ChunkCompression::blosc, ChunkCompression::deflate}) {
     options.depth_compression = compression;
     const std::string name = compression == ChunkCompression::blosc ? "blosc.h5" : "deflate.h5";
-    capture(sources_of(std::make_unique<PatternSource>(1, 5)), folder / ("first_" + name), options);
-    capture(sources_of(open_source("replay:" + (folder / "first_blosc.h5").string() + ",speed=max")),
-            folder / name, options);
+    capture(sources_of(std::make_unique<CompressedSource>()), folder / name, options);
     const SessionReader session(folder / name);
     EXPECT_EQ(session.stored_depth_frame(0, 0).compression, compression);
     expect_pattern(session, 0, 0, 5);
@@ -232,10 +242,23 @@ TEST(Capture, EndsInOrderWhenTheDiskIsNearlyFull) {
   EXPECT_TRUE(SessionReader(folder / "session.h5").complete());
 }
 
+// Every fifth depth frame has only half its pixels.
+class TornSource : public PatternSource {
+ public:
+  TornSource() : PatternSource(1, 15) {}
+  std::optional<SourceEvent> next() override {
+    auto event = PatternSource::next();
+    if (!event) return event;
+    if (auto* depth = std::get_if<DepthFrame>(&event->data); depth && depth->stamp.sequence % 5 == 0)
+      depth->depth_mm.resize(kDepthPixels / 2);
+    return event;
+  }
+};
+
 TEST(Capture, TornFramesAreLeftOutAndCounted) {
   const ScratchFolder folder;
-  const CaptureSummary summary = capture(
-      sources_of(open_source("synthetic:1,duration=0.5,speed=max,torn=5,drop=0")), folder / "session.h5", {});
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<TornSource>()), folder / "session.h5", {});
   const SessionReader session(folder / "session.h5");
   EXPECT_EQ(session.counts(0).body_frames, 15u);
   EXPECT_EQ(session.counts(0).depth_frames, 12u);

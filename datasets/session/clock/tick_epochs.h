@@ -56,7 +56,7 @@ class HostArrivals {
   std::optional<ArrivalStamp> before_;
 };
 
-// After so many ticks a 32-bit counter, as that of libfreenect2, starts again from nothing.
+// After so many ticks a 32-bit counter starts again from nothing.
 inline constexpr std::int64_t kTicksOfWrap = std::int64_t{1} << 32;
 
 // Frames between two restarts of a sensor's count of ticks.

@@ -82,7 +82,7 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, T
                     removed.at_origin));
   const MocapAnomalies& odd = truth.anomalies();
   if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
-    note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat mocap` says more",
+    note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat info` says more",
                      odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
                      odd.partial_poses));
   if (odd.frames_promised > 0)

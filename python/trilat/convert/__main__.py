@@ -4,12 +4,11 @@ import argparse
 import sys
 from pathlib import Path
 
-from trilat.convert import (keraal, kimore, kinectmultitrack, labanotation, node_kinect2, ntu, png, ui_prmd, umons_taichi,
-                            xef)
+from trilat.convert import azure_kinect, c3d, keraal, kimore, kinectmultitrack, labanotation, ntu, ui_prmd
 from trilat.errors import InputError
 
-FORMATS = {"keraal": keraal, "kimore": kimore, "kinectmultitrack": kinectmultitrack, "labanotation": labanotation,
-           "node-kinect2": node_kinect2, "ntu": ntu, "png": png, "ui-prmd": ui_prmd, "umons-taichi": umons_taichi, "xef": xef}
+FORMATS = {"azure-kinect": azure_kinect, "c3d": c3d, "keraal": keraal, "kimore": kimore, "kinectmultitrack": kinectmultitrack,
+           "labanotation": labanotation, "ntu": ntu, "ui-prmd": ui_prmd}
 
 
 def arguments_of(words: list[str]) -> argparse.Namespace:

@@ -2,7 +2,7 @@
 """What all converters share: checked frames of one sensor, what was left out of them, and the session."""
 import argparse
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +11,7 @@ import numpy as np
 
 from trilat.errors import InputError
 from trilat.skeleton import FARTHEST_JOINT_M, JOINT_COUNT, NEAREST_JOINT_M, NOT_TRACKED, TRACKED, states_within_reach
-from trilat.write_session import DEPTH_SHAPE, MOST_BODIES, DepthFrame, SensorFrames, write_session
+from trilat.write_session import DEPTH_SHAPE, MOST_BODIES, SensorFrames, write_session
 
 TICK_NS = 100
 TICKS_PER_S = 1e9 / TICK_NS
@@ -124,12 +124,10 @@ class Recording:
         self.name, self.file, self.rate_hz = name, file, rate_hz
         self.left_out = {"torn_rows": 0, "repeated_times": 0, "backward_times": 0}
         self.first_left_out = ""
-        self.skipped = {"skipped_events": 0, "skipped_bytes": 0}
-        self.stamps, self.depth_stamps = Stamps(rate_hz), Stamps(rate_hz)
+        self.stamps = Stamps(rate_hz)
         self.frames: list[tuple[int, int]] = []  # sequence, ticks
         self.floors: list[np.ndarray] = []
         self.bodies: list[tuple[int, Body]] = []  # row of its frame
-        self.depth_frames = 0
         self.tracked = self.out_of_reach = 0  # joints
         self.first_out_of_reach = ""
         self.rms_px: float | None = None
@@ -139,13 +137,13 @@ class Recording:
         self.left_out[why] += 1
         self.first_left_out = self.first_left_out or f"{place} {problem}"
 
-    def _number(self, stamps: Stamps, place: str, ticks: int, sequence: int | None) -> int | None:
-        if stamps.ticks is not None and ticks <= stamps.ticks:
-            repeated = ticks == stamps.ticks
+    def _number(self, place: str, ticks: int, sequence: int | None) -> int | None:
+        if self.stamps.ticks is not None and ticks <= self.stamps.ticks:
+            repeated = ticks == self.stamps.ticks
             self.leave_out("repeated_times" if repeated else "backward_times", place,
                            "has the time of the frame before" if repeated else "has a time before that of the frame before")
             return None
-        return stamps.next(ticks, sequence)
+        return self.stamps.next(ticks, sequence)
 
     def add(self, place: str, ticks: int, bodies: list[Body], sequence: int | None = None,
             floor_plane: np.ndarray | None = None) -> None:
@@ -158,25 +156,12 @@ class Recording:
                 self.first_out_of_reach = f"{place} has a joint {np.linalg.norm(body.position_m, axis=1).max():g} m from the sensor"
         if len(bodies) > MOST_BODIES:
             raise TornRow(f"has {len(bodies)} bodies; a Kinect tracks at most {MOST_BODIES}")
-        number = self._number(self.stamps, place, ticks, sequence)
+        number = self._number(place, ticks, sequence)
         if number is None:
             return
         self.bodies += [(len(self.frames), body) for body in bodies]
         self.frames.append((number, ticks))
         self.floors.append(np.zeros(4) if floor_plane is None else floor_plane)
-
-    def depth(self, images: Iterable[tuple[str, int, int | None, Callable[[], np.ndarray]]]) -> Iterator[DepthFrame]:
-        """Stamps depth images (place, ticks, sequence, how to read it) on their way into the session."""
-        for place, ticks, sequence, read in images:
-            number = None
-            with self.row(place):
-                image = read()
-                number = self._number(self.depth_stamps, place, ticks, sequence)
-            if number is not None:
-                self.depth_frames += 1
-                yield number, ticks, ticks * TICK_NS, image
-        if not self.frames and not self.depth_frames:
-            raise InputError(self.file, "holds no frame that can be read; first: " + self.first_left_out)
 
     @contextmanager
     def row(self, place: str) -> Iterator[None]:
@@ -186,9 +171,9 @@ class Recording:
         except TornRow as torn:
             self.leave_out("torn_rows", place, str(torn))
 
-    def sensor(self, source: str, depth: Iterable[DepthFrame] | None = None) -> SensorFrames:
+    def sensor(self, source: str) -> SensorFrames:
         """The frames as write_session() takes them. InputError when there is none."""
-        if not self.frames and depth is None:
+        if not self.frames:
             first = f" that can be read; is it in this format? First: {self.first_left_out}" if self.first_left_out else ""
             raise InputError(self.file, "holds no frame" + first)
         stamps = np.array(self.frames, np.int64).reshape(-1, 2)
@@ -207,7 +192,7 @@ class Recording:
             orientation_xyzw=column("orientation_xyzw", (JOINT_COUNT, 4), np.float32),
             hand_state=column("hand_state", (2,), np.uint8), hand_confidence=column("hand_confidence", (2,), np.uint8),
             floor_plane=np.array(self.floors, np.float32).reshape(-1, 4), intrinsics=self._intrinsics(),
-            depth=depth, source=source, tick_ns=TICK_NS, rate_hz=self.rate_hz)
+            source=source, tick_ns=TICK_NS, rate_hz=self.rate_hz)
 
     def _check_rate(self, ticks: np.ndarray) -> None:
         """InputError for times that are no Kinect's: then they are in another unit."""
@@ -246,18 +231,17 @@ class Recording:
     def report(self) -> dict[str, object]:
         """What is in the session and what was left out."""
         return {"name": self.name, "file": str(self.file), "body_frames": len(self.frames), "bodies": len(self.bodies),
-                "depth_frames": self.depth_frames, "gap_frames": self.stamps.gap_frames + self.depth_stamps.gap_frames,
-                "out_of_reach": self.out_of_reach, **self.left_out, **self.skipped, "first_left_out": self.first_left_out, "intrinsics_rms_px": self.rms_px}
+                "gap_frames": self.stamps.gap_frames,
+                "out_of_reach": self.out_of_reach, **self.left_out, "first_left_out": self.first_left_out,
+                "intrinsics_rms_px": self.rms_px}
 
 
-def finish(arguments: argparse.Namespace, recordings: list[Recording], note: str, started_utc: str = "",
-           depth: Mapping[str, Iterable[DepthFrame]] | None = None) -> int:
+def finish(arguments: argparse.Namespace, recordings: list[Recording], note: str, started_utc: str = "") -> int:
     """Writes the session, says what is in it, and gives the exit code: 1 when something was left out."""
     source = f"import {arguments.format}"
-    sensors = {r.name: r.sensor(source, (depth or {}).get(r.name)) for r in recordings}
-    if depth is None:
-        note += (" Intrinsics: fitted to the joints' depth pixels, without distortion."
-                 if all(r.rms_px is not None for r in recordings) else " Intrinsics: those of a typical Kinect v2.")
+    sensors = {r.name: r.sensor(source) for r in recordings}
+    note += (" Intrinsics: fitted to the joints' depth pixels, without distortion."
+             if all(r.rms_px is not None for r in recordings) else " Intrinsics: those of a typical Kinect v2.")
     write_session(arguments.output, sensors, note=note, started_utc=started_utc, force=arguments.force)
     return say(arguments, [r.report() for r in recordings], note)
 
@@ -271,7 +255,7 @@ def say(arguments: argparse.Namespace, sensors: list[dict], note: str) -> int:
         print(arguments.output)
         for s in sensors:
             camera = "typical intrinsics" if s["intrinsics_rms_px"] is None else f"intrinsics fitted, {s['intrinsics_rms_px']:.2f} px"
-            print(f"{s['name']}: {s['body_frames']} body frames with {s['bodies']} bodies, {s['depth_frames']} depth frames; "
+            print(f"{s['name']}: {s['body_frames']} body frames with {s['bodies']} bodies; "
                   f"{s['gap_frames']} frames are missing in between; {camera}")
             left_out = s["torn_rows"] + s["repeated_times"] + s["backward_times"]
             if left_out:
@@ -279,8 +263,5 @@ def say(arguments: argparse.Namespace, sensors: list[dict], note: str) -> int:
                       f"{s['backward_times']} go back); first: {s['first_left_out']}")
             if s["out_of_reach"]:
                 print(f"{s['name']}: {s['out_of_reach']} joints lie where no Kinect measures any, and are not tracked in the session")
-            if s["skipped_events"] or s["skipped_bytes"]:
-                print(f"{s['name']}: {s['skipped_events']} events of other streams and {s['skipped_bytes']} damaged bytes "
-                      "are stepped over")
         print(note)
-    return int(any(s["torn_rows"] + s["repeated_times"] + s["backward_times"] + s["skipped_bytes"] > 0 for s in sensors))
+    return int(any(s["torn_rows"] + s["repeated_times"] + s["backward_times"] > 0 for s in sensors))

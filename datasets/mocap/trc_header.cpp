@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/mocap/trc_header.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/csv_cell.h"
+
+namespace trilat {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+constexpr std::int64_t kMostMarkers = 100'000;
+constexpr std::size_t kFirst = 2;  // column of the first marker: frame and time stand before it
+
+// Without the empty cells behind the last one.
+Cells tab_cells(std::string_view line) {
+  Cells cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find('\t', begin), line.size());
+    std::string_view cell = line.substr(begin, end - begin);
+    while (cell.ends_with(' ')) cell.remove_suffix(1);
+    while (cell.starts_with(' ')) cell.remove_prefix(1);
+    cells.emplace_back(cell);
+    begin = end + 1;
+  }
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  return cells;
+}
+
+Cells next_cells(LineReader& lines, const char* what) {
+  std::string_view line;
+  if (!lines.next(line)) throw InputError(lines.place(), std::string("the file ends before ") + what);
+  if (line.find('\t') == std::string_view::npos && line.find(' ') != std::string_view::npos)
+    throw InputError(lines.place(), "has blanks between its cells; tabs must stand there");
+  return tab_cells(line);
+}
+
+// Some programs put two tabs behind some of the values, so that they stand under other keys.
+HeaderValues values_of(Cells keys, Cells values) {
+  if (keys.size() != values.size()) {
+    std::erase(keys, "");
+    std::erase(values, "");
+  }
+  HeaderValues result;
+  for (std::size_t i = 0; i < std::min(keys.size(), values.size()); ++i) result.emplace(keys[i], values[i]);
+  return result;
+}
+
+// Every third cell of "Frame#, Time, a, , , b, , ".
+Cells names_of(const Cells& labels, const std::string& place) {
+  if (labels.size() < kFirst || !labels[0].starts_with("Frame") || !labels[1].starts_with("Time"))
+    throw InputError(place, "is not the row \"Frame#, Time\" and the markers' names, with tabs between");
+  Cells names;
+  for (std::size_t column = kFirst; column < labels.size(); ++column) {
+    const bool is_name = (column - kFirst) % 3 == 0;
+    if (is_name) names.push_back(labels[column]);
+    if (!is_name && !labels[column].empty())
+      throw InputError(place, "column " + std::to_string(column + 1) + " has \"" + labels[column] +
+                                  "\"; names stand above each X, with two empty cells between them");
+  }
+  return names;
+}
+
+// Three columns a marker.
+void add_markers(const Cells& names, ColumnHeader& result) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    result.header.assets.push_back({.type = AssetType::marker,
+                                    .name = names[i].empty() ? "marker " + number : names[i],
+                                    .id = number,
+                                    .parent = {},
+                                    .has_rotation = false,
+                                    .has_position = true});
+    AssetColumns& columns = result.layout.columns.emplace_back();
+    columns.fill(kNoColumn);
+    for (std::size_t axis = 0; axis < 3; ++axis) columns[4 + axis] = kFirst + 3 * i + axis;
+  }
+  result.layout.used_columns = kFirst + 3 * names.size();
+  result.layout.written_columns = result.layout.used_columns + 1;  // a tab may end a row
+  result.layout.tab_separated = true;
+}
+
+// The row below the names says nothing that they do not; a file may lack it.
+void skip_axes(LineReader& lines) {
+  std::string_view line;
+  if (!lines.next(line)) throw InputError(lines.place(), "the file ends before its data");
+  const std::size_t first = line.find_first_not_of(" \t");
+  const bool is_row_of_data = first != std::string_view::npos && line[first] >= '0' && line[first] <= '9';
+  if (is_row_of_data) lines.unread();
+}
+
+}  // namespace
+
+bool is_trc(std::string_view first_line) { return first_line.starts_with("PathFileType"); }
+
+ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
+  for (const char* order : {"(X/Z/Y)", "(Y/X/Z)", "(Y/Z/X)", "(Z/X/Y)", "(Z/Y/X)"})
+    if (first_line.find(order) != std::string_view::npos)
+      throw InputError(lines.place(), std::string("has the columns of a marker in the order ") + order +
+                                          "; (X/Y/Z) is read");
+  ColumnHeader result;
+  const std::string_view behind = first_line.substr(std::min(first_line.rfind("(X/Y/Z)"), first_line.size()));
+  if (const Cells cells = tab_cells(behind); cells.size() > 1) result.header.take_name = cells[1];
+  Cells keys = next_cells(lines, "the keys of the header");
+  Cells values = next_cells(lines, "the values of the header");
+  const HeaderKeys header(values_of(std::move(keys), std::move(values)), lines.place());
+  result.header.format = "TRC";
+  result.header.export_rate_hz = header.stated_rate_hz("DataRate");
+  result.header.total_exported_frames = header.stated_count("NumFrames", kHighestFrame);
+  result.header.length_unit = header.length_unit("Units");
+  const auto stated = static_cast<std::size_t>(header.stated_count("NumMarkers", kMostMarkers));
+  const Cells labels = next_cells(lines, "the row of names");
+  Cells names = names_of(labels, lines.place());
+  names.resize(std::max(names.size(), stated));  // the last ones may have no name
+  add_markers(names, result);
+  skip_axes(lines);
+  return result;
+}
+
+}  // namespace trilat

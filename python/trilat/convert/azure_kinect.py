@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""JSON of Microsoft's offline_processor (Azure Kinect Body Tracking): 32 joints a body, millimetres, y down, microseconds."""
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from trilat.convert.recording import Body, Recording, TornRow, finish, need_one, refuse_rate
+from trilat.errors import InputError
+from trilat.skeleton import INFERRED, JOINTS, NOT_TRACKED, TRACKED
+
+HELP = "JSON of Microsoft's offline_processor: bodies of one Azure Kinect"
+OTHER_NAMES = {"spine_base": "PELVIS", "spine_mid": "SPINE_NAVEL", "spine_shoulder": "SPINE_CHEST",
+               "hand_tip_left": "HANDTIP_LEFT", "hand_tip_right": "HANDTIP_RIGHT"}
+NAMES = [OTHER_NAMES.get(joint, joint.upper()) for joint in JOINTS]
+STATES = np.array([NOT_TRACKED, INFERRED, TRACKED, TRACKED], np.uint8)  # of the confidences none, low, medium, high
+CONFIDENCE_KEYS = ("joint_confidence_levels", "confidence_levels", "joint_confidences")
+NOTE = ("Joints without a counterpart among the 25 are left out: clavicles, nose, eyes and ears. spine_mid is the navel and spine_shoulder "
+        "the chest, some centimetres below those of a Kinect v2. Orientations keep the axes that the Azure Kinect gives each joint.")
+
+
+def read_document(path: Path) -> tuple[list[dict], list[int]]:
+    """The frames, and where each of the 25 joints stands among the file's."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(path, f"cannot be read as JSON: {error}") from error
+    if not isinstance(document, dict) or not isinstance(document.get("frames"), list) or not isinstance(document.get("joint_names"), list):
+        raise InputError(path, 'has no "joint_names" and "frames", which offline_processor writes')
+    names = document["joint_names"]
+    if missing := [name for name in NAMES if name not in names]:
+        raise InputError(path, f'has no {missing[0]} among its "joint_names"')
+    return document["frames"], [names.index(name) for name in NAMES]
+
+
+def array_of(body: dict, key: str, width: int, joints: list[int]) -> np.ndarray:
+    try:
+        return np.array(body[key], dtype=float).reshape(-1, width)[joints]
+    except (KeyError, IndexError, TypeError, ValueError):
+        raise TornRow(f'has no {width} numbers a joint in "{key}"') from None
+
+
+def body_of(body: dict, joints: list[int]) -> Body:
+    """Turned by half a turn about z, so that y points up and x to the sensor's left."""
+    if not isinstance(body.get("body_id"), int):
+        raise TornRow('has no whole number in "body_id"')
+    position_m = 1e-3 * array_of(body, "joint_positions", 3, joints) * [-1.0, -1.0, 1.0]
+    w, x, y, z = array_of(body, "joint_orientations", 4, joints).T
+    made = Body(position_m, tracking_id=body["body_id"], orientation_xyzw=np.stack([-y, x, w, -z], axis=1))
+    if key := next((key for key in CONFIDENCE_KEYS if key in body), None):
+        confidence = array_of(body, key, 1, joints)[:, 0]
+        if not np.isin(confidence, range(len(STATES))).all():
+            raise TornRow(f'has another confidence in "{key}" than 0 to 3')
+        made.tracking_state = STATES[confidence.astype(int)]
+    return made
+
+
+def convert(arguments: argparse.Namespace) -> int:
+    path = need_one(arguments.files, "is a second file; these files share no clock, so each becomes a session of its own")
+    refuse_rate(arguments)
+    frames, joints = read_document(path)
+    recording, confident = Recording("k1", path), False
+    for number, frame in enumerate(frames):
+        place = f"{path} /frames/{number}"
+        with recording.row(place):
+            if not isinstance(frame, dict) or not isinstance(frame.get("timestamp_usec"), int) or not isinstance(frame.get("bodies"), list):
+                raise TornRow('has no "timestamp_usec" and "bodies"')
+            bodies = [body_of(body, joints) for body in frame["bodies"]]
+            confident |= any(key in body for body in frame["bodies"] for key in CONFIDENCE_KEYS)
+            recording.add(place, 10 * frame["timestamp_usec"], bodies, frame.get("frame_id"))
+    states = "" if confident else " The file holds no confidences: every joint is called tracked, inferred ones too."
+    return finish(arguments, [recording], NOTE + states)
