@@ -194,9 +194,6 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   write("all-tables.html", all_tables_of(content, page));
   advance(kReadShare + kPageShare);
   write("report.md", markdown_of(content));
-  std::vector<Table> shown;
-  for (const Table* table : content.shown_tables()) shown.push_back(*table);
-  write("numbers.tex", latex_of(article_numbers(shown)));
   write("citation.bib", citation_bibtex());
   for (const Chapter& chapter : content.chapters)
     if (!chapter.provenance.config.empty())

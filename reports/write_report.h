@@ -30,10 +30,9 @@ struct ReportFiles {
 };
 
 // Reads results folders and writes into `folder`: report.html (the page, needs nothing else), all-tables.html
-// beside it, report.md, numbers.tex (a macro for every number of the page's tables), citation.bib, the
-// resolved studies, tables/STUDY/NAME.csv and .tex, figures/STUDY/NAME.svg, .pdf and .csv, and index.csv,
-// which says what each is. Nothing is computed again: the same results give the same bytes on one machine,
-// the page's time stamp apart.
+// beside it, report.md, citation.bib, the resolved studies, tables/STUDY/NAME.csv and .tex,
+// figures/STUDY/NAME.svg, .pdf and .csv, and index.csv, which says what each is. Nothing is computed again:
+// the same results give the same bytes on one machine, the page's time stamp apart.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                          const std::filesystem::path& folder, const ReportOptions& options = {});
 

@@ -142,8 +142,7 @@ std::string lead_html(const ReportContent& content) {
 }
 
 std::string citation_html(const std::string& citation) {
-  return "<p>The numbers of this page’s tables are LaTeX macros in <a href=\"numbers.tex\">numbers.tex</a>. "
-         "Every table is a LaTeX file of its own; <a href=\"index.csv\">index.csv</a> says which.</p>\n"
+  return "<p>Every table is a LaTeX file of its own; <a href=\"index.csv\">index.csv</a> says which.</p>\n"
          "<pre>" +
          html_text(citation) + "</pre>\n";
 }

@@ -229,7 +229,7 @@ TEST(Report, WhatCannotBeWrittenToItsEndLeavesNothingAside) {
   EXPECT_FALSE(std::filesystem::exists(folder / "report.partial"));
 }
 
-TEST(Report, ItsTablesAndNumbersCompile) {
+TEST(Report, ItsTablesCompile) {
   if (!std::filesystem::exists(kPdflatex)) GTEST_SKIP() << "pdflatex is not installed";
   const ScratchFolder folder;
   const auto plain = results_in(folder, "plain", hand_made_summary());
@@ -240,8 +240,7 @@ TEST(Report, ItsTablesAndNumbersCompile) {
       write_report({plain, nasty, results_in(folder, "calibration", calibration)}, folder / "report");
   std::string article =
       "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[T1]{fontenc}\n"
-      "\\usepackage{booktabs,longtable}\n\\input{numbers}\n\\begin{document}\n"
-      "\\trilatPlainErrorsWalkingNonlinearHeadMaeCm\n";
+      "\\usepackage{booktabs,longtable}\n\\begin{document}\n";
   for (const auto& path : report.written)
     if (path.string().find("/tables/") != std::string::npos && path.extension() == ".tex")
       article += "\\input{" + path.lexically_relative(folder / "report").string() + "}\n";
