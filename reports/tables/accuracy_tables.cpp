@@ -123,7 +123,7 @@ std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
                                 about(s, condition, s.alignments.front())),
                     s.families,
                     {{"methods", "methods", as_text(&R::name)},
-                     {"sensors", "sensors", chosen(as_count(&R::sensors))},
+                     {"sensors", "sensors", as_count(&R::sensors)},
                      {"sets", "sets", as_count([](const R& r) { return r.methods.size(); })},
                      {"MAE (cm)", "mae_cm", of(cell, in_cm(&C::mae_m, &C::low_m, &C::high_m))},
                      {"answered (%)", "answered_percent", of(cell, in_percent(&C::answered))},

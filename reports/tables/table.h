@@ -36,13 +36,12 @@ struct TableColumn {
   std::string name;  // with its unit, as in "MAE (cm)"
   std::string key;   // lower_snake with unit, for CSV
   bool is_text = false;
-  bool is_key = false;  // a number that was chosen, not measured: it may name the row
   bool has_interval = false;
   // Of the interval's ends: "mae_from_cm" of "mae_cm".
   std::string key_of_end(const char* end) const;
 };
 inline TableColumn interval_column(std::string name, std::string key) {
-  return {std::move(name), std::move(key), false, false, true};
+  return {std::move(name), std::move(key), false, true};
 }
 
 // The name with its unit: that of the key where the name has none.
@@ -86,7 +85,7 @@ inline double share_of(std::uint64_t part, std::uint64_t whole) {
 template <class Show>
 struct CellOf {
   Show show;
-  bool is_text = false, is_key = false, has_interval = false;
+  bool is_text = false, has_interval = false;
 };
 template <class Of>
 auto as_text(Of of) {
@@ -98,7 +97,7 @@ auto as_number(int decimals, double factor, Of... of) {
   return CellOf{[=](const auto& row) {
                   return number_cell(decimals, factor * static_cast<double>(std::invoke(of, row))...);
                 },
-                false, false, sizeof...(of) == 3};
+                false, sizeof...(of) == 3};
 }
 template <class Row>
 auto as_number(int decimals, double factor, Estimate Row::*e) {
@@ -115,14 +114,8 @@ auto in_percent(auto... of) { return as_number(1, 100.0, of...); }
 // Of a part of the row.
 template <class Part, class Show>
 auto of(Part part, CellOf<Show> cell) {
-  return CellOf{[=](const auto& row) { return cell.show(std::invoke(part, row)); }, cell.is_text, cell.is_key,
+  return CellOf{[=](const auto& row) { return cell.show(std::invoke(part, row)); }, cell.is_text,
                 cell.has_interval};
-}
-// A number that was chosen, not measured.
-template <class Show>
-CellOf<Show> chosen(CellOf<Show> cell) {
-  cell.is_key = true;
-  return cell;
 }
 
 // One column of a table whose rows are values of one kind.
@@ -132,7 +125,7 @@ struct RowColumn {
   std::function<TableValue(const Row&)> show;
   template <class Show>
   RowColumn(std::string name, std::string key, CellOf<Show> cell)
-      : column{std::move(name), std::move(key), cell.is_text, cell.is_key, cell.has_interval},
+      : column{std::move(name), std::move(key), cell.is_text, cell.has_interval},
         show(std::move(cell.show)) {}
 };
 

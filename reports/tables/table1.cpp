@@ -66,8 +66,7 @@ Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>
       {{"range (cm)", "range_cm", as_text([&](const Place& p) {
           return fmt::format("{:g}-{:g}", paper.ranges_cm[p.range][0], paper.ranges_cm[p.range][1]);
         })},
-       {"C", "threshold",
-        chosen(as_number(-1, [&](const Place& p) { return paper.rows[p.threshold].threshold; }))},
+       {"C", "threshold", as_number(-1, [&](const Place& p) { return paper.rows[p.threshold].threshold; })},
        {"error, paper (cm)", "paper_error_cm",
         as_number(1, [&](const Place& p) { return paper.rows[p.threshold].error_cm[p.range]; })},
        {"E7+E8 (cm)", "as_printed_error_cm", error(both)},
