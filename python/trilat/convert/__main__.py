@@ -20,7 +20,8 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
     for name, module in FORMATS.items():
         verb = formats.add_parser(name, help=module.HELP, description=module.HELP)
         verb.add_argument("files", nargs="+", type=Path, metavar="FILE", help="the recording")
-        verb.add_argument("-o", "--output", type=Path, required=True, help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder")
+        verb.add_argument("-o", "--output", type=Path, required=True,
+                          help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder; of c3d a CSV")
         verb.add_argument("--rate-hz", type=float, help="frames a second, where the files have no time stamps")
         verb.add_argument("--force", action="store_true", help="replace what stands under the output's name")
         verb.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else there")
