@@ -16,7 +16,7 @@
 
 namespace trilat {
 
-// Which axis of a ground truth's world points up. Ours is y; laboratories that write TRC often have z.
+// The axis that points up in a ground truth's world. In our world it is y; TRC files often have z.
 enum class UpAxis : std::uint8_t { automatic, y, z };
 inline const std::array<std::string, 3> kUpAxisNames{"auto", "y", "z"};
 // Why a take fails whose up axis is neither stated nor clear.

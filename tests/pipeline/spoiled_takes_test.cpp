@@ -359,7 +359,7 @@ TEST_P(LateClocks, AreNamedWithTheirOffset) {
 
 INSTANTIATE_TEST_SUITE_P(Milliseconds, LateClocks, testing::Values(120, 150, 200, 300, 500, 800));
 
-// Its second is no longer an error of the mean by a third of a metre.
+// Taken as the same person, that second would put the mean a third of a metre off.
 TEST(SpoiledSensors, ABodyThatJumpsToAnotherPersonIsNotTaken) {
   const ScratchFolder folder;
   Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};

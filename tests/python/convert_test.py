@@ -236,7 +236,7 @@ class ConvertTest(unittest.TestCase):
         self.assertIn("cannot be read as JSON", self.refused("azure-kinect", self.file("a.json", self.azure()[:-9])))
 
     def c3d(self, made_up, *options, code=0):
-        """(what was said, names, (frames, markers, 3) in metres) of a made-up C3D."""
+        """Converts a made-up C3D; gives what was said, the names, and positions (frames, markers, 3) in metres."""
         source, output = self.file("walk.c3d", made_up.data()), self.folder / "walk.csv"
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -296,6 +296,9 @@ class ConvertTest(unittest.TestCase):
     def test_c3d_names_what_contradicts_itself(self):
         scale = made.C3d(scale=0.5, **{"POINT:SCALE": 0.2})
         self.assertIn("the scale is 0.5 in the header (block 1, words 7 and 8) and 0.2 in POINT:SCALE (block 2)", self.c3d(scale, code=2))
+        used = made.C3d(**{"POINT:USED": 1})
+        self.assertIn("2 points by the header (block 1, word 2), 1 by POINT:USED (block 2)", self.c3d(used, code=2))
+        self.assertIn("the header states 100 Hz, POINT:RATE 50 Hz", self.c3d(made.C3d(**{"POINT:RATE": 50.0}))[0])
         start = made.C3d(**{"POINT:DATA_START": 4})
         self.assertIn("in block 3 by the header (word 9) and in block 4 by POINT:DATA_START", self.c3d(start, code=2))
         self.assertEqual(self.c3d(made.C3d(**{"POINT:DATA_START": 0}))[2][1, 0, 0], 1.501)

@@ -202,12 +202,10 @@ std::string cause_of(const std::string& status) {
   const auto is = [&](ClockOffsetStatus one) { return status == name_of(one); };
   if (is(ClockOffsetStatus::too_little_motion))
     return "the joints hardly move, in it or as the sensors see them; if the person did move, its numbers "
-           "have "
-           "another unit than its header says, such as metres under Millimeters";
+           "have another unit than its header says, such as metres under Millimeters";
   if (is(ClockOffsetStatus::no_agreement))
     return "its joints do not move as the sensors see them move at any start that was looked at; is it this "
-           "take "
-           "and this person? The files of two persons may be exchanged";
+           "take and this person? The files of two persons may be exchanged";
   if (is(ClockOffsetStatus::ambiguous)) return "several starts fit, as when somebody walks in a circle";
   if (is(ClockOffsetStatus::at_limit)) return "the best start lies at the end of the search; look farther";
   if (is(ClockOffsetStatus::too_uncertain)) return "the movements are too few to say it closely";

@@ -54,11 +54,16 @@ class C3d:
             raise InputError(path, "does not begin as a C3D file does, or ends within its header")
         self.parameters = self.read_parameters(max(int(self.data[0]), 1))
         self.points = int(self.number("POINT:USED", self.word(2)))
+        if self.points != self.word(2) and self.word(2) > 0:  # with another width of the rows all numbers would be others
+            raise InputError(path, f"contradicts itself: {self.word(2)} points by the header (block 1, word 2), {self.points} by POINT:USED "
+                                   f"(block {self.data[0]})")
         if self.points < 1:
             raise InputError(path, "holds no points" + (", and analog channels only" if self.word(3) else ""))
         self.rate_hz = float(self.number("POINT:RATE", self.real(20)))
         if not 1.0 <= self.rate_hz <= 9000.0:
             raise InputError(path, f"POINT:RATE is {self.rate_hz:g}; it must be 1 to 9000 Hz")
+        if self.real(20) > 0 and not np.isclose(self.real(20), self.rate_hz, rtol=1e-3):
+            self.notes.append(f"the header states {self.real(20):g} Hz, POINT:RATE {self.rate_hz:g} Hz, which is taken")
         self.scale = self.read_scale()
         self.first, self.promised = self.read_range()
         self.start, self.analog, self.frames = self.read_layout()
