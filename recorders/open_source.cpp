@@ -110,7 +110,6 @@ SyntheticRequest read_synthetic(SourceText text) {
 
 std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
   const SyntheticSetup setup = setup_of(request);
-  const SyntheticTracker tracker{default_body_tracker(), {}, {}};
   std::optional<SyntheticDepth> depth;
   if (request.depth) {
     const SceneMotion scene = [motion = setup.motion, room = setup.simulation.room](double time_s) {
@@ -123,7 +122,7 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
   }
   auto source =
       std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion, setup.sensors,
-                                        request.duration_s, tracker, std::move(depth));
+                                        request.duration_s, default_body_tracker(), std::move(depth));
   constexpr std::size_t kEventsAhead = 128;  // 28 MB of depth, half a second of four sensors
   return std::make_unique<LiveSource>(std::make_unique<PrefetchSource>(std::move(source), kEventsAhead),
                                       request.live);

@@ -7,21 +7,19 @@ namespace trilat {
 
 SyntheticSource::SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion,
                                  std::vector<SimulatedSensor> sensors, double duration_s,
-                                 SyntheticTracker tracker, std::optional<SyntheticDepth> depth)
+                                 const BodyTrackerSpec& tracker, std::optional<SyntheticDepth> depth)
     : spec_(spec),
       item_(item),
       motion_(std::move(motion)),
       sensors_(std::move(sensors)),
       duration_s_(duration_s),
-      tracker_(std::move(tracker)),
       next_frame_(sensors_.size(), 0),
       next_exchange_(sensors_.size(), 0),
       depth_(std::move(depth)) {
   header_.simulated = true;
   header_.note = "simulated";
   for (const SimulatedSensor& sensor : sensors_) header_.sensors.push_back(description_of(sensor, spec_));
-  for (const SimulatedSensor& sensor : sensors_)
-    trackers_.emplace_back(tracker_.spec, spec_, sensor, item_, 1 + tracker_.bystanders.size());
+  for (const SimulatedSensor& sensor : sensors_) trackers_.emplace_back(tracker, spec_, sensor, item_);
   if (!depth_) return;
   for (SensorDescription& sensor : header_.sensors) sensor.has_depth = true;
   for (const SimulatedSensor& sensor : sensors_)
@@ -41,13 +39,10 @@ std::optional<SourceEvent> SyntheticSource::exchange_of(std::size_t sensor) {
 std::optional<BodyFrame> SyntheticSource::simulate(std::size_t sensor, std::uint64_t frame) {
   // the tracker also sees frames that are lost on their way
   const double time_s = (exposure_of(sensors_[sensor], spec_, frame) - kMotionStart).seconds();
-  std::vector<SkeletonPose> poses{motion_(time_s)};
-  for (const Motion& bystander : tracker_.bystanders) poses.push_back(bystander(time_s));
-  TrackedFrame tracked = trackers_[sensor].observe(frame, poses);
+  const TrackedFrame tracked = trackers_[sensor].observe(frame, motion_(time_s));
   std::optional<BodyFrame> result = simulate_empty_frame(sensors_[sensor], spec_, item_, frame);
   if (!result) return std::nullopt;
-  result->bodies = std::move(tracked.bodies);
-  if (tracker_.on_truth) tracker_.on_truth(sensor, tracked.truth);
+  if (tracked.body) result->bodies.push_back(*tracked.body);
   return result;
 }
 

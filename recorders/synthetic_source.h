@@ -12,14 +12,6 @@
 
 namespace trilat {
 
-// The body tracker of virtual Kinects, who else is there, and who gets the truth: called for every frame that
-// is delivered, a sensor's in their order.
-struct SyntheticTracker {
-  BodyTrackerSpec spec;
-  std::vector<Motion> bystanders = {};
-  std::function<void(std::size_t sensor, const TrackerTruth&)> on_truth = {};
-};
-
 // What the sensors look at, as a function of the time since the start of the motion. May be asked at any
 // time, in any order and by several threads.
 using SceneMotion = std::function<DepthScene(double time_s)>;
@@ -40,7 +32,8 @@ struct SyntheticDepth {
 class SyntheticSource : public FrameSource {
  public:
   SyntheticSource(SensorSpec spec, SimulatedItem item, Motion motion, std::vector<SimulatedSensor> sensors,
-                  double duration_s, SyntheticTracker tracker, std::optional<SyntheticDepth> depth = {});
+                  double duration_s, const BodyTrackerSpec& tracker,
+                  std::optional<SyntheticDepth> depth = {});
   const SessionHeader& header() const override { return header_; }
   std::optional<SourceEvent> next() override;
 
@@ -55,7 +48,6 @@ class SyntheticSource : public FrameSource {
   Motion motion_;
   std::vector<SimulatedSensor> sensors_;
   double duration_s_;
-  SyntheticTracker tracker_;
   std::vector<BodyTracker> trackers_;  // one a sensor
   SessionHeader header_;
   std::vector<std::uint64_t> next_frame_;

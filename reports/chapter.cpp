@@ -54,24 +54,18 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   const std::vector<Table> second = paper ? table2(s) : std::vector<Table>{};
   const bool counts_sensors = paper && !sensor_counts_figure(s).empty();
   append(chapter, second);
-  if (counts_sensors) append(chapter, sensor_counts_table(s));
   if (chapter.tables.empty()) append(chapter, article_tables(s, paper));
   if (!paper) append(chapter, oddity_tables(s));
   chapter.first_tables = chapter.tables.size();
   if (!second.empty() || counts_sensors) append(chapter, article_tables(s, false));
-  if (!counts_sensors) append(chapter, sensor_counts_table(s));
   append(chapter, accuracy_tables(s));
   chapter.apart = apart_tables(s);
-  if (tracking) {
-    append(chapter, efficiency_tables(s, *tracking));
-    append(chapter, tracking_tables(*tracking));
-  }
+  if (tracking) append(chapter, tracking_tables(*tracking));
   for (const std::string& condition : s.conditions)
     append(chapter, std::vector{methods_figure(s, condition, paper && is_like_the_papers(s, condition))});
   append(chapter, sensor_counts_figure(s));
   append(chapter, trajectory_figures(path, s));
   chapter.first_figures = std::min<std::size_t>(chapter.figures.size(), kFirstFigures);
-  if (const auto map = read_gdop_map(path)) append(chapter, std::vector{gdop_figure(*map, s)});
   chapter.replays = packed_replays(path, s);
   return chapter;
 }
@@ -117,9 +111,7 @@ Chapter budget_chapter(const std::filesystem::path& path, bool) {
   chapter.about = fmt::format("Error budget of {}, **simulated**: {} participants, seed {}.", s.campaign,
                               s.participants, s.seed);
   append(chapter, budget_tables(s));
-  append(chapter, budget_figures(s));
   chapter.first_tables = 1;
-  chapter.first_figures = 2;
   return chapter;
 }
 
@@ -147,23 +139,7 @@ Chapter recording_chapter(const std::filesystem::path& path, bool) {
       "measured.",
       s.seed);
   append(chapter, table4(s, timings));
-  append(chapter, clock_figures(s));
   chapter.first_tables = 2;
-  chapter.first_figures = 1;
-  return chapter;
-}
-
-Chapter twins_chapter(const std::filesystem::path& path, bool) {
-  const TwinsSummary s = read_results<TwinsSummary>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format(
-      "The simulator beside reality: **simulated** twins (seed {}) of **recorded** pairs of sensors.",
-      s.seed);
-  chapter.sentences = twins_sentences(s);
-  chapter.findings = chapter.sentences;
-  append(chapter, twins_tables(s));
-  append(chapter, twins_figures(s));
-  chapter.first_tables = chapter.first_figures = 1;
   return chapter;
 }
 
@@ -171,13 +147,9 @@ Chapter twins_chapter(const std::filesystem::path& path, bool) {
 
 Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   static const std::map<StudyKind, Chapter (*)(const std::filesystem::path&, bool)> kChapters{
-      {StudyKind::accuracy, accuracy_chapter},
-      {StudyKind::threshold_sweep, sweep_chapter},
-      {StudyKind::calibration, calibration_chapter},
-      {StudyKind::error_budget, budget_chapter},
-      {StudyKind::recording, recording_chapter},
-      {StudyKind::sensitivity, sensitivity_chapter},
-      {StudyKind::twins, twins_chapter}};
+      {StudyKind::accuracy, accuracy_chapter},       {StudyKind::threshold_sweep, sweep_chapter},
+      {StudyKind::calibration, calibration_chapter}, {StudyKind::error_budget, budget_chapter},
+      {StudyKind::recording, recording_chapter},     {StudyKind::sensitivity, sensitivity_chapter}};
   Chapter chapter = kChapters.at(results_kind(path))(path, paper);
   chapter.first_tables = std::min(chapter.first_tables, chapter.tables.size());
   chapter.first_figures = std::min(chapter.first_figures, chapter.figures.size());

@@ -5,14 +5,12 @@
 #include <chrono>
 #include <ctime>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
-#include "datasets/base/text_output.h"
 #include "datasets/base/version.h"
 #include "reports/embedded_citation.h"
 #include "reports/page/page.h"
@@ -68,8 +66,6 @@ std::string time_of_day() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
-constexpr const char* kList = "files.txt";  // what a report wrote, for the next one to remove
-
 // Writes files aside, all of them before any is put in place: a run that is ended leaves the last report
 // whole.
 class Writer {
@@ -91,74 +87,44 @@ class Writer {
   void operator()(const std::string& name, const std::string& text) {
     make_folder((aside_ / name).parent_path());
     write_file(aside_ / name, text);
-    names_.push_back(name);
+    written_.push_back(folder_ / name);
   }
 
-  void put_in_place() {
-    (*this)(kList, fmt::format("{}\n", fmt::join(names_, "\n")));
-    std::rotate(names_.rbegin(), names_.rbegin() + 1, names_.rend());  // by the list a report is known
+  // Files and folders of an earlier report are exchanged; what else is there stays.
+  void put_in_place() const {
     make_folder(folder_);
-    remove_left_over();
-    for (const std::string& name : names_) {
-      make_folder((folder_ / name).parent_path());
-      std::filesystem::rename(aside_ / name, folder_ / name);
-      if (name != kList) written_.push_back(folder_ / name);
-    }
+    const auto move = [&](bool folders) {
+      for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(aside_)) {
+        if (entry.is_directory() != folders) continue;
+        const std::filesystem::path to = folder_ / entry.path().filename();
+        if (folders) std::filesystem::remove_all(to);
+        std::filesystem::rename(entry.path(), to);
+      }
+    };
+    move(false);
+    move(true);
   }
 
  private:
-  // What the last report here wrote and this one does not; nothing that a report did not write.
-  void remove_left_over() const {
-    if (!std::filesystem::exists(folder_ / kList)) return;
-    std::istringstream list(read_file(folder_ / kList));
-    for (std::string name; std::getline(list, name);) {
-      const std::filesystem::path path(name);
-      const bool inside = !name.empty() && path.is_relative() && name.find("..") == std::string::npos;
-      if (!inside || std::ranges::find(names_, name) != names_.end()) continue;
-      std::error_code ignored;
-      std::filesystem::remove(folder_ / path, ignored);
-    }
-  }
-
   std::filesystem::path folder_, aside_;
   std::optional<FolderLock> lock_;
   std::vector<std::filesystem::path>& written_;
-  std::vector<std::string> names_;
 };
 
-// What each file of a report is: a line a table or figure.
-class Index {
- public:
-  void add(const std::string& path, const char* kind, const std::string& title) {
-    rows_ += fmt::format("{},{},{},{}\r\n", csv_field(path),
-                         csv_field(std::filesystem::path(path).parent_path().filename().string()), kind,
-                         csv_field(title));
-  }
-  std::string text() const { return "file,study,kind,what\r\n" + rows_; }
-
- private:
-  std::string rows_;
-};
-
-void write_tables(const ReportContent& content, Writer& write, Index& index,
-                  const std::function<void(double)>& advance) {
+void write_tables(const ReportContent& content, Writer& write, const std::function<void(double)>& advance) {
   std::vector<const Table*> tables = content.shown_tables();
   for (const Table* table : content.other_tables()) tables.push_back(table);
   for (std::size_t t = 0; t < tables.size(); ++t) {
     const std::string path = "tables/" + tables[t]->id;
     write(path + ".csv", csv_of(*tables[t]));
     write(path + ".tex", latex_of(*tables[t]));
-    index.add(path + ".csv", "table", tables[t]->title);
     advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
   }
   for (const Chapter& chapter : content.chapters)
-    for (const Table& table : chapter.apart) {
-      write("tables/" + table.id + ".csv", csv_of(table));
-      index.add("tables/" + table.id + ".csv", "table", table.title);
-    }
+    for (const Table& table : chapter.apart) write("tables/" + table.id + ".csv", csv_of(table));
 }
 
-void write_figures(const ReportContent& content, Writer& write, Index& index) {
+void write_figures(const ReportContent& content, Writer& write) {
   std::vector<const DrawnFigure*> figures;
   if (content.headline.history) figures.push_back(&*content.headline.history);
   for (const Chapter& chapter : content.chapters)
@@ -168,7 +134,6 @@ void write_figures(const ReportContent& content, Writer& write, Index& index) {
     write(path + ".svg", figure->svg);
     write(path + ".pdf", figure->pdf);
     write(path + ".csv", csv_of(figure->figure));
-    index.add(path + ".svg", "figure", figure->figure.title + ". " + figure->figure.caption);
   }
 }
 
@@ -189,20 +154,17 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   const PageOptions page{options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
                          std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""};
   Writer write(folder, report.written);
-  Index index;
   write("report.html", page_of(content, page));
-  write("all-tables.html", all_tables_of(content, page));
   advance(kReadShare + kPageShare);
   write("report.md", markdown_of(content));
   write("citation.bib", citation_bibtex());
   for (const Chapter& chapter : content.chapters)
     if (!chapter.provenance.config.empty())
       write(study_file(chapter.provenance), chapter.provenance.config + "\n");
-  write_tables(content, write, index, [&](double share) {
+  write_tables(content, write, [&](double share) {
     advance(kReadShare + kPageShare + (1.0 - kReadShare - kPageShare) * share);
   });
-  write_figures(content, write, index);
-  write("index.csv", index.text());
+  write_figures(content, write);
   write.put_in_place();
   return report;
 }

@@ -29,10 +29,10 @@ struct ReportFiles {
   std::vector<std::filesystem::path> written;
 };
 
-// Reads results folders and writes into `folder`: report.html (the page, needs nothing else), all-tables.html
-// beside it, report.md, citation.bib, the resolved studies, tables/STUDY/NAME.csv and .tex,
-// figures/STUDY/NAME.svg, .pdf and .csv, and index.csv, which says what each is. Nothing is computed again:
-// the same results give the same bytes on one machine, the page's time stamp apart.
+// Reads results folders and writes into `folder`: report.html (the page), report.md, citation.bib, the
+// resolved studies, tables/STUDY/NAME.csv and .tex, and figures/STUDY/NAME.svg, .pdf and .csv. An earlier
+// report's files of these names are removed, and its folders studies, tables and figures as a whole. Nothing
+// is computed again: the same results give the same bytes on one machine, the page's time stamp apart.
 ReportFiles write_report(const std::vector<std::filesystem::path>& results,
                          const std::filesystem::path& folder, const ReportOptions& options = {});
 

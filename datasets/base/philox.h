@@ -41,8 +41,6 @@ enum class Purpose : std::uint32_t {
   tracker_jump = 22,
   tracker_hidden = 23,
   tracker_exchange = 24,
-  tracker_identity = 25,
-  bystander = 26,
   bootstrap = 27,
   calibration_error = 28,
   tracker_own_bias = 29,

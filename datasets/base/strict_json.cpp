@@ -237,10 +237,6 @@ void JsonObject::refuse_below(const std::string& path, const std::string& proble
   throw InputError(place_ + " " + pointer_ + "/" + path, problem);
 }
 
-void JsonObject::gone(const std::string& key, const std::string& instead) const {
-  if (value_->contains(key)) refuse(key, "is not there any more; " + instead);
-}
-
 bool JsonObject::has(const std::string& key) { return find(key) != nullptr; }
 
 double JsonObject::as_number(const std::string& key, const Json& value) const {

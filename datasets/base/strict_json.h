@@ -95,8 +95,6 @@ class JsonObject {
 
   // An error at `key` of this object.
   [[noreturn]] void refuse(const std::string& key, const std::string& problem) const;
-  // Refuses a key of what the program could once do; `instead`: what to do now.
-  void gone(const std::string& key, const std::string& instead) const;
   std::string place_of(const std::string& key) const;
   // An error, and a reader of `value`, at `path` below this object: keys with '/' between them.
   [[noreturn]] void refuse_below(const std::string& path, const std::string& problem) const;

@@ -12,8 +12,8 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy",  "threshold_sweep", "calibration", "error_budget",
-                                      "recording", "sensitivity",     "twins"};
+const std::vector<std::string> kKinds{"accuracy",     "threshold_sweep", "calibration",
+                                      "error_budget", "recording",       "sensitivity"};
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 7;

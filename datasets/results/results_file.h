@@ -19,8 +19,7 @@ enum class StudyKind : std::uint8_t {
   calibration,
   error_budget,
   recording,
-  sensitivity,
-  twins
+  sensitivity
 };
 std::string name_of(StudyKind kind);  // "accuracy", …
 // What the study says; InputError when that is none.

@@ -57,15 +57,11 @@ struct SummaryCell {
   double p90_m = kNoNumber;
   double p95_m = kNoNumber;
   double max_m = kNoNumber;
-  double mean_gdop = kNoNumber;  // of the answered samples whose GDOP is finite, as the two below
-  double rms_gdop = kNoNumber;
-  double gdop_rmse_m = kNoNumber;  // their root mean square error: what a bound by rms_gdop is compared with
   double mean_iterations = kNoNumber;
   // 95 % interval of mae_m, participants as clusters; NaN when fewer than two answered.
   double mae_low_m = kNoNumber;
   double mae_high_m = kNoNumber;
-  std::uint64_t clusters = 0;      // participants with an answered sample
-  double one_frame_m = kNoNumber;  // how much mae_m changes when the truth is one instant early or late
+  std::uint64_t clusters = 0;  // participants with an answered sample
 
   double coverage() const {
     return asked == 0 ? kNoNumber : static_cast<double>(answered) / static_cast<double>(asked);
@@ -75,8 +71,7 @@ struct SummaryCell {
     TRILAT_EACH(method, condition, group, alignment, asked, answered)
     field("coverage", self.coverage());
     TRILAT_EACH(statuses, mae_m, axis_mae_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m, max_m,
-                mean_gdop, rms_gdop, gdop_rmse_m, mean_iterations, mae_low_m, mae_high_m, clusters,
-                one_frame_m)
+                mean_iterations, mae_low_m, mae_high_m, clusters)
   }
 };
 
@@ -169,19 +164,12 @@ struct BodyCell {
   }
 };
 
-// What no method can be seen to beat: how exactly the truth of a group is known.
-struct TruthFloor {
-  std::string condition;
-  std::string group;
-  double mocap_noise_m = kNoNumber;   // mean distance that white noise of the truth makes, at most
-  double mean_speed_m_s = kNoNumber;  // of the truth
-  double clock_error_s = kNoNumber;   // as the study states it
-  double clock_m() const { return mean_speed_m_s * clock_error_s; }
+// Mean speed of the truth of one joint group.
+struct TruthSpeed {
+  std::string condition, group;
+  double mean_m_s = kNoNumber;
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(condition, group, mocap_noise_m, mean_speed_m_s, clock_error_s)
-    field("clock_m", self.clock_m());
-  }
+  TRILAT_FIELDS(condition, group, mean_m_s)
 };
 
 // A method and the study's reference on the same samples, each aligned on just these: their mean distances.
@@ -230,10 +218,8 @@ struct FamilyCell {
   std::string family, condition;
   double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
   double answered = kNoNumber;                                      // share of what they are asked
-  std::string best, worst;  // methods, by their ratio to the reference on common samples
-  double best_m = kNoNumber, worst_m = kNoNumber;
 
-  TRILAT_FIELDS(family, condition, mae_m, low_m, high_m, answered, best, best_m, worst, worst_m)
+  TRILAT_FIELDS(family, condition, mae_m, low_m, high_m, answered)
 };
 
 // Which method errs least in a condition and group, under the study's first alignment: of those that answer
@@ -266,7 +252,7 @@ struct ResultsSummary {
   std::vector<SummaryCell> cells;
   std::vector<DifferenceCell> differences;
   std::vector<BodyCell> bodies;
-  std::vector<TruthFloor> truth_floor;
+  std::vector<TruthSpeed> truth_speed;
   std::vector<TakeJointRow> by_take;  // takes, in each condition, joint, method
   std::uint64_t resamples = 0;        // of the intervals; 0: there are none
   double block_s = kNoNumber;         // length of their blocks
@@ -283,7 +269,7 @@ struct ResultsSummary {
 
   TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
                 family_cells, best, reference, conditions, groups, alignments, resamples, block_s, cells,
-                differences, bodies, truth_floor, by_take, notes, truth, cross_checks)
+                differences, bodies, truth_speed, by_take, notes, truth, cross_checks)
   void check(const JsonObject& object) const;
 };
 

@@ -36,7 +36,6 @@ void add_persons(const SimulationSpec& s, std::vector<DeclaredParameter>& list) 
     list.push_back(
         {"segments", "fractions of the stature", "", "Drillis and Contini 1966, as tabulated by Winter"});
   }
-  if (s.bystanders > 0) list.push_back({"bystanders", std::to_string(s.bystanders), "", kAssumption});
 }
 
 void add_rig(const RigSpec& rig, std::vector<DeclaredParameter>& list) {
@@ -159,10 +158,6 @@ SensorSpec read_sensor(JsonObject object) {
   setting(object, "nearest_m", s.nearest_m, {0.0, kUnlimited}, "at which a joint is seen");
   s.farthest_m = object.positive("farthest_m", s.farthest_m);
   if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
-  object.gone("joint_bias_sigma_m", "say \"bias_sigma_m\" in \"body_tracker\"");
-  object.gone("joint_noise_sigma_m", "say \"jitter_sigma_m\" in \"body_tracker\"");
-  for (const char* key : {"inferred_share", "inferred_noise_factor"})
-    object.gone(key, "joints are inferred where they are hidden; see \"body_tracker\"");
   setting(object, "dropped_share", s.dropped_share, {0.0, 1.0}, "of frames");
   setting(object, "clock_drift_ppm", s.clock_drift_ppm, {0.0, 500.0}, "uniform in +-, of sensor and machine");
   setting(object, "latency_s", s.latency_s, {0.0, 1.0}, "exposure to arrival, the constant part");
@@ -277,7 +272,6 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
   if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object);
   object.shape("body_tracker", R"({"type": ["object", "string"]})");
-  setting(object, "bystanders", spec.bystanders, {0, kMostBystanders}, "who walk through the room");
   if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
   if (object.has("room")) spec.room = read_room(object.object("room"));
   if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
@@ -291,7 +285,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
                 {"activities", "of every person; without it walking"},
                 {"rig", "where the virtual sensors stand"},
                 {"sensor", "the virtual sensor"},
-                {"body_tracker", "errors of its body tracker; or the file of `trilat measure-tracker`"},
+                {"body_tracker", "errors of its body tracker; or a body_tracker.json"},
                 {"mocap", "the virtual OptiTrack"},
                 {"room", "what depth sees besides persons"},
                 {"depth", "errors of depth"},

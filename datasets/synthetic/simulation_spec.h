@@ -89,17 +89,16 @@ struct SimulationSpec {
   SensorSpec sensor;
   BodyTrackerSpec body_tracker = default_body_tracker();
   std::filesystem::path body_tracker_file = {};  // where that was read from; empty: from simulation.json
-  std::uint64_t bystanders = 0;
   MocapSpec mocap;
   RoomSpec room;
   DepthSpec depth;
   std::optional<WandSpec> wand;
 };
 
-// Paths are relative to `folder` and must lie in it unless others are allowed.
+// Paths are relative to `folder`.
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
                                 const std::filesystem::path& folder);
-// "body_tracker" may name the file of `trilat measure-tracker` here.
+// "body_tracker" may name a body_tracker.json here.
 SimulationSpec read_simulation(const std::filesystem::path& path);
 
 // The poses of the rig's sensors, named k1, k2, …; they look at the centre.

@@ -77,7 +77,6 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
     if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
   if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
-  if (entry.has("tracker_truth")) take.tracker_truth = path_of(entry, "tracker_truth", folder);
   entry.about(
       {{"id", "of the take; names its files"},
        {"participant", "who is seen"},
@@ -87,8 +86,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
        {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
-       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"},
-       {"tracker_truth", "of a simulated take: what its body tracker did"}});
+       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"}});
   entry.finish();
   return take;
 }
@@ -175,7 +173,6 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
                            {"mocap_start_host_ns", take.mocap_start_host_ns}});
     if (!take.mocap.empty() && take.up_axis != UpAxis::automatic)
       takes.back()["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
-    if (!take.tracker_truth.empty()) takes.back()["tracker_truth"] = inside(take.tracker_truth);
   }
   write_file(folder / "campaign.json", exact_json_text(Json{{"format", kCampaignFormat},
                                                             {"version", 1},

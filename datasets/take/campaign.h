@@ -76,8 +76,6 @@ struct Take {
   std::filesystem::path mapping;
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
-  // What the simulator knows about the body tracker; empty when there is none.
-  std::filesystem::path tracker_truth{};
   UpAxis up_axis = UpAxis::automatic;  // of the mocap's world
   // The sensor whose tracked joints stand for the truth, and which no method sees; empty when mocap is the
   // truth. Not of a file: a study makes such takes.

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "datasets/base/median.h"
 
 namespace trilat {
 namespace {
@@ -81,27 +79,6 @@ double depth_at(const Segment& segment, double part) {
   return (1.0 - part) * segment.depth[0] + part * segment.depth[1];
 }
 
-bool is_trunk(Joint joint) {
-  constexpr std::array kTrunk{Joint::spine_base,     Joint::spine_mid, Joint::spine_shoulder,
-                              Joint::hip_left,       Joint::hip_right, Joint::shoulder_left,
-                              Joint::shoulder_right, Joint::neck,      Joint::head};
-  return std::ranges::find(kTrunk, joint) != kTrunk.end();
-}
-
-// The median depth about a pixel, metres; nothing where the image shows too little.
-std::optional<double> surface_at_m(const DepthImageView& image, const Vector2d& pixel_px,
-                                   const DepthOcclusionOptions& options) {
-  const double column = std::round(pixel_px.x()), row = std::round(pixel_px.y());
-  if (!(column >= 0.0 && row >= 0.0 && column < image.width_px && row < image.height_px)) return std::nullopt;
-  const int middle = static_cast<int>(column), line = static_cast<int>(row), half = options.patch_half_px;
-  std::vector<std::uint16_t> valid_mm;
-  for (int v = std::max(0, line - half); v <= std::min(image.height_px - 1, line + half); ++v)
-    for (int u = std::max(0, middle - half); u <= std::min(image.width_px - 1, middle + half); ++u)
-      if (const std::uint16_t depth_mm = image.at_mm(u, v); depth_mm > 0) valid_mm.push_back(depth_mm);
-  if (valid_mm.empty() || static_cast<int>(valid_mm.size()) < options.fewest_valid_px) return std::nullopt;
-  return 1e-3 * upper_median(valid_mm);
-}
-
 }  // namespace
 
 std::array<int, kJointCount> count_occlusions(const ObservedBody& body, OcclusionVariant variant) {
@@ -122,27 +99,6 @@ std::array<int, kJointCount> count_occlusions(const ObservedBody& body, Occlusio
     }
   }
   return occlusions;
-}
-
-std::array<bool, kJointCount> depth_hidden(const ObservedBody& body, const DepthImageView& image,
-                                           const DepthIntrinsics& intrinsics,
-                                           const DepthOcclusionOptions& options) {
-  TRILAT_CHECK(image.width_px == intrinsics.width_px && image.height_px == intrinsics.height_px,
-               "the image is as large as the intrinsics say");
-  TRILAT_CHECK(image.depth_mm.size() ==
-                   static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px),
-               "the image has all its pixels");
-  std::array<bool, kJointCount> hidden{};
-  for (std::size_t i = 0; i < kJointCount; ++i) {
-    if (!body.has(i)) continue;
-    const auto joint = static_cast<Joint>(i);
-    const auto pixel_px = project(intrinsics, body.at(joint));
-    if (!pixel_px) continue;
-    const auto surface_m = surface_at_m(image, *pixel_px, options);
-    const double margin_m = is_trunk(joint) ? options.trunk_margin_m : options.limb_margin_m;
-    hidden[i] = surface_m && *surface_m < body.at(joint).z() - margin_m;
-  }
-  return hidden;
 }
 
 SensorMask select_unoccluded(std::span<const int> occlusions_of_sensor, SensorMask seen, int fewest) {

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <span>
 
-#include "datasets/depth/depth_rays.h"
-#include "datasets/geometry/depth_camera.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
 
@@ -27,24 +25,6 @@ enum class OcclusionVariant : std::uint8_t { printed, corrected };
 // both ends are left out.
 [[nodiscard]] std::array<int, kJointCount> count_occlusions(const ObservedBody& body,
                                                             OcclusionVariant variant);
-
-struct DepthOcclusionOptions {
-  // How much nearer than the joint a surface has to be. The body's own surface lies in front of a joint by
-  // the radius of the part (trunk and head 10 to 14 cm, limbs 4 to 9 cm), and trackers are off by
-  // centimetres.
-  double trunk_margin_m = 0.15;  // spine, hips, shoulders, neck and head
-  double limb_margin_m = 0.10;   // all others
-  int patch_half_px = 2;         // the patch is 5 by 5 pixels; its median counts
-  int fewest_valid_px = 5;       // of the patch; with fewer nothing is known
-};
-
-// Whether the depth image shows something before the joint. Not hidden: a joint that is not there, that the
-// image does not show, or where it has too few valid pixels. InternalError when image and intrinsics differ
-// in size.
-[[nodiscard]] std::array<bool, kJointCount> depth_hidden(const ObservedBody& body,
-                                                         const DepthImageView& image,
-                                                         const DepthIntrinsics& intrinsics,
-                                                         const DepthOcclusionOptions& options);
 
 // The paper's choice for one joint, among the sensors that see it: those without occlusion if there is one,
 // else all with the fewest crossings. With fewer than `fewest` of them, all with the next larger number join,

@@ -26,4 +26,16 @@ struct MeanOptions {
 [[nodiscard]] PointEstimate solve_mean(std::span<const JointObservation> observations,
                                        const MeanOptions& options);
 
+// The point from which the distances to the sensors' positions sum to the least (geometric median; Newton's
+// iteration, held by Weiszfeld's as Vardi and Zhang 2000 made it safe at the data points). Of two positions
+// the one in the middle. A single wrong sensor of three or more cannot pull it far, and it does not depend on
+// the axes as a median of each coordinate would.
+struct MedianOptions {
+  SensorMask allowed = kAllSensors;
+  double step_tolerance_m = 1e-9;
+  int max_iterations = 1000;
+};
+[[nodiscard]] PointEstimate solve_median(std::span<const JointObservation> observations,
+                                         const MedianOptions& options);
+
 }  // namespace trilat

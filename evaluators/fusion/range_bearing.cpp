@@ -60,11 +60,6 @@ class Costs {
       product_less_1_ += grown + product_less_1_ * grown;
       return 1.0 / (1.0 + grown);
     }
-    if (options_.loss == Loss::huber && square > limit) {
-      const double length = std::sqrt(square);
-      sum_ += 2.0 * options_.loss_scale * length - limit;
-      return options_.loss_scale / length;
-    }
     sum_ += square;
     return 1.0;
   }
@@ -192,13 +187,11 @@ RangeProblem ranges_of(const Rays& rays) {
   return problem;
 }
 
-// Eq. 10 with the same weights and loss; a range's sigma in metres is 1 / sqrt(weight).
+// Eq. 10 with the same weights; a range's sigma in metres is 1 / sqrt(weight).
 PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
   RangeProblem problem = ranges_of(rays);
   for (int i = 0; i < rays.count; ++i) problem.weight[i] *= o.sigma.range_m * o.sigma.range_m;
   NonlinearOptions options;
-  options.loss = o.loss;
-  options.loss_scale_m = o.loss_scale * o.sigma.range_m;
   options.range_sigma_m = o.sigma.range_m;
   options.step_tolerance_m = o.step_tolerance_m;
   options.max_iterations = std::max(options.max_iterations, o.max_iterations);
@@ -282,7 +275,8 @@ PointEstimate solve_range_bearing(std::span<const JointObservation> observations
   const Rays rays = rays_of(observations, world_from_sensor, options);
   if (rays.count == 0) return failed_estimate(SolveStatus::no_observation);
   if (!is_finite(rays)) return failed_estimate(SolveStatus::non_finite_input);
-  if (std::isinf(options.sigma.bearing_m)) return solve_ranges(rays, options);
+  if (std::isinf(options.sigma.bearing_m) && options.loss == Loss::squares)
+    return solve_ranges(rays, options);
   if (std::isinf(options.sigma.range_m) && options.loss == Loss::squares) {
     Eigen::Vector3d crossing_m;
     if (!triangulate(rays, crossing_m)) return failed_estimate(SolveStatus::rank_deficient);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "evaluators/fusion/joint_observation.h"
-#include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/sensor_plane.h"
 
@@ -20,11 +20,15 @@ struct RaySigma {
   double inferred_factor = 3.0;  // on both, of an inferred joint
 };
 
+// Cost of a sensor's squared residual s in sigmas, all three directions together.
+enum class Loss : std::uint8_t {
+  squares,  // s
+  cauchy,   // c^2 log(1 + s / c^2), c = loss_scale: beyond it a sensor counts less and less
+};
+
 struct RangeBearingOptions {
   SensorMask allowed = kAllSensors;
   RaySigma sigma = {};
-  // Of a sensor's squared residual in sigmas, all three directions together; beyond loss_scale sigmas a
-  // sensor counts less.
   Loss loss = Loss::squares;
   double loss_scale = 3.0;
   double step_tolerance_m = 1e-10;

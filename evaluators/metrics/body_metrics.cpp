@@ -103,10 +103,4 @@ double jerk_m_s3(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const E
   return (d_m - 3.0 * c_m + 3.0 * b_m - a_m).norm() * rate_hz * rate_hz * rate_hz;
 }
 
-Eigen::Vector3d fourth_difference_m(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
-                                    const Eigen::Vector3d& c_m, const Eigen::Vector3d& d_m,
-                                    const Eigen::Vector3d& e_m) {
-  return a_m - 4.0 * b_m + 6.0 * c_m - 4.0 * d_m + e_m;
-}
-
 }  // namespace trilat

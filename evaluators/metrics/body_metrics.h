@@ -44,12 +44,4 @@ class LengthSpread {
 double jerk_m_s3(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m,
                  const Eigen::Vector3d& d_m, double rate_hz);
 
-// The fourth difference of five positions in a row. Smooth movement hardly has one at the rates of motion
-// capture; white noise of sigma an axis gives each axis a variance of 70 sigma^2 (1 + 16 + 36 + 16 + 1), as
-// what five samples leave of a cubic through them.
-Eigen::Vector3d fourth_difference_m(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
-                                    const Eigen::Vector3d& c_m, const Eigen::Vector3d& d_m,
-                                    const Eigen::Vector3d& e_m);
-inline constexpr double kFourthDifferenceVariance = 70.0;
-
 }  // namespace trilat

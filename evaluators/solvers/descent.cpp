@@ -52,12 +52,11 @@ constexpr double kTrusted = 2e-5;
 constexpr double kRounding = 4e-15;  // of the grain: a smaller change of F is rounding
 
 // Which descent the loop is compiled for.
-template <Gradient gradient_, Damping damping_, Curvature curvature_, Loss loss_>
+template <Gradient gradient_, Damping damping_, Curvature curvature_>
 struct Variant {
   static constexpr Gradient gradient = gradient_;
   static constexpr Damping damping = damping_;
   static constexpr Curvature curvature = curvature_;
-  static constexpr Loss loss = loss_;
 };
 
 template <class D>
@@ -116,20 +115,10 @@ HWY_INLINE void SelectInto(hn::Mask<D> mask, const Vector3<D>& from, Vector3<D>&
 // F and its linearisation, as RangeEquations, in each lane.
 template <class D>
 struct LaneEquations {
-  Symmetric<D> matrix;     // what the step inverts
-  Vector3<D> gradient;     // J^T W f
-  hn::Vec<D> cost;         // sum of w v f^2
-  hn::Vec<D> frozen_cost;  // the same with the factors of the point before
-  hn::Vec<D> grain;        // sum of w v |f| d: F's rounding error is some 1e-16 of it
-};
-
-// The factors v that a robust loss puts on the weights: loss = sum of v f^2 majorises it at the point where v
-// was taken, so a step that lowers the sum lowers the loss (iteratively reweighted least squares).
-template <class D>
-struct LossFactors {
-  hn::Vec<D> of_sensor[kMaxSensors];
-  // 1 where the Hessian is trusted, 0 where Gauss-Newton's part of it has to do.
-  hn::Vec<D> bending;
+  Symmetric<D> matrix;  // what the step inverts
+  Vector3<D> gradient;  // J^T W f
+  hn::Vec<D> cost;      // sum of w f^2
+  hn::Vec<D> grain;     // sum of w |f| d: F's rounding error is some 1e-16 of it
 };
 
 // What a lane has come to; lanes that are done no longer change.
@@ -200,23 +189,15 @@ struct SensorTerms {
   hn::Vec<D> slope;    // the gradient gets slope v
 };
 
-template <Loss loss, class D>
-HWY_INLINE hn::Vec<D> LossFactor(D d, hn::Vec<D> f, double scale_m) {
-  const auto one = hn::Set(d, 1.0);
-  if constexpr (loss == Loss::huber)
-    return hn::Min(one, hn::Set(d, scale_m) / hn::Max(hn::Abs(f), hn::Set(d, 1e-300)));
-  else
-    return one / (one + f * f * hn::Set(d, 1.0 / (scale_m * scale_m)));
-}
-
+// `bending` is 1 where the Hessian is trusted, 0 where Gauss-Newton's part of it has to do.
 template <class Kind, class P, class D = typename P::Tag>
 HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, const DescentOptions& options,
-                                      const LossFactors<D>& before, LossFactors<D>& factors) {
+                                      hn::Vec<D> bending) {
   const D d = problems.d;
   const auto zero = hn::Zero(d);
   const auto unit = hn::Set(d, options.printed_unit_m);
   const auto least = hn::Set(d, kOnSensor_m * kOnSensor_m);
-  LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero, zero};
+  LaneEquations<D> sum{{zero, zero, zero, zero, zero, zero}, {zero, zero, zero}, zero, zero};
   SensorTerms<D> terms[kMaxSensors];
   auto bend = zero;  // sum of w (1 - r/d)
   for (int i = 0; i < problems.sensors(); ++i) {
@@ -226,12 +207,7 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
     const auto square = x * x + y * y + z * z;
     const auto distance = hn::Sqrt(square);
     const auto f = distance - problems.range(i);
-    auto w = problems.weight(i);
-    if constexpr (Kind::loss != Loss::squares) {
-      sum.frozen_cost = sum.frozen_cost + w * before.of_sensor[i] * f * f;
-      factors.of_sensor[i] = LossFactor<Kind::loss>(d, f, options.loss_scale_m);
-      w = w * factors.of_sensor[i];
-    }
+    const auto w = problems.weight(i);
     sum.cost = sum.cost + w * f * f;
     sum.grain = sum.grain + w * hn::Abs(f) * distance;
     // The quotient does not wait for the root, which shortens the chain of each iteration.
@@ -240,7 +216,7 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
     const auto right = Kind::gradient == Gradient::printed ? unit * f : distance * f;
     const auto slope = q * right;
     if constexpr (Kind::curvature == Curvature::newton) {
-      const auto curl = before.bending * slope;  // w (1 - r/d)
+      const auto curl = bending * slope;  // w (1 - r/d)
       bend = bend + curl;
       q = q - curl * inverse;
     }
@@ -265,7 +241,6 @@ HWY_INLINE LaneEquations<D> Linearise(const P& problems, const Vector3<D>& at, c
     sum.matrix.yy = sum.matrix.yy + bend;
     sum.matrix.zz = sum.matrix.zz + bend;
   }
-  if constexpr (Kind::loss == Loss::squares) sum.frozen_cost = sum.cost;
   return sum;
 }
 
@@ -309,7 +284,7 @@ class UndampedDescent {
 
   HWY_INLINE UndampedDescent(const P& problems, const DescentOptions& options)
       : now_(problems.start()),
-        equations_(Linearise<Kind>(problems, now_, options, unused_, unused_)),
+        equations_(Linearise<Kind>(problems, now_, options, hn::Zero(problems.d))),
         cost_(equations_.cost),
         ends_(NotEnded(problems.d, problems.lanes(), options.max_iterations)) {}
 
@@ -323,7 +298,7 @@ class UndampedDescent {
     if (HWY_UNLIKELY(!hn::AllFalse(d, deficient))) ends_.end(d, deficient, SolveStatus::rank_deficient, k);
     const Vector3<D> step = StepOf(d, adjugate, determinant, equations_.gradient);
     SelectInto<D>(ends_.active, {now_.x + step.x, now_.y + step.y, now_.z + step.z}, now_);
-    equations_ = Linearise<Kind>(problems, now_, options, unused_, unused_);
+    equations_ = Linearise<Kind>(problems, now_, options, hn::Zero(problems.d));
     const auto change = equations_.cost - cost_;
     cost_ = Select<D>(ends_.active, equations_.cost, cost_);
     const auto diverged = hn::AndNot(hn::IsFinite(cost_), ends_.active);
@@ -335,7 +310,6 @@ class UndampedDescent {
   HWY_INLINE void finish(const P& problems) const { problems.store(now_, cost_, ends_); }
 
  private:
-  LossFactors<D> unused_;
   Vector3<D> now_;
   LaneEquations<D> equations_;
   hn::Vec<D> cost_;
@@ -385,12 +359,10 @@ class DampedDescent {
       : now_(problems.start()),
         ends_(NotEnded(problems.d, problems.lanes(), options.max_iterations)),
         damping_{hn::Set(problems.d, kFirstDamping), hn::Set(problems.d, 2.0)},
+        bending_(hn::Zero(problems.d)),
         weights_(hn::Zero(problems.d)) {
     const D d = problems.d;
-    LossFactors<D> ones;
-    for (auto& v : ones.of_sensor) v = hn::Set(d, 1.0);
-    ones.bending = factors_.bending = hn::Zero(d);
-    equations_ = Linearise<Kind>(problems, now_, options, ones, factors_);
+    equations_ = Linearise<Kind>(problems, now_, options, bending_);
     cost_ = equations_.cost;
     ends_.end(d, hn::AndNot(hn::IsFinite(cost_), ends_.active), SolveStatus::diverged, 0);
     for (int i = 0; i < problems.sensors(); ++i) weights_ = weights_ + problems.weight(i);
@@ -425,9 +397,8 @@ class DampedDescent {
   HWY_INLINE void judge(const P& problems, const DescentOptions& options, const Vector3<D>& there,
                         const Vector3<D>& step, hn::Vec<D> lambda, hn::Mask<D> sound, int k) {
     const D d = problems.d;
-    LossFactors<D> factors;
-    const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, factors_, factors);
-    auto gained = cost_ - trial.frozen_cost;
+    const LaneEquations<D> trial = Linearise<Kind>(problems, there, options, bending_);
+    auto gained = cost_ - trial.cost;
     auto predicted = lambda * Dot<D>(step, step) - Dot<D>(step, equations_.gradient);
     const auto stops = ObjectiveRuleHolds(d, options, hn::Neg(gained));
     // Near the minimum F says nothing any more, and the gradient takes its place.
@@ -440,25 +411,22 @@ class DampedDescent {
     const auto taken = hn::And(sound, gained > hn::Zero(d));
     damping_.adapt(d, taken, DampingFactor(d, gained, predicted));
     if constexpr (Kind::curvature == Curvature::newton)
-      factors_.bending = hn::IfThenElseZero(damping_.share < hn::Set(d, kTrusted), hn::Set(d, 1.0));
+      bending_ = hn::IfThenElseZero(damping_.share < hn::Set(d, kTrusted), hn::Set(d, 1.0));
     SelectInto<D>(taken, there, now_);
     cost_ = Select<D>(taken, trial.cost, cost_);
     SelectInto<D>(taken, trial.matrix, equations_.matrix);
     SelectInto<D>(taken, trial.gradient, equations_.gradient);
     equations_.grain = Select<D>(taken, trial.grain, equations_.grain);
-    if constexpr (Kind::loss != Loss::squares)
-      for (int i = 0; i < problems.sensors(); ++i)
-        factors_.of_sensor[i] = Select<D>(taken, factors.of_sensor[i], factors_.of_sensor[i]);
     // Also where the step is not taken: at the minimum itself none is.
     ends_.end(d, hn::And(sound, stops), SolveStatus::converged, k + 1);
   }
 
-  LossFactors<D> factors_;
   Vector3<D> now_;
   LaneEquations<D> equations_;
   hn::Vec<D> cost_;
   Ends<D> ends_;
   LaneDamping<D> damping_;
+  hn::Vec<D> bending_;
   hn::Vec<D> weights_;
 };
 
@@ -477,36 +445,24 @@ HWY_NOINLINE void DescendLanes(D d, const LaneView& view, const DescentOptions& 
 
 template <class Kind, class D>
 HWY_INLINE void DescendKind(D d, const LaneView& view, const DescentOptions& options) {
-  if constexpr (Kind::loss == Loss::squares) {
-    if (view.sensors == 4)
-      return view.one_rig ? DescendLanes<Kind, 4, true>(d, view, options)
-                          : DescendLanes<Kind, 4, false>(d, view, options);
-  }
+  if (view.sensors == 4)
+    return view.one_rig ? DescendLanes<Kind, 4, true>(d, view, options)
+                        : DescendLanes<Kind, 4, false>(d, view, options);
   return view.one_rig ? DescendLanes<Kind, 0, true>(d, view, options)
                       : DescendLanes<Kind, 0, false>(d, view, options);
 }
 
 template <class D>
 HWY_INLINE void DescendWith(D d, const LaneView& view, const DescentOptions& options) {
-  using enum Loss;
   using enum Gradient;
   using enum Curvature;
   if (options.gradient == printed)
-    return DescendKind<Variant<printed, Damping::none, gauss_newton, squares>>(d, view, options);
+    return DescendKind<Variant<printed, Damping::none, gauss_newton>>(d, view, options);
   if (options.damping == Damping::none)
-    return DescendKind<Variant<corrected, Damping::none, gauss_newton, squares>>(d, view, options);
-  const bool full = options.curvature == newton;
-  switch (options.loss) {
-    case squares:
-      return full ? DescendKind<Variant<corrected, Damping::lm, newton, squares>>(d, view, options)
-                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, squares>>(d, view, options);
-    case huber:
-      return full ? DescendKind<Variant<corrected, Damping::lm, newton, huber>>(d, view, options)
-                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, huber>>(d, view, options);
-    case cauchy:
-      return full ? DescendKind<Variant<corrected, Damping::lm, newton, cauchy>>(d, view, options)
-                  : DescendKind<Variant<corrected, Damping::lm, gauss_newton, cauchy>>(d, view, options);
-  }
+    return DescendKind<Variant<corrected, Damping::none, gauss_newton>>(d, view, options);
+  if (options.curvature == newton)
+    return DescendKind<Variant<corrected, Damping::lm, newton>>(d, view, options);
+  DescendKind<Variant<corrected, Damping::lm, gauss_newton>>(d, view, options);
 }
 
 void DescendMany(const LaneView& view, const DescentOptions& options) {
@@ -541,13 +497,8 @@ std::string contradiction_in(const DescentOptions& options) {
       return "lm needs the corrected gradient: the printed one is not a gradient of the cost";
     if (options.curvature == Curvature::newton) return "newton needs the corrected gradient";
   }
-  if (options.damping == Damping::none) {
-    if (options.curvature == Curvature::newton)
-      return "newton needs damping lm: away from the minimum the Hessian may point uphill";
-    if (options.loss != Loss::squares) return "a robust loss needs damping lm";
-  }
-  if (options.loss != Loss::squares && options.stop != StopRule::step)
-    return "a robust loss needs the stop rule step: its cost is reweighted at every step";
+  if (options.damping == Damping::none && options.curvature == Curvature::newton)
+    return "newton needs damping lm: away from the minimum the Hessian may point uphill";
   return {};
 }
 

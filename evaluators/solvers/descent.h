@@ -37,26 +37,17 @@ enum class Curvature : std::uint8_t {
   newton,
 };
 
-// What a residual f = |x - s| - r costs, w times: c is loss_scale_m.
-enum class Loss : std::uint8_t {
-  squares,  // f^2
-  huber,    // f^2 up to c, then 2 c |f| - c^2 (Huber 1964)
-  cauchy,   // c^2 log(1 + f^2 / c^2)
-};
-
 struct DescentOptions {
   Gradient gradient = Gradient::corrected;
   Damping damping = Damping::lm;
   StopRule stop = StopRule::step;
   Curvature curvature = Curvature::gauss_newton;
-  Loss loss = Loss::squares;
   double threshold_m2 = 1e-8;       // of printed and objective; the paper's C is in cm^2
   double step_tolerance_m = 1e-10;  // of step
   int max_iterations = 1000;
   // The length in which the printed gradient counts distances. The paper's figures are in centimetres; in
   // metres its step would be 100 times as long.
   double printed_unit_m = 0.01;
-  double loss_scale_m = 0.05;
 };
 
 // What is wrong with these options together, as a sentence; empty when nothing is.
@@ -90,7 +81,7 @@ struct DescentBatch {
   LaneRows range_m;                 // a row a sensor
   LaneRows weight;                  // a row a sensor: inverse variance, 0 when it does not see the joint
   LaneRows position_m;              // x, y, z: the start, then the end
-  LaneRows cost_m2;                 // sum of weight * squared residual at the end, whatever the loss
+  LaneRows cost_m2;                 // sum of weight * squared residual at the end
   LaneRows iterations;              // steps tried
   std::vector<SolveStatus> status;  // converged, iteration_limit, rank_deficient or diverged
 
@@ -98,7 +89,7 @@ struct DescentBatch {
   DescentBatch(int sensor_count, std::size_t lanes, bool shared_rig);
 };
 
-// Minimises F = sum w loss(|x - s| - r) in every lane, by the widest vectors this processor has.
+// Minimises F = sum w (|x - s| - r)^2 in every lane, by the widest vectors this processor has.
 // Every lane gives the same bits whatever the width and whatever the others do. A lane ends with
 //   converged        its stop rule held
 //   rank_deficient   is_rank_deficient() of J^T W J at an iterate (without damping only)

@@ -22,47 +22,6 @@ struct Prepared {
   std::array<Eigen::Vector3d, 2> start_m;
 };
 
-double loss_m2(const NonlinearOptions& options, double residual_m) {
-  const double square = residual_m * residual_m;
-  const double c = options.loss_scale_m;
-  if (options.loss == Loss::cauchy) return c * c * std::log1p(square / (c * c));
-  if (options.loss == Loss::huber && std::abs(residual_m) > c) return 2.0 * c * std::abs(residual_m) - c * c;
-  return square;
-}
-
-// What the chosen loss makes of the point where a descent ended.
-double total_loss_m2(const RangeProblem& problem, const NonlinearOptions& options,
-                     const Eigen::Vector3d& x_m) {
-  double sum = 0.0;
-  for (int i = 0; i < problem.count; ++i)
-    sum += problem.weight[i] * loss_m2(options, (x_m - problem.sensor_m[i]).norm() - problem.range_m[i]);
-  return sum;
-}
-
-// Of `start_m` and the squared-range positions that leave out one sensor each, the one with the least loss:
-// one range that is far off pulls a start so far that a robust loss would never find back.
-Eigen::Vector3d without_outlier(const RangeProblem& problem, const NonlinearOptions& options,
-                                const Eigen::Vector3d& start_m) {
-  Eigen::Vector3d best_m = start_m;
-  double least = total_loss_m2(problem, options, start_m);
-  for (int out = 0; problem.count > 4 && out < problem.count; ++out) {
-    RangeProblem rest = problem;
-    rest.sensor_m[out] = problem.sensor_m[problem.count - 1];
-    rest.range_m[out] = problem.range_m[problem.count - 1];
-    --rest.count;
-    const SensorPlane plane = plane_of(rest);
-    if (plane.collinear) continue;
-    const Eigen::Vector3d above_m = squared_range_position_m(rest, plane);
-    for (const Eigen::Vector3d& x_m : {above_m, plane.mirrored(above_m)}) {
-      const double loss = total_loss_m2(problem, options, x_m);
-      if (!(loss < least)) continue;
-      least = loss;
-      best_m = x_m;
-    }
-  }
-  return best_m;
-}
-
 Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
   Prepared result;
   if (options.start == Start::point && !options.start_point_m.allFinite())
@@ -72,10 +31,8 @@ Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const N
   if (result.refusal != SolveStatus::not_solved) return result;
   const Eigen::Vector3d wanted_m =
       wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
-  const Eigen::Vector3d best_m =
-      options.loss == Loss::squares ? wanted_m : without_outlier(problem, options, wanted_m);
   const bool damped = options.damping == Damping::lm;
-  result.start_m[0] = damped || !wanted_m.allFinite() ? safe_start(problem, plane, best_m) : wanted_m;
+  result.start_m[0] = damped || !wanted_m.allFinite() ? safe_start(problem, plane, wanted_m) : wanted_m;
   result.start_m[1] = plane.mirrored(result.start_m[0]);
   // In an exact plane the other minimum is the mirror image of the first.
   result.starts = damped && !plane.exact ? 2 : 1;
@@ -114,15 +71,9 @@ PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, co
     const Eigen::Vector3d image_m = plane.mirrored(first.position_m);
     third = descend_pair(problem, options, {image_m, image_m})[0];
   }
-  if (options.loss != Loss::squares)
-    for (Descent* descent : {&first, &second, &third})
-      descent->cost_m2 = total_loss_m2(problem, options, descent->position_m);
-  // A robust loss counts differences in units of its own scale.
-  const double sigma_m = options.loss == Loss::squares
-                             ? options.range_sigma_m
-                             : std::min(options.range_sigma_m, options.loss_scale_m);
-  Descent best = choose_minimum(problem, plane, first, second, sigma_m);
-  if (third.status != SolveStatus::not_solved) best = choose_minimum(problem, plane, best, third, sigma_m);
+  Descent best = choose_minimum(problem, plane, first, second, options.range_sigma_m);
+  if (third.status != SolveStatus::not_solved)
+    best = choose_minimum(problem, plane, best, third, options.range_sigma_m);
   return estimate_of(problem, best);
 }
 

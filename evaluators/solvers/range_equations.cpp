@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "evaluators/solvers/precision.h"
+#include <limits>
 
 namespace trilat {
 namespace {
@@ -71,9 +70,13 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
     for (int i = 0; i < problem.count; ++i) ranges.weight[i / 2][i % 2] = 1.0;
     unweighted = linearise(ranges, x_m).normal;
   }
-  const Precision precision = precision_of(unweighted, equations.normal);
-  result.gdop = precision.gdop;
-  result.covariance = precision.covariance_m2;
+  const Symmetric3 adjugate = unweighted.adjugate();
+  const double determinant = unweighted.determinant(adjugate);
+  result.gdop = std::numeric_limits<double>::infinity();
+  if (is_rank_deficient(unweighted, adjugate, determinant)) return result;
+  result.gdop = std::sqrt(adjugate.trace() / determinant);
+  const Symmetric3 inverse = equations.normal.adjugate();
+  result.covariance = inverse.matrix() / equations.normal.determinant(inverse);
   return result;
 }
 

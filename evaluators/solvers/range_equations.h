@@ -79,7 +79,8 @@ inline bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjuga
   return !(pairs > kRankRatio * trace * trace && determinant > kRankRatio * trace * pairs);
 }
 
-// The estimate at x with cost, gdop and covariance filled in.
+// The estimate at x with cost, gdop (infinite where the directions do not span space) and covariance, the
+// Cramer-Rao bound (J^T W J)^-1 where the weights are inverse variances (NaN where gdop is infinite).
 [[nodiscard]] PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
                                         SolveStatus status, int iterations);
 

@@ -12,7 +12,6 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/gather_takes.h"
 #include "pipeline/accuracy/planned_work.h"
-#include "pipeline/accuracy/take/rig_gdop.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_folder.h"
@@ -234,7 +233,6 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
     if (unreadable && !planned.ok)
       unreadable->push_back({planned.take.id, true, planned.place, planned.problem});
   study.write_beside = [run, parameters](const fs::path& folder) {
-    if (const auto map = rig_gdop(run->plan)) write_gdop_map(folder, *map);
     if (!parameters.empty()) write_declared_parameters(folder, parameters);
   };
   study.gathers = {"samples.h5"};

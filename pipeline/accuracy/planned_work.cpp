@@ -23,7 +23,6 @@ PlannedTake read_planned_take(JsonObject& entry) {
   planned.take.left_out = entry.text("left_out", "");
   planned.ok = entry.boolean("ok", false);
   planned.instants = entry.count("instants");
-  entry.boolean("tracker_truth", false);
   entry.finish();
   return planned;
 }
@@ -56,8 +55,8 @@ constexpr const char* kOfTheSummary[] = {"name",      "conditions",     "occlude
 // Everything that a take is; its files by their content.
 Json json_of(const Take& take, std::span<const TakeInput> inputs) {
   // A field that is added to a take stops this line, so that none is forgotten below.
-  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns,
-               tracker_truth, up_axis, left_out] = take;
+  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns, up_axis,
+               left_out] = take;
   Json json{{"id", id},
             {"participant", participant},
             {"activity", activity},
@@ -79,7 +78,6 @@ Json planned_work(const Plan& plan, bool cross_check, HashCache& hashes, const W
                      {"mocap_start_host_ns", t.take.mocap_start_host_ns},
                      {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(t.take.up_axis))},
                      {"left_out", t.take.left_out},
-                     {"tracker_truth", !t.take.tracker_truth.empty()},
                      {"ok", t.ok},
                      {"instants", t.instants}});
   for (const Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
@@ -129,7 +127,6 @@ std::vector<TakeFile> files_of(const Take& take) {
     files.push_back({"mocap", take.mocap});
     files.push_back({"mapping", take.mapping});
   }
-  if (!take.tracker_truth.empty()) files.push_back({"tracker_truth", take.tracker_truth});
   return files;
 }
 

@@ -16,7 +16,6 @@
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/session/session_types.h"
 #include "evaluators/wand/printed_wand.h"
-#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/calibration_study/wand_samples.h"
@@ -51,17 +50,6 @@ void tell_distances(Settings& s, std::vector<double>& distances_m) {
   s.write("distances_m", distances_m);
 }
 
-void tell_sigmas(Settings& s, std::vector<double>& sigmas_m) {
-  JsonObject* object = s.reading();
-  if (object && object->has("sensor_sigmas_m")) {
-    sigmas_m = object->numbers("sensor_sigmas_m", object->value("sensor_sigmas_m").size());
-    for (double sigma : sigmas_m)
-      if (!(sigma >= 0.0 && sigma <= 1.0)) object->refuse("sensor_sigmas_m", "must lie between 0 and 1 m");
-    object->about({{"sensor_sigmas_m", "of the sensors' positions"}});
-  }
-  s.write("sensor_sigmas_m", sigmas_m);
-}
-
 void tell(Settings& s, CalibrationSpec& c) {
   JsonObject* object = s.reading();
   s("seed", c.seed, "of every random number");
@@ -83,9 +71,6 @@ void tell(Settings& s, CalibrationSpec& c) {
   s("position_frames", c.position_frames, {1, 100}, "whose mean is a position");
   s("bodies_s", c.bodies_s, {0.0, 600.0}, "of walking, for the calibration from bodies");
   s("bodies_instants", c.bodies_instants, {1, 10'000}, "at which the bodies are compared");
-  s("effect_joints", c.effect_joints, {0, 10'000'000}, "that are found with uncertain sensors");
-  s("range_sigma_m", c.range_sigma_m, {1e-4, 1.0}, "of their ranges");
-  tell_sigmas(s, c.sensor_sigmas_m);
 }
 
 }  // namespace
@@ -212,7 +197,7 @@ std::vector<DistortionCurve> read_distortion(const CalibrationSpec& spec, const 
   return curves;
 }
 
-CalibrationSummary summarise(const CalibrationSpec& spec, const Outcomes& outcomes, const Watch& watch) {
+CalibrationSummary summarise(const CalibrationSpec& spec, const Outcomes& outcomes) {
   CalibrationSummary summary;
   summary.study = spec.name;
   summary.seed = spec.seed;
@@ -225,9 +210,7 @@ CalibrationSummary summarise(const CalibrationSpec& spec, const Outcomes& outcom
   summary.wand = std::move(wand.rows);
   summary.wand_samples = std::move(wand.samples);
   summary.distortion = read_distortion(spec, outcomes);
-  RigTrialResults rigs = read_rigs(spec, outcomes);
-  summary.rigs = std::move(rigs.rows);
-  summary.effect = measure_effect(spec, true_rig(spec), rigs.calibrations, watch);
+  summary.rigs = read_rigs(spec, outcomes);
   return summary;
 }
 
@@ -238,13 +221,12 @@ Study calibration_study(const CalibrationSpec& spec) {
   std::vector<Item> items = wand_items(spec);
   for (const auto& more : {distortion_items(spec), rig_items(spec)})
     items.insert(items.end(), more.begin(), more.end());
-  return {
-      .kind = name_of(StudyKind::calibration),
-      .work = resolved,
-      .items = std::move(items),
-      .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                       const Watch& watch) { write_results(results, summarise(spec, outcomes, watch), -1); },
-      .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+  return {.kind = name_of(StudyKind::calibration),
+          .work = resolved,
+          .items = std::move(items),
+          .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
+                           const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
+          .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
 }
 
 }  // namespace trilat

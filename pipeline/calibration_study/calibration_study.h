@@ -36,10 +36,6 @@ struct CalibrationSpec {
   std::uint64_t position_frames = 3;
   double bodies_s = 20.0;               // of walking, for the calibration from bodies
   std::uint64_t bodies_instants = 100;  // at which the bodies are compared
-  // Joints that are found with uncertain sensors.
-  std::uint64_t effect_joints = 20'000;
-  double range_sigma_m = 0.025;
-  std::vector<double> sensor_sigmas_m{0.0, 0.002, 0.005, 0.01, 0.02, 0.05};
 };
 
 CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place);
@@ -47,8 +43,8 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
 // Every setting written out, defaults included.
 Json resolved_json(CalibrationSpec spec);
 
-// Simulated calibration: one wand position, a flat wall, whole rigs, and what poses that are off do to
-// joints. Its summary.json is a CalibrationSummary.
+// Simulated calibration: one wand position, a flat wall and whole rigs. Its summary.json is a
+// CalibrationSummary.
 Study calibration_study(const CalibrationSpec& spec);
 
 }  // namespace trilat

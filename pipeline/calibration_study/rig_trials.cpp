@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -14,8 +15,8 @@
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/metrics/cluster_ratios.h"
 #include "pipeline/calibration/calibrate_bodies.h"
-#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/simulated_run.h"
+#include "pipeline/calibration_study/wand_samples.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
@@ -28,36 +29,21 @@ struct Method {
   const char* name;
   enum class Kind { two_positions, wand, bodies } kind;
   TwoPositionOptions two = {};
-  bool upright = true;            // two positions: the sensors are taken to stand upright, as in the paper
-  bool option = true;             // wand: depth correction; bodies: biased tracker
-  bool usable_for_joints = true;  // goes on to the effect on joints
-  bool measured = false;          // wand: the first movement was measured, to 1 mm
-  bool known = false;             // wand: OptiTrack saw its places
+  bool upright = true;  // two positions: the sensors are taken to stand upright, as in the paper
 };
 
 std::vector<Method> methods() {
   using Kind = Method::Kind;
-  const TwoPositionOptions printed, along_x{TrajectoryAxis::x}, along_z{TrajectoryAxis::z};
-  const TwoPositionOptions corrected{TrajectoryAxis::z, true, true, Eigen::Vector3d::UnitY()};
-  TwoPositionOptions axes = corrected, e4 = corrected, e5 = corrected;
-  axes.trajectory_axis = TrajectoryAxis::y;
+  const TwoPositionOptions printed, corrected{TrajectoryAxis::z, true, true, Eigen::Vector3d::UnitY()};
+  TwoPositionOptions e4 = corrected, e5 = corrected;
   e4.signed_angle = false;
   e5.translation = false;
-  return {
-      {"two positions, eq. 6 and 7 as printed", Kind::two_positions, printed, true, true, false},
-      {"eq. 6 and 7 as printed, y' is the sensor's x", Kind::two_positions, along_x, true, true, false},
-      {"eq. 6 and 7 as printed, y' is the sensor's depth", Kind::two_positions, along_z, true, true, false},
-      {"corrected, but axes of eq. 4", Kind::two_positions, axes, false, true, false},
-      {"corrected, but E4 as printed", Kind::two_positions, e4, false, true, false},
-      {"corrected, but E5 as printed", Kind::two_positions, e5, false, true, false},
-      {"corrected, sensors taken to stand upright", Kind::two_positions, corrected, true, true, false},
-      {"two positions, corrected", Kind::two_positions, corrected, false},
-      {"wand, depth taken as it is", Kind::wand, {}, true, false},
-      {"wand", Kind::wand, {}, true, true},
-      {"wand, first movement measured to 1 mm", Kind::wand, {}, true, true, true, true},
-      {"wand, its places seen by OptiTrack", Kind::wand, {}, true, true, false, false, true},
-      {"bodies, tracker without bias", Kind::bodies, {}, true, false, false},
-      {"bodies", Kind::bodies, {}, true, true}};
+  return {{"two positions, eq. 6 and 7 as printed", Kind::two_positions, printed},
+          {"corrected, but E4 as printed", Kind::two_positions, e4, false},
+          {"corrected, but E5 as printed", Kind::two_positions, e5, false},
+          {"two positions, corrected", Kind::two_positions, corrected, false},
+          {"wand", Kind::wand},
+          {"bodies", Kind::bodies}};
 }
 
 // One sensor's error in one run.
@@ -71,8 +57,7 @@ struct RunOutcome {
   bool failed = true;  // at least one sensor has no pose
   double reduced_chi2 = ErrorSpread::kNone;
   std::vector<PoseError> sensors;
-  CalibratedRig in_world;
-  TRILAT_FIELDS(failed, reduced_chi2, sensors, in_world)
+  TRILAT_FIELDS(failed, reduced_chi2, sensors)
 };
 
 // One run, by method.
@@ -107,12 +92,9 @@ RunOutcome compare(const Calibration& calibration, const RigidTransform& frame_f
   RunOutcome outcome;
   outcome.failed = false;
   outcome.reduced_chi2 = calibration.reduced_chi2.value_or(ErrorSpread::kNone);
-  const RigidTransform world_from_frame = frame_from_world.inverse();
-  for (std::size_t s = 0; s < truth.size(); ++s) {
+  for (std::size_t s = 0; s < truth.size(); ++s)
     outcome.sensors.push_back(
         error_of(poses[s].world_from_sensor, frame_from_world * truth[s], poses[s].covariance));
-    outcome.in_world.world_from_sensor.push_back(world_from_frame * poses[s].world_from_sensor);
-  }
   return outcome;
 }
 
@@ -129,7 +111,6 @@ RunOutcome run_two_positions(const SimulatedRun& run, const Method& method,
   outcome.sensors.resize(truth.size());
   if (run.views.positions.size() < 2) return outcome;
   outcome.failed = false;
-  outcome.in_world.world_from_sensor.resize(truth.size());
   for (std::size_t s = 0; s < truth.size(); ++s) {
     const RestingBall *first = ball_at(run, 0, s), *second = ball_at(run, 1, s);
     TwoPositionOptions options = method.two;
@@ -143,24 +124,17 @@ RunOutcome run_two_positions(const SimulatedRun& run, const Method& method,
       continue;
     }
     outcome.sensors[s] = error_of(pose.wand_from_sensor, run.wand_from_world * truth[s], std::nullopt);
-    outcome.in_world.world_from_sensor[s] = run.wand_from_world.inverse() * pose.wand_from_sensor;
   }
   return outcome;
 }
 
-RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run, const Method& method,
+RunOutcome run_wand(const CalibrationSpec& spec, const SimulatedRun& run,
                     const std::vector<RigidTransform>& truth) {
   CalibrateWandOptions options;
   options.search.find.ball_radius_m = spec.ball_radius_m;
-  options.depth_correction = method.option;
-  if (method.measured) options.movement_m = run.measured_movement_m;
-  if (method.known) {
-    options.world = WandInWorld{};
-    options.world->track = run.track;
-  }
   try {
     const WandCalibration result = calibrate_views(run.views, "simulated run", options);
-    return compare(result.calibration, method.known ? RigidTransform{} : run.wand_from_world, truth);
+    return compare(result.calibration, run.wand_from_world, truth);
   } catch (const InputError&) {
     return failed_run(truth.size());
   }
@@ -175,11 +149,11 @@ struct RemovedAtEnd {
 };
 
 // Bodies place the sensors beside each other; the truth is taken to where the best seen one was put.
-RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run, const Method& method,
+RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run,
                       const std::vector<RigidTransform>& truth, const std::filesystem::path& scratch) {
-  const auto session = scratch / fmt::format("walk-{}-{}.h5", run, method.option ? "biased" : "unbiased");
+  const auto session = scratch / fmt::format("walk-{}.h5", run);
   const RemovedAtEnd removed{session};
-  write_walk(spec, truth, run, method.option, session);
+  write_walk(spec, truth, run, default_body_tracker(), session);
   RunOutcome outcome;
   try {
     const BodyCalibration result = calibrate_bodies(session, {.instants = spec.bodies_instants});
@@ -265,21 +239,18 @@ std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vect
   for (const Method& method : methods()) {
     watch.check();
     outcomes.push_back(method.kind == Method::Kind::two_positions ? run_two_positions(run, method, truth)
-                       : method.kind == Method::Kind::wand        ? run_wand(spec, run, method, truth)
-                       : spec.bodies_s > 0.0 ? run_bodies(spec, number, method, truth, scratch)
-                                             : RunOutcome{});
+                       : method.kind == Method::Kind::wand        ? run_wand(spec, run, truth)
+                       : spec.bodies_s > 0.0                      ? run_bodies(spec, number, truth, scratch)
+                                                                  : RunOutcome{});
   }
   return outcomes;
 }
 
-std::vector<RunOutcome> read_run(const Outcome& outcome, std::size_t sensors) {
+std::vector<RunOutcome> read_run(const Outcome& outcome) {
   const Json json = outcome.json();
   std::vector<RunOutcome> outcomes = read_as<RunOutcomes>(JsonObject(json, outcome.place(), "")).methods;
-  const auto whole = [&](const RunOutcome& o) {
-    return o.failed || o.in_world.world_from_sensor.size() == sensors;
-  };
-  if (outcomes.size() != methods().size() || !std::ranges::all_of(outcomes, whole))
-    throw InputError(outcome.place(), "must have every method and, where it did not fail, every sensor");
+  if (outcomes.size() != methods().size())
+    throw InputError(outcome.place(), fmt::format("must have {} methods", methods().size()));
   return outcomes;
 }
 
@@ -303,25 +274,29 @@ std::vector<Item> rig_items(const CalibrationSpec& spec) {
   return items;
 }
 
-RigTrialResults read_rigs(const CalibrationSpec& spec, const Outcomes& outcomes_by_id) {
-  RigTrialResults results;
-  if (spec.runs == 0) return results;
+std::vector<RigRow> read_rigs(const CalibrationSpec& spec, const Outcomes& outcomes_by_id) {
+  std::vector<RigRow> rows;
+  if (spec.runs == 0) return rows;
   const std::vector<Method> all = methods();
   std::vector<std::vector<RunOutcome>> outcomes(all.size());
   for (std::uint64_t r = 0; r < spec.runs; ++r) {
-    std::vector<RunOutcome> run = read_run(outcomes_by_id.at(rig_item(r)), spec.rig.heights_m.size());
+    std::vector<RunOutcome> run = read_run(outcomes_by_id.at(rig_item(r)));
     for (std::size_t m = 0; m < all.size(); ++m) outcomes[m].push_back(std::move(run[m]));
   }
-  for (std::size_t m = 0; m < all.size(); ++m) {
-    if (all[m].kind == Method::Kind::bodies && spec.bodies_s == 0.0) continue;
-    results.rows.push_back(row_of(all[m], outcomes[m], spec.seed));
-    if (!all[m].usable_for_joints) continue;
-    RigCalibrations calibrations{all[m].name, {}};
-    for (const RunOutcome& outcome : outcomes[m])
-      if (!outcome.failed) calibrations.runs.push_back(outcome.in_world);
-    results.calibrations.push_back(std::move(calibrations));
-  }
-  return results;
+  for (std::size_t m = 0; m < all.size(); ++m)
+    if (all[m].kind != Method::Kind::bodies || spec.bodies_s > 0.0)
+      rows.push_back(row_of(all[m], outcomes[m], spec.seed));
+  return rows;
+}
+
+PoseMisfit misfit_of(const Eigen::Matrix<double, 6, 1>& error,
+                     const Eigen::Matrix<double, 6, 6>& covariance) {
+  constexpr double kNormal95 = 1.959964;
+  const Eigen::Array<double, 6, 1> z2 = error.array().square() / covariance.diagonal().array();
+  PoseMisfit misfit{z2.head<3>().mean(), z2.tail<3>().mean(), error.dot(covariance.ldlt().solve(error)), 0,
+                    6};
+  for (const double axis : z2) misfit.covered += axis <= kNormal95 * kNormal95;
+  return misfit;
 }
 
 }  // namespace trilat

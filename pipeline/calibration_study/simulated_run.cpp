@@ -9,7 +9,6 @@
 #include "datasets/base/error.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/synthetic/depth/room_scene.h"
-#include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/tracker/body_tracker.h"
 #include "datasets/synthetic/wand_motion.h"
@@ -27,7 +26,6 @@ StudyUnit draw_study_unit(std::uint64_t seed, std::uint64_t unit) {
 
 namespace {
 
-constexpr double kTapeSigma_m = 0.001;
 constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
 
 // At the first three places, which define the world, the wand hangs free: whoever sets up a rig would see to
@@ -44,24 +42,6 @@ DepthScene scene_at(const WandInstant& instant, std::size_t place, double ball_r
   append_person(scene, instant.person);
   append_wand(scene, instant.ball_in_world_m, instant.stick_direction, {.ball_radius_m = ball_radius_m});
   return scene;
-}
-
-// What OptiTrack sees of the ball while it rests: off at every place by as much as a calibration takes it to
-// be; of lost frames nothing.
-void add_samples(std::uint64_t run_seed, const WandPosition& position, const Eigen::Vector3d& ball_in_world_m,
-                 WandTrack& track) {
-  const MocapSpec mocap;
-  const Duration step = duration_from_s(1.0 / mocap.rate_hz);
-  const RandomStream place{run_seed, Purpose::calibration_trial, random_item(0, 5, 0, track.times.size())};
-  const Eigen::Vector3d off_m =
-      WandInWorld{}.sigma_m * Eigen::Vector3d(place.normal(0), place.normal(1), place.normal(2));
-  for (HostTime time = position.first; time <= position.last; time = time + step) {
-    const auto frame = static_cast<std::uint64_t>(time.ns / step.ns);
-    const Eigen::Vector3d seen_m = simulate_rigid_body(ball_in_world_m, mocap, {run_seed, 0, 0}, frame);
-    if (!seen_m.allFinite()) continue;
-    track.times.push_back({time.ns});
-    track.position_m.push_back(seen_m + off_m);
-  }
 }
 
 // A place of the wand as all sensors see it.
@@ -124,34 +104,21 @@ SimulatedRun simulate_run(const CalibrationSpec& spec, const std::vector<RigidTr
       for (const auto& [status, count] : places[p].statuses[s]) evidence.statuses[status] += count;
     }
     if (places[p].position.seen.empty()) continue;
-    const Eigen::Vector3d& ball_in_world_m = motion.holds()[p].ball_in_world_m;
-    add_samples(run_seed, places[p].position, ball_in_world_m, result.track);
     result.views.positions.push_back(std::move(places[p].position));
-    result.position_in_world_m.push_back(ball_in_world_m);
+    result.position_in_world_m.push_back(motion.holds()[p].ball_in_world_m);
   }
   result.views.positions_of_first = result.views.positions.size();
   if (result.position_in_world_m.size() < 3) return result;
   const auto& places_m = result.position_in_world_m;
   result.wand_from_world = wand_from_places(places_m[0], places_m[1], places_m[2]).value_or(RigidTransform{});
   result.movement_m = (result.position_in_world_m[1] - result.position_in_world_m[0]).norm();
-  const RandomStream tape{run_seed, Purpose::calibration_trial, random_item(0, 3, 0, 0)};
-  result.measured_movement_m = result.movement_m + kTapeSigma_m * tape.normal(0);
   return result;
 }
 
 void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& world_from_sensor,
-                std::uint64_t run, bool with_bias, const std::filesystem::path& session) {
+                std::uint64_t run, const BodyTrackerSpec& tracker_spec,
+                const std::filesystem::path& session) {
   const SensorSpec sensor_spec;
-  BodyTrackerSpec tracker_spec = default_body_tracker();
-  if (!with_bias) {  // what averages out alone
-    const BodyTrackerSpec all = tracker_spec;
-    tracker_spec = exact_body_tracker();
-    tracker_spec.jitter_sigma_m = all.jitter_sigma_m;
-    tracker_spec.wander_sigma_m = all.wander_sigma_m;
-    tracker_spec.view_wander_sigma_m = all.view_wander_sigma_m;
-    tracker_spec.own_wander_sigma_m = all.own_wander_sigma_m;
-    tracker_spec.wander_path_m = all.wander_path_m;
-  }
   const SimulatedItem item{spec.seed + 1'000'003 * (run + 1), 0, run};
   const Motion walk = generated_motion(draw_person(spec.seed, run, 1.70, 0.17), Activity::walking);
   std::vector<SimulatedSensor> sensors;
@@ -167,13 +134,13 @@ void write_walk(const CalibrationSpec& spec, const std::vector<RigidTransform>& 
   SessionWriter writer(session, header);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const auto frames = static_cast<std::uint64_t>(spec.bodies_s * sensor_spec.rate_hz);
-    BodyTracker tracker(tracker_spec, sensor_spec, sensors[s], item, 1);
+    BodyTracker tracker(tracker_spec, sensor_spec, sensors[s], item);
     for (std::uint64_t f = 0; f < frames; ++f) {
       const SkeletonPose pose = walk((exposure_of(sensors[s], sensor_spec, f) - kMotionStart).seconds());
-      TrackedFrame tracked = tracker.observe(f, {&pose, 1});
+      const TrackedFrame tracked = tracker.observe(f, pose);
       auto frame = simulate_empty_frame(sensors[s], sensor_spec, item, f);
       if (!frame) continue;
-      frame->bodies = std::move(tracked.bodies);
+      if (tracked.body) frame->bodies.push_back(*tracked.body);
       writer.add_body_frame(s, *frame);
     }
     const auto exchanges = static_cast<std::uint64_t>(spec.bodies_s / sensor_spec.exchange_period_s);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,9 +18,10 @@
 #include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/generated_person.h"
 #include "evaluators/calibration/wand_positions.h"
+#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/error_statistics.h"
 #include "evaluators/wand/find_wand.h"
 #include "evaluators/wand/printed_wand.h"
-#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
@@ -289,6 +292,38 @@ WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcome
     results.rows[row].near = spread_of(errors[row].near, spec.seed);
   }
   return results;
+}
+
+ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed) {
+  ErrorSpread spread;
+  std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count
+  std::vector<double> answered;
+  CompensatedSum sum, squares;
+  for (const ClusteredError& e : errors) {
+    ++spread.asked;
+    if (!std::isfinite(e.error_m)) continue;
+    answered.push_back(e.error_m);
+    sum.add(e.error_m);
+    clusters[e.cluster].first += e.error_m;
+    clusters[e.cluster].second += 1.0;
+  }
+  spread.answered = answered.size();
+  if (answered.empty()) return spread;
+  const double n = static_cast<double>(answered.size());
+  spread.mean_m = sum.value() / n;
+  for (double error : answered) squares.add((error - spread.mean_m) * (error - spread.mean_m));
+  if (answered.size() > 1) spread.sd_m = std::sqrt(squares.value() / (n - 1.0));
+  const auto q = quantiles_of(answered, {0.5, 0.95, 1.0});
+  spread.median_m = q[0];
+  spread.p95_m = q[1];
+  spread.max_m = q[2];
+  std::vector<double> sums, counts;
+  for (const auto& [cluster, s] : clusters) {
+    sums.push_back(s.first);
+    counts.push_back(s.second);
+  }
+  std::tie(spread.mean_low_m, spread.mean_high_m) = bootstrap_mean(sums, counts, seed);
+  return spread;
 }
 
 }  // namespace trilat

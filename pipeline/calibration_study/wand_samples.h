@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "datasets/results/studies/calibration_summary.h"
@@ -20,5 +22,15 @@ struct WandSampleResults {
 // far wall, and in a room with the person who holds it. An item a unit.
 std::vector<Item> wand_items(const CalibrationSpec& spec);
 WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcomes);
+
+// One error and the cluster it belongs to (a unit, a run): errors of one cluster have causes in common.
+struct ClusteredError {
+  std::size_t cluster = 0;
+  double error_m = ErrorSpread::kNone;  // NaN: no answer
+};
+
+// Mean, spread and quantiles, with an interval of the mean by bootstrap over clusters (none with fewer than
+// four). `seed` makes the resampling; equal inputs give equal results.
+ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed);
 
 }  // namespace trilat

@@ -192,20 +192,19 @@ MeasuredPart measure_clock_cost(JsonObject& part, const ClaimStudies& e) {
   const std::string method = part.text("method"), condition = part.text("condition", "walking");
   const double clock_s = part.number("clock_s");
   for (const ParticipantErrors& errors : studies_of(part, e)) {
-    const TruthFloor* fastest = nullptr;
-    for (const TruthFloor& floor : errors.summary().truth_floor)
-      if (floor.condition == condition && (!fastest || floor.mean_speed_m_s > fastest->mean_speed_m_s))
-        fastest = &floor;
+    const TruthSpeed* fastest = nullptr;
+    for (const TruthSpeed& speed : errors.summary().truth_speed)
+      if (speed.condition == condition && (!fastest || speed.mean_m_s > fastest->mean_m_s)) fastest = &speed;
     if (!fastest || !errors.knows(method)) continue;
     Contrast contrast;
     contrast.base = {errors.error_m(method, condition, fastest->group)};
     WeightedRatio way = contrast.base.front();
     for (std::size_t p = 0; p < way.numerator.size(); ++p)
-      way.numerator[p] = clock_s * fastest->mean_speed_m_s * way.denominator[p];
+      way.numerator[p] = clock_s * fastest->mean_m_s * way.denominator[p];
     contrast.value = {way};
     Measurement found;
     found.what = fmt::format("{:g} ms at {:.2f} m/s against the error of {}, {}", 1e3 * clock_s,
-                             fastest->mean_speed_m_s, method, fastest->group);
+                             fastest->mean_m_s, method, fastest->group);
     found.unit = "%";
     found.estimate = percent_of(contrast);
     return {.parts = {found}};

@@ -9,7 +9,6 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/take/rig_gdop.h"
 #include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/reused_results.h"
@@ -59,11 +58,11 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
   fmt::print("methods:");
   for (const Method& m : plan.methods) fmt::print(" {};", m.spec.name);
   fmt::print("\n");
-  for (const SilentMethod& silent : silent_methods(plan))
-    fmt::print(
-        "note: {} answers nothing on this rig ({}){}\n", plan.methods[silent.method].spec.name,
-        name_of(silent.status),
-        silent.method == plan.reference ? ": the others are compared with the first that answers" : "");
+  const auto first = std::ranges::find_if(plan.takes, &PlannedTake::ok);
+  for (std::size_t m = 0; first != plan.takes.end() && m < plan.methods.size(); ++m)
+    if (const auto status = silence_on(first->world_from_sensor, plan.methods[m]))
+      fmt::print("note: {} answers nothing on this rig ({}){}\n", plan.methods[m].spec.name, name_of(*status),
+                 m == plan.reference ? ": the others are compared with the first that answers" : "");
   for (std::size_t i = 0; i < plan.takes.size(); ++i) {
     const PlannedTake& t = plan.takes[i];
     if (owner[i] != shard.number) continue;
@@ -114,7 +113,7 @@ Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
 std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
   std::vector<std::filesystem::path> inputs{campaign.folder};
   for (const Take& t : campaign.takes)
-    inputs.insert(inputs.end(), {t.session, t.calibration, t.mocap, t.mapping, t.tracker_truth});
+    inputs.insert(inputs.end(), {t.session, t.calibration, t.mocap, t.mapping});
   return inputs;
 }
 

@@ -133,9 +133,6 @@ const KindRow kKinds[] = {
     {OutputKind::calibration, false,
      [](const PlannedOutput& o) { return document(o.path, "trilat.calibration").contains("program"); },
      "exists and is no calibration of `trilat calibrate`"},
-    {OutputKind::body_tracker, false,
-     [](const PlannedOutput& o) { return document(o.path, "trilat.body_tracker").contains("groups"); },
-     "exists and is no tracker of `trilat measure-tracker`"},
     {OutputKind::junit, false,
      [](const PlannedOutput& o) {
        return beginning_of(o.path).find("<testsuite name=\"trilat gate\"") != std::string::npos;
@@ -158,7 +155,9 @@ const KindRow kKinds[] = {
     {OutputKind::part, true, is_part, "exists and is not a results folder or an earlier part of this kind"},
     {OutputKind::report, true,
      [](const PlannedOutput& o) {
-       return begins_with({o.path / "files.txt", o.kind, {}}, "report.html\n");
+       return beginning_of(o.path / "report.html").find("<meta name=\"generator\" content=\"trilat ") !=
+                  std::string::npos ||
+              beginning_of(o.path / "citation.bib").find("@software{trilat,") != std::string::npos;
      },
      "exists and is not an earlier report"},
     {OutputKind::reproduction, true, [](const PlannedOutput& o) { return fs::exists(o.path / "campaign"); },

@@ -14,7 +14,6 @@ enum class OutputKind {
   joint_table,
   trc,
   calibration,
-  body_tracker,
   junit,
   history,
   session,  // and all other recordings: no older one is ever replaced

@@ -237,7 +237,7 @@ Json study_of(const InitArguments& arguments, const Found& found) {
   Json methods = Json::array();
   if (all_three)
     for (const char* method : {"linear", "geometric", "nonlinear"}) methods.push_back({{"method", method}});
-  for (const char* method : {"single", "mean", "robust_mean", "range_bearing", "rts", "window"})
+  for (const char* method : {"single", "mean", "median", "range_bearing", "rts", "window"})
     methods.push_back({{"method", method}});
   Json study{{"format", "trilat.study"}, {"version", 1}, {"kind", "accuracy"}, {"name", arguments.name}};
   const bool all_placed = std::ranges::all_of(

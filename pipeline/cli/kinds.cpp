@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/synthetic/error_sources.h"
-#include "datasets/synthetic/recorded_pairs.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
@@ -15,7 +14,6 @@
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "pipeline/twins/twins_study.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
 
@@ -80,13 +78,6 @@ OpenedStudy open_sensitivity(const RunArguments& arguments, const Json& study) {
   return opened(sensitivity_study(spec), {{"study", resolved_json(spec)}, {"campaigns", campaigns}},
                 fmt::format("study {} (simulated): {} campaigns of {} participants over {} settings",
                             spec.head.study, campaigns, spec.head.participants, spec.head.factors.size()));
-}
-
-OpenedStudy open_twins(const RunArguments& arguments, const Json& study) {
-  const TwinsSpec spec = parse_twins(study, arguments.study.string());
-  return opened(twins_study(spec), {{"study", resolved_json(spec)}},
-                fmt::format("study {} (simulated): {} participants before each of {} pairs of sensors",
-                            spec.name, spec.participants, recorded_pairs().pairs.size()));
 }
 
 int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
@@ -156,14 +147,7 @@ const std::vector<Kind>& kinds() {
                       summary.points.size(), (results / "points.csv").string());
          return failed > 0 ? int{kItemsFailed} : code;
        },
-       sensitivity_schema},
-      {StudyKind::twins, "pairs of sensors", "a twins study simulates its own takes", open_twins,
-       [](const Json& work, const std::string& place) { return twins_study(parse_twins(work, place)); },
-       [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, twins_tables(read_results<TwinsSummary>(results)), std::move(document),
-                             shown);
-       },
-       twins_schema}};
+       sensitivity_schema}};
   return kinds;
 }
 

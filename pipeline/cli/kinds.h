@@ -83,6 +83,5 @@ Json calibration_study_schema();
 Json budget_schema();
 Json recording_schema();
 Json sensitivity_schema();
-Json twins_schema();
 
 }  // namespace trilat

@@ -25,7 +25,6 @@
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/results_folder.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "pipeline/twins/twins_study.h"
 #include "reports/write_report.h"
 
 namespace trilat {
@@ -50,14 +49,13 @@ struct Scale {
   std::uint64_t distortion_frames, rigs;
   std::uint64_t recording_frames, recording_runs;
   std::uint64_t map_participants, map_rows, map_slices, map_steps;
-  std::uint64_t twins;  // participants
 };
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 const std::vector<Scale> kScales{
-    {"quick", "a minute", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3, 2},
-    {"paper", "two minutes", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4, 5},
+    {"quick", "a minute", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3},
+    {"paper", "two minutes", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4},
     {"full", "half an hour", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
-     kAll, kAll, kAll, kAll}};
+     kAll, kAll, kAll}};
 
 // Every results folder, in the order of the report.
 constexpr std::array kResults{"table3",
@@ -69,8 +67,7 @@ constexpr std::array kResults{"table3",
                               "sensors_different_heights",
                               "sensors_equal_heights",
                               "error_budget",
-                              "sensitivity",
-                              "twins"};
+                              "sensitivity"};
 constexpr std::array kCampaigns{"campaign", "campaign_different_heights", "campaign_equal_heights"};
 
 class Reproduction {
@@ -155,13 +152,6 @@ class Reproduction {
     for (auto& slice : spec.head.slices) lower(slice.steps, scale_.map_steps);
     run("sensitivity", sensitivity_study(spec));
     points_failed_ = failed_points(read_sensitivity_summary(folder_ / "sensitivity"));
-  }
-
-  void twins() {
-    TwinsSpec spec = parse_twins(json_of(embedded::twins_json, "twins.json"), "twins.json");
-    spec.seed = arguments_.seed;
-    lower(spec.participants, scale_.twins);
-    run("twins", twins_study(spec));
   }
 
   void report() {
@@ -274,12 +264,11 @@ constexpr std::pair<const char*, void (Reproduction::*)()> kStages[] = {
     {"Table II: with and without occlusion compensation", &Reproduction::table2},
     {"Table I: threshold against error and time", &Reproduction::table1},
     {"which reading of the paper gives its Table I", &Reproduction::search},
-    {"calibration: the wand, a flat wall, whole rigs, joints", &Reproduction::calibration},
+    {"calibration: the wand, a flat wall, whole rigs", &Reproduction::calibration},
     {"Table IV: clock errors, and what a frame costs", &Reproduction::recording},
     {"two to eight sensors, at different heights and at one", &Reproduction::sensors},
     {"the error budget: every source of error alone", &Reproduction::budget},
     {"where in a space of simulations the conclusions hold", &Reproduction::map},
-    {"the simulator beside reality: twins of two real sensors", &Reproduction::twins},
     {"the report", &Reproduction::report}};
 
 std::vector<std::string> reproduction_scales() {

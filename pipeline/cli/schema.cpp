@@ -17,7 +17,6 @@
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/sweep/sweep_spec.h"
-#include "pipeline/twins/twins_study.h"
 
 namespace trilat {
 namespace {
@@ -71,7 +70,7 @@ Json simulation_schema() {
 Json campaign_schema() {
   return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example", "takes": [
       {"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json", "mocap": "m.csv",
-       "mapping": "mapping.json", "mocap_start_host_ns": 0, "tracker_truth": "t.h5"}]})")},
+       "mapping": "mapping.json", "mocap_start_host_ns": 0}]})")},
                    [](const Json& json) { parse_campaign(json, "campaign.json"); });
 }
 
@@ -144,8 +143,7 @@ Json sweep_schema() {
 }
 
 Json calibration_study_schema() {
-  return schema_of({study("calibration", R"({"rig": {"heights_m": [1, 2]}, "distances_m": [1, 2],
-                          "sensor_sigmas_m": [0]})")},
+  return schema_of({study("calibration", R"({"rig": {"heights_m": [1, 2]}, "distances_m": [1, 2]})")},
                    [](const Json& json) { parse_calibration_spec(json, "example"); });
 }
 
@@ -171,12 +169,6 @@ Json sensitivity_schema() {
       false);
   return schema_of({example},
                    [](const Json& json) { parse_sensitivity(json, "example", {}, Json::object()); });
-}
-
-Json twins_schema() {
-  std::vector<Json> examples(2, study("twins", "{}"));
-  add_trackers(examples);
-  return schema_of(examples, [](const Json& json) { parse_twins(json, "example"); });
 }
 
 namespace {

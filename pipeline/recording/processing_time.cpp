@@ -44,7 +44,7 @@ Rig make_rig(const RecordingSpec& spec) {
   for (const SensorPose& pose : rig_poses(poses, {0.0, 1.0, 0.0})) {
     rig.sensors.push_back(draw_sensor(rig.spec, {spec.seed, 0, 0}, rig.sensors.size(), pose));
     rig.trackers.emplace_back(default_body_tracker(), rig.spec, rig.sensors.back(),
-                              SimulatedItem{spec.seed, 0, 0}, 1);
+                              SimulatedItem{spec.seed, 0, 0});
     rig.world_from_sensor.push_back(pose.world_from_sensor);
     rig.names.push_back(pose.name);
   }
@@ -55,8 +55,7 @@ RigFrame see(Rig& rig, const Motion& motion, std::uint64_t frame) {
   RigFrame result;
   for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
     const SkeletonPose pose = motion((exposure_of(rig.sensors[s], rig.spec, frame) - kMotionStart).seconds());
-    const TrackedFrame seen = rig.trackers[s].observe(frame, {&pose, 1});
-    result.bodies.push_back(seen.bodies.empty() ? Body{} : seen.bodies.front());
+    result.bodies.push_back(rig.trackers[s].observe(frame, pose).body.value_or(Body{}));
   }
   return result;
 }

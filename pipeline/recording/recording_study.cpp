@@ -119,7 +119,6 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place) {
   if (spec.name.empty()) object.refuse("name", "must not be empty");
   Settings settings(object);
   tell(settings, spec);
-  object.gone("capture_s", "build/release/tests/benchmarks/capture_benchmark records in real time");
   read_networks(object, spec.networks);
   read_methods(object, spec.methods);
   object.about({{"name", "of the study"},

@@ -20,8 +20,7 @@ Json json_of(const Take& take) {
   return {{"participant", take.participant},
           {"activity", take.activity},
           {"mocap_start_host_ns", take.mocap_start_host_ns},
-          {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(take.up_axis))},
-          {"tracker_truth", !take.tracker_truth.empty()}};
+          {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(take.up_axis))}};
 }
 
 Take read_take(const std::string& id, const Json& json, const std::string& place, const fs::path& folder) {
@@ -34,9 +33,7 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
             folder / id / "mocap.csv",
             folder / id / "mapping.json",
             object.integer("mocap_start_host_ns"),
-            {},
             static_cast<UpAxis>(object.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0))};
-  if (object.boolean("tracker_truth", false)) take.tracker_truth = folder / id / "tracker_truth.h5";
   object.finish();
   return take;
 }

@@ -29,14 +29,13 @@ void copy_recorded(const std::filesystem::path& from, const std::filesystem::pat
   publish_file(partial, to);
 }
 
-// The persons in the room as the sensors see them at one time of the take.
+// The person in the room as the sensors see them at one time of the take.
 SceneMotion scene_of(const SimulationSpec& spec, const SimulatedTakePlan& plan,
-                     const std::vector<Motion>& bystanders, const Eigen::Vector3d& rig_centre_m) {
-  return [&spec, &plan, &bystanders, rig_centre_m](double time_s) {
+                     const Eigen::Vector3d& rig_centre_m) {
+  return [&spec, &plan, rig_centre_m](double time_s) {
     DepthScene scene;
     append_room(scene, spec.room, rig_centre_m);
     append_person(scene, plan.motion(time_s));
-    for (const Motion& bystander : bystanders) append_person(scene, bystander(time_s));
     return scene;
   };
 }
@@ -78,25 +77,15 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
 
 void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                  const std::vector<SimulatedSensor>& sensors, const std::filesystem::path& session,
-                 const std::filesystem::path& tracker_truth, const Watch& watch) {
-  const std::vector<Motion> bystanders =
-      bystander_motions(plan.item.seed, plan.item.take, spec.bystanders, rig.centre_m, spec.stature_mean_m,
-                        spec.stature_half_range_m);
-  std::vector<std::string> names;
-  for (const SimulatedSensor& sensor : sensors) names.push_back(sensor.pose.name);
-  TrackerTruthWriter truth(tracker_truth, names);
-  SyntheticTracker tracker{spec.body_tracker, bystanders,
-                           [&](std::size_t sensor, const TrackerTruth& t) { truth.append(sensor, t); }};
+                 const Watch& watch) {
   RecordOptions options;
   options.stop_requested = watch.stop_requested;
   std::optional<SyntheticDepth> depth;
   if (spec.depth.takes)
-    depth = watched_depth(spec, sensors.size(), plan.duration_s,
-                          scene_of(spec, plan, bystanders, rig.centre_m), watch);
-  SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, std::move(tracker),
+    depth = watched_depth(spec, sensors.size(), plan.duration_s, scene_of(spec, plan, rig.centre_m), watch);
+  SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, spec.body_tracker,
                          std::move(depth));
   record(source, session, options);
-  truth.finish();
 }
 
 }  // namespace
@@ -109,8 +98,7 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
     sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
     sensors.back().unit = draw_depth_unit(spec.depth.noise, plan.item.seed, sensors.back().index);
   }
-  const std::filesystem::path tracker_truth = folder / "tracker_truth.h5";
-  record_take(spec, plan, rig, sensors, folder / "session.h5", tracker_truth, watch);
+  record_take(spec, plan, rig, sensors, folder / "session.h5", watch);
   if (plan.recorded_mocap.empty()) {
     write_simulated_mocap(spec.mocap, plan, folder, watch.stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
@@ -122,15 +110,8 @@ Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, co
   const Json truth =
       simulated_truth(plan.item, sensors, error, spec.depth.takes ? &spec.depth.noise : nullptr);
   write_file(folder / "truth.json", truth.dump(2) + "\n");
-  return {plan.id,
-          plan.participant,
-          plan.activity,
-          folder / "session.h5",
-          {},
-          folder / "mocap.csv",
-          folder / "mapping.json",
-          (kMotionStart + error).ns,
-          tracker_truth,
+  return {plan.id,     plan.participant,     plan.activity,           folder / "session.h5",
+          {},          folder / "mocap.csv", folder / "mapping.json", (kMotionStart + error).ns,
           plan.up_axis};
 }
 

@@ -36,8 +36,8 @@ struct SimulatedRig {
   Eigen::Vector3d centre_m;
 };
 
-// Writes `folder`/session.h5, mocap.csv, truth.csv, truth.json and mapping.json for one take, with a body
-// tracker also tracker_truth.h5, and returns its entry for the campaign. For a real take mocap.csv and
+// Writes `folder`/session.h5, mocap.csv, truth.csv, truth.json and mapping.json for one take, and returns its
+// entry for the campaign. For a real take mocap.csv and
 // mapping.json are copies of what was given, and there is no truth.csv.
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                    const std::filesystem::path& folder, const Watch& watch);

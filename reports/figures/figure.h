@@ -12,19 +12,17 @@ namespace trilat {
 struct FigurePoint {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double x = 0.0, y = 0.0;
-  double low = kNone, high = kNone;  // an interval about y, or what a bar spans
+  double low = kNone, high = kNone;  // an interval about y
 };
 
 struct FigureSeries {
-  // Intervals are drawn where points have them. A bar spans low to high.
-  // A band is a line with its intervals shaded.
-  enum class Style { dots, line, line_and_dots, band, bars };
+  // Intervals are drawn where points have them. A band is a line with its intervals shaded.
+  enum class Style { dots, line, line_and_dots, band };
   std::string name;  // of the numbers
   Style style = Style::dots;
   std::vector<FigurePoint> points;
   std::string group{};    // series of one group share a look and a legend entry; empty: its own name
   std::string method{};   // whose colour it has, the same in every figure; empty: as the group comes
-  double width = 0.8;     // of bars, in units of x
   std::size_t panel = 0;  // of the figure's panels
   bool hollow = false;    // marks without filling: what the paper prints
 };
@@ -59,7 +57,6 @@ struct Figure {
   std::string caption;           // how many of what, which interval, simulated or recorded
   std::string x_label, y_label;  // with units
   bool log_x = false, log_y = false;
-  bool equal_scales = false;  // a unit of x is as long as one of y
   FigureWidth width = FigureWidth::page;
   std::vector<std::string> x_names{};  // what stands at x = 0, 1, …; empty: numbers
   std::vector<std::string> y_names{};  // the same of y, downwards; intervals are then about x

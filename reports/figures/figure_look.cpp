@@ -19,11 +19,20 @@ struct Family {
   std::size_t colour;
   int dash;
 };
-constexpr Family kFamilies[] = {
-    {"linear", 0, 1}, {"geometric", 1, 1},   {"nonlinear", 2, 1},        {"newton", 2, 4},
-    {"ceres", 2, 5},  {"mean", 3, 1},        {"tracked mean", 3, 2},     {"weighted mean", 3, 3},
-    {"median", 4, 1}, {"robust mean", 4, 2}, {"kalman", 5, 2},           {"rts", 5, 1},
-    {"window", 5, 3}, {"single", 6, 1},      {"printed gradient", 1, 1}, {"corrected gradient", 2, 1}};
+constexpr Family kFamilies[] = {{"linear", 0, 1},
+                                {"geometric", 1, 1},
+                                {"nonlinear", 2, 1},
+                                {"newton", 2, 4},
+                                {"ceres", 2, 5},
+                                {"mean", 3, 1},
+                                {"tracked mean", 3, 2},
+                                {"median", 4, 1},
+                                {"kalman", 5, 2},
+                                {"rts", 5, 1},
+                                {"window", 5, 3},
+                                {"single", 6, 1},
+                                {"printed gradient", 1, 1},
+                                {"corrected gradient", 2, 1}};
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 

@@ -52,7 +52,6 @@ bool has_interval(const Figure& figure, const FigurePoint& p) {
          !((figure.y_names.empty() ? figure.log_y : figure.log_x) && p.low <= 0.0);
 }
 
-bool is_bar(const FigureSeries& s) { return s.style == Style::bars; }
 bool is_line(const FigureSeries& s) {
   return s.style == Style::line || s.style == Style::line_and_dots || s.style == Style::band;
 }
@@ -108,9 +107,7 @@ Range x_range(const Figure& figure) {
   for (const FigureSeries& s : figure.series)
     for (const FigurePoint& p : s.points) {
       if (!can_draw(figure, p)) continue;
-      const double half = is_bar(s) ? 0.5 * s.width : 0.0;
-      range.add(p.x - half);
-      range.add(p.x + half);
+      range.add(p.x);
       if (figure.y_names.empty() || !has_interval(figure, p)) continue;
       range.add(p.low);
       range.add(p.high);
@@ -126,21 +123,16 @@ Range y_range(const Figure& figure) {
   if (figure.map && !figure.map->y.empty()) return cells_of(figure.map->y);
   if (!figure.y_names.empty()) return names_range(figure.y_names);
   Range range;
-  bool bars = false;
-  for (const FigureSeries& s : figure.series) {
-    bars |= s.style == Style::bars;
+  for (const FigureSeries& s : figure.series)
     for (const FigurePoint& p : s.points) {
       if (!can_draw(figure, p)) continue;
       range.add(p.y);
       for (const double end : {p.low, p.high})
         if (!figure.log_y || end > 0.0) range.add(end);
     }
-  }
   for (const FigureLine& line : figure.lines)
     if (!figure.log_y || line.y > 0.0) range.add(line.y);
-  const bool from_zero = bars && !figure.log_y && range.low >= 0.0;
   range.pad(figure.log_y, 0.04);
-  if (from_zero) range.low = 0.0;
   return range;
 }
 
@@ -212,13 +204,12 @@ class Script {
         "set encoding utf8\nset xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 lc rgb "
         "'#333333' lw 0.6\n"
         "set tics nomirror noenhanced scale 0.5\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.4 dt 1\nset "
-        "boxwidth 0.8\nset key outside above left Left reverse noenhanced samplen 2 width 1\n",
+        "key outside above left Left reverse noenhanced samplen 2 width 1\n",
         gnuplot_text(figure_.x_label), gnuplot_text(figure_.y_label));
     if (direct_) text += "unset key\n";
     if (figure_.log_x)
       text += "set logscale x\nset format x '%g'\n" + decades("x", x_, panel_width_mm() / 10.0);
     if (figure_.log_y) text += "set logscale y\nset format y '%g'\n";
-    if (figure_.equal_scales) text += "set size ratio -1\n";
     if (!figure_.x_names.empty()) {
       text += "set grid noxtics\n" + ticks("x", figure_.x_names);
       const double room_mm = (size_.width_mm - 18.0) / static_cast<double>(columns_of(figure_));
@@ -275,9 +266,7 @@ class Script {
     if (!figure_.panels.empty()) place_panel(panel);
     if (figure_.map) add_map(*figure_.map);
     const std::vector<Entry> entries = entries_of(figure_, panel);
-    for (const bool bars : {true, false})
-      for (const Entry& e : entries)
-        if (is_bar(*e.series.front()) == bars) bars ? add_bars(e) : add_points(e);
+    for (const Entry& e : entries) add_points(e);
     for (const FigureLine& line : figure_.lines)
       if (!figure_.log_y || line.y > 0.0)
         plots_.push_back(fmt::format("{} with lines lw 1 dt 2 lc rgb '#222222' {}", script_number(line.y),
@@ -447,20 +436,6 @@ class Script {
     plots_.push_back(block + " using 1:2:3 with image pixels notitle");
   }
 
-  void add_bars(const Entry& entry) {
-    const std::string name = begin_block();
-    for (const FigureSeries* s : entry.series)
-      for (const FigurePoint& p : s->points)
-        if (can_draw(figure_, p) && std::isfinite(p.low) && std::isfinite(p.high))
-          row({p.x, p.y, p.x - 0.5 * s->width, p.x + 0.5 * s->width, p.low, p.high});
-    end_block();
-    // where colours come round again, hatched
-    const std::string fill = entry.look.dash == 1 ? std::string("solid 0.75 noborder")
-                                                  : fmt::format("pattern {} border", entry.look.dash + 2);
-    plots_.push_back(fmt::format("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' fillstyle {} {}", name,
-                                 entry.look.colour, fill, title_of(group_of(*entry.series.front()))));
-  }
-
   static std::string marks_of(const Entry& entry, double dot) {
     const bool hollow = entry.series.front()->hollow;
     return fmt::format("pt {} ps {}", hollow ? hollow_of(entry.look.marker) : entry.look.marker,
@@ -543,7 +518,7 @@ class Script {
 FigureSize size_of(const Figure& figure) {
   const bool narrow = figure.width == FigureWidth::column;
   FigureSize size{narrow ? kColumn_mm : kPage_mm, narrow ? 62.0 : 90.0};
-  if (figure.equal_scales || figure.map) size.height_mm = narrow ? 72.0 : 120.0;
+  if (figure.map) size.height_mm = narrow ? 72.0 : 120.0;
   const auto rows = static_cast<double>((panels_of(figure) + columns_of(figure) - 1) / columns_of(figure));
   if (!figure.y_names.empty())
     size.height_mm = 26.0 + 4.4 * static_cast<double>(figure.y_names.size());

@@ -7,14 +7,10 @@
 #include <vector>
 
 #include "datasets/results/gate_history.h"
-#include "datasets/results/gdop_map.h"
-#include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/recording_summary.h"
 #include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
-#include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/figures/figure.h"
 
@@ -29,27 +25,13 @@ Figure methods_figure(const ResultsSummary& summary, const std::string& conditio
 std::optional<Figure> history_figure(const History& history);
 std::vector<std::string> history_sentences(const History& history);
 
-// The rig from above: how well ranges fix a point at each place, and where the sensors stand.
-Figure gdop_figure(const GdopMap& map, const ResultsSummary& summary);
-
-// What share of the mean square error each source makes, by joint: bars that end at the sum, with what is
-// observed beside it. One figure a condition and method, in the first alignment.
-std::vector<Figure> budget_figures(const BudgetSummary& summary);
-
 // The slices of a sensitivity study as maps of a claim's difference, and for every claim the difference over
 // the ranges of the factors that decide it most.
 std::vector<Figure> sensitivity_figures(const SensitivitySummary& summary);
 
-// Simulated over recorded disagreement of two sensors.
-std::vector<Figure> twins_figures(const TwinsSummary& summary);
-
-// What the paper draws of its calibration, from simulated samples: error by distance and by angle, a flat
-// wall by column; and how uncertain sensors carry into joints. A part that was not run gives none.
+// What the paper draws of its calibration, from simulated samples: error by distance and angle, and a flat
+// wall by column. A part that was not run gives none.
 std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
-
-// Histograms of the clock errors over the paper's ranges, one figure a network: the paper's beside every
-// method.
-std::vector<Figure> clock_figures(const RecordingSummary& summary);
 
 // Families named "METHOD, N sensors": error against N.
 std::vector<Figure> sensor_counts_figure(const ResultsSummary& summary);

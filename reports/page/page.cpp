@@ -135,15 +135,14 @@ std::string lead_html(const ReportContent& content) {
           "tracker are declared to have, by default as measured on real people. ";
       break;
     }
-  return html + fmt::format(
-                    "Below: {} tables; everything else is in <a "
-                    "href=\"all-tables.html\">all-tables.html</a>.</p>\n</header>\n",
-                    content.shown_tables().size());
+  return html + fmt::format("Below: {} tables; each study lists its others, one CSV each.</p>\n</header>\n",
+                            content.shown_tables().size());
 }
 
 std::string citation_html(const std::string& citation) {
-  return "<p>Every table is a LaTeX file of its own; <a href=\"index.csv\">index.csv</a> says which.</p>\n"
-         "<pre>" +
+  return "<p>Every table is a CSV and a LaTeX file of its own, every figure an SVG, a PDF and a CSV; their "
+         "names "
+         "stand under them.</p>\n<pre>" +
          html_text(citation) + "</pre>\n";
 }
 
@@ -171,18 +170,11 @@ std::string page_of(const ReportContent& content, const PageOptions& options) {
   sections.insert(content.headline.verdicts.empty() ? sections.end() : sections.begin(),
                   claims_section(content));
   sections.push_back(errata_section(content));
+  sections.push_back(assumptions_section(content));
   sections.push_back(replay_section(content, options.three_js));
   sections.push_back(provenance_section(content));
   sections.push_back({"article", "For an article", citation_html(options.citation)});
   return document(content, options, std::move(sections), lead_html(content));
-}
-
-std::string all_tables_of(const ReportContent& content, const PageOptions& options) {
-  std::vector<PageSection> sections = other_sections(content);
-  sections.push_back({"back", "Back", "<p><a href=\"report.html\">report.html</a></p>\n"});
-  return document(content, options, std::move(sections),
-                  "<h1>All other tables and figures</h1>\n<p>What <a href=\"report.html\">report.html</a> "
-                  "does not show. A table opens at a click.</p>\n");
 }
 
 }  // namespace trilat

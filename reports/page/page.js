@@ -95,16 +95,6 @@
   });
   document.addEventListener("input", (event) => { if (event.target.matches(".bar input[type=search]")) filter(event.target); });
 
-  // A link into a folded table opens it.
-  const unfold = () => {
-    let at = location.hash.length > 1 ? document.getElementById(decodeURIComponent(location.hash.slice(1))) : null;
-    if (!at) return;
-    const target = at;
-    for (; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
-    target.scrollIntoView();
-  };
-  addEventListener("hashchange", unfold);
-  unfold();
   const links = new Map([...document.querySelectorAll("nav.contents a")].map((a) => [a.hash.slice(1), a]));
   const seen = new IntersectionObserver((entries) => {
     for (const { isIntersecting, target } of entries) {

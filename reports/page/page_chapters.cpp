@@ -38,9 +38,25 @@ std::string claims_on(const std::optional<Table>& claims, const std::string& pla
   return html.empty() ? html : "<ul class=\"notes\">\n" + html + "</ul>\n";
 }
 
-std::string folded(const Table& table, const std::string& commands) {
-  return fmt::format("<details class=\"fold\"><summary>{} <small>{} rows</small></summary>\n{}</details>\n",
-                     html_title(table.title), table.rows.size(), html_of(table, commands));
+// What the page does not show: a line each, with the files that hold it.
+std::string table_link(const Table& table) {
+  const std::string id = html_text(table.id);
+  return fmt::format("<li>{} <small>{} rows</small> <a href=\"tables/{}.csv\">CSV</a></li>\n",
+                     html_title(table.title), table.rows.size(), id);
+}
+
+std::string figure_link(const Figure& figure) {
+  const std::string id = html_text(figure.id);
+  return fmt::format(
+      "<li>{0} <a href=\"figures/{1}.svg\">SVG</a> <a href=\"figures/{1}.pdf\">PDF</a> <a "
+      "href=\"figures/{1}.csv\">CSV</a></li>\n",
+      html_text(figure.title), id);
+}
+
+std::string folded(std::size_t count, const std::string& what, const std::string& lines) {
+  if (count == 0) return {};
+  return fmt::format("<details class=\"plain\"><summary>{} {}</summary>\n<ul>\n{}</ul>\n</details>\n", count,
+                     what, lines);
 }
 
 bool is_in(const std::vector<const Table*>& tables, const Table& table) {
@@ -63,21 +79,27 @@ std::string chapter_html(const ReportContent& content, std::size_t number) {
   html += html_list("warnings", chapter.warnings);
   const std::string commands = commands_of(chapter.provenance);
   std::set<std::string> judged;
-  std::size_t others = chapter.apart.size() + chapter.figures.size() - chapter.first_figures;
+  std::size_t others = 0;
+  std::string links;
+  const auto add = [&](const std::string& link) {
+    links += link;
+    ++others;
+  };
   for (const Table& table : chapter.tables) {
-    others += !is_in(shown, table);
-    if (!is_in(shown, table)) continue;
+    if (!is_in(shown, table)) {
+      add(table_link(table));
+      continue;
+    }
     if (const std::string place = place_in_paper(table); judged.insert(place).second)
       html += claims_on(content.claims, place);
     html += html_of(table, commands);
   }
   for (std::size_t f = 0; f < chapter.first_figures; ++f)
     if (!is_in_headline(content, number, f)) html += figure_html(chapter.figures[f]);
-  if (others > 0)
-    html += fmt::format(
-        "<p class=\"more\"><a href=\"all-tables.html#{}\">{} more tables and figures</a> of this study are "
-        "in all-tables.html, beside this page.</p>\n",
-        chapter_id(number), others);
+  for (const Table& table : chapter.apart) add(table_link(table));
+  for (std::size_t f = chapter.first_figures; f < chapter.figures.size(); ++f)
+    add(figure_link(chapter.figures[f].figure));
+  html += folded(others, "more tables and figures of this study", links);
   return html;
 }
 
@@ -135,11 +157,10 @@ std::string provenance_html(const Provenance& p) {
 
 }  // namespace
 
-std::string figure_html(const DrawnFigure& drawn, bool linked) {
+std::string figure_html(const DrawnFigure& drawn) {
   const Figure& figure = drawn.figure;
   const std::string id = html_text(figure.id), title = html_text(figure.title);
-  const std::string source =
-      linked ? "figures/" + id + ".svg" : "data:image/svg+xml;base64," + base64_of(drawn.svg);
+  const std::string source = "data:image/svg+xml;base64," + base64_of(drawn.svg);
   return fmt::format(
       "<figure class=\"picture{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
       "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src=\"{2}\"></div>\n"
@@ -156,7 +177,11 @@ PageSection claims_section(const ReportContent& content) {
 
 PageSection errata_section(const ReportContent& content) {
   PageSection section{"errata", "What the paper prints that cannot be so", {}};
-  if (!content.audit.empty()) section.html = html_of(content.audit.front(), {});
+  if (content.audit.empty()) return section;
+  section.html = html_of(content.audit.front(), {});
+  std::string links;
+  for (std::size_t t = 1; t < content.audit.size(); ++t) links += table_link(content.audit[t]);
+  section.html += folded(content.audit.size() - 1, "table of the paper's own numbers, recomputed", links);
   return section;
 }
 
@@ -167,29 +192,12 @@ std::vector<PageSection> chapter_sections(const ReportContent& content) {
   return sections;
 }
 
-std::vector<PageSection> other_sections(const ReportContent& content) {
-  std::vector<PageSection> sections;
-  const std::vector<const Table*> others = content.other_tables();
-  for (std::size_t c = 0; c < content.chapters.size(); ++c) {
-    const Chapter& chapter = content.chapters[c];
-    PageSection section{chapter_id(c), chapter.title, {}};
-    for (const Table& table : chapter.tables)
-      if (is_in(others, table)) section.html += folded(table, commands_of(chapter.provenance));
-    for (const Table& table : chapter.apart)
-      section.html += fmt::format("<p>{}, {} rows: <a href=\"tables/{}.csv\">CSV</a></p>\n",
-                                  html_title(table.title), table.rows.size(), html_text(table.id));
-    for (std::size_t f = chapter.first_figures; f < chapter.figures.size(); ++f)
-      section.html += figure_html(chapter.figures[f], true);
-    sections.push_back(std::move(section));
-  }
-  PageSection paper{"audit", "The paper’s own numbers, recomputed", {}};
-  for (const Table& table : content.audit)
-    if (is_in(others, table)) paper.html += folded(table, {});
-  PageSection assumed{"assumptions", "What the simulations assume", {}};
-  for (const Table& table : content.parameters) assumed.html += folded(table, {});
-  sections.push_back(std::move(paper));
-  sections.push_back(std::move(assumed));
-  return sections;
+PageSection assumptions_section(const ReportContent& content) {
+  PageSection section{"assumptions", "What the simulations assume", {}};
+  std::string links;
+  for (const Table& table : content.parameters) links += table_link(table);
+  if (!links.empty()) section.html = "<ul>\n" + links + "</ul>\n";
+  return section;
 }
 
 PageSection provenance_section(const ReportContent& content) {

@@ -38,66 +38,24 @@ struct ErrorSum {
   double mean_m() const { return answered == 0 ? kNoNumber : distance_m / static_cast<double>(answered); }
 };
 
-// Rows of by_take that have the same names in `key`, added up in the order in which they come.
-using TakeKey = std::vector<std::string> (*)(const TakeJointRow&);
-
-Table added_up(const ResultsSummary& s, const std::string& id, const std::string& title, TakeKey key,
-               std::vector<TableColumn> names) {
-  std::vector<std::pair<std::vector<std::string>, ErrorSum>> sums;
-  std::map<std::vector<std::string>, std::size_t> place;
-  for (const TakeJointRow& row : s.by_take) {
-    const auto [found, is_new] = place.try_emplace(key(row), sums.size());
-    if (is_new) sums.emplace_back(found->first, ErrorSum{});
-    sums[found->second].second.add(row);
-  }
-  Table table;
-  table.id = id;
-  table.title = title + " (" + about(s, "", s.alignments.front()) + ")";
-  table.columns = std::move(names);
-  table.columns.insert(table.columns.end(), {{"method", "method", true},
-                                             {"asked", "asked"},
-                                             {"n", "n"},
-                                             {"coverage (%)", "coverage_percent"},
-                                             {"MAE (cm)", "mae_cm"}});
-  for (const auto& [texts, sum] : sums) {
-    std::vector<TableValue> cells;
-    for (const std::string& text : texts) cells.push_back(TableValue::of(text));
-    cells.insert(cells.end(), {count_cell(sum.asked), count_cell(sum.answered),
-                               percent_cell(share_of(sum.answered, sum.asked)), cm_cell(sum.mean_m())});
-    table.rows.push_back(std::move(cells));
-  }
-  return table;
-}
-
 }  // namespace
 
 std::vector<Table> apart_tables(const ResultsSummary& s) {
   if (s.by_take.empty()) return {};
-  return {
-      added_up(
-          s, "by-take", "Error of each take, all joints together",
-          [](const TakeJointRow& r) -> std::vector<std::string> {
-            return {r.take, r.participant, r.condition, r.method};
-          },
-          {{"take", "take", true}, {"participant", "participant", true}, {"condition", "condition", true}}),
-      added_up(s, "by-participant", "Error of each participant, all joints together",
-               [](const TakeJointRow& r) -> std::vector<std::string> {
-                 return {r.participant, r.condition, r.method};
-               },
-               {{"participant", "participant", true}, {"condition", "condition", true}}),
-      added_up(s, "by-joint", "Error of each joint, left and right apart",
-               [](const TakeJointRow& r) -> std::vector<std::string> {
-                 return {r.joint, r.condition, r.method};
-               },
-               {{"joint", "joint", true}, {"condition", "condition", true}}),
-      added_up(s, "by-take-and-joint", "Error of each joint of each take",
-               [](const TakeJointRow& r) -> std::vector<std::string> {
-                 return {r.take, r.participant, r.condition, r.joint, r.method};
-               },
-               {{"take", "take", true},
-                {"participant", "participant", true},
-                {"condition", "condition", true},
-                {"joint", "joint", true}})};
+  using R = TakeJointRow;
+  return {table_of<R>("by-take-and-joint",
+                      "Error of each joint of each take (" + about(s, "", s.alignments.front()) + ")",
+                      s.by_take,
+                      {{"take", "take", as_text(&R::take)},
+                       {"participant", "participant", as_text(&R::participant)},
+                       {"condition", "condition", as_text(&R::condition)},
+                       {"joint", "joint", as_text(&R::joint)},
+                       {"method", "method", as_text(&R::method)},
+                       {"asked", "asked", as_count(&R::asked)},
+                       {"n", "n", as_count(&R::answered)},
+                       {"coverage (%)", "coverage_percent",
+                        in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
+                       {"MAE (cm)", "mae_cm", in_cm(&R::mae_m)}})};
 }
 
 namespace {
@@ -172,43 +130,12 @@ Table takes_table(const ResultsSummary& s, const std::string& condition) {
   return table;
 }
 
-// "wrist" of "wrist_left"; empty of a joint that has no side.
-std::string without_side(const std::string& joint, const std::string& side) {
-  return joint.ends_with(side) ? joint.substr(0, joint.size() - side.size()) : std::string();
-}
-
-Table sides_table(const ResultsSummary& s) {
-  Table table;
-  table.id = "sides";
-  table.title = fmt::format("Left beside right: mean error in cm of the best method ({})",
-                            about(s, "", s.alignments.front()));
-  table.columns = {{"condition", "condition", true}, {"joint", "joint", true},
-                   {"method", "method", true},       {"left", "left_mae_cm"},
-                   {"right", "right_mae_cm"},        {"left - right", "difference_cm"}};
-  for (const std::string& condition : s.conditions) {
-    const std::string best = best_in(s, condition);
-    std::map<std::string, std::array<ErrorSum, 2>> joints;
-    for (const TakeJointRow& row : s.by_take) {
-      if (row.condition != condition || row.method != best) continue;
-      if (const std::string left = without_side(row.joint, "_left"); !left.empty()) joints[left][0].add(row);
-      if (const std::string right = without_side(row.joint, "_right"); !right.empty())
-        joints[right][1].add(row);
-    }
-    for (const auto& [joint, sides] : joints)
-      table.rows.push_back({TableValue::of(condition), TableValue::of(joint), TableValue::of(best),
-                            cm_cell(sides[0].mean_m()), cm_cell(sides[1].mean_m()),
-                            cm_cell(sides[0].mean_m() - sides[1].mean_m())});
-  }
-  return table;
-}
-
 }  // namespace
 
 std::vector<Table> oddity_tables(const ResultsSummary& s) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions)
     if (Table table = takes_table(s, condition); table.rows.size() > 1) tables.push_back(std::move(table));
-  if (Table sides = sides_table(s); !sides.rows.empty()) tables.push_back(std::move(sides));
   return tables;
 }
 

@@ -16,30 +16,6 @@
 namespace trilat {
 namespace {
 
-// How exactly the truth is known: one sentence a joint group.
-void add_floor_notes(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
-                     Table& table) {
-  for (const TruthFloor& floor : s.truth_floor) {
-    if (floor.condition != condition) continue;
-    double most_m = kNoNumber;
-    for (const SummaryCell& c : s.cells)
-      if (c.condition == condition && c.alignment == alignment && c.group == floor.group)
-        most_m = std::fmax(most_m, c.one_frame_m);
-    std::vector<std::string> known;
-    if (std::isfinite(floor.mocap_noise_m))
-      known.push_back(fmt::format("noise of at most {:.2f} cm", floor.mocap_noise_m * kCentimetresPerMetre));
-    if (std::isfinite(floor.mean_speed_m_s))
-      known.push_back(fmt::format("at its mean speed of {:.2f} m/s a clock error of {:g} ms makes {:.2f} cm",
-                                  floor.mean_speed_m_s, floor.clock_error_s * 1e3,
-                                  floor.clock_m() * kCentimetresPerMetre));
-    if (std::isfinite(most_m))
-      known.push_back(fmt::format("one instant early or late would change MAE by up to {:.2f} cm",
-                                  most_m * kCentimetresPerMetre));
-    if (!known.empty())
-      table.notes.push_back(fmt::format("Truth of {}: {}.", floor.group, fmt::join(known, "; ")));
-  }
-}
-
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   using R = SummaryCell;
   const auto axis_m = [](std::size_t axis) { return [=](const R& r) { return r.axis_mae_m[axis]; }; };
@@ -59,7 +35,6 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
        {"MAE x (cm)", "mae_x_cm", in_cm(axis_m(0))},
        {"MAE y (cm)", "mae_y_cm", in_cm(axis_m(1))},
        {"MAE z (cm)", "mae_z_cm", in_cm(axis_m(2))},
-       {"GDOP", "gdop", as_number(2, &R::mean_gdop)},
        {"iterations", "iterations", as_number(1, &R::mean_iterations)},
        {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}},
       [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
@@ -67,7 +42,6 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
   add_notes(table, "accuracy");
   table.notes.push_back(interval_note(s));
   add_coverage_note(s, condition, alignment, table);
-  add_floor_notes(s, condition, alignment, table);
   add_take_notes(s, table);
   return table;
 }
@@ -101,43 +75,7 @@ const FamilyCell* find_family(const ResultsSummary& s, const std::string& family
   return nullptr;
 }
 
-// "geometric, each three k1+k2+k4" of the family "geometric, each three" is "k1+k2+k4".
-std::string set_of(const std::string& method, const std::string& family) {
-  return method == family ? "all" : method.substr(std::min(method.size(), family.size() + 1));
-}
-
 }  // namespace
-
-std::vector<Table> sensor_counts_table(const ResultsSummary& s) {
-  std::vector<Table> tables;
-  for (const std::string& condition : s.conditions) {
-    using R = MethodFamily;
-    using C = FamilyCell;
-    const auto cell = [&](const R& r) { return *find_family(s, r.name, condition); };
-    const auto set = [](std::string C::*member) {
-      return as_text([=](const C& c) { return set_of(c.*member, c.family); });
-    };
-    Table table =
-        table_of<R>(usable_id("sets-" + condition),
-                    fmt::format("Sets of sensors: mean absolute error, average over the joint groups ({})",
-                                about(s, condition, s.alignments.front())),
-                    s.families,
-                    {{"methods", "methods", as_text(&R::name)},
-                     {"sensors", "sensors", as_count(&R::sensors)},
-                     {"sets", "sets", as_count([](const R& r) { return r.methods.size(); })},
-                     {"MAE (cm)", "mae_cm", of(cell, in_cm(&C::mae_m, &C::low_m, &C::high_m))},
-                     {"answered (%)", "answered_percent", of(cell, in_percent(&C::answered))},
-                     {"best set", "best", of(cell, set(&C::best))},
-                     {"its (cm)", "best_cm", of(cell, in_cm(&C::best_m))},
-                     {"worst set", "worst", of(cell, set(&C::worst))},
-                     {"its (cm)", "worst_cm", of(cell, in_cm(&C::worst_m))}},
-                    [&](const R& r) { return is_of_sets(r) && find_family(s, r.name, condition); });
-    if (table.rows.empty()) continue;
-    add_notes(table, "sets", {{"reference", s.reference}});
-    tables.push_back(std::move(table));
-  }
-  return tables;
-}
 
 std::vector<Figure> sensor_counts_figure(const ResultsSummary& s) {
   std::vector<Figure> figures;

@@ -13,8 +13,6 @@
 namespace trilat {
 namespace {
 
-constexpr double kNoticeable = 1.1;  // a tenth worse
-
 std::string answers_text(const ErrorSpread& spread) {
   if (spread.answered == 0) return fmt::format("0 of {} answered", spread.asked);
   return fmt::format("{} of {} answered, mean error {:.2f} cm", spread.answered, spread.asked,
@@ -100,17 +98,13 @@ std::string offset_sentence(const CalibrationSummary& s) {
   return text + "; what the paper's sensors and its laser meter added is not known.";
 }
 
-// The same recording with the units' offsets estimated and without.
 std::string rigs_sentence(const CalibrationSummary& s) {
-  const RigRow *wand = rig_row(s, "wand"), *as_it_is = rig_row(s, "wand, depth taken as it is");
+  const RigRow* wand = rig_row(s, "wand");
   const RigRow* printed = rig_row(s, "two positions, eq. 6 and 7 as printed");
   std::string text;
   if (wand)
     text = fmt::format("Sensors of whole rigs, calibrated from {} wand positions, are off by {}", s.positions,
                        mean_text(wand->position));
-  if (wand && as_it_is)
-    text +=
-        fmt::format("; with depth taken as it is, the offsets left in, by {}", mean_text(as_it_is->position));
   if (printed)
     text += fmt::format(
         "{} two positions with eq. 6 and 7 as printed leave {} of {} sensors without a pose and the others "
@@ -184,26 +178,11 @@ std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
   return sentences;
 }
 
-std::string effect_sentence(const CalibrationSummary& s) {
-  const std::vector<EffectRow> rows = assumed_effects(s, "nonlinear");
-  if (rows.empty() || rows.front().sensor_sigma_m != 0.0 || !std::isfinite(rows.front().rmse_m)) return {};
-  const double percent = 100.0 * (kNoticeable - 1.0);
-  if (const auto sigma_m = sensor_sigma_m_at(s, kNoticeable))
-    return fmt::format(
-        "The RMSE of nonlinear is {:.0f} % above that of exact sensors when these are off by {:.1f} mm an "
-        "axis (squares interpolated between the listed sigmas; ranges with {:g} cm).",
-        percent, *sigma_m / kMetresPerMillimetre, rows.front().range_sigma_m * kCentimetresPerMetre);
-  return fmt::format(
-      "The RMSE of nonlinear stays less than {:.0f} % above that of exact sensors: the sigma at which it is "
-      "lies beyond the largest listed, {:.1f} mm an axis.",
-      percent, rows.back().sensor_sigma_m / kMetresPerMillimetre);
-}
-
 std::vector<std::string> calibration_sentences(const CalibrationSummary& s) {
   std::vector<std::string> sentences{paper_sentence()};
   const std::string wand = wand_sentence(s);
-  for (const std::string& sentence : {wand, wand.empty() ? wand : offset_sentence(s), rigs_sentence(s),
-                                      distortion_sentence(s), effect_sentence(s)})
+  for (const std::string& sentence :
+       {wand, wand.empty() ? wand : offset_sentence(s), rigs_sentence(s), distortion_sentence(s)})
     if (!sentence.empty()) sentences.push_back(sentence);
   return sentences;
 }
@@ -238,16 +217,6 @@ const RigRow* rig_row(const CalibrationSummary& summary, const std::string& meth
   return nullptr;
 }
 
-std::vector<EffectRow> assumed_effects(const CalibrationSummary& summary, const std::string& method) {
-  std::vector<EffectRow> rows;
-  for (const EffectRow& row : summary.effect)
-    if (row.method == method && (row.calibration == "exact" || row.calibration.ends_with(" mm an axis")))
-      rows.push_back(row);
-  std::ranges::stable_sort(
-      rows, [](const EffectRow& a, const EffectRow& b) { return a.sensor_sigma_m < b.sensor_sigma_m; });
-  return rows;
-}
-
 ColumnMeans column_means(const std::vector<double>& by_column) {
   Mean left, middle, right, edge;
   for (std::size_t c = 0; c < by_column.size(); ++c) {
@@ -256,21 +225,6 @@ ColumnMeans column_means(const std::vector<double>& by_column) {
     if (is_left || is_right) edge.add(by_column[c]);
   }
   return {left.value(), middle.value(), right.value(), edge.value()};
-}
-
-std::optional<double> sensor_sigma_m_at(const CalibrationSummary& summary, double factor) {
-  const std::vector<EffectRow> rows = assumed_effects(summary, "nonlinear");
-  if (rows.empty() || rows.front().sensor_sigma_m != 0.0) return std::nullopt;
-  const double wanted_m2 = std::pow(factor * rows.front().rmse_m, 2);
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const double from_m2 = std::pow(rows[i - 1].rmse_m, 2), to_m2 = std::pow(rows[i].rmse_m, 2);
-    if (!(from_m2 < wanted_m2 && wanted_m2 <= to_m2)) continue;
-    const double from_sigma_m2 = std::pow(rows[i - 1].sensor_sigma_m, 2);
-    const double to_sigma_m2 = std::pow(rows[i].sensor_sigma_m, 2);
-    return std::sqrt(from_sigma_m2 +
-                     (wanted_m2 - from_m2) / (to_m2 - from_m2) * (to_sigma_m2 - from_sigma_m2));
-  }
-  return std::nullopt;
 }
 
 }  // namespace trilat

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +17,6 @@ const WandRow* wand_row(const CalibrationSummary& summary, const std::string& me
                         const std::string& scene);
 const RigRow* rig_row(const CalibrationSummary& summary, const std::string& method);
 
-// Rows of `method` with sensors that are off by an assumed sigma, the smallest first. Rows of calibrations
-// that were found are not among them.
-std::vector<EffectRow> assumed_effects(const CalibrationSummary& summary, const std::string& method);
-
 // Means over the columns that had a depth: the two outer parts, where the paper finds more error, and
 // between.
 struct ColumnMeans {
@@ -32,10 +27,6 @@ struct ColumnMeans {
 };
 ColumnMeans column_means(const std::vector<double>& by_column);
 
-// The sensor sigma at which the RMSE of `nonlinear` is `factor` times that of exact sensors: squares are
-// interpolated between the listed sigmas, because variances add. None when no listed sigma is that bad.
-std::optional<double> sensor_sigma_m_at(const CalibrationSummary& summary, double factor);
-
 // "1.17 cm (95 % interval 0.68 to 1.69 cm)"; says so when there is no answer or no interval.
 std::string mean_text(const ErrorSpread& spread);
 
@@ -45,7 +36,4 @@ std::vector<std::string> calibration_sentences(const CalibrationSummary& summary
 
 // What one error of the paper alone does to finding the wand, one sentence an erratum.
 std::vector<std::string> wand_errata_sentences(const CalibrationSummary& summary);
-// Where nonlinear joints are a tenth worse than with exact sensors; empty without rows.
-std::string effect_sentence(const CalibrationSummary& summary);
-
 }  // namespace trilat

@@ -251,38 +251,12 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
   return table;
 }
 
-Table calibration_effect_table(const CalibrationSummary& s) {
-  using R = EffectRow;
-  // the bound is one of estimates from ranges
-  const auto bound_m = [](const R& r) { return r.method == "mean" ? kNoNumber : r.bound_m; };
-  Table table =
-      table_of<R>("effect",
-                  fmt::format("Joints found with uncertain sensors, simulated: {} joints a row, seed {}",
-                              s.effect.empty() ? 0 : s.effect.front().joints, s.seed),
-                  s.effect,
-                  {{"calibration", "calibration", as_text(&R::calibration)},
-                   {"sensor sigma (mm)", "sensor_sigma_mm", in_mm(&R::sensor_sigma_m)},
-                   {"range sigma (cm)", "range_sigma_cm", in_cm(&R::range_sigma_m)},
-                   {"method", "method", as_text(&R::method)},
-                   {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
-                   {"Cramer-Rao bound (cm)", "bound_cm", in_cm(bound_m)},
-                   {"ratio", "ratio",
-                    as_number(
-                        3, [=](const R& r) { return r.rmse_m / bound_m(r); }, &R::ratio_low, &R::ratio_high)},
-                   {"answered (%)", "answered_percent",
-                    in_percent([](const R& r) { return share_of(r.answered, r.joints); })}});
-  if (const std::string sentence = effect_sentence(s); !sentence.empty()) table.notes.push_back(sentence);
-  add_notes(table, "calibration_effect");
-  return table;
-}
-
 std::vector<Table> calibration_tables(const CalibrationSummary& s) {
   std::vector<Table> tables;
   if (!s.wand.empty()) tables.push_back(calibration_wand_table(s));
   if (!s.wand_samples.empty()) tables.push_back(calibration_bins_table(s));
   if (!s.distortion.empty()) tables.push_back(calibration_distortion_table(s));
   if (!s.rigs.empty()) tables.push_back(calibration_rigs_table(s));
-  if (!s.effect.empty()) tables.push_back(calibration_effect_table(s));
   return tables;
 }
 

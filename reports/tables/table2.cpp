@@ -36,8 +36,8 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
           {TableValue::of(printed.part),
            TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
            TableValue::of(condition == occluded ? printed_cm(printed, method) : kNoNumber, 1),
-           cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m), cm_cell(cell->one_frame_m),
-           count_cell(cell->answered), percent_cell(cell->coverage())});
+           cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m), count_cell(cell->answered),
+           percent_cell(cell->coverage())});
     }
   }
 }
@@ -59,7 +59,6 @@ std::vector<Table> table2(const ResultsSummary& summary) {
                    {"method", "method", true},
                    {"paper (cm)", "paper_mae_cm"},
                    interval_column(summary.simulated ? "ours, simulated (cm)" : "ours (cm)", "mae_cm"),
-                   {"one frame (cm)", "one_frame_cm"},
                    {"n", "n"},
                    {"coverage (%)", "coverage_percent"}};
   for (const PrintedTable2::Row& row : printed.rows) add_rows(summary, row, table);

@@ -13,7 +13,6 @@
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/tracking_summary.h"
-#include "datasets/results/studies/twins_summary.h"
 #include "datasets/results/summary.h"
 #include "reports/tables/table.h"
 
@@ -43,8 +42,8 @@ bool is_like_the_papers(const ResultsSummary& summary, const std::string& condit
 // The paper's Table III; NaN where it prints nothing.
 double printed_table3_cm(const std::string& group, const std::string& method);
 
-// Which take or participant is odd, and which side: the leading methods' errors by take, the oddest first,
-// and by joint, left beside right. Empty without more than one take.
+// Which take or participant is odd: the leading methods' errors by take, the oddest first. Empty without more
+// than one take.
 std::vector<Table> oddity_tables(const ResultsSummary& summary);
 
 // Two results of one study: what changed, the real changes first; and the sentences that lead.
@@ -61,8 +60,8 @@ Table differences_table(const ResultsSummary& summary, const std::string& condit
 // Whole bodies by method. Without rows when no method has any.
 Table bodies_table(const ResultsSummary& summary, const std::string& condition);
 
-// Takes, participants and joints apart, each method's joints together, and each joint of each take: where an
-// odd take, person or side shows. Under the study's first alignment.
+// Each joint of each take by method, under the study's first alignment: takes, participants, joints and sides
+// are group-bys of it.
 std::vector<Table> apart_tables(const ResultsSummary& summary);
 
 // One table for each condition and alignment: a row for every method and joint group, a column for every
@@ -83,11 +82,6 @@ std::vector<Table> sensitivity_tables(const SensitivitySummary& summary);
 // A sentence a claim.
 std::vector<std::string> sensitivity_sentences(const SensitivitySummary& summary);
 
-// How two sensors disagree, recorded beside simulated: a table for those that the tracker was not measured
-// on, and one for those that it was; in how many cells they agree.
-std::vector<Table> twins_tables(const TwinsSummary& summary);
-std::vector<std::string> twins_sentences(const TwinsSummary& summary);
-
 // The tables of a calibration study beside the paper's statements; a part that was not run gives none.
 std::vector<Table> calibration_tables(const CalibrationSummary& summary);
 
@@ -98,11 +92,9 @@ Table calibration_bins_table(const CalibrationSummary& summary);
 Table calibration_distortion_table(const CalibrationSummary& summary);
 // The poses of whole rigs, one row a method.
 Table calibration_rigs_table(const CalibrationSummary& summary);
-// How an uncertain calibration carries into joints.
-Table calibration_effect_table(const CalibrationSummary& summary);
 
-// What a run says of how its sensors tracked: which views each rule rejects and how often rightly, by joint
-// and by sensor; exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
+// What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
+// exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
 
 // One sensor's correction in a line.
@@ -112,10 +104,6 @@ std::string correction_text(const CorrectionRow& row);
 std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);
-
-// One table a condition: how near the methods that use ranges come to the Cramer-Rao bound of the ranges they
-// get. Only of errors before any alignment; without them, or without ranges, there is none.
-std::vector<Table> efficiency_tables(const ResultsSummary& summary, const TrackingSummary& tracking);
 
 // Table IV beside the paper's: clock errors, what the queue drops, what the corrected fit says of itself,
 // and, where it was timed, what a frame costs.
@@ -149,11 +137,8 @@ const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, con
 // A sentence or two a person can take away from the search; empty without one.
 std::vector<std::string> search_sentences(const SweepSummary& summary);
 
-// Families of methods, one for each set of so many sensors: their mean, best and worst set. Empty for a study
-// without families of sets.
-std::vector<Table> sensor_counts_table(const ResultsSummary& summary);
-// The summary without the methods that stand for one of several sets: the tables of families speak for them.
-// What is by take stays whole.
+// The summary without the methods that stand for one of several sets of sensors: the figure of numbers of
+// sensors has them together. The rows by take stay whole.
 ResultsSummary without_sets(ResultsSummary summary);
 
 }  // namespace trilat

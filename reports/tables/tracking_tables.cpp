@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
-#include "reports/tables/accuracy_words.h"
 #include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
@@ -33,9 +31,6 @@ std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
     }
     sum->views += row.views;
     sum->rejected += row.rejected;
-    sum->truth_known = sum->truth_known && row.truth_known;
-    sum->hidden += row.hidden;
-    sum->rightly += row.rightly;
   }
   return sums;
 }
@@ -43,9 +38,6 @@ std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
 Table views_table(const TrackingSummary& s, const std::string& by,
                   const std::function<std::string(const ViewRow&)>& name) {
   using R = ViewRow;
-  const auto known = [](const R& r, std::uint64_t part, std::uint64_t whole) {
-    return r.truth_known ? share_of(part, whole) : kNoNumber;
-  };
   Table table = table_of<R>(usable_id("views-" + by),
                             fmt::format("Which views are rejected, by {} ({})", by, data_text(s)),
                             sum_views(s.views, name),
@@ -54,20 +46,13 @@ Table views_table(const TrackingSummary& s, const std::string& by,
                              {"rule", "rule", as_text(&R::rule)},
                              {"views", "views", as_count(&R::views)},
                              {"rejected (%)", "rejected_percent",
-                              in_percent([](const R& r) { return share_of(r.rejected, r.views); })},
-                             {"truly hidden (%)", "hidden_percent",
-                              in_percent([=](const R& r) { return known(r, r.hidden, r.views); })},
-                             {"rightly, of the rejected (%)", "rightly_percent",
-                              in_percent([=](const R& r) { return known(r, r.rightly, r.rejected); })},
-                             {"found, of the hidden (%)", "found_percent",
-                              in_percent([=](const R& r) { return known(r, r.rightly, r.hidden); })}});
+                              in_percent([](const R& r) { return share_of(r.rejected, r.views); })}});
   add_notes(table, "views");
   return table;
 }
 
 Table exchanges_table(const TrackingSummary& s) {
   using R = ExchangeRow;
-  const auto known = [](const R& r, double value) { return r.truth_known ? value : kNoNumber; };
   Table table = table_of<R>(
       "exchanges",
       fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
@@ -77,16 +62,7 @@ Table exchanges_table(const TrackingSummary& s) {
        {"sensor", "sensor", as_text(&R::sensor)},
        {"instants", "instants", as_count(&R::instants)},
        {"found (%)", "found_percent", in_percent([](const R& r) { return share_of(r.found, r.instants); })},
-       {"stretches found", "stretches", as_count(&R::stretches)},
-       {"truly exchanged (%)", "exchanged_percent",
-        in_percent([=](const R& r) { return known(r, share_of(r.exchanged, r.instants)); })},
-       {"true stretches", "true_stretches",
-        as_count([=](const R& r) { return known(r, static_cast<double>(r.true_stretches)); })},
-       {"of them found (%)", "stretches_found_percent",
-        in_percent([=](const R& r) { return known(r, share_of(r.stretches_found, r.true_stretches)); })},
-       {"right ones touched (%)", "touched_percent", in_percent([=](const R& r) {
-          return known(r, share_of(r.found - r.rightly, r.instants - r.exchanged));
-        })}});
+       {"stretches found", "stretches", as_count(&R::stretches)}});
   add_notes(table, "exchanges");
   return table;
 }
@@ -162,27 +138,6 @@ Table predictions_table(const TrackingSummary& s) {
   return table;
 }
 
-constexpr const char* kUnaligned = "none";
-
-// A method's errors where its ranges have this error, and what they can be at best.
-struct Efficiency {
-  RangeRow range;
-  const SummaryCell* cell;
-  double bound_m() const { return range.rms_error_m * cell->rms_gdop; }
-  double share() const { return std::pow(bound_m() / cell->gdop_rmse_m, 2); }
-};
-
-std::vector<Efficiency> efficiencies(const ResultsSummary& s, const TrackingSummary& tracking,
-                                     const std::string& condition) {
-  std::vector<Efficiency> rows;
-  for (const RangeRow& range : tracking.ranges)
-    for (const std::string& method : s.methods)
-      if (const SummaryCell* cell = find_cell(s, method, condition, range.group, kUnaligned);
-          range.condition == condition && cell && std::isfinite(cell->rms_gdop))
-        rows.push_back({range, cell});
-  return rows;
-}
-
 }  // namespace
 
 std::vector<Table> prediction_tables(const TrackingSummary& s) {
@@ -222,30 +177,6 @@ std::string correction_text(const CorrectionRow& row) {
       row.sensor, text(1.0 / kRadPerDegree, row.turned_rad, row.turned_low_rad, row.turned_high_rad),
       text(kCentimetresPerMetre, row.shifted_m, row.shifted_low_m, row.shifted_high_m),
       text(kCentimetresPerMetre, row.too_long_m, row.too_long_low_m, row.too_long_high_m));
-}
-
-std::vector<Table> efficiency_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
-  std::vector<Table> tables;
-  for (const std::string& condition : s.conditions) {
-    using R = Efficiency;
-    const auto cell = [](const R& r) { return *r.cell; };
-    Table table = table_of<R>(
-        usable_id("efficiency-" + condition),
-        "Efficiency against the bound (" + about(s, condition, kUnaligned) + ")",
-        efficiencies(s, tracking, condition),
-        {{"joint", "joint", of(&R::range, as_text(&RangeRow::group))},
-         {"method", "method", of(cell, as_text(&SummaryCell::method))},
-         {"range RMS error (cm)", "range_rms_cm", of(&R::range, in_cm(&RangeRow::rms_error_m))},
-         {"mean range error (cm)", "range_mean_cm", of(&R::range, in_cm(&RangeRow::mean_error_m))},
-         {"rms GDOP", "rms_gdop", of(cell, as_number(2, &SummaryCell::rms_gdop))},
-         {"bound (cm)", "bound_cm", in_cm(&R::bound_m)},
-         {"RMSE (cm)", "rmse_cm", of(cell, in_cm(&SummaryCell::gdop_rmse_m))},
-         {"efficiency", "efficiency", as_number(2, &R::share)}});
-    if (table.rows.empty()) continue;
-    add_notes(table, "efficiency");
-    tables.push_back(std::move(table));
-  }
-  return tables;
 }
 
 }  // namespace trilat

@@ -7,9 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "datasets/hdf5/hdf5_file.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -29,8 +27,7 @@ double value_of(const BodyTrackerSpec::Groups& groups, TrackerGroup group) {
 
 TEST(BodyTrackerSpec, IsAsDeclaredUnlessSomethingElseIsAskedFor) {
   EXPECT_EQ(parsed("").body_tracker.bias_sigma_m, default_body_tracker().bias_sigma_m);
-  const auto spec = parsed(R"(, "body_tracker": {}, "bystanders": 2)");
-  EXPECT_EQ(spec.bystanders, 2u);
+  const auto spec = parsed(R"(, "body_tracker": {})");
   EXPECT_EQ(spec.body_tracker.lag_s, default_body_tracker().lag_s);
   EXPECT_EQ(spec.body_tracker.bias_sigma_m, default_body_tracker().bias_sigma_m);
   EXPECT_GT(value_of(spec.body_tracker.bias_sigma_m, TrackerGroup::hip), 0.02);
@@ -51,7 +48,7 @@ TEST(BodyTrackerSpec, AnyValueCanBeSetForAllGroupsOrSome) {
 TEST(BodyTrackerSpec, EveryValueIsListedWithUnitAndSource) {
   BodyTrackerSpec spec = default_body_tracker();
   const auto declared = tracker_parameters(spec);
-  EXPECT_EQ(declared.size(), 20u);
+  EXPECT_EQ(declared.size(), 19u);
   for (const DeclaredParameter& parameter : declared) {
     EXPECT_FALSE(parameter.unit.empty()) << parameter.name;
     EXPECT_THAT(parameter.source,
@@ -80,7 +77,7 @@ TEST(BodyTrackerSpec, DeclaredValuesLieInTheRangesOfTheLiterature) {
   EXPECT_TRUE(spec.lag_s >= 0.030 && spec.lag_s <= 0.060);
 }
 
-// What `trilat measure-tracker` writes is what a simulation reads, with intervals where there are some.
+// With intervals where there are some.
 TEST(BodyTrackerSpec, TheDeclaredDocumentIsReadAsATracker) {
   const ScratchFolder folder;
   Json document = declared_body_tracker();
@@ -104,75 +101,14 @@ TEST(BodyTrackerSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
       {R"(, "body_tracker": {"lag_s": -1})", "sim.json /body_tracker/lag_s: must lie between 0"},
       {R"(, "body_tracker": {"exchanged_share": 2})",
        "sim.json /body_tracker/exchanged_share: must lie between 0"},
-      {R"(, "body_tracker": {"own_bias_share": 0.8})",
-       "sim.json /body_tracker/own_bias_share: is not there any more; say \"own_bias_sigma_m\""},
       {R"(, "body_tracker": {"ray_ratio": 0})", "sim.json /body_tracker/ray_ratio: must lie between 0.01"},
       {R"(, "body_tracker": {"bias_sigma_m": "big"})", "sim.json /body_tracker/bias_sigma_m: must be"},
       {R"(, "body_tracker": {"bias_sigma_m": {"nose": 1}})",
        "sim.json /body_tracker/bias_sigma_m/nose: is an unknown key"},
       {R"(, "body_tracker": {"wander_sigma_m": {"hip": 7}})",
-       "sim.json /body_tracker/wander_sigma_m/hip: must lie between 0"},
-      {R"(, "body_tracker": {}, "bystanders": 3)", "sim.json /bystanders: must be 0 to 2, is 3"}};
+       "sim.json /body_tracker/wander_sigma_m/hip: must lie between 0"}};
   for (const auto& [members, message] : cases)
     EXPECT_THAT(message_of([m = members] { parsed(m); }), HasSubstr(message)) << members;
-}
-
-TEST(TrackerTruthFile, WhatIsWrittenIsReadBack) {
-  const ScratchFolder folder;
-  std::vector<TrackerTruth> rows;
-  for (std::int64_t i = 0; i < 5000; ++i)
-    rows.push_back({2 * i, static_cast<std::uint32_t>(i) % (1u << 25), i % 3 == 0, (1ull << 56) + 7});
-  TrackerTruthWriter writer(folder / "truth.h5", {"k2", "k1"});
-  for (const TrackerTruth& row : rows) writer.append(1, row);
-  writer.append(0, {3, 1u << 24, true, 0});
-  EXPECT_FALSE(std::filesystem::exists(folder / "truth.h5"));
-  writer.finish();
-  const TrackerTruthReader reader(folder / "truth.h5");
-  EXPECT_THAT(reader.sensors(), testing::ElementsAre("k1", "k2"));
-  EXPECT_EQ(reader.frames("k1"), rows.size());
-  EXPECT_EQ(reader.read("k1", 0, rows.size()), rows);
-  EXPECT_EQ(reader.read("k1", 4990, 10), std::vector<TrackerTruth>(rows.end() - 10, rows.end()));
-  EXPECT_EQ(reader.read("k2", 0, 1), (std::vector<TrackerTruth>{{3, 1u << 24, true, 0}}));
-  EXPECT_THAT(message_of([&] { reader.frames("k3"); }), HasSubstr("has no sensor \"k3\""));
-}
-
-// A file with one sensor of two frames, one of whose values is odd.
-std::string refusal_of(const std::filesystem::path& path, const std::string& table, std::uint64_t value,
-                       std::size_t rows = 2) {
-  H5File file = H5File::create(path);
-  file.set_text("format", "trilat.tracker_truth");
-  file.set_integer("version", 1);
-  H5Node node = file.create_group("sensors").create_group("k1");
-  const auto add = [&](const char* name, H5Type type, auto first, auto second) {
-    std::vector values{first, second};
-    if (table == name) values.back() = static_cast<decltype(first)>(value);
-    if (table == name) values.resize(rows);
-    node.create_table(name, type, {}, {.chunk_rows = 16}).append(std::span<const decltype(first)>(values));
-  };
-  add("sequence", H5Type::i64, std::int64_t{4}, std::int64_t{5});
-  add("hidden", H5Type::u32, std::uint32_t{0}, std::uint32_t{0});
-  add("exchanged", H5Type::u8, std::uint8_t{0}, std::uint8_t{1});
-  add("tracking_id", H5Type::u64, std::uint64_t{0}, std::uint64_t{0});
-  node = {};
-  file.close();
-  return message_of([&] { TrackerTruthReader(path).read("k1", 0, 2); });
-}
-
-TEST(TrackerTruthFile, ErrorsNameThePlaceInTheFile) {
-  const ScratchFolder folder;
-  const auto refusal = [&](const std::string& table, std::uint64_t value, std::size_t rows = 2) {
-    return refusal_of(folder / "t.h5", table, value, rows);
-  };
-  EXPECT_EQ(refusal("none", 0), "no error");
-  EXPECT_THAT(refusal("sequence", 4), HasSubstr("t.h5:/sensors/k1/sequence: row 1: does not rise"));
-  EXPECT_THAT(refusal("hidden", 1u << 25),
-              HasSubstr("/sensors/k1/hidden: row 1: has bits that are no joints"));
-  EXPECT_THAT(refusal("exchanged", 2), HasSubstr("/sensors/k1/exchanged: row 1: must be 0 or 1"));
-  EXPECT_THAT(refusal("hidden", 0, 1), HasSubstr("/sensors/k1/hidden: has 1 rows, but sequence has 2"));
-  write_file(folder / "text.h5", "no");
-  EXPECT_THAT(message_of([&] { TrackerTruthReader(folder / "text.h5"); }), HasSubstr("text.h5"));
-  H5File::create(folder / "other.h5").close();
-  EXPECT_THAT(message_of([&] { TrackerTruthReader(folder / "other.h5"); }), HasSubstr("is no tracker truth"));
 }
 
 }  // namespace

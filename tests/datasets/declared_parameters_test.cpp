@@ -63,9 +63,6 @@ TEST(SimulationParameters, FollowTheSpec) {
   EXPECT_EQ(parameter(spec, "mocap rate").value, "240");
   EXPECT_EQ(parameter(spec, "error of the stated start").value, "+-0.002");
   EXPECT_EQ(parameter(spec, "sensor heights").value, "0.5, 1.25");
-  EXPECT_FALSE(has(spec, "bystanders"));
-  spec.bystanders = 2;
-  EXPECT_EQ(parameter(spec, "bystanders").value, "2");
   spec.sensor.free_running = false;
   EXPECT_EQ(parameter(spec, "clock drift").value, "+-0");
 }
@@ -107,10 +104,8 @@ TEST(SimulationParameters, OfARecordedTakeNameItAndAssumeNoPersonAndNoMocap) {
   SimulationSpec spec;
   spec.recorded = RecordedSpec{"some/where/take.csv", "mapping.json"};
   spec.participants = 1;
-  spec.bystanders = 2;
   EXPECT_EQ(parameter(spec, "motion").source, "take.csv");
   EXPECT_EQ(parameter(spec, "participants").value, "1");
-  EXPECT_EQ(parameter(spec, "bystanders").value, "2");
   for (const char* name : {"stature", "segments", "marker noise", "error of the stated start"})
     EXPECT_FALSE(has(spec, name)) << name;
 }

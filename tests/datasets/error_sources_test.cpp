@@ -54,11 +54,11 @@ Parts parts_of(const SimulationSpec& spec) {
   Parts parts;
   for (const SensorPose& pose : rig_poses(spec.rig, {0.0, 1.0, 0.0})) {
     const SimulatedSensor sensor = draw_sensor(spec.sensor, item, parts.bodies.size(), pose);
-    BodyTracker tracker(spec.body_tracker, spec.sensor, sensor, item, 1);
+    BodyTracker tracker(spec.body_tracker, spec.sensor, sensor, item);
     parts.bodies.emplace_back();
     for (std::uint64_t f = 0; f < kFrames; ++f) {
       const SkeletonPose truth = motion((exposure_of(sensor, spec.sensor, f) - kMotionStart).seconds());
-      parts.bodies.back().push_back(tracker.observe(f, std::span(&truth, 1)).bodies.at(0));
+      parts.bodies.back().push_back(tracker.observe(f, truth).body.value());
       parts.dropped.push_back(!simulate_empty_frame(sensor, spec.sensor, item, f));
       parts.stamps.push_back(simulate_empty_frame(sensor, lossless, item, f)->stamp);
     }
@@ -156,7 +156,6 @@ TEST(ErrorSources, WithNoneOfThemEverythingIsExact) {
 TEST(ErrorSources, AllIsTheSimulationItselfAndPersonsAndRigStay) {
   SimulationSpec spec = spec_with_everything();
   spec.participants = 7;
-  spec.bystanders = 2;
   spec.rig.heights_m = {1.0, 2.0, 1.5};
   const SimulationSpec all = with_only(spec, ErrorSource::all);
   EXPECT_TRUE(same(parts_of(all).bodies, parts_of(spec).bodies));
@@ -164,14 +163,12 @@ TEST(ErrorSources, AllIsTheSimulationItselfAndPersonsAndRigStay) {
   for (const ErrorSource source : error_sources()) {
     const SimulationSpec only = with_only(spec, source);
     EXPECT_EQ(only.participants, 7u);
-    EXPECT_EQ(only.bystanders, 2u);
     EXPECT_EQ(only.seed, spec.seed);
     EXPECT_EQ(only.rig.heights_m, spec.rig.heights_m);
     EXPECT_EQ(only.activities.size(), 1u);
   }
 }
 
-// But for another identity, which moves no joint.
 TEST(ErrorSources, EachSettingOfTheTrackerBelongsToOneOfThem) {
   const SimulationSpec spec = spec_with_everything();
   const auto settings = [&](ErrorSource source) {
@@ -179,7 +176,7 @@ TEST(ErrorSources, EachSettingOfTheTrackerBelongsToOneOfThem) {
   };
   const auto none = settings(ErrorSource::none), all = settings(ErrorSource::all);
   for (std::size_t p = 0; p < all.size(); ++p) {
-    if (all[p].value == none[p].value || all[p].name == "identity_changes_per_minute") continue;
+    if (all[p].value == none[p].value) continue;
     const auto has = [&](ErrorSource source) { return settings(source)[p].value != none[p].value; };
     EXPECT_EQ(std::ranges::count_if(error_sources(), has), 2) << all[p].name;  // it, and all together
   }

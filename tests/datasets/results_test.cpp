@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "datasets/results/gdop_map.h"
 #include "datasets/results/samples.h"
 #include "datasets/results/summary.h"
 #include "tests/support/scratch.h"
@@ -34,14 +33,10 @@ SummaryCell full_summary_cell() {
   cell.p90_m = 0.6;
   cell.p95_m = 0.7;
   cell.max_m = 1e3;
-  cell.mean_gdop = 2.5;
-  cell.rms_gdop = 2.75;
-  cell.gdop_rmse_m = 0.45;
   cell.mean_iterations = 4.25;
   cell.mae_low_m = 0.27;
   cell.mae_high_m = 0.34;
   cell.clusters = 16;
-  cell.one_frame_m = 0.003;
   return cell;
 }
 
@@ -110,13 +105,9 @@ void expect_equal(const SummaryCell& a, const SummaryCell& b) {
                                                {a.p90_m, b.p90_m},
                                                {a.p95_m, b.p95_m},
                                                {a.max_m, b.max_m},
-                                               {a.mean_gdop, b.mean_gdop},
-                                               {a.rms_gdop, b.rms_gdop},
-                                               {a.gdop_rmse_m, b.gdop_rmse_m},
                                                {a.mean_iterations, b.mean_iterations},
                                                {a.mae_low_m, b.mae_low_m},
-                                               {a.mae_high_m, b.mae_high_m},
-                                               {a.one_frame_m, b.one_frame_m}};
+                                               {a.mae_high_m, b.mae_high_m}};
   for (const auto& [x, y] : numbers)
     if (!std::isnan(x) || !std::isnan(y)) {
       EXPECT_EQ(x, y);
@@ -162,7 +153,7 @@ TEST(Summary, WhatIsWrittenIsReadBackToTheLastBitAndNaNStaysNaN) {
   EXPECT_FALSE(read.cross_check_passed());
 }
 
-TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
+TEST(Summary, DifferencesBodiesAndSpeedsAreReadBackToTheLastBit) {
   const ScratchFolder folder;
   ResultsSummary written = summary_of({});
   written.differences = {
@@ -185,7 +176,7 @@ TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
                      12.5,
                      3.25},
                     {"linear", "walking", "none"}};
-  written.truth_floor = {{"walking", "head", 2e-4, 1.25, 0.005}};
+  written.truth_speed = {{"walking", "head", 1.25}};
   write_summary(folder.path(), written);
   const std::string text = read_file(folder / "summary.json");
   EXPECT_THAT(text, HasSubstr("\"significant\": true"));
@@ -200,8 +191,8 @@ TEST(Summary, DifferencesBodiesAndFloorsAreReadBackToTheLastBit) {
   ASSERT_EQ(read.bodies.size(), 2u);
   EXPECT_EQ(read.bodies[0].pck, written.bodies[0].pck);
   EXPECT_TRUE(std::isnan(read.bodies[1].pck[2]));
-  ASSERT_EQ(read.truth_floor.size(), 1u);
-  EXPECT_DOUBLE_EQ(read.truth_floor[0].clock_m(), 0.00625);
+  ASSERT_EQ(read.truth_speed.size(), 1u);
+  EXPECT_EQ(read.truth_speed[0].mean_m_s, 1.25);
   write_summary(folder.path(), read);
   EXPECT_EQ(read_file(folder / "summary.json"), text);
 }
@@ -312,24 +303,6 @@ TEST(Samples, OtherFilesAreRefusedWithTheReason) {
     EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "cut.h5").read(0, 0, 10); }),
                 HasSubstr("cut.h5"));
   }
-}
-
-TEST(GdopMap, ComesBackWithItsGapsAndInfinities) {
-  const ScratchFolder folder;
-  const double infinity = std::numeric_limits<double>::infinity();
-  write_gdop_map(folder.path(),
-                 {"t1", 1.0, {0.0, 1.0}, {2.0}, {kNoNumber, infinity}, {"k1"}, {{1.0, 2.0, 3.0}}});
-  const auto map = read_gdop_map(folder.path());
-  ASSERT_TRUE(map);
-  EXPECT_EQ(map->take, "t1");
-  EXPECT_TRUE(std::isnan(map->gdop.at(0)));
-  EXPECT_EQ(map->gdop.at(1), infinity);
-  EXPECT_EQ(map->position_m.at(0)[2], 3.0);
-  write_file(folder / "gdop_map.json",
-             R"({"format": "trilat.gdop_map", "version": 1, "take": "t", "height_m": 1,
-      "x_m": [0, 1], "z_m": [0], "gdop": [1], "sensors": []})");
-  EXPECT_THAT(message_of([&] { read_gdop_map(folder.path()); }),
-              HasSubstr("/gdop: must have a number for each"));
 }
 
 }  // namespace

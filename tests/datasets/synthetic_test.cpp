@@ -334,8 +334,6 @@ TEST(SimulationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
       {R"(, "rig": {"heights_m": 1.2})", "sim.json /rig/heights_m: must be an array"},
       {R"(, "rig": {"radius_m": 0})", "sim.json /rig/radius_m: must lie between 0.3 and 20"},
       {R"(, "sensor": {"dropped_share": 1.5})", "sim.json /sensor/dropped_share: must lie between 0 and 1"},
-      {R"(, "sensor": {"joint_noise_sigma_m": 0.1})",
-       "/sensor/joint_noise_sigma_m: is not there any more; say \"jitter_sigma_m\" in \"body_tracker\""},
       {R"(, "sensor": {"free_running": 1})", "sim.json /sensor/free_running: must be true or false"},
       {R"(, "mocap": {"rate_hz": 0})", "sim.json /mocap/rate_hz: must lie between 1"},
       {R"(, "depth": {})", "sim.json /depth: says nothing without \"takes\": true"},

@@ -41,19 +41,6 @@ TEST(CampaignFile, WhatIsWrittenIsReadBackWhereverTheFolderIsMoved) {
   EXPECT_EQ(campaign.takes[1].mocap_start_host_ns, expected.mocap_start_host_ns);
 }
 
-TEST(CampaignFile, TheTrackersTruthIsNamedOnlyWhereThereIsOne) {
-  const ScratchFolder folder;
-  Take with = take_in(folder.path(), "a");
-  with.tracker_truth = folder / "a" / "tracker_truth.h5";
-  write_campaign(folder.path(), {"both", true, {with, take_in(folder.path(), "b")}});
-  const Campaign campaign = read_campaign(folder.path());
-  EXPECT_EQ(campaign.takes.at(0).tracker_truth, with.tracker_truth);
-  EXPECT_TRUE(campaign.takes.at(1).tracker_truth.empty());
-  const std::string text = read_file(folder / "campaign.json");
-  EXPECT_THAT(text, HasSubstr("\"tracker_truth\": \"a/tracker_truth.h5\""));
-  EXPECT_THAT(text, testing::Not(HasSubstr("\"\"")));
-}
-
 // A take's paths are relative to the current directory, those in the file to the file.
 TEST(CampaignFile, TakesOfAnotherFolderAreStillFound) {
   const ScratchFolder folder;
@@ -66,8 +53,8 @@ TEST(CampaignFile, TakesOfAnotherFolderAreStillFound) {
 
 // What reading says of a campaign one of whose paths is this.
 std::string refusal_of_path(const ScratchFolder& folder, const std::string& key, const std::string& path) {
-  Json take{{"id", "a"},    {"participant", "p"}, {"session", "s"},       {"calibration", "c"},
-            {"mocap", "m"}, {"mapping", "n"},     {"tracker_truth", "t"}, {"mocap_start_host_ns", 5}};
+  Json take{{"id", "a"},    {"participant", "p"}, {"session", "s"},          {"calibration", "c"},
+            {"mocap", "m"}, {"mapping", "n"},     {"mocap_start_host_ns", 5}};
   take[key] = path;
   const Json json{{"format", "trilat.campaign"}, {"version", 1}, {"name", "x"}, {"takes", {take}}};
   std::filesystem::create_directories(folder / "campaign");

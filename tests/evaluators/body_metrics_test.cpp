@@ -103,20 +103,6 @@ TEST(BodyMetrics, JerkOfACubicIsSixTimesItsCoefficient) {
     return Vector3d(2.0 * t * t * t + t * t, 1.0 - t, 4.0);
   };
   EXPECT_NEAR(jerk_m_s3(at(0), at(1), at(2), at(3), rate_hz), 12.0, 1e-9);
-  EXPECT_NEAR(fourth_difference_m(at(0), at(1), at(2), at(3), at(4)).norm(), 0.0, 1e-15);
-}
-
-TEST(BodyMetrics, TheFourthDifferenceOfWhiteNoiseHasItsVarianceSeventyTimes) {
-  const RandomStream random{3, Purpose::test, 0};
-  const auto noise = [&](std::uint32_t i) {
-    return Vector3d(random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2));
-  };
-  double squares = 0.0;
-  const std::uint32_t n = 20'000;
-  for (std::uint32_t i = 0; i < n; ++i)
-    squares +=
-        fourth_difference_m(noise(i), noise(i + 1), noise(i + 2), noise(i + 3), noise(i + 4)).squaredNorm();
-  EXPECT_NEAR(squares / (3.0 * n), kFourthDifferenceVariance, 2.0);
 }
 
 }  // namespace

@@ -24,29 +24,24 @@ struct Setting {
 };
 void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
 
-NonlinearOptions with(Gradient gradient, Damping damping, StopRule stop, Curvature curvature, Loss loss) {
+NonlinearOptions with(Gradient gradient, Damping damping, StopRule stop, Curvature curvature) {
   NonlinearOptions options;
   options.gradient = gradient;
   options.damping = damping;
   options.stop = stop;
   options.curvature = curvature;
-  options.loss = loss;
   return options;
 }
 
 std::vector<Setting> settings() {
   using enum Gradient;
   using enum Curvature;
-  using enum Loss;
-  return {{"printed", with(printed, Damping::none, StopRule::objective, gauss_newton, squares)},
-          {"as_printed", with(printed, Damping::none, StopRule::printed, gauss_newton, squares)},
-          {"undamped", with(corrected, Damping::none, StopRule::step, gauss_newton, squares)},
-          {"lm", with(corrected, Damping::lm, StopRule::step, gauss_newton, squares)},
-          {"lm_objective", with(corrected, Damping::lm, StopRule::objective, gauss_newton, squares)},
-          {"newton", with(corrected, Damping::lm, StopRule::step, newton, squares)},
-          {"huber", with(corrected, Damping::lm, StopRule::step, gauss_newton, huber)},
-          {"cauchy", with(corrected, Damping::lm, StopRule::step, gauss_newton, cauchy)},
-          {"newton_cauchy", with(corrected, Damping::lm, StopRule::step, newton, cauchy)}};
+  return {{"printed", with(printed, Damping::none, StopRule::objective, gauss_newton)},
+          {"as_printed", with(printed, Damping::none, StopRule::printed, gauss_newton)},
+          {"undamped", with(corrected, Damping::none, StopRule::step, gauss_newton)},
+          {"lm", with(corrected, Damping::lm, StopRule::step, gauss_newton)},
+          {"lm_objective", with(corrected, Damping::lm, StopRule::objective, gauss_newton)},
+          {"newton", with(corrected, Damping::lm, StopRule::step, newton)}};
 }
 
 // Three to eight sensors, level, nearly level or not, every third problem with weights, errors up to 30 cm,
@@ -233,44 +228,6 @@ TEST(DescentBatch, RefusesSettingsThatContradictEachOther) {
   undamped.damping = Damping::none;
   undamped.curvature = Curvature::newton;
   EXPECT_THROW(descend(batch, undamped), InternalError);
-}
-
-double loss_of(const RangeProblem& problem, const NonlinearOptions& options, const Vector3d& x_m) {
-  const double c = options.loss_scale_m;
-  double sum = 0.0;
-  for (int i = 0; i < problem.count; ++i) {
-    const double f = std::abs((x_m - problem.sensor_m[i]).norm() - problem.range_m[i]);
-    const double huber = f > c ? 2 * c * f - c * c : f * f;
-    sum += options.loss == Loss::cauchy ? c * c * std::log(1 + f * f / (c * c)) : huber;
-  }
-  return sum;
-}
-
-TEST(RobustLoss, EndsAtAMinimumOfTheLossAndCauchyForgetsAnOutlier) {
-  for (const Loss loss : {Loss::huber, Loss::cauchy}) {
-    for (const Curvature curvature : {Curvature::gauss_newton, Curvature::newton}) {
-      NonlinearOptions options = with(Gradient::corrected, Damping::lm, StopRule::step, curvature, loss);
-      options.loss_scale_m = 0.02;
-      const Vector3d joint_m(0.2, 1.1, -0.3);
-      std::vector<Vector3d> sensors_m = well_posed_sensors_m();
-      sensors_m.insert(sensors_m.end(), {{1.5, 0.8, 1.5}, {-1.5, 1.9, 1.4}, {1.3, 1.2, -1.6}});
-      RangeProblem problem = problem_of(sensors_m, joint_m);
-      add_noise(problem, RandomStream{9, Purpose::test, 0}, 0.002);
-      problem.range_m[2] += 0.6;
-      const PointEstimate estimate = solve_nonlinear(problem, options);
-      ASSERT_EQ(estimate.status, SolveStatus::converged);
-      const double least = loss_of(problem, options, estimate.position_m);
-      for (int axis = 0; axis < 3; ++axis)
-        for (const double h_m : {-1e-4, 1e-4})
-          EXPECT_GT(loss_of(problem, options, estimate.position_m + h_m * Vector3d::Unit(axis)), least);
-      EXPECT_LE(least, loss_of(problem, options, joint_m));
-      // Only a loss that levels off forgets a range that pulls as hard as this one.
-      if (loss == Loss::cauchy) {
-        EXPECT_LT((estimate.position_m - joint_m).norm(), 0.02);
-      }
-      EXPECT_GT((solve_nonlinear(problem, {}).position_m - joint_m).norm(), 0.1);
-    }
-  }
 }
 
 TEST(Newton, EndsWhereGaussNewtonEndsInFewerSteps) {

@@ -7,7 +7,6 @@
 
 #include "datasets/base/philox.h"
 #include "evaluators/fusion/baselines.h"
-#include "evaluators/fusion/robust_fusion.h"
 
 namespace trilat {
 namespace {
@@ -27,27 +26,6 @@ double sum_of_distances(const std::vector<JointObservation>& observations, const
   double sum = 0.0;
   for (const JointObservation& o : observations) sum += (o.point_in_world_m - x).norm();
   return sum;
-}
-
-TEST(WeightedMean, CountsInferredJointsForLess) {
-  const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}, TrackingState::inferred)};
-  EXPECT_NEAR(solve_weighted_mean(seen, {.inferred_weight = 1.0 / 9.0}).position_m.x(), 0.1, 1e-15);
-  EXPECT_EQ(solve_weighted_mean(seen, {.inferred_weight = 0.0}).position_m, Vector3d::Zero());
-}
-
-TEST(WeightedMean, CountsByTheDepthNoiseAtTheRange) {
-  // head on, 1.5 - 0.5 z + 0.3 z^2 mm: 1.3 mm at 1 m, 4.3 mm at 4 m
-  const std::vector<JointObservation> seen{at({0, 0, 0}, TrackingState::tracked, 1.0),
-                                           at({1, 0, 0}, TrackingState::tracked, 4.0)};
-  const double near = 1.0 / (1.3 * 1.3), far = 1.0 / (4.3 * 4.3);
-  EXPECT_NEAR(solve_weighted_mean(seen, {}).position_m.x(), far / (near + far), 1e-12);
-  EXPECT_NEAR(solve_weighted_mean(seen, {.by_depth_noise = false}).position_m.x(), 0.5, 1e-15);
-}
-
-TEST(WeightedMean, OfNobodyIsNoObservation) {
-  EXPECT_EQ(solve_weighted_mean({}, {}).status, SolveStatus::no_observation);
-  const std::vector<JointObservation> inferred{at({1, 0, 0}, TrackingState::inferred)};
-  EXPECT_EQ(solve_weighted_mean(inferred, {.inferred_weight = 0.0}).status, SolveStatus::no_observation);
 }
 
 TEST(Median, LeavesNoNeighbourWithAShorterSum) {
@@ -79,31 +57,21 @@ TEST(Median, OfTwoIsTheirMiddleAndOfOneItself) {
   EXPECT_EQ(solve_median(std::vector{at({3, 4, 5})}, {}).position_m, Vector3d(3, 4, 5));
 }
 
-TEST(RobustFusion, OneWrongSensorMovesTheMeanFarAndTheOthersLittle) {
+TEST(Median, OneWrongSensorMovesTheMeanFarAndItLittle) {
   std::vector<JointObservation> seen{at({0, 0, 0}), at({0.02, 0, 0}), at({-0.02, 0.01, 0}), at({0, 0, 0.6})};
   EXPECT_NEAR(solve_mean(seen, {}).position_m.z(), 0.15, 1e-12);
   EXPECT_LT(solve_median(seen, {}).position_m.norm(), 0.02);
-  EXPECT_LT(solve_robust_mean(seen, {}).position_m.norm(), 0.01);
 }
 
-TEST(RobustFusion, WithAWideScaleIsTheMean) {
-  const std::vector<JointObservation> seen{at({0, 0, 0}), at({0.1, 0, 0}), at({0, 0.1, 0.05})};
-  const PointEstimate mean = solve_mean(seen, {});
-  EXPECT_NEAR((solve_robust_mean(seen, {.scale_m = 1e4}).position_m - mean.position_m).norm(), 0.0, 1e-9);
-}
-
-TEST(RobustFusion, AllowsOnlyTheSensorsOfTheMask) {
+TEST(Median, AllowsOnlyTheSensorsOfTheMask) {
   const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({2, 0, 0})};
-  EXPECT_EQ(solve_robust_mean(seen, {.allowed = SensorMask(0b100)}).position_m, Vector3d(2, 0, 0));
   EXPECT_EQ(solve_median(seen, {.allowed = SensorMask(0b110)}).position_m, Vector3d(1.5, 0, 0));
-  EXPECT_EQ(solve_weighted_mean(seen, {.allowed = SensorMask(0b000)}).status, SolveStatus::no_observation);
+  EXPECT_EQ(solve_median(seen, {.allowed = SensorMask(0b000)}).status, SolveStatus::no_observation);
 }
 
-TEST(RobustFusion, APointThatIsNotFiniteIsSaid) {
+TEST(Median, APointThatIsNotFiniteIsSaid) {
   const std::vector<JointObservation> seen{at({0, 0, 0}), at({kNaN, 0, 0}), at({1, 0, 0})};
   EXPECT_EQ(solve_median(seen, {}).status, SolveStatus::non_finite_input);
-  EXPECT_EQ(solve_robust_mean(seen, {}).status, SolveStatus::non_finite_input);
-  EXPECT_EQ(solve_weighted_mean(seen, {}).status, SolveStatus::non_finite_input);
 }
 
 }  // namespace

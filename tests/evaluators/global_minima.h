@@ -29,9 +29,7 @@ inline Eigen::Vector3d plain_descent(const std::vector<JointObservation>& seen,
       double wr = std::pow(options.sigma.range_m, -2), wb = std::pow(options.sigma.bearing_m, -2);
       const double square = wr * std::pow(v.norm() - seen[i].range_m, 2) + wb * (across * v).squaredNorm();
       const double scaled = square / (options.loss_scale * options.loss_scale);
-      const double weight = options.loss == Loss::cauchy  ? 1.0 / (1.0 + scaled)
-                            : options.loss == Loss::huber ? 1.0 / std::sqrt(std::max(1.0, scaled))
-                                                          : 1.0;
+      const double weight = options.loss == Loss::cauchy ? 1.0 / (1.0 + scaled) : 1.0;
       wr *= weight;
       wb *= weight;
       normal += wr * e * e.transpose() + wb * across;

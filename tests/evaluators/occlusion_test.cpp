@@ -176,64 +176,6 @@ TEST(Occlusion, CorrectedAgreesWithDenseSamplingOfTheImage) {
   EXPECT_GT(crossings, 500);
 }
 
-class DepthHidden : public testing::Test {
- protected:
-  DepthHidden() : pixels_mm_(512 * 424, 3000) { put(body_, Joint::wrist_left, {0.1, 0.2, 2.0}); }
-
-  bool is_hidden(Joint joint = Joint::wrist_left) const {
-    return depth_hidden(body_, {512, 424, pixels_mm_}, {}, {})[static_cast<std::size_t>(joint)];
-  }
-  // `count` pixels of the patch about a joint, row by row from its upper left.
-  void fill_patch(Joint joint, std::uint16_t depth_mm, int count = 25) {
-    const Vector2d pixel_px = *project({}, body_.at(joint));
-    const int column = static_cast<int>(std::lround(pixel_px.x()));
-    const int row = static_cast<int>(std::lround(pixel_px.y()));
-    for (int k = 0; k < count; ++k) pixels_mm_[(row - 2 + k / 5) * 512 + column - 2 + k % 5] = depth_mm;
-  }
-
-  ObservedBody body_;
-  std::vector<std::uint16_t> pixels_mm_;
-};
-
-TEST_F(DepthHidden, ASurfaceNearerThanTheMarginHidesALimb) {
-  EXPECT_FALSE(is_hidden());
-  fill_patch(Joint::wrist_left, 1905);
-  EXPECT_FALSE(is_hidden());
-  fill_patch(Joint::wrist_left, 1895);
-  EXPECT_TRUE(is_hidden());
-}
-
-TEST_F(DepthHidden, TheTrunkHasMoreFleshBeforeItsJoints) {
-  put(body_, Joint::spine_mid, {-0.2, 0.0, 2.0});
-  fill_patch(Joint::spine_mid, 1855);
-  EXPECT_FALSE(is_hidden(Joint::spine_mid));
-  fill_patch(Joint::spine_mid, 1845);
-  EXPECT_TRUE(is_hidden(Joint::spine_mid));
-}
-
-TEST_F(DepthHidden, TheMedianOfTheValidPixelsCounts) {
-  fill_patch(Joint::wrist_left, 1000, 12);
-  EXPECT_FALSE(is_hidden());
-  fill_patch(Joint::wrist_left, 1000, 13);
-  EXPECT_TRUE(is_hidden());
-  fill_patch(Joint::wrist_left, 0);
-  fill_patch(Joint::wrist_left, 1000, 5);
-  EXPECT_TRUE(is_hidden());
-  fill_patch(Joint::wrist_left, 0);
-  fill_patch(Joint::wrist_left, 1000, 4);
-  EXPECT_FALSE(is_hidden());
-}
-
-TEST_F(DepthHidden, NothingIsKnownOfJointsThatAreNotInTheImage) {
-  pixels_mm_.assign(pixels_mm_.size(), 600);
-  EXPECT_TRUE(is_hidden());
-  put(body_, Joint::wrist_left, {4.0, 0.0, 2.0});
-  EXPECT_FALSE(is_hidden());
-  put(body_, Joint::wrist_left, {0.0, 0.0, -2.0});
-  EXPECT_FALSE(is_hidden());
-  EXPECT_FALSE(is_hidden(Joint::head));
-}
-
 SensorMask mask(unsigned long bits) { return SensorMask(bits); }
 
 TEST(SelectUnoccluded, OnlySensorsWithoutOcclusionWhenThereIsOne) {

@@ -123,7 +123,7 @@ TEST(RangeBearing, AttainsItsCramerRaoBound) {
 }
 
 TEST(RangeBearing, FindsTheLowestMinimum) {
-  for (const Loss loss : {Loss::squares, Loss::huber, Loss::cauchy}) {
+  for (const Loss loss : {Loss::squares, Loss::cauchy}) {
     const GlobalCheck check = check_global_minima(30, 20, loss);
     EXPECT_EQ(check.problems, 300u);
     EXPECT_EQ(check.missed, 0u) << check.worst_m;
@@ -152,7 +152,6 @@ TEST(RangeBearing, OneWrongSensorCannotPullARobustEstimateFar) {
     return (solve_range_bearing(seen, rig, {.loss = loss}).position_m - joint_m).norm();
   };
   EXPECT_GT(error_m(Loss::squares), 0.2);
-  EXPECT_LT(error_m(Loss::huber), 0.1);
   EXPECT_LT(error_m(Loss::cauchy), 0.03);
 }
 

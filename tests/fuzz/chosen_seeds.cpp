@@ -6,7 +6,6 @@
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/results/replay.h"
-#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/embedded_campaigns.h"
@@ -74,11 +73,6 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
   }
   write_chosen(seed("samples", "samples"), 0, read_file(sound / "accuracy" / "samples.h5"));
   write_chosen(seed("samples", "replay"), 1, read_file(sound / "accuracy" / "replay.h5"));
-  const FuzzFolder scratch("seeds");
-  TrackerTruthWriter truth(scratch.path() / "truth.h5", {"k1", "k2"});
-  for (std::int64_t i = 0; i < 3; ++i) truth.append(0, {i, 1, false, 7});
-  truth.finish();
-  write_chosen(seed("samples", "tracker_truth"), 2, read_file(scratch.path() / "truth.h5"));
 }
 
 void write_tls_seeds(const SeedPath& seed) {

@@ -5,7 +5,6 @@
 
 #include "datasets/results/replay.h"
 #include "datasets/results/samples.h"
-#include "datasets/synthetic/tracker/tracker_truth.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/tolerate_bad_input.h"
@@ -31,12 +30,6 @@ void read_replay_file(const std::filesystem::path& path) {
   read_replay(folder.path());
 }
 
-void read_tracker_truth(const std::filesystem::path& path) {
-  const TrackerTruthReader truth(path);
-  for (const std::string& sensor : truth.sensors())
-    truth.read(sensor, 0, std::min(kBlock, truth.frames(sensor)));
-}
-
 }  // namespace
 }  // namespace trilat
 
@@ -44,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace trilat;
   if (size == 0) return 0;
   const MemoryFile file({data + 1, size - 1});
-  constexpr std::array kReaders{read_samples, read_replay_file, read_tracker_truth};
+  constexpr std::array kReaders{read_samples, read_replay_file};
   tolerate_bad_input([&] { kReaders[data[0] % kReaders.size()](file.path()); });
   return 0;
 }

@@ -15,7 +15,6 @@
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_plan.h"
-#include "pipeline/twins/twins_study.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/tolerate_bad_input.h"
 
@@ -43,9 +42,6 @@ void read_study_of_any_kind(const Json& json) {
       return;
     case StudyKind::recording:
       recording_parameters(parse_recording_spec(json, kPlace));
-      return;
-    case StudyKind::twins:
-      resolved_json(parse_twins(json, kPlace));
       return;
     case StudyKind::sensitivity:
       resolved_json(parse_sensitivity(json, kPlace, {}, Json::object()));

@@ -52,7 +52,7 @@ void write_calibration_part(const fs::path& folder) {
       R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "tiny", "units": 1,
           "samples": 1, "near_samples": 1, "frames": 1, "distortion_units": 1, "distortion_frames": 1,
           "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
-          "bodies_instants": 6, "effect_joints": 50})";
+          "bodies_instants": 6})";
   run_study(
       calibration_study(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json")),
       folder, {.threads = 1, .shard = kOnePart});

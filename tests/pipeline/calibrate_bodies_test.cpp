@@ -23,12 +23,24 @@ struct BodiesError {
   Eigen::Matrix<double, 6, 1> off, sigma;
 };
 
-std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run, bool with_bias,
-                                            std::size_t instants) {
+// The declared tracker's errors that average out.
+BodyTrackerSpec unbiased_tracker() {
+  const BodyTrackerSpec& all = default_body_tracker();
+  BodyTrackerSpec tracker = exact_body_tracker();
+  tracker.jitter_sigma_m = all.jitter_sigma_m;
+  tracker.wander_sigma_m = all.wander_sigma_m;
+  tracker.view_wander_sigma_m = all.view_wander_sigma_m;
+  tracker.own_wander_sigma_m = all.own_wander_sigma_m;
+  tracker.wander_path_m = all.wander_path_m;
+  return tracker;
+}
+
+std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run,
+                                            const BodyTrackerSpec& tracker, std::size_t instants) {
   CalibrationSpec spec;
   spec.bodies_s = 10.0;
   const std::vector<RigidTransform> truth = true_rig(spec);
-  write_walk(spec, truth, run, with_bias, folder / "walk.h5");
+  write_walk(spec, truth, run, tracker, folder / "walk.h5");
   const BodyCalibration result = calibrate_bodies(folder / "walk.h5", {.instants = instants});
   EXPECT_EQ(result.calibration.sensors.size(), truth.size());
   EXPECT_EQ(result.calibration.method, "bodies");
@@ -50,7 +62,7 @@ std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::ui
 
 TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
   const ScratchFolder folder;
-  for (const BodiesError& error : errors_from_bodies(folder, 0, false, 30)) {
+  for (const BodiesError& error : errors_from_bodies(folder, 0, unbiased_tracker(), 30)) {
     EXPECT_LT(error.off.tail<3>().norm(), 0.02);
     EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
   }
@@ -60,7 +72,7 @@ TEST(CalibrateBodies, ARecordingThatIsReplacedMeanwhileIsRefused) {
   const ScratchFolder folder;
   CalibrationSpec spec;
   spec.bodies_s = 10.0;
-  write_walk(spec, true_rig(spec), 0, false, folder / "walk.h5");
+  write_walk(spec, true_rig(spec), 0, unbiased_tracker(), folder / "walk.h5");
   write_file(folder / "other.h5", "something else");
   const auto replace = [&] {
     std::error_code done;
@@ -77,7 +89,7 @@ TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
   const ScratchFolder folder;
   int held = 0, asked = 0;
   for (std::uint64_t run = 0; run < 6; ++run)
-    for (const BodiesError& error : errors_from_bodies(folder, run, true, 8))
+    for (const BodiesError& error : errors_from_bodies(folder, run, default_body_tracker(), 8))
       for (int axis = 0; axis < 6; ++axis, ++asked)
         held += std::abs(error.off[axis]) <= 1.96 * error.sigma[axis];
   EXPECT_EQ(asked, 6 * 3 * 6);

@@ -14,9 +14,9 @@
 #include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/calibration_summary.h"
-#include "pipeline/calibration_study/joint_effect.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
+#include "pipeline/calibration_study/wand_samples.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -52,9 +52,6 @@ TEST(CalibrationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
               HasSubstr("/distances_m: must be [from, to] within 0.2 to 8 m, the nearer first"));
   EXPECT_THAT(calibration_refusal(R"(, "distances_m": [0.4])"),
               HasSubstr("/distances_m: must be an array of 2 numbers"));
-  EXPECT_THAT(calibration_refusal(R"(, "sensor_sigmas_m": [0.0, -0.001])"),
-              HasSubstr("/sensor_sigmas_m: must lie between 0 and 1 m"));
-  EXPECT_THAT(calibration_refusal(R"(, "sensor_sigmas_m": 0.01)"), HasSubstr("/sensor_sigmas_m"));
   EXPECT_THAT(calibration_refusal(R"(, "ball_radius_m": 75)"),
               HasSubstr("/ball_radius_m: must lie between 0.02 and 0.3"));
   EXPECT_THAT(calibration_refusal(R"(, "rig": {"heights_m": [1]})"),
@@ -65,10 +62,8 @@ TEST(CalibrationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
 TEST(CalibrationSpec, WrittenOutInFullItReadsBackAsItself) {
   const CalibrationSpec spec = calibration_spec_of(
       R"(, "seed": 9, "units": 3, "frames": 2, "distances_m": [0.5, 3.5], "rig": {"radius_m": 2.5,
-         "heights_m": [0.5, 1.5, 2.0]}, "runs": 7, "bodies_s": 0, "sensor_sigmas_m": [0, 0.004],
-         "range_sigma_m": 0.01, "wall_m": 1.5, "largest_angle_deg": 20)");
+         "heights_m": [0.5, 1.5, 2.0]}, "runs": 7, "bodies_s": 0, "wall_m": 1.5, "largest_angle_deg": 20)");
   EXPECT_EQ(spec.rig.heights_m, (std::vector<double>{0.5, 1.5, 2.0}));
-  EXPECT_EQ(spec.sensor_sigmas_m, (std::vector<double>{0.0, 0.004}));
   for (const CalibrationSpec& written : {spec, calibration_spec_of("")}) {
     const Json json = resolved_json(written);
     EXPECT_EQ(resolved_json(parse_calibration_spec(json, "resolved.json")), json);
@@ -157,7 +152,7 @@ CalibrationSpec tiny_spec() {
   return calibration_spec_of(
       R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
       "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
-      "bodies_instants": 6, "effect_joints": 200)");
+      "bodies_instants": 6)");
 }
 
 TEST(CalibrationStudy, ATinyOneReadsBackAndTellsItsParts) {
@@ -170,7 +165,7 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndTellsItsParts) {
     parts.insert(part);
   };
   run_study(calibration_study(tiny_spec()), folder / "1", options);
-  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs", "summary"}));
+  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs"}));
   EXPECT_EQ(results_kind(folder / "1"), StudyKind::calibration);
   const CalibrationSummary summary = read_results<CalibrationSummary>(folder / "1");
   EXPECT_EQ(summary.study, "test");
@@ -188,18 +183,16 @@ TEST(CalibrationStudy, ATinyOneReadsBackAndTellsItsParts) {
   ASSERT_THAT(summary.distortion, SizeIs(1));
   EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
   EXPECT_EQ(summary.distortion[0].frames, 4u);
-  ASSERT_THAT(summary.rigs, SizeIs(14));
+  ASSERT_THAT(summary.rigs, SizeIs(6));
   EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
   EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
-  EXPECT_THAT(summary.effect, testing::Not(IsEmpty()));
-  EXPECT_THAT(summary.effect, Each(Field(&EffectRow::joints, 200u)));
   for (const auto& entry : std::filesystem::directory_iterator(folder / "1"))
     EXPECT_NE(entry.path().extension(), ".h5") << entry.path();  // recordings of walking are removed
 }
 
 CalibrationSpec wand_only_spec(const std::string& members) {
-  return calibration_spec_of(members + R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0,
-      "effect_joints": 0)");
+  return calibration_spec_of(members +
+                             R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0)");
 }
 
 // A flat offset of the depths is along the ray of a ball on the central line, so there both errors are one.
@@ -266,71 +259,13 @@ TEST(CalibrationStudy, TheFirstThreePlacesAreLevelAndSeenByEverySensor) {
 TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
   const ScratchFolder folder;
   CalibrationSpec spec = tiny_spec();
-  spec.samples = spec.near_samples = spec.distortion_units = spec.runs = spec.effect_joints = 0;
+  spec.samples = spec.near_samples = spec.distortion_units = spec.runs = 0;
   run_study(calibration_study(spec), folder / "nothing", {});
   const CalibrationSummary nothing = read_results<CalibrationSummary>(folder / "nothing");
   EXPECT_THAT(nothing.wand, IsEmpty());
   EXPECT_THAT(nothing.wand_samples, IsEmpty());
   EXPECT_THAT(nothing.distortion, IsEmpty());
   EXPECT_THAT(nothing.rigs, IsEmpty());
-  EXPECT_THAT(nothing.effect, IsEmpty());
-  spec.effect_joints = 100;
-  run_study(calibration_study(spec), folder / "effect", {});
-  EXPECT_THAT(read_results<CalibrationSummary>(folder / "effect").effect,
-              SizeIs(3 * spec.sensor_sigmas_m.size()));
-}
-
-const EffectRow& effect_of(const std::vector<EffectRow>& rows, const std::string& calibration,
-                           const std::string& method) {
-  for (const EffectRow& row : rows)
-    if (row.calibration == calibration && row.method == method) return row;
-  throw std::logic_error("no row " + calibration + " " + method);
-}
-
-TEST(JointEffect, WithExactSensorsTheNonlinearMethodReachesTheBoundAndUncertainOnesRaiseIt) {
-  CalibrationSpec spec = calibration_spec_of(R"(, "effect_joints": 5000, "sensor_sigmas_m": [0, 0.05])");
-  const auto rows = measure_effect(spec, true_rig(spec), {}, {});
-  ASSERT_THAT(rows, SizeIs(6));
-  const EffectRow& exact = effect_of(rows, "exact", "nonlinear");
-  EXPECT_EQ(exact.joints, 5000u);
-  EXPECT_EQ(exact.answered, 5000u);
-  EXPECT_NEAR(exact.rmse_m / exact.bound_m, 1.0, 0.05);
-  EXPECT_LT(exact.ratio_low, exact.rmse_m / exact.bound_m);
-  EXPECT_GT(exact.ratio_high, exact.rmse_m / exact.bound_m);
-  EXPECT_GE(effect_of(rows, "exact", "linear").rmse_m, exact.rmse_m);
-  const EffectRow& uncertain = effect_of(rows, "50 mm an axis", "nonlinear");
-  EXPECT_EQ(uncertain.sensor_sigma_m, 0.05);
-  // To first order a sensor's error along the ray adds to the range's: 25 mm becomes sqrt(25^2 + 50^2) mm.
-  EXPECT_NEAR(uncertain.bound_m / exact.bound_m, std::sqrt(5.0), 0.01);
-  EXPECT_GT(uncertain.rmse_m, 1.5 * exact.rmse_m);
-}
-
-// A calibration that shifts every sensor the same way shifts every joint.
-TEST(JointEffect, ACalibrationThatIsShiftedAsAWholeShiftsTheJoints) {
-  CalibrationSpec spec =
-      calibration_spec_of(R"(, "effect_joints": 200, "range_sigma_m": 0.0001, "sensor_sigmas_m": [])");
-  const std::vector<RigidTransform> truth = true_rig(spec);
-  CalibratedRig shifted{truth};
-  for (RigidTransform& pose : shifted.world_from_sensor)
-    pose.translation_m += Eigen::Vector3d(0.03, 0.0, 0.04);
-  const std::vector<RigCalibrations> found{{"wand", {shifted}}, {"bodies", {}}};
-  const auto rows = measure_effect(spec, truth, found, {});
-  ASSERT_THAT(rows, SizeIs(3));  // a method without a run has no rows
-  EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").rmse_m, 0.05, 1e-3);
-  EXPECT_NEAR(effect_of(rows, "wand", "mean").rmse_m, 0.05, 1e-3);
-  EXPECT_NEAR(effect_of(rows, "wand", "nonlinear").sensor_sigma_m, 0.05 / std::sqrt(3.0), 1e-12);
-}
-
-TEST(JointEffect, TwoSensorsDetermineNoPlaceSoThereIsNoBound) {
-  CalibrationSpec spec = calibration_spec_of(
-      R"(, "rig": {"heights_m": [0.6, 2.2]}, "effect_joints": 200, "sensor_sigmas_m": [0.01])");
-  const auto rows = measure_effect(spec, true_rig(spec), {}, {});
-  EXPECT_EQ(effect_of(rows, "10 mm an axis", "nonlinear").answered, 0u);
-  const EffectRow& mean = effect_of(rows, "10 mm an axis", "mean");
-  EXPECT_EQ(mean.answered, 200u);
-  EXPECT_GT(mean.rmse_m, 0.0);
-  EXPECT_TRUE(std::isnan(mean.bound_m));
-  EXPECT_TRUE(std::isnan(mean.ratio_low));
 }
 
 }  // namespace

@@ -51,6 +51,14 @@ inline Campaign simulate_into(const std::filesystem::path& folder, const Simulat
   return simulate_campaign(spec, folder, {});
 }
 
+// Recording of another person, who walks about a place that is 1.4 m from the first one's.
+inline std::filesystem::path simulate_other_person(const std::filesystem::path& folder, SimulationSpec spec) {
+  spec.seed += 1;
+  spec.participants = 1;
+  spec.rig.centre_m = Eigen::Vector3d(1.3, 1.0, 0.5);
+  return simulate_into(folder, spec).takes.at(0).session;
+}
+
 inline StudySpec study_of(const std::string& members) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "test", )" + members + "}";

@@ -22,9 +22,9 @@ using testing::Not;
 using testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-const std::vector<std::string> kVerbs{
-    "info",      "verify", "recover", "record", "simulate", "calibrate", "run",    "report",
-    "reproduce", "demo",   "init",    "merge",  "gate",     "fuse",      "schema", "measure-tracker"};
+const std::vector<std::string> kVerbs{"info",      "verify", "recover", "record",    "simulate",
+                                      "calibrate", "run",    "report",  "reproduce", "demo",
+                                      "init",      "merge",  "gate",    "fuse",      "schema"};
 
 std::string simulation_file(const ScratchFolder& folder, const std::string& members) {
   return file_with(folder, "simulation.json",

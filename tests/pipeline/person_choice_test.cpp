@@ -63,7 +63,7 @@ TEST(PersonChoice, OfThreeTheOneWithTheMarkersIsTakenThoughAnotherIsNearerToTheM
   EXPECT_TRUE(walk.samples() == alone);
 }
 
-// By the stated start the bystander stands nearest to where the markers are then.
+// By the stated start the other person stands nearest to where the markers are then.
 TEST(PersonChoice, WithTheClockByMotionThePersonIsChosenAfterTheClockIsFound) {
   Walk walk;
   walk.campaign = simulate_into(walk.folder / "long", walking_spec(1, 20.0));
@@ -103,7 +103,7 @@ TEST(PersonChoice, WithTheClockByMotionThePersonIsChosenAfterTheClockIsFound) {
   EXPECT_NEAR(summary.cells.front().mae_m, alone_m, 0.01) << note_of(summary);
 }
 
-TEST(PersonChoice, ASensorThatOnlySeesTheBystanderSaysNothing) {
+TEST(PersonChoice, ASensorThatOnlySeesTheOtherPersonSaysNothing) {
   Walk walk;
   const std::string alone = walk.alone([](std::size_t s, BodyFrame& frame) {
     if (s == 2) frame.bodies.clear();

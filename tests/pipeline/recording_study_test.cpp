@@ -147,7 +147,7 @@ TEST(RecordingVerb, PrintsTablesOrOneJsonDocumentOrThePlan) {
   const Ended json = run_trilat(folder, {"run", study, "-o", results, "--json"});
   EXPECT_EQ(only_json(json)["simulated"], true);
   EXPECT_EQ(run_trilat(folder, {"report", results, "-o", folder / "report"}).code, 0);
-  EXPECT_THAT(read_file(folder / "report/all-tables.html"), HasSubstr("arrival jitter"));
+  EXPECT_THAT(read_file(folder / "report/tables/assumptions/results.csv"), HasSubstr("arrival jitter"));
   expect_refused(run_trilat(folder, {"run", study, "-o", results, "--cross-check"}), "--cross-check: is for");
   expect_refused(run_trilat(folder, {"run", study, "-o", results, "--campaign", "c"}),
                  "--campaign: is of no use");

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "datasets/geometry/depth_camera.h"
@@ -61,6 +62,23 @@ inline Body body_at(const SensorPose& pose, double x_m, double z_m, std::uint64_
     body.tracking_state[j] = 2;
   }
   return body;
+}
+
+// Adds the bodies of another recording of as many sensors to a copy of the take's session, frame by frame:
+// two persons in one view. Their identities differ from the first person's.
+inline void add_bodies_of(Take& take, const std::filesystem::path& other, const std::filesystem::path& copy) {
+  const SessionReader session(other);
+  std::vector<std::map<std::int64_t, std::vector<Body>>> bodies(session.header().sensors.size());
+  for (std::size_t s = 0; s < bodies.size(); ++s)
+    for (BodyFrame& frame : session.body_frames(s, 0, session.counts(s).body_frames))
+      bodies[s][frame.stamp.sequence] = std::move(frame.bodies);
+  change_session(take, copy, {[&](std::size_t s, BodyFrame& frame) {
+                   for (Body body : bodies.at(s)[frame.stamp.sequence]) {
+                     body.tracking_id += 1'000'000'000;
+                     frame.bodies.insert(frame.bodies.begin(), body);
+                   }
+                   return true;
+                 }});
 }
 
 }  // namespace trilat

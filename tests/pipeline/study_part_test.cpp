@@ -108,7 +108,7 @@ TEST(StudyPart, EveryKindOfMethodMergesToTheBytesOfOneRun) {
   Divided work(1, false);
   work.study = study_of(R"("resamples": 0, "methods": [{"method": "linear"}, {"method": "newton"},
       {"method": "ceres"}, {"method": "tracked_mean"}, {"method": "single", "sensors": ["k1"]},
-      {"method": "weighted_mean", "occlusion": "corrected"}, {"method": "median"}, {"method": "robust_mean"},
+      {"method": "median", "occlusion": "corrected"},
       {"method": "kalman"}, {"method": "window"}])");
   expect_same_results(work.whole(), work.merged(work.parts(2)));
 }

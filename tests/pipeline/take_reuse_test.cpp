@@ -71,7 +71,6 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
       {"mocap", [&](Campaign& c) { c.takes[0].mocap = copied(c.takes[0].mocap); }},
       {"mapping", [&](Campaign& c) { c.takes[0].mapping = copied(c.takes[0].mapping); }},
       {"mocap_start_host_ns", [](Campaign& c) { ++c.takes[0].mocap_start_host_ns; }},
-      {"tracker_truth", [](Campaign& c) { c.takes[0].tracker_truth.clear(); }},
       {"up_axis", [](Campaign& c) { c.takes[0].up_axis = UpAxis::z; }},
       {"left_out", [](Campaign& c) { c.takes[0].left_out = "k1"; }}};
   const auto key_of = [&](const Campaign& campaign) {

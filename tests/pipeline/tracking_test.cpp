@@ -12,6 +12,7 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -53,41 +54,9 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
     }
   const auto tracking = read_beside<TrackingSummary>(folder / "repaired");
   ASSERT_TRUE(tracking && tracking->repaired);
-  std::uint64_t exchanged = 0, rightly = 0, found = 0;
-  for (const ExchangeRow& row : tracking->exchanges) {
-    EXPECT_TRUE(row.truth_known);
-    EXPECT_EQ(row.stretches_found, row.true_stretches) << row.sensor;
-    exchanged += row.exchanged;
-    rightly += row.rightly;
-    found += row.found;
-  }
-  EXPECT_GT(exchanged, 100u);
-  EXPECT_GE(rightly * 100, exchanged * 99);
-  EXPECT_LE((found - rightly) * 1000, found);
-}
-
-TEST(Tracking, WhatTheSimulatorHidesIsWhatTheTrackerInfers) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", tracking_spec(1, 6.0));
-  execute_study(study(R"("methods": [{"method": "mean", "occlusion": "corrected"}])"), campaign,
-                folder / "results", {});
-  const auto tracking = read_beside<TrackingSummary>(folder / "results");
-  ASSERT_TRUE(tracking);
-  std::uint64_t hidden = 0, inferred = 0, rightly = 0, by_method = 0;
-  for (const ViewRow& row : tracking->views) {
-    ASSERT_TRUE(row.truth_known);
-    if (row.rule == "inferred") {
-      hidden += row.hidden;
-      inferred += row.rejected;
-      rightly += row.rightly;
-    }
-    if (row.rule == "method: mean") by_method += row.rightly;
-  }
-  EXPECT_GT(hidden, 100u);
-  // an instant between two frames takes the worse state of the two and the truth of the nearer
-  EXPECT_GT(static_cast<double>(rightly), 0.85 * static_cast<double>(inferred));
-  EXPECT_GT(static_cast<double>(rightly), 0.85 * static_cast<double>(hidden));
-  EXPECT_GT(static_cast<double>(by_method), 0.85 * static_cast<double>(hidden));
+  std::uint64_t found = 0;
+  for (const ExchangeRow& row : tracking->exchanges) found += row.found;
+  EXPECT_GT(found, 100u);
 }
 
 TEST(Tracking, AnUnoccludedSensorIsBetterThanAHiddenOne) {
@@ -137,9 +106,9 @@ TEST(Tracking, AClockThatMotionDoesNotTellStaysAsStatedWithANote) {
 
 TEST(Tracking, OfTwoPersonsInViewTheOneWithTheMarkersIsEvaluated) {
   const ScratchFolder folder;
-  SimulationSpec spec = tracking_spec(2, 8.0);
-  spec.bystanders = 1;
-  const Campaign campaign = simulate_into(folder / "campaign", spec);
+  const SimulationSpec spec = tracking_spec(1, 8.0);
+  Campaign campaign = simulate_into(folder / "campaign", spec);
+  add_bodies_of(campaign.takes[0], simulate_other_person(folder / "other", spec), folder / "two.h5");
   const ResultsSummary summary = execute_study(study(kMean), campaign, folder / "results", {});
   ASSERT_EQ(summary.takes_failed, 0u);
   EXPECT_LT(mae_m(summary, "mean", "head"), 0.02);
@@ -148,52 +117,19 @@ TEST(Tracking, OfTwoPersonsInViewTheOneWithTheMarkersIsEvaluated) {
   EXPECT_THAT(summary.notes.front().text, HasSubstr("they are 2 persons"));
 }
 
-TEST(Tracking, OcclusionByDepthNeedsRecordedDepth) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  const ResultsSummary summary = execute_study(
-      study(R"("methods": [{"method": "mean", "occlusion": "depth"}])"), campaign, folder / "results", {});
-  EXPECT_EQ(summary.takes_failed, 1u);
-  EXPECT_THAT(summary.notes.front().text, HasSubstr("holds no depth frames"));
-}
-
-TEST(Tracking, RecordedDepthShowsWhatIsHidden) {
-  const ScratchFolder folder;
-  SimulationSpec spec = tracking_spec(1, 1.5);
-  spec.depth.takes = true;
-  const Campaign campaign = simulate_into(folder / "campaign", spec);
-  execute_study(
-      study(R"("methods": [{"method": "mean", "occlusion": "depth", "inferred_is_occluded": false}])"),
-      campaign, folder / "results", {});
-  std::uint64_t hidden = 0, rejected = 0, rightly = 0;
-  const auto tracking = read_beside<TrackingSummary>(folder / "results");
-  ASSERT_TRUE(tracking);
-  for (const ViewRow& row : tracking->views) {
-    if (row.rule != "hidden in depth") continue;
-    hidden += row.hidden;
-    rejected += row.rejected;
-    rightly += row.rightly;
-  }
-  EXPECT_GT(rejected, 20u);
-  EXPECT_GT(static_cast<double>(rightly), 0.6 * static_cast<double>(rejected));
-  EXPECT_GT(static_cast<double>(rightly), 0.3 * static_cast<double>(hidden));
-}
-
 TEST(TrackingSummary, IsReadAsItWasWritten) {
   const ScratchFolder folder;
   TrackingSummary summary{"study", true, true, {}, {}, {}};
-  summary.views.push_back({"walking", "k1", "wrist", "inferred", 10, 4, true, 5, 3});
-  summary.views.push_back({"walking", "k1", "wrist", "crossed, corrected", 10, 4, false, 0, 0});
-  summary.exchanges.push_back({"walking", "k2", 100, 7, 2, true, 8, 6, 3, 1});
+  summary.views.push_back({"walking", "k1", "wrist", "inferred", 10, 4});
+  summary.exchanges.push_back({"walking", "k2", 100, 7, 2});
   summary.clocks.push_back(
       {"p01", "ambiguous", kNoNumber, kNoNumber, kNoNumber, kNoNumber, kNoNumber, 0.9, 0.95, false});
   write_beside(folder.path(), summary);
   const std::string once = read_file(folder / "tracking.json");
   const auto read = read_beside<TrackingSummary>(folder.path());
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->views[0].rightly, 3u);
-  EXPECT_FALSE(read->views[1].truth_known);
-  EXPECT_EQ(read->exchanges[0].stretches_found, 1u);
+  EXPECT_EQ(read->views[0].rejected, 4u);
+  EXPECT_EQ(read->exchanges[0].stretches, 2u);
   EXPECT_TRUE(std::isnan(read->clocks[0].offset_s));
   write_beside(folder.path(), *read);
   EXPECT_EQ(read_file(folder / "tracking.json"), once);

@@ -49,7 +49,6 @@ METHODS = {
     "mean": ({"method": "mean"}, solve.mean, SENSORS, {}),
     "mean, three": ({"method": "mean", "sensors": ["k1", "k2", "k4"]}, solve.mean, ["k1", "k2", "k4"], {}),
     "tracked_mean": ({"method": "tracked_mean"}, solve.tracked_mean, SENSORS, {}),
-    "weighted_mean": ({"method": "weighted_mean"}, solve.weighted_mean, SENSORS, {}),
     "mean, unoccluded": ({"method": "mean", "occlusion": "corrected"}, solve.mean, SENSORS, {}),
     "nonlinear, unoccluded": ({"method": "nonlinear", "occlusion": "printed", "fewest_sensors": 3}, solve.nonlinear,
                               SENSORS, {}),

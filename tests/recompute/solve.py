@@ -204,13 +204,6 @@ def tracked_mean(sensor_m, world_m, range_m, state, used):
     return weighted(world_m, np.where(tracked.any(axis=1)[:, None], tracked, used).astype(float))
 
 
-def weighted_mean(sensor_m, world_m, range_m, state, used, inferred_weight=1.0 / 9.0):
-    """By state, and by the depth noise of Fankhauser et al. 2015 at the joint's range, seen straight on."""
-    sigma_m = 1e-3 * (1.5 - 0.5 * range_m + 0.3 * range_m**2)
-    weight = np.where(state == 2, 1.0, inferred_weight) / sigma_m**2
-    return weighted(world_m, np.where(used, weight, 0.0))
-
-
 def median_of_points(points_m):
     """The point of least summed distance (Vardi and Zhang 2000) and its status."""
     if len(points_m) <= 2:

@@ -50,15 +50,11 @@ def cell_of(takes, m, joints, errors_m, parts):
     """The numbers of one cell, of the samples in `parts`. Quantiles are of type 7 of Hyndman and Fan."""
     counted = [(s.answered[:, :, m] & part)[:, joints] for s, part in zip(takes, parts)]
     length_m = np.concatenate([np.linalg.norm(e[:, joints][c], axis=1) for e, c in zip(errors_m, counted)])
-    gdop = np.concatenate([s.gdop[:, joints, m][c] for s, c in zip(takes, counted)]).astype(float)
     asked = int(sum(part[:, joints].sum() for part in parts))
-    known = np.isfinite(gdop)
     quantiles_m = np.quantile(length_m, [0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0]) if len(length_m) else 7 * [np.nan]
     return {"asked": asked, "answered": len(length_m), "coverage": len(length_m) / asked if asked else np.nan,
             "mae_m": mean_of(length_m), "rmse_m": np.sqrt(mean_of(length_m**2)),
-            **dict(zip(["p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m", "max_m"], quantiles_m)),
-            "mean_gdop": mean_of(gdop[known]), "rms_gdop": np.sqrt(mean_of(gdop[known]**2)),
-            "gdop_rmse_m": np.sqrt(mean_of(length_m[known]**2))}
+            **dict(zip(["p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m", "max_m"], quantiles_m))}
 
 
 def average_of(cells):

@@ -116,7 +116,6 @@ TEST(SyntheticDepthSource, TheOrderInWhichFramesAreRenderedMakesNoDifference) {
 
 struct Delivered {
   std::vector<BodyFrame> frames[2];
-  std::vector<TrackerTruth> truth[2];
 };
 
 void deliver(FrameSource& source, Delivered& into) {
@@ -125,18 +124,12 @@ void deliver(FrameSource& source, Delivered& into) {
       into.frames[event->sensor].push_back(*frame);
 }
 
-SyntheticTracker tracker_into(Delivered& delivered) {
-  return {default_body_tracker(),
-          {generated_motion(Person{}, Activity::arm_swing)},
-          [&](std::size_t sensor, const TrackerTruth& truth) { delivered.truth[sensor].push_back(truth); }};
-}
-
 Delivered delivered_bodies(double dropped_share) {
   SensorSpec spec = sensor_spec();
   spec.dropped_share = dropped_share;
   Delivered into;
   SyntheticSource source(spec, kItem, generated_motion(Person{}, Activity::walking), two_sensors(), 2.0,
-                         tracker_into(into));
+                         default_body_tracker());
   deliver(source, into);
   return into;
 }
@@ -150,16 +143,6 @@ void expect_same_bodies(const BodyFrame& a, const BodyFrame& b) {
   }
 }
 
-TEST(SyntheticSource, EveryDeliveredFrameOfATrackerHasItsTruth) {
-  const Delivered delivered = delivered_bodies(0.1);
-  for (std::size_t s = 0; s < 2; ++s) {
-    ASSERT_GT(delivered.frames[s].size(), 40u);
-    ASSERT_EQ(delivered.truth[s].size(), delivered.frames[s].size());
-    for (std::size_t i = 0; i < delivered.frames[s].size(); ++i)
-      EXPECT_EQ(delivered.truth[s][i].sequence, delivered.frames[s][i].stamp.sequence);
-  }
-}
-
 TEST(SyntheticSource, AFrameThatIsLostDoesNotChangeWhatTheTrackerSaysLater) {
   const Delivered all = delivered_bodies(0.0), some = delivered_bodies(0.3);
   for (std::size_t s = 0; s < 2; ++s) {
@@ -167,7 +150,6 @@ TEST(SyntheticSource, AFrameThatIsLostDoesNotChangeWhatTheTrackerSaysLater) {
     for (std::size_t i = 0; i < some.frames[s].size(); ++i) {
       const auto number = static_cast<std::size_t>(some.frames[s][i].stamp.sequence);
       expect_same_bodies(some.frames[s][i], all.frames[s].at(number));
-      EXPECT_EQ(some.truth[s][i], all.truth[s].at(number));
     }
   }
 }
@@ -176,11 +158,10 @@ TEST(SyntheticDepthSource, BodiesOfATrackerAreThoseWithoutDepth) {
   const Delivered plain = delivered_bodies(0.1);
   Delivered with_depth;
   SyntheticSource source(sensor_spec(), kItem, generated_motion(Person{}, Activity::walking), two_sensors(),
-                         2.0, tracker_into(with_depth), SyntheticDepth{moving_ball, {}, {}});
+                         2.0, default_body_tracker(), SyntheticDepth{moving_ball, {}, {}});
   deliver(source, with_depth);
   for (std::size_t s = 0; s < 2; ++s) {
     ASSERT_EQ(with_depth.frames[s].size(), plain.frames[s].size());
-    EXPECT_EQ(with_depth.truth[s], plain.truth[s]);
     for (std::size_t i = 0; i < plain.frames[s].size(); ++i)
       expect_same_bodies(with_depth.frames[s][i], plain.frames[s][i]);
   }

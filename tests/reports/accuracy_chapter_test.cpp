@@ -27,8 +27,8 @@ std::filesystem::path full_results(const ScratchFolder& folder, const std::strin
       [](std::size_t, double t, std::size_t, std::size_t) { return 1.1 + 0.1 * t; });
   write_summary(path, hand_made_summary());
   TrackingSummary tracking{"table3", true, true, {}, {}, {}};
-  tracking.views = {{"walking", "k1", "wrist", "inferred", 100, 10, true, 20, 5}};
-  tracking.exchanges = {{"walking", "k1", 200, 50, 3, true, 40, 40, 2, 1}};
+  tracking.views = {{"walking", "k1", "wrist", "inferred", 100, 10}};
+  tracking.exchanges = {{"walking", "k1", 200, 50, 3}};
   tracking.clocks = {{"p01", "found", 0.0125, 0.010, 0.015, 3.0, 40.0, 0.95, 0.5, true}};
   write_beside(path, tracking);
   if (!parameters.empty()) write_declared_parameters(path, parameters);
@@ -47,12 +47,12 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 TEST(AccuracyChapter, HoldsTablesTrackingFiguresAndWhatIsAssumed) {
   const ScratchFolder folder;
   const ReportFiles report = write_report({full_results(folder, "mine", kAssumed)}, folder / "report");
-  const std::string index = read_file(folder / "report/index.csv");
+  const std::string page = read_file(folder / "report/report.html");
   for (const char* part :
        {"Which views are rejected, by joint", "Which views are rejected, by sensor",
         "Left and right exchanged by a sensor", "Offset between mocap and sensors by motion",
         "What the simulation behind mine assumes", "figures/mine/trajectory-walking-wrist_right.svg"})
-    EXPECT_EQ(count_of(index, part), 1u) << part;
+    EXPECT_GE(count_of(page, part), 1u) << part;
   EXPECT_EQ(report.figures, 2u);  // errors by method, and the height of a wrist
   for (const auto& path : report.written) EXPECT_GT(std::filesystem::file_size(path), 0u) << path;
   EXPECT_TRUE(std::filesystem::exists(folder / "report/figures/mine/trajectory-walking-wrist_right.csv"));
@@ -63,11 +63,11 @@ TEST(AccuracyChapter, StudiesThatAssumeTheSameShareATableAndOthersHaveTheirOwn) 
   const auto one = full_results(folder, "one", kAssumed), two = full_results(folder, "two", kAssumed),
              three = full_results(folder, "three", kOther), four = full_results(folder, "four", {});
   write_report({one, two / "", four}, folder / "same");
-  const std::string same = read_file(folder / "same/index.csv");
+  const std::string same = read_file(folder / "same/report.html");
   EXPECT_EQ(count_of(same, "What the simulation behind"), 1u);
   EXPECT_THAT(same, HasSubstr("What the simulation behind one, two assumes"));
   write_report({one, three}, folder / "other");
-  const std::string other = read_file(folder / "other/index.csv");
+  const std::string other = read_file(folder / "other/report.html");
   EXPECT_EQ(count_of(other, "What the simulation behind"), 2u);
   EXPECT_THAT(other, HasSubstr("What the simulation behind three assumes"));
   EXPECT_THAT(other, HasSubstr("tables/assumptions/three.csv"));
@@ -81,7 +81,7 @@ TEST(AccuracyChapter, WithoutTheExtraFilesTheTablesAreThere) {
   const ReportFiles report = write_report({results}, folder / "report");
   EXPECT_EQ(report.figures, 1u);  // errors by method
   EXPECT_EQ(report.tables, 2u);   // errors, and their long form
-  EXPECT_THAT(read_file(folder / "report/index.csv"), Not(HasSubstr("What the simulation behind")));
+  EXPECT_THAT(read_file(folder / "report/report.html"), Not(HasSubstr("What the simulation behind")));
 }
 
 TEST(AccuracyChapter, ADamagedFileBesideTheSummaryIsNamed) {

@@ -124,27 +124,11 @@ TEST(BudgetTables, TheReportOfABudgetHoldsThem) {
   write_results(folder / "results", pencil_budget());
   const ReportFiles report = write_report({folder / "results"}, folder / "report");
   EXPECT_EQ(report.tables, 2u);
-  EXPECT_EQ(report.figures, 1u);
+  EXPECT_EQ(report.figures, 0u);
   const std::string markdown = read_file(folder / "report/report.md");
   EXPECT_THAT(markdown, HasSubstr("Error budget of paper, **simulated**: 2 participants, seed 9."));
   EXPECT_THAT(markdown, HasSubstr("5.00"));
   EXPECT_THAT(markdown, HasSubstr("Squares of independent errors add"));
-}
-
-// Parts are in square centimetres: 1 always, 9 of jitter and 15 of bias; observed are 16.
-TEST(BudgetFigures, TheBarsOfAJointEndWhereTheNextBeginAndAtTheSum) {
-  const std::vector<Figure> figures = budget_figures(pencil_budget());
-  ASSERT_EQ(figures.size(), 1u);
-  const Figure& figure = figures[0];
-  ASSERT_EQ(figure.series.size(), 4u);
-  EXPECT_THAT(figure.x_names, testing::ElementsAre("wrist"));
-  const double edges_cm2[] = {0.0, 1.0, 10.0, 25.0};
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(figure.series[k].points.at(0).low, edges_cm2[k], 1e-9);
-    EXPECT_NEAR(figure.series[k].points.at(0).high, edges_cm2[k + 1], 1e-9);
-  }
-  EXPECT_NEAR(figure.series[3].points.at(0).y, 16.0, 1e-9);
-  EXPECT_THAT(figure.title, HasSubstr("simulated"));
 }
 
 }  // namespace

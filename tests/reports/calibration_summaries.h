@@ -49,11 +49,6 @@ inline DistortionCurve hand_made_curve() {
   return curve;
 }
 
-inline EffectRow effect_of(const std::string& calibration, double sigma_m, const std::string& method,
-                           double rmse_m, double bound_m) {
-  return {calibration, sigma_m, 0.025, method, 1000, 900, rmse_m, bound_m, 0.9, 1.1};
-}
-
 inline CalibrationSummary hand_made_calibration() {
   CalibrationSummary s;
   s.study = "hand made";
@@ -85,9 +80,6 @@ inline CalibrationSummary hand_made_calibration() {
               6.2,
               1.03};
   s.rigs = {wand};
-  s.effect = {effect_of("exact", 0.0, "nonlinear", 0.04, 0.04), effect_of("exact", 0.0, "mean", 0.02, 0.04),
-              effect_of("10 mm an axis", 0.01, "nonlinear", 0.05, 0.04),
-              effect_of("wand", 0.001, "nonlinear", 0.041, 0.04)};
   return s;
 }
 

@@ -16,12 +16,10 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
-using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-using testing::Pointwise;
 using testing::SizeIs;
 
 std::vector<std::string> texts_of(const std::vector<TableValue>& row) {
@@ -44,7 +42,6 @@ CalibrationSummary unanswered_calibration() {
     *values = {ErrorSpread::kNone};
   s.distortion = {blind, {}};
   s.rigs = {{}, {"wand", 1, 1, {}}};
-  s.effect = {effect_of("exact", 0.0, "nonlinear", ErrorSpread::kNone, ErrorSpread::kNone)};
   return s;
 }
 
@@ -117,43 +114,12 @@ TEST(CalibrationTables, ARigsRowCountsSensorsWithoutAPose) {
                           "75.0", "90.0 (85.0 to 95.0)", "1.04", "0.97", "6.2", "1.03"));
 }
 
-TEST(CalibrationTables, TheMeanHasNoBound) {
-  const Table table = calibration_effect_table(hand_made_calibration());
-  EXPECT_THAT(texts_of(table.rows[1]),
-              ElementsAre("exact", "0.00", "2.50", "mean", "2.00", "–", "–", "90.0"));
-  EXPECT_THAT(texts_of(table.rows[2]), ElementsAre("10 mm an axis", "10.00", "2.50", "nonlinear", "5.00",
-                                                   "4.00", "1.250 (0.900 to 1.100)", "90.0"));
-}
-
-// 1.1 * 4 cm: 19.36 cm2 lies (19.36 - 16) / (25 - 16) of the way, so 10 mm times its root.
-TEST(CalibrationTables, ATenthMoreErrorIsFoundBetweenTheListedSigmas) {
-  const CalibrationSummary s = hand_made_calibration();
-  ASSERT_TRUE(sensor_sigma_m_at(s, 1.1));
-  EXPECT_NEAR(*sensor_sigma_m_at(s, 1.1), 0.01 * std::sqrt(3.36 / 9.0), 1e-12);
-  EXPECT_THAT(effect_sentence(s), HasSubstr("10 % above that of exact sensors when these are off by 6.1 mm"));
-  EXPECT_NEAR(*sensor_sigma_m_at(s, 1.25), 0.01, 1e-12);
-}
-
-TEST(CalibrationTables, ATenthMoreErrorCanLieBeyondTheLargestSigma) {
-  CalibrationSummary s = hand_made_calibration();
-  s.effect[2].rmse_m = 0.0439;
-  EXPECT_FALSE(sensor_sigma_m_at(s, 1.1));
-  EXPECT_THAT(effect_sentence(s), HasSubstr("beyond the largest listed, 10.0 mm"));
-}
-
-TEST(CalibrationTables, ASigmaThatACalibrationWasFoundToHaveIsNoAssumedOne) {
-  std::vector<std::string> names;
-  for (const EffectRow& row : assumed_effects(hand_made_calibration(), "nonlinear"))
-    names.push_back(row.calibration);
-  EXPECT_THAT(names, ElementsAre("exact", "10 mm an axis"));
-}
-
 TEST(CalibrationTables, EveryTitleSaysSimulated) {
   const auto tables = calibration_tables(hand_made_calibration());
-  EXPECT_THAT(tables, SizeIs(5));
+  EXPECT_THAT(tables, SizeIs(4));
   for (const Table& table : tables) EXPECT_THAT(table.title, HasSubstr("simulated"));
   const auto figures = calibration_figures(hand_made_calibration());
-  EXPECT_THAT(figures, SizeIs(6));
+  EXPECT_THAT(figures, SizeIs(2));
   for (const Figure& figure : figures) EXPECT_THAT(figure.title, HasSubstr("simulated"));
 }
 
@@ -166,7 +132,7 @@ TEST(CalibrationTables, AStudyWithoutPartsHasNoTablesAndNoFigures) {
 TEST(CalibrationTables, WhatIsNotKnownIsADashAndNotANan) {
   const CalibrationSummary s = unanswered_calibration();
   const auto tables = calibration_tables(s);
-  EXPECT_THAT(tables, SizeIs(5));
+  EXPECT_THAT(tables, SizeIs(4));
   for (const Table& table : tables) {
     EXPECT_THAT(markdown_of(table), Not(HasSubstr("nan")));
     EXPECT_THAT(csv_of(table), Not(HasSubstr("nan")));
@@ -186,37 +152,30 @@ TEST(CalibrationFigures, AMethodWithoutAnAnswerAloneIsShownInTheRoom) {
   s.wand.back().scene = "room";
   s.wand_samples.push_back({3, 0, 2.0, 0.1, 1.5, 0.5});
   const Figure figure = calibration_figures(s).front();
-  ASSERT_THAT(figure.series, SizeIs(2));
-  EXPECT_EQ(figure.series[1].name, "corrected, in the room (6 of 8 answered)");
-  ASSERT_THAT(figure.series[1].points, SizeIs(1));
-  EXPECT_DOUBLE_EQ(figure.series[1].points.front().y, 50.0);  // of the distance, as the paper measured it
-  EXPECT_THAT(figure.caption, HasSubstr("\"corrected\" found none of 8 balls before a far wall"));
+  EXPECT_THAT(figure.panels, ElementsAre("ours, far wall", "corrected, in the room"));
+  const auto corrected =
+      std::ranges::find_if(figure.series, [](const FigureSeries& curve) { return curve.panel == 1; });
+  ASSERT_NE(corrected, figure.series.end());
+  ASSERT_THAT(corrected->points, SizeIs(1));
+  EXPECT_DOUBLE_EQ(corrected->points.front().y, 50.0);  // of the distance, as the paper measured it
 }
 
-// Bins of 0.2 m and 6.5 degrees: 0.8 m, 3 m and 26 degrees are edges of theirs.
-TEST(CalibrationFigures, TheMapHoldsTheMedianErrorOfTheDistanceInEachBinAndMarksThoseWithoutAnAnswer) {
+// Bins of 0.25 m, ranges of the angle to 9, 18, 26 and 40 degrees.
+TEST(CalibrationFigures, ACurveHoldsTheMedianErrorOfTheDistanceOfOneRangeOfAngles) {
   CalibrationSummary s = hand_made_calibration();
-  s.wand_samples = {{2, 0, 0.45, 0.0, 0.5, 0.01},
-                    {2, 1, 0.55, 5 * kRadPerDegree, 0.5, 0.03},
+  s.wand_samples = {{2, 0, 0.55, 0.0, 0.5, 0.01},
+                    {2, 1, 0.70, 5 * kRadPerDegree, 0.5, 0.03},
                     {2, 2, 0.85, 27 * kRadPerDegree, 0.5, 0.02},
                     {2, 2, 1.15, 1 * kRadPerDegree, ErrorSpread::kNone, ErrorSpread::kNone},
-                    {1, 2, 0.75, 1 * kRadPerDegree, 0.5, 0.5}};
-  const auto figures = calibration_figures(s);
-  const auto ours =
-      std::ranges::find_if(figures, [](const Figure& figure) { return figure.id == "map-ours"; });
-  ASSERT_NE(ours, figures.end());
-  ASSERT_TRUE(ours->map);
-  EXPECT_THAT(ours->map->x, Pointwise(DoubleNear(1e-12), {0.5, 0.7, 0.9, 1.1}));
-  EXPECT_THAT(ours->map->y, Pointwise(DoubleNear(1e-12), {3.25, 9.75, 16.25, 22.75, 29.25}));
-  ASSERT_THAT(ours->map->values, SizeIs(20));
-  EXPECT_DOUBLE_EQ(ours->map->values[0], 2.0);    // the median of 1 and 3 cm
-  EXPECT_TRUE(std::isnan(ours->map->values[1]));  // another method's sample
-  EXPECT_DOUBLE_EQ(ours->map->values[4 * 4 + 2], 2.0);
-  ASSERT_THAT(ours->series, SizeIs(2));
-  EXPECT_THAT(ours->series[1].name, HasSubstr("0.8 to 3 m, below 26°"));
-  ASSERT_THAT(ours->series[0].points, SizeIs(1));
-  EXPECT_NEAR(ours->series[0].points[0].x, 1.1, 1e-12);
-  EXPECT_NEAR(ours->series[0].points[0].y, 3.25, 1e-12);
+                    {0, 2, 0.75, 1 * kRadPerDegree, 0.5, 0.5}};
+  const Figure figure = calibration_figures(s).front();
+  ASSERT_THAT(figure.series, SizeIs(2));
+  EXPECT_EQ(figure.series[0].name, "0 to 9°");
+  ASSERT_THAT(figure.series[0].points, SizeIs(1));  // without an answer there is no point
+  EXPECT_DOUBLE_EQ(figure.series[0].points[0].x, 0.625);
+  EXPECT_DOUBLE_EQ(figure.series[0].points[0].y, 2.0);  // the median of 1 and 3 cm
+  EXPECT_EQ(figure.series[1].name, "26 to 40°");
+  EXPECT_DOUBLE_EQ(figure.series[1].points.at(0).y, 2.0);
 }
 
 }  // namespace

@@ -119,16 +119,5 @@ TEST(Table4, IsAChapterOfTheReportWithOrWithoutTimes) {
   EXPECT_EQ(write_report({folder.path()}, folder / "b").tables, 4u);
 }
 
-TEST(ClockFigures, HaveTheSharesOfThePaperAndOfEveryMethod) {
-  const std::vector<Figure> figures = clock_figures(summary_of(990, 10));
-  ASSERT_EQ(figures.size(), 1u);
-  ASSERT_EQ(figures[0].series.size(), 3u);
-  EXPECT_NEAR(figures[0].series[0].points.at(0).y, 100.0 * 71740.0 / 71998.0, 1e-9);
-  ASSERT_EQ(figures[0].series[1].points.size(), 2u);  // nothing is drawn of ranges without any
-  EXPECT_NEAR(figures[0].series[1].points[0].y, 99.0, 1e-9);
-  EXPECT_NEAR(figures[0].series[1].points[1].y, 1.0, 1e-9);
-  EXPECT_THAT(figures[0].title, HasSubstr("simulated"));
-}
-
 }  // namespace
 }  // namespace trilat

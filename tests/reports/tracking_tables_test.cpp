@@ -15,11 +15,11 @@ TrackingSummary tracked() {
   s.study = "walks";
   s.simulated = true;
   s.repaired = true;
-  s.views = {{"walking", "k1", "wrist", "inferred", 100, 10, true, 20, 5},
-             {"walking", "k2", "wrist", "inferred", 100, 30, true, 20, 15},
-             {"walking", "k1", "head", "inferred", 50, 0, true, 0, 0},
-             {"walking", "k1", "wrist", "mean", 100, 40, true, 20, 20}};
-  s.exchanges = {{"walking", "k1", 200, 50, 3, true, 40, 40, 2, 1}};
+  s.views = {{"walking", "k1", "wrist", "inferred", 100, 10},
+             {"walking", "k2", "wrist", "inferred", 100, 30},
+             {"walking", "k1", "head", "inferred", 50, 0},
+             {"walking", "k1", "wrist", "mean", 100, 40}};
+  s.exchanges = {{"walking", "k1", 200, 50, 3}};
   s.clocks = {{"p01", "found", 0.0125, 0.010, 0.015, 3.0, 40.0, 0.95, 0.5, true}};
   return s;
 }
@@ -41,9 +41,6 @@ TEST(TrackingTables, ViewsAreAddedUpByJointAndBySensor) {
   EXPECT_EQ(cell(by_joint, 0, "joint"), "wrist");
   EXPECT_EQ(cell(by_joint, 0, "views"), "200");
   EXPECT_EQ(cell(by_joint, 0, "rejected_percent"), "20.0");
-  EXPECT_EQ(cell(by_joint, 0, "hidden_percent"), "20.0");
-  EXPECT_EQ(cell(by_joint, 0, "rightly_percent"), "50.0");
-  EXPECT_EQ(cell(by_joint, 0, "found_percent"), "50.0");
   EXPECT_EQ(cell(by_joint, 2, "rule"), "mean");
   const Table& by_sensor = tables[1];
   ASSERT_EQ(by_sensor.rows.size(), 3u);
@@ -52,31 +49,9 @@ TEST(TrackingTables, ViewsAreAddedUpByJointAndBySensor) {
   EXPECT_EQ(cell(by_sensor, 1, "sensor"), "k2");
 }
 
-TEST(TrackingTables, SharesOfNothingAndUnknownTruthAreDashes) {
-  TrackingSummary s = tracked();
-  const Table by_joint = tracking_tables(s)[0];
-  EXPECT_EQ(cell(by_joint, 1, "joint"), "head");
-  EXPECT_EQ(cell(by_joint, 1, "rejected_percent"), "0.0");
-  EXPECT_EQ(cell(by_joint, 1, "rightly_percent"), kDash);
-  EXPECT_EQ(cell(by_joint, 1, "found_percent"), kDash);
-  s.views[1].truth_known = false;  // one sensor's take was recorded
-  s.exchanges[0].truth_known = false;
-  const std::vector<Table> tables = tracking_tables(s);
-  EXPECT_EQ(cell(tables[0], 0, "rejected_percent"), "20.0");
-  for (const char* key : {"hidden_percent", "rightly_percent", "found_percent"})
-    EXPECT_EQ(cell(tables[0], 0, key), kDash) << key;
-  for (const char* key :
-       {"exchanged_percent", "true_stretches", "stretches_found_percent", "touched_percent"})
-    EXPECT_EQ(cell(tables[2], 0, key), kDash) << key;
-  EXPECT_EQ(cell(tables[2], 0, "found_percent"), "25.0");
-}
-
-TEST(TrackingTables, ExchangesSayWhatWasFoundAndWhatWasTouchedForNothing) {
+TEST(TrackingTables, ExchangesSayWhatWasFoundAndWhetherItWasUndone) {
   const Table table = tracking_tables(tracked())[2];
   EXPECT_EQ(cell(table, 0, "found_percent"), "25.0");
-  EXPECT_EQ(cell(table, 0, "exchanged_percent"), "20.0");
-  EXPECT_EQ(cell(table, 0, "stretches_found_percent"), "50.0");
-  EXPECT_EQ(cell(table, 0, "touched_percent"), "6.2");  // 10 of 160
   EXPECT_THAT(table.title, HasSubstr("were undone"));
   TrackingSummary left = tracked();
   left.repaired = false;

@@ -80,7 +80,7 @@ struct DistortionCurve {
 
 // One way to calibrate a rig, over simulated runs.
 struct RigRow {
-  std::string method;  // "printed", "two positions corrected", "wand", …
+  std::string method;  // "two positions, corrected", "wand", …
   std::uint64_t runs = 0;
   std::uint64_t failed_runs = 0;  // no pose for at least one sensor
   ErrorSpread position;           // over sensors of all runs; not answered: no pose
@@ -99,22 +99,6 @@ struct RigRow {
                 mahalanobis2_mean, reduced_chi2_mean)
 };
 
-// How an uncertain calibration carries into joints.
-struct EffectRow {
-  std::string calibration;      // "exact", "5 mm", or the method of a RigRow
-  double sensor_sigma_m = 0.0;  // an axis: assumed, or the root mean square found
-  double range_sigma_m = 0.0;
-  std::string method;  // nonlinear, linear, mean
-  std::uint64_t joints = 0;
-  std::uint64_t answered = 0;
-  double rmse_m = ErrorSpread::kNone;
-  double bound_m = ErrorSpread::kNone;  // Cramer-Rao, of these ranges and uncertain sensors; for ranges only
-  double ratio_low = ErrorSpread::kNone, ratio_high = ErrorSpread::kNone;  // 95 % interval of rmse / bound
-
-  TRILAT_FIELDS(calibration, sensor_sigma_m, range_sigma_m, method, joints, answered, rmse_m, bound_m,
-                ratio_low, ratio_high)
-};
-
 // summary.json of a study of kind "calibration". All of it is simulated.
 struct CalibrationSummary {
   static constexpr StudyKind kKind = StudyKind::calibration;
@@ -127,13 +111,11 @@ struct CalibrationSummary {
   std::vector<DistortionCurve> distortion;
   std::uint64_t positions = 0;  // of the wand in a run
   std::vector<RigRow> rigs;
-  std::vector<EffectRow> effect;
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(study)
     field("simulated", true);
-    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs,
-                effect)
+    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs)
   }
   void check(const JsonObject& object) const {
     const auto has_row = [&](const WandSample& sample) { return sample.row < wand.size(); };

@@ -14,44 +14,25 @@
 
 namespace trilat {
 
-// How one sensor's views of one joint group fared under one rule, over all takes of a condition. `rule` is
-// "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", "hidden in depth", or
-// "method: " and the name of a method, whose rejections among the sensors it may use are counted then. What
-// is truly hidden only a simulation knows.
+// How many of one sensor's views of one joint group one rule rejects, over all takes of a condition. `rule`
+// is "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", or "method: " and the
+// name of a method, whose rejections among the sensors it may use are counted then.
 struct ViewRow {
   std::string condition, sensor, group, rule;
   std::uint64_t views = 0;     // instants and joints that the sensor gives a position for
   std::uint64_t rejected = 0;  // of them
-  bool truth_known = false;    // the next two are counts of something
-  std::uint64_t hidden = 0;    // truly
-  std::uint64_t rightly = 0;   // rejected and truly hidden
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(condition, sensor, group, rule, views, rejected)
-    if (field.has("hidden", self.truth_known)) {
-      TRILAT_EACH(hidden, rightly)
-    }
-  }
+  TRILAT_FIELDS(condition, sensor, group, rule, views, rejected)
 };
 
-// Left and right exchanged by one sensor: what was found, and what a simulation knows.
+// Exchanges of left and right by one sensor that were found.
 struct ExchangeRow {
   std::string condition, sensor;
   std::uint64_t instants = 0;  // with a body
-  std::uint64_t found = 0;     // of them, said to be exchanged
+  std::uint64_t found = 0;     // of them
   std::uint64_t stretches = 0;
-  bool truth_known = false;
-  std::uint64_t exchanged = 0;        // truly
-  std::uint64_t rightly = 0;          // found and truly exchanged
-  std::uint64_t true_stretches = 0;   // runs of truly exchanged bodies
-  std::uint64_t stretches_found = 0;  // of them, found in at least 95 % of their instants
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(condition, sensor, instants, found, stretches)
-    if (field.has("exchanged", self.truth_known)) {
-      TRILAT_EACH(exchanged, rightly, true_stretches, stretches_found)
-    }
-  }
+  TRILAT_FIELDS(condition, sensor, instants, found, stretches)
 };
 
 // The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
@@ -65,17 +46,6 @@ struct ClockRow {
   bool applied = false;
 
   TRILAT_FIELDS(take, status, offset_s, low_s, high_s, drift_ppm, drift_sigma_ppm, peak, second, applied)
-};
-
-// How far the ranges of one joint group are off, over all sensors and takes of a condition: what
-// trilateration has to work with.
-struct RangeRow {
-  std::string condition, group;
-  std::uint64_t n = 0;
-  double mean_error_m = kNoNumber;  // range - true distance
-  double rms_error_m = kNoNumber;
-
-  TRILAT_FIELDS(condition, group, n, mean_error_m, rms_error_m)
 };
 
 // By how much the sensors of one take disagree along their rays and across, without what all sensors have in
@@ -128,12 +98,11 @@ struct TrackingSummary {
   std::vector<ViewRow> views;
   std::vector<ExchangeRow> exchanges;
   std::vector<ClockRow> clocks;
-  std::vector<RangeRow> ranges = {};
   std::vector<RayRow> rays = {};
   std::vector<CorrectionRow> corrections = {};  // of studies in which a method asks
   std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
 
-  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, ranges, rays, corrections, predictions)
+  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, rays, corrections, predictions)
 };
 
 }  // namespace trilat

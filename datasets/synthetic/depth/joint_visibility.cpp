@@ -82,14 +82,14 @@ JointVisibility::JointVisibility(const DepthIntrinsics& intrinsics)
             {std::numeric_limits<float>::quiet_NaN(), 0.0f}) {}
 
 void JointVisibility::add_surface(const Vector3d& from_m, const Vector3d& to_m, double radius_m,
-                                  std::size_t person, Joints owners) {
+                                  Joints owners) {
   if (std::max(from_m.z(), to_m.z()) + radius_m <= 0.0) return;  // behind the lens
   const bool ball = (to_m - from_m).norm() < kNoLength_m;
   Surface s{from_m,    ball ? Vector3d::Zero() : Vector3d(to_m - from_m),
             0.0,       radius_m,
             kInfinity, -kInfinity,
             kInfinity, -kInfinity,
-            person,    owners};
+            owners};
   s.axis_m2 = s.axis_m.squaredNorm();
   if (std::min(from_m.z(), to_m.z()) <= radius_m) {
     s.x_low = s.y_low = -kInfinity;
@@ -103,18 +103,14 @@ void JointVisibility::add_surface(const Vector3d& from_m, const Vector3d& to_m, 
   surfaces_.push_back(s);
 }
 
-void JointVisibility::set_persons(std::span<const SkeletonPose> poses,
-                                  const RigidTransform& world_from_sensor) {
+void JointVisibility::set_person(const SkeletonPose& pose, const RigidTransform& world_from_sensor) {
   const RigidTransform sensor_from_world = world_from_sensor.inverse();
-  in_sensor_.assign(poses.begin(), poses.end());
+  in_sensor_ = pose;
   surfaces_.clear();
-  for (std::size_t p = 0; p < in_sensor_.size(); ++p) {
-    SkeletonPose& pose = in_sensor_[p];
-    for (Vector3d& joint : pose.joint_in_world_m) joint = sensor_from_world * joint;
-    for (const BodySurface& part : surfaces_of(pose))
-      add_surface(pose.at(part.parent), pose.at(part.end), part.radius_m, p,
-                  owners_of(part.parent, part.end));
-  }
+  for (Vector3d& joint : in_sensor_.joint_in_world_m) joint = sensor_from_world * joint;
+  for (const BodySurface& part : surfaces_of(in_sensor_))
+    add_surface(in_sensor_.at(part.parent), in_sensor_.at(part.end), part.radius_m,
+                owners_of(part.parent, part.end));
 }
 
 JointVisibility::Ray JointVisibility::ray_of(int column, int row) {
@@ -129,7 +125,7 @@ JointVisibility::Ray JointVisibility::ray_of(int column, int row) {
   return ray;
 }
 
-JointVisibility::Nearest JointVisibility::nearest(int column, int row, std::size_t person, Joint joint) {
+JointVisibility::Nearest JointVisibility::nearest(int column, int row, Joint joint) {
   const Ray pixel = ray_of(column, row);
   const double x = static_cast<double>(pixel.x), y = static_cast<double>(pixel.y);
   Nearest found{kInfinity, kInfinity};
@@ -141,8 +137,8 @@ JointVisibility::Nearest JointVisibility::nearest(int column, int row, std::size
     const double depth = enter_capsule(ray, ray2, s.from_m, s.axis_m, s.axis_m2, s.radius_m);
     if (!(depth > 0.0)) continue;
     found.any_m = std::min(found.any_m, depth);
-    const double joint_m = in_sensor_[person].at(joint).z();
-    if (s.person == person && s.owners[static_cast<std::size_t>(joint)] &&
+    const double joint_m = in_sensor_.at(joint).z();
+    if (s.owners[static_cast<std::size_t>(joint)] &&
         (joint == Joint::neck || depth >= joint_m - 2.0 * s.radius_m))
       found.own_m = std::min(found.own_m, depth);
   }
@@ -150,12 +146,12 @@ JointVisibility::Nearest JointVisibility::nearest(int column, int row, std::size
 }
 
 std::optional<double> JointVisibility::depth_m(int column, int row) {
-  const double depth = nearest(column, row, 0, Joint::head).any_m;
+  const double depth = nearest(column, row, Joint::head).any_m;
   return std::isfinite(depth) ? std::optional(depth) : std::nullopt;
 }
 
-double JointVisibility::visible_share(std::size_t person, Joint joint) {
-  const Vector3d& at = in_sensor_[person].at(joint);
+double JointVisibility::visible_share(Joint joint) {
+  const Vector3d& at = in_sensor_.at(joint);
   const auto pixel = project(intrinsics_, at);
   if (!pixel) return 1.0;
   const int column = static_cast<int>(std::lround(pixel->x())),
@@ -170,7 +166,7 @@ double JointVisibility::visible_share(std::size_t person, Joint joint) {
   int own = 0, first = 0;
   for (const auto& [c, r] : pixels) {
     if (c < 0 || r < 0 || c >= intrinsics_.width_px || r >= intrinsics_.height_px) continue;
-    const Nearest found = nearest(c, r, person, joint);
+    const Nearest found = nearest(c, r, joint);
     if (!std::isfinite(found.own_m)) continue;
     ++own;
     if (found.own_m <= found.any_m + kSame_m) ++first;
@@ -178,11 +174,11 @@ double JointVisibility::visible_share(std::size_t person, Joint joint) {
   return own > 0 ? static_cast<double>(first) / own : 1.0;
 }
 
-Joints JointVisibility::hidden_joints(std::size_t person, double least_visible_share) {
+Joints JointVisibility::hidden_joints(double least_visible_share) {
   Joints hidden;
   for (std::size_t j = 0; j < kJointCount; ++j)
-    hidden[j] = least_visible_share > 0.0 && in_sensor_[person].present[j] &&
-                visible_share(person, static_cast<Joint>(j)) < least_visible_share;
+    hidden[j] = least_visible_share > 0.0 && in_sensor_.present[j] &&
+                visible_share(static_cast<Joint>(j)) < least_visible_share;
   return hidden;
 }
 

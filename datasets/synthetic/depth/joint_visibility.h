@@ -3,7 +3,6 @@
 
 #include <bitset>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "datasets/geometry/depth_camera.h"
@@ -26,19 +25,19 @@ class JointVisibility {
  public:
   explicit JointVisibility(const DepthIntrinsics& intrinsics);
 
-  // Whom the sensor sees from now on. Whether joints are inside the image is not asked here.
-  void set_persons(std::span<const SkeletonPose> poses, const RigidTransform& world_from_sensor);
+  // The person whom the sensor sees from now on. Joints may lie outside of the image.
+  void set_person(const SkeletonPose& pose, const RigidTransform& world_from_sensor);
 
-  // Depth of the nearest surface of any person along a pixel's ray; nothing where there is none.
+  // Depth of the person's nearest surface along a pixel's ray; nothing where there is none.
   std::optional<double> depth_m(int column, int row);
 
   // Of the pixels about a joint that meet its own surfaces, the share that meets nothing else 1 mm before:
   // the middle and four about it, half of the limb's radius across and down: a thin limb in front covers few.
   // 1 when none of them meets an own surface.
-  double visible_share(std::size_t person, Joint joint);
+  double visible_share(Joint joint);
 
   // Joints with a smaller visible share than that; 0 hides none.
-  std::bitset<kJointCount> hidden_joints(std::size_t person, double least_visible_share);
+  std::bitset<kJointCount> hidden_joints(double least_visible_share);
 
  private:
   struct Ray {
@@ -48,21 +47,20 @@ class JointVisibility {
     Eigen::Vector3d from_m, axis_m;
     double axis_m2, radius_m;
     double x_low, x_high, y_low, y_high;  // no ray (x, y, 1) outside meets it
-    std::size_t person;
     std::bitset<kJointCount> owners;
   };
   Ray ray_of(int column, int row);
   void add_surface(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, double radius_m,
-                   std::size_t person, std::bitset<kJointCount> owners);
+                   std::bitset<kJointCount> owners);
   // The nearest depth of all surfaces and of one joint's own, infinite where none is met.
   struct Nearest {
     double any_m, own_m;
   };
-  Nearest nearest(int column, int row, std::size_t person, Joint joint);
+  Nearest nearest(int column, int row, Joint joint);
 
   DepthIntrinsics intrinsics_;
   std::vector<Ray> rays_;  // NaN until asked for
-  std::vector<SkeletonPose> in_sensor_;
+  SkeletonPose in_sensor_;
   std::vector<Surface> surfaces_;
 };
 

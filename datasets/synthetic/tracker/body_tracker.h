@@ -2,21 +2,20 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <vector>
+#include <optional>
 
 #include "datasets/synthetic/depth/joint_visibility.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 #include "datasets/synthetic/tracker/joint_errors.h"
-#include "datasets/synthetic/tracker/tracker_truth.h"
 
 namespace trilat {
 
-// What a tracker says of one frame, and the truth about the participant.
+// What a tracker says of one frame, and the truth that only the simulator knows.
 struct TrackedFrame {
-  std::vector<Body> bodies;  // in the order of the tracker's slots
-  TrackerTruth truth;
+  std::optional<Body> body;         // nothing while the person is not tracked
+  std::bitset<kJointCount> hidden;  // joints of the person, not of the body, that are in view but hidden
+  bool exchanged = false;           // the body's left and right are the person's right and left
 };
 
 // One sensor's body tracker in one take. A body is there while one of its joints is in view and not hidden;
@@ -25,35 +24,29 @@ struct TrackedFrame {
 class BodyTracker {
  public:
   BodyTracker(const BodyTrackerSpec& spec, const SensorSpec& sensor_spec, const SimulatedSensor& sensor,
-              const SimulatedItem& item, std::size_t persons);
+              const SimulatedItem& item);
 
-  // Frames 0, 1, 2, … each once, also those that will be dropped; the participant's pose is the first.
-  TrackedFrame observe(std::uint64_t frame, std::span<const SkeletonPose> poses);
+  // Frames 0, 1, 2, … each once, also those that will be dropped.
+  TrackedFrame observe(std::uint64_t frame, const SkeletonPose& pose);
 
  private:
-  struct TrackedPerson {
-    TrackerKey key;
-    JointErrors errors;
-    std::uint64_t tracking_id = 0;  // 0: not tracked
-    std::size_t slot = 0;
-    bool back_seen = false, exchanged = false;
-  };
-  struct Sight {  // which joints of a person are in view, and hidden there
+  struct Sight {  // which joints of the person are in view, and hidden there
     std::bitset<kJointCount> in_view, hidden;
   };
-  Sight sight_of(std::size_t person, const SkeletonPose& pose);
+  Sight sight_of(const SkeletonPose& pose);
   // Whether the back is seen, and taken for the front.
-  void note_back(TrackedPerson& person, const BodyView& view, std::uint64_t frame) const;
-  void note_identity(TrackedPerson& person, bool seen, std::uint64_t frame);
-  Body body_of(const TrackedPerson& person, const Sight& sight,
-               const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const;
+  void note_back(const BodyView& view, std::uint64_t frame);
+  Body body_of(const Sight& sight, const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const;
 
   BodyTrackerSpec spec_;
   SensorSpec sensor_spec_;
   SimulatedSensor sensor_;
   SimulatedItem item_;
   JointVisibility visibility_;
-  std::vector<TrackedPerson> persons_;
+  TrackerKey key_;
+  JointErrors errors_;
+  std::uint64_t tracking_id_ = 0;  // 0: not tracked
+  bool back_seen_ = false, exchanged_ = false;
   std::uint64_t next_frame_ = 0;
   std::uint64_t identities_ = 0;  // given so far
 };

@@ -51,7 +51,6 @@ constexpr ValueField kValueFields[] = {
     {"hidden_as_tracked_share", &BodyTrackerSpec::hidden_as_tracked_share, 1.0},
     {"back_view_angle_rad", &BodyTrackerSpec::back_view_angle_rad, std::numbers::pi},
     {"exchanged_share", &BodyTrackerSpec::exchanged_share, 1.0},
-    {"identity_changes_per_minute", &BodyTrackerSpec::identity_changes_per_minute, 60.0},
 };
 
 constexpr const char* kFormat = "trilat.body_tracker";
@@ -187,19 +186,6 @@ BodyTrackerSpec read_body_tracker(JsonObject& parent) {
   }
   for (const ValueField& field : kValueFields)
     spec.*field.member = number_within(object, field.key, spec.*field.member, field.least, field.most);
-  constexpr std::pair<const char*, const char*> kGone[] = {
-      {"viewpoint_share", "say \"view_bias_sigma_m\""},
-      {"own_bias_share", "say \"own_bias_sigma_m\""},
-      {"shared_wander_share", "\"wander_sigma_m\" is shared, \"own_wander_sigma_m\" is not"},
-      {"wander_time_s", "say \"wander_path_m\": the wander comes with motion"},
-      {"viewpoint_harmonic", "what goes with the direction of view goes as one sine and cosine"},
-      {"limb_correlation", "joints of a limb err by themselves"},
-      {"azimuth_growth", "say \"view_wander_sigma_m\""},
-      {"range_growth_per_m", "errors do not grow with range"},
-      {"inferred_noise_increase", "say \"inferred_error_sigma_m\""},
-      {"back_view_hysteresis_rad", "say \"back_view_angle_rad\""},
-  };
-  for (const auto& [key, instead] : kGone) object.gone(key, instead);
   for (const DeclaredParameter& parameter : tracker_parameters(default_body_tracker()))
     object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
   object.finish();

@@ -49,15 +49,15 @@ Vector3d middle_of(const SkeletonPose& pose) {
 }  // namespace
 
 RandomStream TrackerKey::stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const {
-  return {seed, purpose, random_item(take, person << 6 | sensor, part, frame)};
+  return {seed, purpose, random_item(take, sensor, part, frame)};
 }
 
 RandomStream TrackerKey::body_stream(Purpose purpose, std::uint64_t joint) const {
-  return {seed, purpose, random_item(participant, person, joint, person == 0 ? 0 : take)};
+  return {seed, purpose, random_item(participant, 0, joint, 0)};
 }
 
 RandomStream TrackerKey::sensor_stream(Purpose purpose, std::uint64_t joint) const {
-  return {seed, purpose, random_item(participant, (sensor + 1) << 4 | person, joint, person == 0 ? 0 : take)};
+  return {seed, purpose, random_item(participant, (sensor + 1) << 4, joint, 0)};
 }
 
 TrackerKey TrackerKey::of_all_sensors() const {

@@ -12,14 +12,12 @@
 
 namespace trilat {
 
-// Whom which sensor tracks in which take: the keys of a tracker's random numbers. Person 0 is the
-// participant, the others stand by.
+// Key of a tracker's random numbers: which sensor tracks whom in which take.
 struct TrackerKey {
   std::uint64_t seed = 1;
   std::uint64_t take = 0;
   std::uint64_t participant = 0;
   std::uint64_t sensor = 0;  // below 64
-  std::uint64_t person = 0;  // below 16
 
   RandomStream stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const;
   // Of the part of a tracker's errors that all sensors share.

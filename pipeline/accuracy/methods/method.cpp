@@ -157,4 +157,25 @@ void evaluate(const Method& method, std::span<const JointInstant> instants,
   for (std::size_t i = 0; i < instants.size(); ++i) estimates[i] = evaluate(method, instants[i]);
 }
 
+std::optional<SolveStatus> silence_on(const std::vector<RigidTransform>& world_from_sensor,
+                                      const Method& method) {
+  if (is_over_time(method)) return std::nullopt;
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (const RigidTransform& sensor : world_from_sensor)
+    middle_m += sensor.translation_m / static_cast<double>(world_from_sensor.size());
+  SolveStatus status = SolveStatus::not_solved;
+  for (const double up_m : {-0.3, 0.2, 0.5}) {
+    const Eigen::Vector3d point_m = middle_m + Eigen::Vector3d(up_m, up_m, 0.4 * up_m);  // no special place
+    std::vector<JointObservation> observations;
+    for (const RigidTransform& sensor : world_from_sensor)
+      observations.push_back(observe(sensor.inverse() * point_m, TrackingState::tracked, sensor));
+    status = evaluate(method, {.observations = observations,
+                               .world_from_sensor = world_from_sensor,
+                               .ranges = ranges_of(observations, world_from_sensor)})
+                 .status;
+    if (is_usable(status)) return std::nullopt;
+  }
+  return status;
+}
+
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,6 +46,11 @@ struct JointInstant {
 
 // The sensors that the method uses for this joint at this instant.
 SensorMask sensors_of(const Method& method, const JointInstant& instant);
+
+// How a method ends that answers nothing on this rig, even where every sensor sees a joint without any error;
+// nothing when it answers, or works over time.
+std::optional<SolveStatus> silence_on(const std::vector<RigidTransform>& world_from_sensor,
+                                      const Method& method);
 
 // Methods that need whole paths; the others take every instant by itself.
 bool is_over_time(const Method& method);

@@ -17,7 +17,7 @@ const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
 const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
-const std::vector<std::string> kLosses{"squares", "huber", "cauchy"};
+const std::vector<std::string> kLosses{"squares", "cauchy"};
 
 constexpr const char* kRangeSigma =
     "standard deviation of a range: whether ranges decide the side of the sensors' plane";
@@ -45,10 +45,8 @@ void descent_settings(Settings& s, NonlinearOptions& o) {
   s("max_iterations", o.max_iterations, {1, 1'000'000}, "of each descent");
   range_sigma(s, o.range_sigma_m);
   s.choice("start", o.start, kStarts, "of the descent");
-  s.choice("loss", o.loss, kLosses, "of the residuals");
-  s.positive("loss_scale_m", o.loss_scale_m, "of huber and cauchy");
   if (const std::string problem = contradiction_in(o); s.reading() && !problem.empty())
-    s.reading()->refuse(o.loss == Loss::squares ? "damping" : "loss", problem);
+    s.reading()->refuse("damping", problem);
 }
 
 void nonlinear_settings(Settings& s, MethodSpec& m) {
@@ -80,14 +78,7 @@ void range_bearing_settings(Settings& s, MethodSpec& m) {
   s("inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
     "on both, of an inferred joint; where sigma is estimated it is, too");
   s.choice("loss", o.loss, kLosses, "of a sensor's residual in sigmas");
-  s("loss_scale", o.loss_scale, {1e-3, 1e3}, "of huber and cauchy, in sigmas");
-}
-
-void weighted_mean_settings(Settings& s, MethodSpec& m) {
-  s("inferred_weight", m.weighted.inferred_weight, {0.0, 1.0},
-    "of an inferred joint, where a tracked one has 1");
-  s("by_depth_noise", m.weighted.by_depth_noise,
-    "weights are also inverse to the variance of depth at the joint's range");
+  s("loss_scale", o.loss_scale, {1e-3, 1e3}, "of cauchy, in sigmas");
 }
 
 // What the methods over time have in common.
@@ -224,15 +215,6 @@ const std::vector<MethodKind>& method_kinds() {
        .sensors = 1,
        .evaluate = [](const Method& m, const JointInstant& instant,
                       SensorMask) { return solve_single_sensor(instant.observations, {m.sensors[0]}); }},
-      {.name = "weighted_mean",
-       .what = "the mean with weights by tracking state and depth noise",
-       .source = "Fankhauser et al. 2015",
-       .needs_ranges = false,
-       .settings = weighted_mean_settings,
-       .evaluate =
-           [](const Method& m, const JointInstant& instant, SensorMask sensors) {
-             return solve_weighted_mean(instant.observations, among(m.spec.weighted, sensors));
-           }},
       {.name = "median",
        .what = "the point from which the distances to the sensors' positions sum to the least",
        .source = "Vardi and Zhang 2000",
@@ -240,18 +222,6 @@ const std::vector<MethodKind>& method_kinds() {
        .evaluate =
            [](const Method&, const JointInstant& instant, SensorMask sensors) {
              return solve_median(instant.observations, {.allowed = sensors});
-           }},
-      {.name = "robust_mean",
-       .what = "M-estimate with Cauchy's loss, started from the median",
-       .source = "Huber and Ronchetti, Robust Statistics",
-       .needs_ranges = false,
-       .settings =
-           [](Settings& s, MethodSpec& m) {
-             s("scale_m", m.robust.scale_m, {1e-6, 10.0}, "of Cauchy's loss");
-           },
-       .evaluate =
-           [](const Method& m, const JointInstant& instant, SensorMask sensors) {
-             return solve_robust_mean(instant.observations, among(m.spec.robust, sensors));
            }},
       {.name = "kalman",
        .what = "each joint's path by itself, filtered",

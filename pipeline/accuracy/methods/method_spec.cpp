@@ -20,7 +20,7 @@ std::vector<std::string> kind_names() {
 }  // namespace
 
 const std::vector<std::string>& occlusion_rule_names() {
-  static const std::vector<std::string> names{"off", "printed", "corrected", "depth"};
+  static const std::vector<std::string> names{"off", "printed", "corrected"};
   return names;
 }
 
@@ -54,7 +54,7 @@ void tell(Settings& s, MethodSpec& m) {
            "from the bodies of the take without truth, are taken away first");
   s.choice("occlusion", m.occlusion, occlusion_rule_names(),
            "how sensors are found that see the joint occluded, which are then left out: by crossing limbs as "
-           "printed (eq. 8) or in the image, or by depth");
+           "printed (eq. 8) or in the image");
   if (m.occlusion == OcclusionRule::off) return;
   if (object && m.kind->sensors == 1)
     object->refuse("occlusion", "leaves a method of one sensor nothing to choose from");

@@ -7,10 +7,10 @@
 
 #include "datasets/base/strict_json.h"
 #include "evaluators/ceres/ceres_trilateration.h"
+#include "evaluators/fusion/baselines.h"
 #include "evaluators/fusion/bone_window.h"
 #include "evaluators/fusion/kalman.h"
 #include "evaluators/fusion/range_bearing.h"
-#include "evaluators/fusion/robust_fusion.h"
 #include "evaluators/solvers/geometric.h"
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/nonlinear.h"
@@ -20,9 +20,9 @@ namespace trilat {
 struct MethodKind;
 
 // Which sensors a method leaves out because they see a joint occluded: by crossing limbs as the paper prints
-// it (eq. 8), by crossing limbs in the perspective image, or by the recorded depth.
-enum class OcclusionRule : std::uint8_t { off, printed, corrected, depth };
-inline constexpr std::size_t kOcclusionRules = 4;
+// it (eq. 8), or by crossing limbs in the perspective image.
+enum class OcclusionRule : std::uint8_t { off, printed, corrected };
+inline constexpr std::size_t kOcclusionRules = 3;
 const std::vector<std::string>& occlusion_rule_names();
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
@@ -45,8 +45,6 @@ struct MethodSpec {
   bool sigma_is_estimated = false;  // range_bearing: from the take itself, without truth
   // How the sensors stand and measure is corrected by what the take shows of it, without truth.
   bool calibration_is_estimated = false;
-  WeightedMeanOptions weighted;
-  RobustMeanOptions robust;
   KalmanOptions kalman;  // of kalman and rts
   BoneWindowOptions window;
 };

@@ -46,7 +46,7 @@ struct StudySpec {
   double training_share = 0.5;     // of a take, at its start: what joint_offset learns from
   double block_s = 1.0;            // of the time blocks that intervals are drawn from
   std::uint64_t resamples = 2000;  // of the intervals; 0: none
-  double clock_error_s = 0.005;    // between truth and sensors, as the paper states it; of the truth's floor
+  double clock_error_s = 0.005;    // between truth and sensors, as the paper states it
   std::vector<MethodSpec> methods;
 };
 

@@ -5,14 +5,12 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
 #include "datasets/results/summary.h"
 #include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/body_metrics.h"
-#include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/study/parallel.h"
 
@@ -32,7 +30,6 @@ struct CellInterval {
   std::size_t alignment = 0;
   double low_m = kNoNumber, high_m = kNoNumber;
   std::uint64_t clusters = 0;
-  double one_frame_m = kNoNumber;
 };
 struct MethodIntervals {
   std::vector<CellInterval> cells;
@@ -61,16 +58,6 @@ Eigen::MatrixXd cell_sums(const ConditionTakes& condition, const StatisticsLayou
     first += take->cells.rows();
   }
   return sums;
-}
-
-// The mean over both directions; NaN when no neighbour has a truth.
-double one_frame_m(const ConditionTakes& condition, std::size_t cell) {
-  OneFrame sum;
-  for (const TakeStatistics* take : condition.takes) {
-    sum.later_m.merge(take->one_frame[cell].later_m);
-    sum.earlier_m.merge(take->one_frame[cell].earlier_m);
-  }
-  return (std::abs(sum.later_m.value()) + std::abs(sum.earlier_m.value())) / 2.0;
 }
 
 // The ratios and quantities of every alignment: distances, differences and percentages of each group, then of
@@ -155,7 +142,6 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
   MethodIntervals result;
   std::size_t next = 0;
   for (std::size_t a = 0; a < layout.axes.alignments; ++a) {
-    double one_frame_sum_m = 0.0;
     std::uint64_t both_sum = 0;
     for (std::size_t g = 0; g < groups.size() + (groups.size() >= 2 ? 1 : 0); ++g) {
       const bool is_average = g == groups.size();
@@ -166,9 +152,6 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
       cell.low_m = not_below_zero(e.low);
       cell.high_m = e.high;
       cell.clusters = e.clusters;
-      cell.one_frame_m = is_average ? one_frame_sum_m / static_cast<double>(groups.size())
-                                    : one_frame_m(condition, layout.axes.cell(set, groups[g], method, a));
-      one_frame_sum_m += cell.one_frame_m;
       result.cells.push_back(cell);
       if (!with_differences) continue;
       DifferenceCell difference = difference_of(found[next], found[next + 1]);
@@ -222,21 +205,10 @@ BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
   return cell;
 }
 
-TruthFloor truth_floor(const ConditionTakes& condition, std::size_t group, double clock_error_s) {
+double truth_speed_m_s(const ConditionTakes& condition, std::size_t group) {
   Mean speed_m_s;
-  std::vector<double> sigma_m;
-  for (const TakeStatistics* take : condition.takes) {
-    const TakeTruth& truth = take->of_group[group];
-    speed_m_s.merge(truth.speed_m_s);
-    sigma_m.insert(sigma_m.end(), truth.noise_sigma_m.begin(), truth.noise_sigma_m.end());
-  }
-  TruthFloor floor;
-  // noise is the same all the time and what is left of the movement is not: the calm quarter is nearest to it
-  const double sigma = quantiles_of(sigma_m, {0.25})[0];
-  floor.mocap_noise_m = sigma * std::sqrt(8.0 / std::numbers::pi);  // mean of a Maxwell distribution
-  floor.mean_speed_m_s = speed_m_s.value();
-  floor.clock_error_s = clock_error_s;
-  return floor;
+  for (const TakeStatistics* take : condition.takes) speed_m_s.merge(take->truth_speed_m_s[group]);
+  return speed_m_s.value();
 }
 
 // The cells of a summary by method, condition, group and alignment.
@@ -299,7 +271,6 @@ void set_interval(SummaryCell& cell, const CellInterval& interval) {
   cell.mae_low_m = interval.low_m;
   cell.mae_high_m = interval.high_m;
   cell.clusters = interval.clusters;
-  cell.one_frame_m = interval.one_frame_m;
 }
 
 void add_method(ResultsSummary& summary, const CellIndex& index, const Names& names,
@@ -329,7 +300,7 @@ void add_method(ResultsSummary& summary, const CellIndex& index, const Names& na
 
 void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayout& layout,
                           const std::string& activity, const std::vector<std::size_t>& groups,
-                          double clock_error_s, ResultsSummary& summary) {
+                          ResultsSummary& summary) {
   std::vector<BodyCell> bodies(layout.axes.methods);
   parallel_for_index(bodies.size(), 1, [&](std::size_t m) { bodies[m] = body_cell(condition, m); });
   for (std::size_t m = 0; m < bodies.size(); ++m) {
@@ -338,13 +309,9 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
     bodies[m].alignment = summary.alignments[layout.body_alignment];
     summary.bodies.push_back(bodies[m]);
   }
-  if (summary.left_out()) return;  // a floor is of mocap
-  for (const std::size_t g : groups) {
-    TruthFloor floor = truth_floor(condition, g, clock_error_s);
-    floor.condition = activity;
-    floor.group = summary.groups[g];
-    summary.truth_floor.push_back(std::move(floor));
-  }
+  if (summary.left_out()) return;  // there is no motion capture
+  for (const std::size_t g : groups)
+    summary.truth_speed.push_back({activity, summary.groups[g], truth_speed_m_s(condition, g)});
 }
 
 // The takes of an activity that have samples, and whose they are.
@@ -365,7 +332,7 @@ ConditionTakes takes_of(const Plan& plan, const RunOutcome& outcome, const std::
   return condition_takes(std::move(takes), std::move(participants), {plan.study.resamples, 1});
 }
 
-void add_activity(const ConditionTakes& condition, const StatisticsLayout& layout, const Plan& plan,
+void add_activity(const ConditionTakes& condition, const StatisticsLayout& layout,
                   const std::string& activity, const CellIndex& index, ResultsSummary& summary) {
   const Axes& axes = layout.axes;
   for (std::size_t set = 0; set < axes.sets; ++set) {
@@ -378,8 +345,7 @@ void add_activity(const ConditionTakes& condition, const StatisticsLayout& layou
     });
     for (std::size_t m = 0; m < axes.methods; ++m)
       add_method(summary, index, {summary.methods[m], name}, groups, std::move(found[m]));
-    if (set == 0)
-      add_bodies_and_truth(condition, layout, activity, groups, plan.study.clock_error_s, summary);
+    if (set == 0) add_bodies_and_truth(condition, layout, activity, groups, summary);
   }
 }
 
@@ -391,7 +357,7 @@ void add_statistics(const Plan& plan, const RunOutcome& outcome, const Statistic
   summary.block_s = static_cast<double>(layout.block_instants) / layout.rate_hz;
   const CellIndex index(summary);
   for (const std::string& activity : activities_of(plan))
-    add_activity(takes_of(plan, outcome, activity, takes), layout, plan, activity, index, summary);
+    add_activity(takes_of(plan, outcome, activity, takes), layout, activity, index, summary);
 }
 
 }  // namespace trilat

@@ -69,11 +69,6 @@ SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
   const auto q = quantiles_of(std::move(distances_m), {0.05, 0.25, 0.5, 0.75, 0.9, 0.95});
   std::tie(result.p05_m, result.p25_m, result.median_m) = std::tie(q[0], q[1], q[2]);
   std::tie(result.p75_m, result.p90_m, result.p95_m) = std::tie(q[3], q[4], q[5]);
-  if (const auto n = static_cast<double>(sums.with_gdop); n > 0.0) {
-    result.mean_gdop = sums.gdop.value() / n;
-    result.rms_gdop = std::sqrt(sums.square_gdop.value() / n);
-    result.gdop_rmse_m = std::sqrt(sums.square_error_m2.value() / n);
-  }
   if (result.answered > 0)
     result.mean_iterations = sums.iterations.value() / static_cast<double>(result.answered);
   return result;
@@ -192,22 +187,7 @@ void add_family_cells(const ParticipantErrors& errors, ResultsSummary& summary) 
                       .mae_m = own.value,
                       .low_m = own.low(),
                       .high_m = own.high(),
-                      .answered = answered_share(summary, family, condition),
-                      .best = {},
-                      .worst = {}};
-      double least = kNaN,
-             most = kNaN;  // on the samples that the reference answers, too: few answers win nothing
-      for (const std::string& method : family.methods) {
-        const double ratio =
-            solve_contrast(errors.difference(method, summary.reference, condition,
-                                             errors.groups_of(condition), ComparedSamples::both))
-                .value;
-        if (std::isnan(ratio)) continue;
-        if (!(ratio >= least)) std::tie(cell.best, least) = std::tie(method, ratio);
-        if (!(ratio <= most)) std::tie(cell.worst, most) = std::tie(method, ratio);
-      }
-      cell.best_m = mean_error_m(errors, cell.best, condition).value;
-      cell.worst_m = mean_error_m(errors, cell.worst, condition).value;
+                      .answered = answered_share(summary, family, condition)};
       summary.family_cells.push_back(std::move(cell));
     }
 }

@@ -13,9 +13,6 @@ namespace {
 constexpr std::uint64_t kWindow = 512;  // instants that are read together
 constexpr std::uint64_t kMargin = 2;    // and on either side, for differences in time
 
-// The squares of the truth's fourth differences, by block.
-using GroupNoise = std::vector<Mean>;
-
 // Of the right sizes, without any samples.
 TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t instants) {
   const Axes& axes = layout.axes;
@@ -24,10 +21,9 @@ TakeStatistics empty_statistics(const StatisticsLayout& layout, std::uint64_t in
   empty.sums.resize(axes.cells());
   empty.cells = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.cells() * CellColumns::count));
   empty.bodies = RowMatrix::Zero(rows, static_cast<Eigen::Index>(axes.methods * BodySumColumns::count));
-  empty.one_frame.resize(axes.cells());
   empty.of_joint.resize(axes.sets * axes.joints * axes.methods);
   empty.of_method.resize(axes.methods);
-  empty.of_group.resize(axes.groups);
+  empty.truth_speed_m_s.resize(axes.groups);
   return empty;
 }
 
@@ -38,7 +34,6 @@ class TakeGatherer {
         axes_(layout.axes),
         alignments_(alignments),
         result_(empty_statistics(layout, instants)),
-        noise_m2_(axes_.groups, GroupNoise(layout.blocks(instants))),
         lengths_(axes_.methods * layout.bones.size()),
         by_speed_(axes_.joints * axes_.methods) {}
 
@@ -63,11 +58,6 @@ class TakeGatherer {
       bodies.bone_sd_m.add(lengths_[k].standard_deviation_m());
     }
     for (std::size_t k = 0; k < by_speed_.size(); ++k) split_by_speed(by_speed_[k], result_.of_joint[k]);
-    for (std::size_t g = 0; g < axes_.groups; ++g)
-      for (const Mean& squares_m2 : noise_m2_[g])
-        if (squares_m2.n > 0)
-          result_.of_group[g].noise_sigma_m.push_back(
-              std::sqrt(squares_m2.value() / (3.0 * kFourthDifferenceVariance)));
     return std::move(result_);
   }
 
@@ -104,21 +94,16 @@ class TakeGatherer {
 
   void add_truth(const SampleView& view, std::uint64_t i, std::size_t j) {
     const auto truth_m = [&](std::uint64_t k) { return view.truth(k, j); };
-    const std::size_t group = axes_.group_of_joint[j];
     if (has_truth(view, i, j, 1, 1))
-      result_.of_group[group].speed_m_s.add((truth_m(i + 1) - truth_m(i - 1)).norm() * layout_.rate_hz / 2.0);
+      result_.truth_speed_m_s[axes_.group_of_joint[j]].add((truth_m(i + 1) - truth_m(i - 1)).norm() *
+                                                           layout_.rate_hz / 2.0);
     if (has_truth(view, i, j, 1, 2))
       result_.truth_jerk_m_s3.add(
           jerk_m_s3(truth_m(i - 1), truth_m(i), truth_m(i + 1), truth_m(i + 2), layout_.rate_hz));
-    if (has_truth(view, i, j, 2, 2))
-      noise_m2_[group][block_].add(
-          fourth_difference_m(truth_m(i - 2), truth_m(i - 1), truth_m(i), truth_m(i + 1), truth_m(i + 2))
-              .squaredNorm());
   }
 
   void add_errors(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t a) {
     const std::size_t sets = view.sets(i, j);
-    const bool has_later = has_truth(view, i, j, 0, 1), has_earlier = has_truth(view, i, j, 1, 0);
     for (std::size_t m = 0; m < axes_.methods; ++m) {
       const std::size_t slot = view.slot(i, j, m);
       const AlignedError e = error_of(view, i, j, m, slot, alignments_[a].own);
@@ -130,9 +115,6 @@ class TakeGatherer {
       if (!is_usable(e.status)) continue;
       const double distance_m = e.error_m.norm();
       if (a == 0) add_speed(view, i, j, m, distance_m);
-      const Eigen::Vector3d aligned_m = e.error_m + view.truth(i, j);
-      const double later_m = has_later ? (aligned_m - view.truth(i + 1, j)).norm() - distance_m : 0.0;
-      const double earlier_m = has_earlier ? (aligned_m - view.truth(i - 1, j)).norm() - distance_m : 0.0;
       for (std::size_t set = 0; set < sets; ++set) {
         const std::size_t cell = axes_.cell(set, axes_.group_of_joint[j], m, a);
         double* sums = &result_.cells(static_cast<Eigen::Index>(block_),
@@ -144,8 +126,6 @@ class TakeGatherer {
           sums[CellColumns::both] += 1.0;
           sums[CellColumns::reference] += pair.reference_m;
         }
-        if (has_later) result_.one_frame[cell].later_m.add(later_m);
-        if (has_earlier) result_.one_frame[cell].earlier_m.add(earlier_m);
       }
     }
   }
@@ -174,14 +154,7 @@ class TakeGatherer {
 
   static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
     sums.errors.add(e.status, e.error_m);
-    if (!is_usable(e.status)) return;
-    sums.iterations.add(block.iterations[slot]);
-    const float gdop = block.gdop[slot];
-    if (!std::isfinite(gdop)) return;
-    sums.gdop.add(static_cast<double>(gdop));
-    sums.square_gdop.add(static_cast<double>(gdop) * static_cast<double>(gdop));
-    sums.square_error_m2.add(e.error_m.squaredNorm());
-    ++sums.with_gdop;
+    if (is_usable(e.status)) sums.iterations.add(block.iterations[slot]);
   }
 
   Pair pair_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t a) const {
@@ -262,7 +235,6 @@ class TakeGatherer {
   const TakeAlignments& alignments_;
   TakeStatistics result_;
   std::uint64_t block_ = 0;
-  std::vector<GroupNoise> noise_m2_;                               // by group
   std::vector<LengthSpread> lengths_;                              // by method and bone
   std::vector<BySpeed> by_speed_;                                  // joint * methods + method
   std::vector<Eigen::Vector3d> estimate_m_, aligned_m_, truth_m_;  // of one body
@@ -272,11 +244,7 @@ class TakeGatherer {
 
 void CellSums::merge(const CellSums& later) {
   errors.merge(later.errors);
-  gdop.merge(later.gdop);
   iterations.merge(later.iterations);
-  square_gdop.merge(later.square_gdop);
-  square_error_m2.merge(later.square_error_m2);
-  with_gdop += later.with_gdop;
 }
 
 TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {

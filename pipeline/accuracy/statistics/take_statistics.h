@@ -25,11 +25,6 @@ struct Mean {
   double value() const { return n == 0 ? kNaN : sum / static_cast<double>(n); }
 };
 
-// How much a cell's distances change when the truth is that of the next or the previous instant.
-struct OneFrame {
-  Mean later_m, earlier_m;
-};
-
 struct TakeBodies {
   std::array<std::uint64_t, 3> within{};  // of kPckRadii_m
   std::uint64_t joints = 0;               // asked
@@ -37,18 +32,10 @@ struct TakeBodies {
   Mean bone_sd_m, jerk_m_s3;
 };
 
-// The truth of one group.
-struct TakeTruth {
-  Mean speed_m_s;
-  std::vector<double> noise_sigma_m;  // an axis, by block that has any
-};
-
 // Everything one take adds to one cell of its condition.
 struct CellSums {
   ErrorSums errors;
-  CompensatedSum gdop, iterations;
-  CompensatedSum square_gdop, square_error_m2;  // of the samples that have a finite GDOP
-  std::uint64_t with_gdop = 0;
+  CompensatedSum iterations;
   // As if `later`'s samples had been added after what is here.
   void merge(const CellSums& later);
 };
@@ -71,10 +58,9 @@ struct TakeStatistics {
   std::vector<CellSums> sums;       // by cell
   RowMatrix cells;                  // blocks x (cells of the axes x CellColumns)
   RowMatrix bodies;                 // blocks x (methods x BodySumColumns)
-  std::vector<OneFrame> one_frame;  // by cell
   std::vector<JointSums> of_joint;  // (set * joints + joint) * methods + method
   std::vector<TakeBodies> of_method;
-  std::vector<TakeTruth> of_group;
+  std::vector<Mean> truth_speed_m_s;  // by group
   Mean truth_jerk_m_s3;
 };
 

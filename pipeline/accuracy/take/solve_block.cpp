@@ -143,7 +143,7 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
   for (const Method& m : plan.methods)
     if ((m.spec.kind->name == "nonlinear" || m.spec.kind->name == "newton") &&
         m.spec.nonlinear.damping == Damping::lm && m.spec.nonlinear.stop == StopRule::step &&
-        m.spec.nonlinear.loss == Loss::squares && !m.spec.calibration_is_estimated)
+        !m.spec.calibration_is_estimated)
       checked.push_back(&m);
   return checked;
 }

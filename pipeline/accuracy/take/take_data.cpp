@@ -14,7 +14,6 @@
 #include "datasets/base/median.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
-#include "pipeline/accuracy/take/depth_occlusion.h"
 #include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/accuracy/take/truth_track.h"
@@ -286,19 +285,14 @@ OcclusionCounts count_crossings(const BodyTracks& bodies, OcclusionVariant varia
   return counts;
 }
 
-void find_occlusions(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
-                     const std::function<bool()>& stop_requested, TakeData& data) {
-  const auto asked = [&](OcclusionRule rule) {
-    return std::ranges::any_of(plan.methods, [&](const Method& m) { return m.spec.occlusion == rule; });
-  };
+void find_occlusions(const Plan& plan, TakeData& data) {
   const auto slot = [&](OcclusionRule rule) -> OcclusionCounts& {
     return data.occlusions[static_cast<std::size_t>(rule)];
   };
-  if (asked(OcclusionRule::printed))
+  if (std::ranges::any_of(plan.methods,
+                          [](const Method& m) { return m.spec.occlusion == OcclusionRule::printed; }))
     slot(OcclusionRule::printed) = count_crossings(data.bodies, OcclusionVariant::printed);
   slot(OcclusionRule::corrected) = count_crossings(data.bodies, OcclusionVariant::corrected);
-  if (asked(OcclusionRule::depth))
-    slot(OcclusionRule::depth) = find_hidden(plan, planned, session, stop_requested, data);
 }
 
 }  // namespace
@@ -332,7 +326,7 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
     for (TakeNote& note : check_truth(plan, planned, data)) data.notes.push_back(std::move(note));
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
-  find_occlusions(plan, planned, session, stop_requested, data);
+  find_occlusions(plan, data);
   return data;
 }
 
