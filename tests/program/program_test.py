@@ -69,6 +69,19 @@ class ProgramTest(unittest.TestCase):
         return trilat("run", self.written("study.json", study), "--campaign", campaign or self.made / "campaign",
                       "-o", self.folder / "results", *(["--force"] if options.pop("force", False) else []), **options)
 
+    def test_a_recording_walks_to_a_calibration_and_to_a_table(self):
+        trilat("record", "--source", "synthetic:4,depth=no,duration=6", "--truth", self.folder / "truth", "-o", self.folder / "s.h5")
+        trilat("calibrate", self.folder / "s.h5", "--method", "bodies", "-o", self.folder / "calibration.json")
+        study = self.written("study.json", {**STUDY, "alignments": ["rigid"], "resamples": 0})
+        said = trilat("run", study, "--campaign", self.folder / "truth", "--calibration", self.folder / "calibration.json",
+                      "-o", self.folder / "results")
+        self.assertIn("average", said)
+        cells = {cell["method"]: cell for cell in json.loads((self.folder / "results/summary.json").read_text())["cells"]
+                 if cell["group"] == "average"}
+        self.assertGreater(cells["mean"]["answered"], 1000)
+        self.assertLess(cells["mean"]["mae_m"], 0.12)
+        self.assertLess(cells["nonlinear"]["mae_m"], 0.25)
+
     def test_results_of_another_study_or_campaign_are_not_replaced(self):
         self.ran()
         before = (self.folder / "results/summary.json").read_bytes()
