@@ -107,8 +107,8 @@ bool is_truth(const PlannedOutput& output) {
   if (!fs::exists(output.path / "campaign.json")) return true;
   const Json takes = document(output.path / "campaign.json", "trilat.campaign").value("takes", Json::array());
   return takes.size() == 1 && takes[0].contains("session") && takes[0]["session"].is_string() &&
-         fs::weakly_canonical(output.path / takes[0]["session"].get<std::string>()) ==
-             fs::weakly_canonical(output.of);
+         fs::weakly_canonical(fs::absolute(output.path / takes[0]["session"].get<std::string>())) ==
+             fs::weakly_canonical(fs::absolute(output.of));
 }
 
 struct KindRow {

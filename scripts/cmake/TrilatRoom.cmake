@@ -93,11 +93,11 @@ function(trilat_room name)
   set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
 endfunction()
 
-# trilat_test(NAME SOURCES … LINK … [LABELS …] [STATISTICS patterns…]): one test binary a room. Labels choose what the
-# sanitizers see (scripts/check_all): `outside` reads what comes from outside, `walk` is a whole use of the program,
-# `statistics` are Monte-Carlo tests, named by patterns of GoogleTest.
+# trilat_test(NAME SOURCES … LINK … [LABELS …] [SHARDS n] [STATISTICS patterns…]): one test binary a room, run as a
+# whole or in n parts. Labels choose what the sanitizers see (scripts/check_all): `outside` reads what comes from outside,
+# `walk` is a whole use of the program, `statistics` are Monte-Carlo tests, named by patterns of GoogleTest.
 function(trilat_test name)
-  cmake_parse_arguments(TEST "" "" "SOURCES;LINK;LABELS;STATISTICS" ${ARGN})
+  cmake_parse_arguments(TEST "" "SHARDS" "SOURCES;LINK;LABELS;STATISTICS" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE ${TEST_LINK} trilat_test_support GTest::gmock_main)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
@@ -107,10 +107,18 @@ function(trilat_test name)
   trilat_together(${name} trilat_test_headers ${TEST_SOURCES})
   list(JOIN TEST_STATISTICS ":" patterns)
   if(patterns)
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER ${patterns} PROPERTIES LABELS statistics
-      TEST_LIST ${name}_statistics)
+    add_test(NAME ${name}.statistics COMMAND ${name} --gtest_brief=1 --gtest_filter=${patterns})
+    set_tests_properties(${name}.statistics PROPERTIES LABELS statistics)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${patterns}" PROPERTIES LABELS "${TEST_LABELS}")
+  if(NOT TEST_SHARDS)
+    set(TEST_SHARDS 1)
+  endif()
+  math(EXPR last "${TEST_SHARDS} - 1")
+  foreach(shard RANGE ${last})
+    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 --gtest_filter=-${patterns})
+    set_tests_properties(${name}.${shard} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 900
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard}")
+  endforeach()
 endfunction()
 
 # trilat_embed(target HEADER path [LIST name] FILES a.json …): makes a header with one constant a file (a.json ->

@@ -12,50 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Calibration, WhatIsWrittenIsReadBack) {
-  const ScratchFolder folder;
-  SensorPose pose;
-  pose.name = "k1";
-  pose.world_from_sensor = world_from_sensor_looking_at({1.0, 2.0, 3.0}, {0.1, 0.2, 0.3});
-  pose.position_sigma_m = 0.004;
-  pose.rotation_sigma_rad = 0.002;
-  write_calibration(folder / "calibration.json", {"wand", {pose}});
-  const Calibration calibration = read_calibration(folder / "calibration.json");
-  EXPECT_EQ(calibration.method, "wand");
-  const SensorPose& read = pose_of(calibration, "k1", "here");
-  EXPECT_EQ(read.world_from_sensor.translation_m, pose.world_from_sensor.translation_m);
-  EXPECT_LT(read.world_from_sensor.rotation.angularDistance(pose.world_from_sensor.rotation), 1e-15);
-  EXPECT_EQ(read.position_sigma_m, 0.004);
-  EXPECT_EQ(read.rotation_sigma_rad, 0.002);
-  EXPECT_THAT(message_of([&] { pose_of(calibration, "k9", "cal.json"); }),
-              HasSubstr("cal.json: has no pose for sensor \"k9\"; it has k1"));
-}
-
-TEST(Calibration, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  const ScratchFolder folder;
-  const std::string good = R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1]})";
-  const auto refusal = [&](const std::string& sensors) {
-    write_file(
-        folder / "cal.json",
-        R"({"format": "trilat.calibration", "version": 1, "method": "wand", "sensors": [)" + sensors + "]}");
-    return message_of([&] { read_calibration(folder / "cal.json"); });
-  };
-  EXPECT_EQ(refusal(good), "no error");
-  EXPECT_THAT(refusal(""), HasSubstr("cal.json /sensors: must name at least one sensor"));
-  EXPECT_THAT(refusal(good + "," + good), HasSubstr("cal.json /sensors/1/name: stands here twice"));
-  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1200, 2], "rotation_xyzw": [0, 0, 0, 1]})"),
-              HasSubstr("/sensors/0/position_m: lies beyond 100 m; is the unit metres?"));
-  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1], "rotation_xyzw": [0, 0, 0, 1]})"),
-              HasSubstr("/sensors/0/position_m: must be an array of 3 numbers"));
-  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, null], "rotation_xyzw": [0, 0, 0, 1]})"),
-              HasSubstr("/sensors/0/position_m: must be a number, is null"));
-  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 2]})"),
-              HasSubstr("/sensors/0/rotation_xyzw: must be a unit quaternion"));
-  EXPECT_THAT(refusal(R"({"name": "k1", "position_m": [0, 1, 2], "rotation_xyzw": [0, 0, 0, 1],
-                          "position_sigma_m": -1})"),
-              HasSubstr("/sensors/0/position_sigma_m: must not be less than 0"));
-}
-
 // A calibration of two sensors with all that one can hold.
 Calibration full_calibration() {
   SensorPose pose;

@@ -332,28 +332,6 @@ TEST(Run, AnInterruptedRunKeepsTheEarlierResults) {
   EXPECT_EQ(read_file(folder / "results/summary.json"), before);
 }
 
-TEST(Run, EarlierResultsAreReplaced) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
-  execute_study(study, campaign, folder / "results", {});
-  const StudySpec other = study_with(R"(["none"])", kFewMethods);
-  execute_study(other, campaign, folder / "results", {});
-  EXPECT_EQ(read_summary(folder / "results").alignments, std::vector<std::string>{"none"});
-  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
-}
-
-TEST(Run, NeighboursOfTheResultsAreLeftAlone) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
-  std::filesystem::create_directories(folder / "results.old");
-  write_file(folder / "results.old/kept.txt", "a copy somebody made");
-  execute_study(study, campaign, folder / "results", {});
-  execute_study(study, campaign, folder / "results", {});
-  EXPECT_EQ(read_file(folder / "results.old/kept.txt"), "a copy somebody made");
-}
-
 TEST(Run, CrossCheckingNeedsAMethodToCheck) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
@@ -389,29 +367,6 @@ TEST(RunPlan, AStudyThatAsksForOtherJointsThanTheMappingsIsRefused) {
               HasSubstr("which no take's mapping maps; they map "));
   const Plan plan = make_plan(study_of(std::string(R"("joints": ["wrist_left"], )") + kFewMethods), campaign);
   EXPECT_THAT(plan.joints, testing::ElementsAre(Joint::wrist_left));
-}
-
-// Two takes of one second to their tables. TRILAT_UPDATE_GOLDEN=1 writes the file anew.
-TEST(RunGolden, ATinyCampaignGivesItsTablesByteForByte) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
-  const ResultsSummary summary =
-      execute_study(study_with(R"(["mean", "none"])"), campaign, folder / "results", {});
-  std::string text;
-  for (const Table& table : article_tables(summary, true)) text += markdown_of(table) + "\n";
-  for (Table table : accuracy_tables(summary)) {
-    // how many steps a descent takes depends on the last bits of the processor's arithmetic
-    const auto steps = std::ranges::find(table.columns, "iterations", &TableColumn::key);
-    if (const auto at = steps - table.columns.begin(); steps != table.columns.end()) {
-      table.columns.erase(steps);
-      for (auto& row : table.rows) row.erase(row.begin() + at);
-    }
-    text += markdown_of(table) + "\n";
-  }
-  const std::filesystem::path golden = std::filesystem::path(kSourceDir) / "tests/golden/tiny_campaign.md";
-  if (const char* update = std::getenv("TRILAT_UPDATE_GOLDEN"); update && std::string(update) == "1")
-    write_file(golden, text);
-  EXPECT_EQ(text, read_file(golden)) << "set TRILAT_UPDATE_GOLDEN=1 when the change is meant";
 }
 
 }  // namespace

@@ -27,11 +27,6 @@ SimulationSpec wand_spec(std::uint64_t positions) {
   return spec;
 }
 
-std::string frames_of(const std::filesystem::path& folder) {
-  return hash_of_file(folder / "wand/session.h5") + read_file(folder / "wand/truth.json") +
-         read_file(folder / "wand/mocap.csv");
-}
-
 TEST(SimulateWand, WithoutDepthAndWandACampaignHasNeither) {
   const ScratchFolder folder;
   simulate_into(folder / "campaign", walking_spec(1));
@@ -101,25 +96,6 @@ TEST(SimulateWand, TheMocapHasARigidBodyInTheBallsCentre) {
   EXPECT_EQ(sensor["depth_offset_m"], draw_depth_unit({}, spec.seed, 2).offset_m);
   EXPECT_LE((wand_mocap_start(spec) - kMotionStart).seconds(), 0.005);
   EXPECT_EQ((wand_mocap_start(spec) - kMotionStart).ns, truth["stated_minus_true_mocap_start_ns"]);
-}
-
-TEST(SimulateWand, AnyNumberOfThreadsMakesTheSameFiles) {
-  const ScratchFolder folder;
-  SimulationSpec spec = wand_spec(3);
-  spec.wand->motion = {3, 0.1, 0.1};
-  spec.activities[0].duration_s = 0.1;
-  spec.depth.takes = true;
-  simulate_into(folder / "all", spec);
-  {
-    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    simulate_into(folder / "one", spec);
-  }
-  EXPECT_EQ(frames_of(folder / "all"), frames_of(folder / "one"));
-  EXPECT_EQ(hash_of_file(folder / "all/p01-walking/session.h5"),
-            hash_of_file(folder / "one/p01-walking/session.h5"));
-  spec.seed += 1;
-  simulate_into(folder / "other", spec);
-  EXPECT_NE(frames_of(folder / "other"), frames_of(folder / "all"));
 }
 
 TEST(SimulateWand, TakesHaveDepthWhenAskedForAndTheSameBodies) {

@@ -201,28 +201,6 @@ TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
   EXPECT_LT(cell->mae_low_m, cell->mae_high_m);
 }
 
-TEST(Statistics, BlocksGrowUntilTheirSumsFit) {
-  Plan plan;
-  plan.methods.resize(25);
-  for (Method& method : plan.methods) method.spec.kind = &method_kind("nonlinear");
-  plan.study.rate_hz = 30.0;
-  plan.study.occluded_apart = true;
-  plan.study.alignments.assign(5, AlignmentKind::none);
-  for (int j = 0; j < kJointCount; ++j) plan.joints.push_back(static_cast<Joint>(j));
-  PlannedTake take;
-  take.instants = 30 * 3600;
-  plan.takes.assign(20, take);
-  const StatisticsLayout layout = statistics_layout(plan);
-  const std::uint64_t row_bytes =
-      sizeof(double) * (layout.axes.cells() * CellColumns::count + 25 * BodySumColumns::count);
-  EXPECT_LE(20 * layout.blocks(take.instants) * row_bytes, kBlockSumBytes);
-  EXPECT_GT(layout.block_instants, 30u);
-  EXPECT_EQ(layout.block_instants % 30, 0u);
-  take.instants = 300;
-  plan.takes.assign(2, take);
-  EXPECT_EQ(statistics_layout(plan).block_instants, 30u);
-}
-
 TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {
   Evaluated evaluated;
   const ResultsSummary summary =

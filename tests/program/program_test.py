@@ -69,6 +69,68 @@ class ProgramTest(unittest.TestCase):
         return trilat("run", self.written("study.json", study), "--campaign", campaign or self.made / "campaign",
                       "-o", self.folder / "results", *(["--force"] if options.pop("force", False) else []), **options)
 
+    def test_every_step_of_a_walk_prints_one_json_document(self):
+        def document(*words, code=0):
+            done = subprocess.run([PROGRAM, *map(str, words), "--json"], capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual(done.returncode, code, done.stderr)
+            return json.loads(done.stdout)
+
+        take, results = self.made / "campaign/p01-walking", self.folder / "results"
+        self.assertEqual(len(document("simulate", self.made / "simulation.json", "-o", self.folder / "campaign")["takes"]), 2)
+        session = document("info", take / "session.h5")
+        self.assertEqual((len(session["sensors"]), session["complete"]), (4, True))
+        self.assertAlmostEqual(session["sensors"][0]["rate_hz"], 30, delta=1.5)
+        self.assertLess(session["sensors"][0]["clock"]["offset_bound_s"], 0.002)
+        self.assertTrue(document("verify", take / "session.h5")["sound"])
+        mocap = document("info", take / "mocap.csv")
+        self.assertEqual((len(mocap["assets"]), mocap["frames"], mocap["rate_hz"]), (28, 401, 100))
+        study = self.written("study.json", {**STUDY, "alignments": ["none"]})
+        self.assertEqual(len(document("run", study, "--campaign", self.made / "campaign", "--dry-run")["takes"]), 2)
+        self.assertFalse(results.exists())
+        ran = document("run", study, "--campaign", self.made / "campaign", "-o", results, "--cross-check")
+        self.assertEqual((ran["takes_failed"], ran["cross_check_passed"]), (0, True))
+        for file in document("report", results, "-o", self.folder / "report")["files"]:
+            self.assertTrue(Path(file).exists(), file)
+        (self.folder / "campaign/p02-walking/session.h5").write_bytes((take / "session.h5").read_bytes()[:3000])
+        worse = self.folder / "worse"
+        self.assertEqual(document("run", study, "--campaign", self.folder / "campaign", "-o", worse, code=1)["takes_failed"], 1)
+        self.assertIn("QUIET", trilat("gate", results, "--baseline", results))
+        self.assertIn("p02-walking", trilat("gate", worse, "--baseline", results, code=1))
+
+    def test_depth_walks_to_a_calibration_by_the_wand(self):
+        made = self.written("simulation.json", {**SIMULATION, "participants": 1, "seed": 5, "depth": {"takes": False},
+                                                "rig": {"heights_m": [0.8, 1.7]}, "wand": {"positions": 8, "hold_s": 0.6, "move_s": 0.4}})
+        done = subprocess.run([PROGRAM, "simulate", made, "-o", self.folder / "campaign", "--json"], capture_output=True, text=True, check=True)
+        start_ns, wand = json.loads(done.stdout)["wand"]["mocap_start_host_ns"], self.folder / "campaign/wand"
+        trilat("calibrate", wand / "session.h5", "-o", self.folder / "c.json", "--mocap", wand / "mocap.csv", "--asset", "wand",
+               "--mocap-start-host-ns", start_ns)
+        errors = {}
+        for name, more in (("exact", []), ("calibrated", ["--calibration", self.folder / "c.json"])):
+            trilat("run", self.written("study.json", STUDY), "--campaign", self.folder / "campaign", "-o", self.folder / name, *more)
+            cells = json.loads((self.folder / name / "summary.json").read_text())["cells"]
+            errors[name] = next(c["mae_m"] for c in cells if c["method"] == "mean" and c["group"] == "head")
+        self.assertAlmostEqual(errors["calibrated"], errors["exact"], delta=0.01)
+        self.assertNotEqual(errors["calibrated"], errors["exact"])
+
+    def test_a_reference_that_answers_nothing_is_named_and_another_is_taken(self):
+        three = self.written("simulation.json", {**SIMULATION, "rig": {"heights_m": [0.6, 2.2, 0.9]}})
+        trilat("simulate", three, "-o", self.folder / "campaign")
+        methods = [{"method": name} for name in ("linear", "nonlinear", "mean")]
+        study = self.written("study.json", {**STUDY, "methods": methods})
+        words = ["run", study, "--campaign", self.folder / "campaign"]
+        self.assertIn("note: linear answers nothing on this rig (rank_deficient): the others are compared with the first that answers",
+                      trilat(*words, "--dry-run"))
+        self.assertIn('"linear" answers nothing in any take; the others are compared with "nonlinear"', trilat(*words, "-o", self.folder / "one"))
+        self.written("study.json", {**STUDY, "methods": methods, "reference": "nonlinear"})
+        trilat(*words, "-o", self.folder / "named")
+        one, named = (json.loads((self.folder / name / "summary.json").read_text()) for name in ("one", "named"))
+        self.assertEqual((one["reference"], one["differences"]), ("nonlinear", named["differences"]))
+
+    def test_a_demo_makes_a_page_once_and_again(self):
+        for _ in range(2):
+            self.assertIn("Simulated data.", trilat("demo", "-o", self.folder / "demo"))
+        self.assertTrue((self.folder / "demo/report/report.html").exists())
+
     def test_a_recording_walks_to_a_calibration_and_to_a_table(self):
         trilat("record", "--source", "synthetic:4,depth=no,duration=6", "--truth", self.folder / "truth", "-o", self.folder / "s.h5")
         trilat("calibrate", self.folder / "s.h5", "--method", "bodies", "-o", self.folder / "calibration.json")

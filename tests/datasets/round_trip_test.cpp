@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// Whatever says its fields is filled in every one of them, written, read, and written again: the same bytes.
+#include <type_traits>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/calibration/calibration.h"
+#include "datasets/results/items.h"
+#include "datasets/results/studies/budget_summary.h"
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sensitivity_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/timings.h"
+#include "datasets/results/studies/tracking_summary.h"
+#include "datasets/results/summary.h"
+#include "datasets/take/campaign.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+// Gives every field another value than it begins with, and every number another one than the last.
+struct Filler {
+  int n = 0;
+
+  bool has(const char*, bool& there) { return there = true; }
+  template <class T>
+  void operator()(const char*, T&& member) {
+    if constexpr (std::is_lvalue_reference_v<T&&> && !std::is_const_v<std::remove_reference_t<T>>)
+      fill(member);
+  }
+  template <class T>
+  void fill(T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      value = !value;
+    } else if constexpr (std::is_floating_point_v<T>) {
+      value = static_cast<T>(++n + 1.0 / 3.0);
+    } else if constexpr (std::is_integral_v<T>) {
+      value = static_cast<T>(++n);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      value = "text " + std::to_string(++n);
+    } else if constexpr (std::is_same_v<T, Json>) {
+      value = Json{{"inner", ++n}};
+    } else if constexpr (Described<T>) {
+      T::fields(value, *this);
+    } else if constexpr (requires {
+                           value.emplace();
+                           value.has_value();
+                         }) {
+      fill(value.emplace());
+    } else if constexpr (requires { typename T::mapped_type; }) {
+      fill(value["key" + std::to_string(++n)]);
+    } else {
+      if constexpr (requires { value.resize(2); }) value.resize(2);
+      for (auto& entry : value) fill(entry);
+    }
+  }
+};
+
+template <class T>
+T filled() {
+  T value;
+  Filler().fill(value);
+  return value;
+}
+
+// What a write and a read leave, as bytes.
+template <class T>
+void expect_read_back(const T& value) {
+  const Json json = json_of(value);
+  const std::string text = json_text(json, 1);
+  EXPECT_EQ(text.find("null"), std::string::npos) << "a field was not filled";
+  const Json parsed = parse_json(text, "filled.json");
+  EXPECT_EQ(json_text(json_of(read_as<T>(JsonObject(parsed, "filled.json", ""))), 1), text);
+}
+
+template <class T>
+class Filled : public testing::Test {};
+using Plain = testing::Types<DoneItem, StoredItem, PartItem, TrackingSummary, StageTimings, SweepTimings,
+                             SweepInterpretation, SweepCell, SweepSearch, SensitivityFactor, SensitivityPoint,
+                             SensitivityClaim, SensitivitySlice, ResultsSummary, BudgetSummary>;
+TYPED_TEST_SUITE(Filled, Plain);
+
+TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }
+
+// What is not a number is null, and comes back as none.
+TEST(FilledStudy, OfAccuracyMayLackNumbers) {
+  ResultsSummary summary = filled<ResultsSummary>();
+  summary.cells = {SummaryCell{}};
+  summary.differences = {DifferenceCell{}};
+  summary.by_take = {TakeJointRow{}};
+  const std::string text = json_text(json_of(summary), 1);
+  EXPECT_THAT(text, testing::HasSubstr("null"));
+  const Json parsed = parse_json(text, "filled.json");
+  EXPECT_EQ(json_text(json_of(read_as<ResultsSummary>(JsonObject(parsed, "filled.json", ""))), 1), text);
+}
+
+TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) {
+  auto summary = filled<CalibrationSummary>();
+  for (std::size_t i = 0; i < summary.wand_samples.size(); ++i) summary.wand_samples[i].row = i;
+  expect_read_back(summary);
+}
+
+TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) {
+  auto summary = filled<RecordingSummary>();
+  summary.runs = 1;
+  summary.sensors = 2;
+  expect_read_back(summary);
+}
+
+TEST(FilledStudy, OfASensitivityStudyIsReadBackToTheLastBit) {
+  auto summary = filled<SensitivitySummary>();
+  for (SensitivityPoint& point : summary.points) point.paired_m.resize(2 * 2 * 2, 0.5);
+  expect_read_back(summary);
+}
+
+TEST(FilledStudy, OfASweepIsReadBackToTheLastBit) {
+  auto summary = filled<SweepSummary>();
+  summary.cells.resize(8, summary.cells[0]);
+  for (std::size_t i = 0; i < 8; ++i) {
+    summary.cells[i].interpretation = i / 4;
+    summary.cells[i].threshold = i / 2 % 2;
+    summary.cells[i].range = i % 2;
+  }
+  for (SweepRanking* ranking : {&summary.search->errors, &summary.search->times})
+    for (SweepFit& fit : ranking->best) fit.interpretation = 1;
+  for (SweepCompromise& compromise : summary.search->compromises)
+    compromise.printed = compromise.corrected = 1;
+  expect_read_back(summary);
+}
+
+// Each of the documents that a campaign consists of, filled, as its reader and writer leave it.
+TEST(FilledDocument, CampaignMappingAndCalibrationAreReadBackToTheLastBit) {
+  const ScratchFolder folder;
+  const Campaign campaign{"gait",
+                          true,
+                          {{"p1-walk", "p1", "walking", folder / "s.h5", folder / "c.json", folder / "m.csv",
+                            folder / "j.json", 123456789012345, UpAxis::z}}};
+  write_campaign(folder.path(), campaign);
+  const std::string text = read_file(folder / "campaign.json");
+  write_campaign(folder.path(), read_campaign(folder.path()));
+  EXPECT_EQ(read_file(folder / "campaign.json"), text);
+  for (const char* word : {"gait", "true", "p1-walk", "walking", "s.h5", "c.json", "m.csv", "j.json",
+                           "123456789012345", "\"z\""})
+    EXPECT_THAT(text, testing::HasSubstr(word));
+
+  write_file(folder / "mapping.json", R"({"format": "trilat.mapping", "version": 1,
+      "joints": {"wrist_left": ["a", "b"], "head": ["c"]}})");
+  write_mapping(folder / "again.json", read_mapping(folder / "mapping.json"));
+  const std::string mapping = read_file(folder / "again.json");
+  write_mapping(folder / "again.json", read_mapping(folder / "again.json"));
+  EXPECT_EQ(read_file(folder / "again.json"), mapping);
+  for (const char* word : {"wrist_left", "head", "\"a\"", "\"b\"", "\"c\""})
+    EXPECT_THAT(mapping, testing::HasSubstr(word));
+}
+
+}  // namespace
+}  // namespace trilat

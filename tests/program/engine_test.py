@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+"""What holds for studies of every kind, and for simulations: the same bytes for any number of threads, after any stop, and in parts."""
+import json
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from made import PROGRAM, ScratchTest, ended, everything_in, made, stopped_after, trilat
+
+WALK = {"format": "trilat.simulation", "version": 1, "name": "walk", "participants": 4, "body_tracker": {},
+        "activities": [{"name": "walking", "duration_s": 2}]}
+SOLVERS = [{"method": "nonlinear"}, {"method": "mean"}]
+EVERY_METHOD = [{"method": name} for name in ("linear", "geometric", "nonlinear", "newton", "ceres", "range_bearing", "mean", "tracked_mean",
+                                              "median", "single", "kalman", "rts", "window")]
+STUDIES = {
+    "accuracy": {"campaign": "campaign", "resamples": 200, "methods": EVERY_METHOD, "alignments": ["mean", "none", "joint_offset"]},
+    "threshold_sweep": {"rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 20000, "stops": ["objective"],
+                        "max_iterations": 20, "search": True, "time_problems": 5, "time_repeats": 1},
+    "calibration": {"units": 2, "samples": 6, "near_samples": 2, "frames": 1, "distortion_units": 2, "distortion_frames": 2,
+                    "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 0.5,
+                    "bodies_instants": 5},
+    "error_budget": {"simulation": "walk.json", "resamples": 0, "methods": SOLVERS},
+    "recording": {"frames": 600, "sensors": 2, "runs": 4,
+                  "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}], "methods": SOLVERS},
+    "sensitivity": {"resamples": 0, "clock": "stated", "participants": 1, "rows": 8, "methods": SOLVERS, "simulation": WALK,
+                    "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
+                    "claims": [{"better": "nonlinear", "than": ["mean"]}]},
+}
+KINDS = set(os.environ.get("TRILAT_KINDS", "simulation " + " ".join(STUDIES)).split())
+
+
+class Engine(ScratchTest):
+    def setUp(self):
+        super().setUp()
+        self.written("walk.json", WALK)
+        self.written("depth.json", {**WALK, "participants": 3, "depth": {"takes": True}, "wand": {"positions": 3, "hold_s": 0.1},
+                                    "activities": [{"name": "walking", "duration_s": 0.5}]})
+        os.symlink(made() / "campaign", self.folder / "campaign")
+
+    def study(self, kind):
+        return self.written(f"{kind}.json", {"format": "trilat.study", "version": 1, "kind": kind, "name": "tiny", **STUDIES[kind]})
+
+    def each(self):
+        """Every kind of study as the words that run it, with a number of threads; and a simulation, which takes all there are."""
+        for kind in [kind for kind in STUDIES if kind in KINDS]:
+            yield kind, lambda threads, kind=kind: ["run", self.study(kind), "--threads", threads]
+        if "simulation" in KINDS:
+            yield "simulation", lambda threads: ["simulate", self.folder / "depth.json"]
+
+    def test_all_kinds_are_here(self):
+        said = ended("run", self.written("odd.json", {"format": "trilat.study", "version": 1, "kind": "odd", "name": "odd"})).stderr
+        self.assertEqual(set(said.strip().split("known are: ")[1].split(", ")), set(STUDIES))
+
+    def test_threads_parts_and_stops_leave_the_same_bytes(self):
+        stops = 0
+        for kind, words in self.each():
+            with self.subTest(kind):
+                whole, begin = self.folder / f"{kind}-whole", time.monotonic()
+                trilat(*words(1), "-o", whole)
+                took_s = time.monotonic() - begin
+                for threads in (2, 8):
+                    trilat(*words(threads), "-o", self.folder / f"{kind}-{threads}")
+                    self.assert_same(whole, self.folder / f"{kind}-{threads}")
+                gone_on = self.folder / f"{kind}-gone-on"
+                for share, by in ((0.3, signal.SIGINT), (0.5, signal.SIGKILL), (0.6, signal.SIGTERM)):
+                    code, said = stopped_after(share * took_s, *words(1), "-o", gone_on, by=by)
+                    self.assertIn(code, (0, 130, -signal.SIGKILL), said)
+                    self.assertEqual(gone_on.exists(), code == 0, f"{kind}: an unfinished output has its final name")
+                    stops += code != 0
+                    if code == 0:
+                        break
+                trilat(*words(2), "-o", gone_on)
+                self.assert_same(whole, gone_on)
+                parts = [self.folder / f"{kind}-part{k}" for k in (3, 1, 2)]
+                for part in parts:
+                    trilat(*words(2), "-o", part, "--shard", f"{part.name[-1]}/3")
+                trilat("merge", *parts, "-o", self.folder / f"{kind}-merged")
+                self.assert_same(whole, self.folder / f"{kind}-merged")
+        self.assertGreater(stops, len(KINDS) // 2)
+
+    def test_what_did_not_change_is_not_touched_and_what_was_thrown_away_is_made_again(self):
+        for kind in [kind for kind in STUDIES if kind in KINDS]:
+            with self.subTest(kind):
+                words, results = ["run", self.study(kind)], self.folder / kind
+                trilat(*words, "-o", results)
+                before = everything_in(results)
+                times = {name: (results / name).stat().st_mtime_ns for name in before if name not in ("run.json", "timings.json")}
+                self.assertEqual(json.loads(ended(*words, "-o", results, "--json").stdout)["items_computed"], 0)
+                self.assertEqual(times, {name: (results / name).stat().st_mtime_ns for name in times})
+                (results / "summary.json").unlink()
+                trilat(*words, "-o", results)
+                self.assertEqual((results / "summary.json").read_bytes(), before["summary.json"])
+                self.assertEqual(json.loads(ended(*words, "-o", results, "--fresh", "--json").stdout)["items_reused"], 0)
+
+    def test_two_runs_cannot_fill_one_folder(self):
+        words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
+        first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not (self.folder / "results.partial").exists() and first.poll() is None:
+            time.sleep(0.001)
+        second = ended(*words)
+        self.assertEqual(first.wait(), 0)
+        if second.returncode == 2:
+            self.assertIn("results", second.stderr)
+        else:  # the first was done before
+            self.assertEqual(second.returncode, 0, second.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""The one campaign that tests of the program read, and how they use the program.
+
+`python3 made.py FOLDER` makes it: simulation.json, study.json, campaign/ (4 participants, 2 activities, 8 s), results/ and report/."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["TRILAT"]
+SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "made", "seed": 5, "participants": 4, "body_tracker": {},
+              "activities": [{"name": "walking", "duration_s": 8}, {"name": "arm_swing", "duration_s": 8}]}
+STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "made", "alignments": ["mean", "none"], "resamples": 200,
+         "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k2"]}]}
+UNSETTLED = {"run.json", "hashes.json", "timings.json"}  # of the machine and of the time
+
+
+def made():
+    """The folder of the fixture; where there is none, tests are run by hand and make one of their own."""
+    folder = Path(os.environ.get("TRILAT_MADE", Path(tempfile.gettempdir()) / f"trilat_made_{os.getuid()}"))
+    if not (folder / "report").exists():
+        make(folder)
+    return folder
+
+
+def make(folder):
+    subprocess.run(["rm", "-rf", folder], check=True)
+    folder.mkdir(parents=True)
+    (folder / "simulation.json").write_text(json.dumps(SIMULATION))
+    (folder / "study.json").write_text(json.dumps(STUDY))
+    trilat("simulate", folder / "simulation.json", "-o", folder / "campaign")
+    trilat("run", folder / "study.json", "--campaign", folder / "campaign", "-o", folder / "results")
+    trilat("report", folder / "results", "-o", folder / "report", "--time", "2026-01-01")
+
+
+def ended(*words, cwd=None, largest_file=None):
+    """What became of a use of the program; no file may grow beyond `largest_file` bytes, as on a full disk."""
+    def limit():
+        import resource
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
+
+    return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=600, check=False,
+                          stdin=subprocess.DEVNULL, preexec_fn=limit if largest_file else None)
+
+
+def trilat(*words, code=0, cwd=None):
+    """Runs the program; gives what it printed on both streams."""
+    done = ended(*words, cwd=cwd)
+    said = done.stdout + done.stderr
+    assert done.returncode == code, f"{words}: exit {done.returncode}: {said}"
+    return said
+
+
+def stopped_after(seconds, *words, by=signal.SIGINT):
+    """Runs the program and stops it; its exit code and what it said."""
+    process = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    time.sleep(seconds)
+    process.send_signal(by)
+    said, _ = process.communicate(timeout=600)
+    return process.returncode, said
+
+
+def everything_in(folder):
+    """Every file below with its bytes, every link with where it leads."""
+    found = {}
+    for path in sorted(Path(folder).rglob("*")):
+        name = str(path.relative_to(folder))
+        found[name] = os.readlink(path) if path.is_symlink() else path.read_bytes() if path.is_file() else None
+    return found
+
+
+def settled(folder):
+    """What equal inputs give equal bytes of."""
+    return {name: content for name, content in everything_in(folder).items() if Path(name).name not in UNSETTLED}
+
+
+class ScratchTest(unittest.TestCase):
+    maxDiff = 2000
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+
+    def written(self, name, document):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(document if isinstance(document, str) else json.dumps(document))
+        return path
+
+    def assert_same(self, one, other):
+        """Both folders hold the same files with the same bytes."""
+        first, second = settled(one), settled(other)
+        self.assertEqual(first.keys(), second.keys())
+        self.assertEqual([name for name in first if first[name] != second[name]], [])
+
+
+if __name__ == "__main__":
+    make(Path(sys.argv[1]))

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""What every report holds: golden Markdown, CSV and LaTeX of three tiny results, and what is true of any.
+
+TRILAT_UPDATE_GOLDEN=1 writes tests/golden anew."""
+import csv
+import html
+import json
+import os
+import re
+import shutil
+import unittest
+from html.parser import HTMLParser
+from pathlib import Path
+
+from engine_test import STUDIES, WALK
+from made import SOURCE, ScratchTest, everything_in, made, trilat
+
+GOLDEN = SOURCE / "tests/golden"
+NUMBER = re.compile(r"(?<![A-Za-z0-9_])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+TINY = {
+    "accuracy": {**STUDIES["accuracy"], "occluded_apart": True, "alignments": ["mean", "none"], "resamples": 0,
+                 "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k1"]},
+                             {"method": "nonlinear", "name": "compensated", "occlusion": "printed"}]},
+    "threshold_sweep": {**STUDIES["threshold_sweep"], "trials": 500, "time_problems": 0},
+    "calibration": {**STUDIES["calibration"], "runs": 2},
+}
+
+
+class Page(HTMLParser):
+    """Ids, texts of headings and titles, cells of tables, and what is loaded or linked."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.ids, self.links, self.cells, self.captions, self.inside = [], [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        found = dict(attributes)
+        self.ids += [found["id"]] if "id" in found else []
+        self.links += [found[key] for key in ("href", "src") if found.get(key)]
+        self.inside.append(tag)
+        if tag in ("td", "caption"):
+            (self.cells if tag == "td" else self.captions).append("")
+
+    def handle_endtag(self, tag):
+        while self.inside and self.inside.pop() != tag:
+            pass
+
+    def handle_data(self, data):
+        if "script" in self.inside or "style" in self.inside:
+            return
+        if "td" in self.inside:
+            self.cells[-1] += data
+        if "caption" in self.inside:
+            self.captions[-1] += data
+
+
+def alike(one, other):
+    """Equal but for the last printed digit, which the processor's arithmetic may move."""
+    def close(a, b):
+        digits = min(len(number.partition(".")[2].partition("e")[0]) for number in (a, b))
+        return abs(float(a) - float(b)) <= max(1.01 * 10.0**-digits, 1e-6 * abs(float(a)))
+
+    first, second = NUMBER.findall(one), NUMBER.findall(other)
+    return NUMBER.sub("#", one) == NUMBER.sub("#", other) and all(close(a, b) for a, b in zip(first, second, strict=True))
+
+
+def without_iterations(text):
+    """A CSV without the columns that count steps: they depend on the last bits of the processor's arithmetic."""
+    rows = list(csv.reader(text.splitlines()))
+    kept = [k for k, name in enumerate(rows[0]) if "iterations" not in name]
+    return "".join(",".join(row[k] for k in kept) + "\n" for row in rows)
+
+
+class Report(ScratchTest):
+    def of(self, kind, study):
+        """Folder of the report of a study."""
+        self.written("walk.json", WALK)
+        if study.get("campaign"):
+            trilat("simulate", self.written("two.json", {**WALK, "participants": 2, "seed": 7}), "-o", self.folder / "campaign")
+        path = self.written("study.json", {"format": "trilat.study", "version": 1, "kind": kind, "name": "tiny", **study})
+        trilat("run", path, "-o", self.folder / kind)
+        trilat("report", self.folder / kind, "-o", self.folder / "report", "--time", "2026-01-01")
+        return self.folder / "report"
+
+    def test_three_tiny_results_give_the_golden_tables(self):
+        for kind, study in TINY.items():
+            with self.subTest(kind):
+                report, golden = self.of(kind, study), GOLDEN / kind
+                files = {path.relative_to(report): path.read_text() for path in report.rglob("*") if path.suffix in (".md", ".csv", ".tex")
+                         and "figures" not in path.parts and path.stat().st_size < 60_000}
+                for name in [name for name in files if name.suffix == ".csv"]:
+                    files[name] = without_iterations(files[name])
+                shutil.rmtree(report)
+                if os.environ.get("TRILAT_UPDATE_GOLDEN") == "1":
+                    shutil.rmtree(golden, ignore_errors=True)
+                    for name, text in files.items():
+                        (golden / name).parent.mkdir(parents=True, exist_ok=True)
+                        (golden / name).write_text(text)
+                wanted = {path.relative_to(golden): path.read_text() for path in golden.rglob("*") if path.is_file()}
+                self.assertEqual(files.keys(), wanted.keys())
+                for name, text in files.items():
+                    lines, others = text.splitlines(), wanted[name].splitlines()
+                    differ = [(a, b) for a, b in zip(lines, others) if not alike(a, b)]
+                    self.assertEqual((len(lines), differ[:3]), (len(others), []), f"{name}: TRILAT_UPDATE_GOLDEN=1 when the change is meant")
+
+    def test_what_is_true_of_every_report(self):
+        for kind, study in STUDIES.items():
+            with self.subTest(kind):
+                self.check(self.of(kind, study))
+                shutil.rmtree(self.folder / "report")
+
+    def test_what_is_true_of_a_report_beside_the_paper(self):
+        trilat("report", made() / "results", "-o", self.folder / "report", "--paper")
+        self.check(self.folder / "report")
+        self.assertIn("claims", Page((self.folder / "report/report.html").read_text()).ids)
+
+    def check(self, report):
+        text = (report / "report.html").read_text()
+        page = Page(text)
+        self.assertEqual(sorted(page.ids), sorted(set(page.ids)), "an id stands twice")
+        self.assertTrue(page.captions)
+        for caption in page.captions:
+            self.assertRegex(caption.lower(), "simulated|recorded|paper|program|assume|configuration|input|machine|errat", caption)
+        for link in page.links:
+            if link.startswith("#"):
+                self.assertIn(link[1:], page.ids)
+            elif not link.startswith(("http", "data:")):
+                self.assertTrue((report / html.unescape(link)).exists(), link)
+        self.assertNotRegex(text, r'(src|href)="http[^"]*\.(js|css|png|svg|woff)', "the page loads something")
+        for path in report.rglob("*"):
+            if path.suffix in (".md", ".csv", ".tex", ".html"):
+                shown = " ".join(page.cells) if path.suffix == ".html" else path.read_text()
+                self.assertNotRegex(shown, r"(?i)(?<![a-z])-?(nan|inf)(?![a-z])", path.name)
+        self.assertLess((report / "report.html").stat().st_size, 3_000_000)
+        self.check_numbers(report)
+
+    def check_numbers(self, report):
+        """Every number of a Markdown table is one of its CSV, rounded."""
+        numbers = {}
+        for path in report.glob("tables/**/*.csv"):
+            with path.open(newline="") as file:
+                rows = list(csv.reader(file))
+            self.assertEqual({len(row) for row in rows}, {len(rows[0])}, path)
+            numbers[path.stem] = rows
+        self.assertTrue(numbers)
+        for name, rows in numbers.items():
+            tex = next(report.glob(f"tables/**/{name}.tex"), None)
+            if tex is None:
+                continue
+            known = [float(cell) for row in rows for cell in row if re.fullmatch(NUMBER, cell)]
+            body = tex.read_text().partition("\\midrule")[2].partition("\\bottomrule")[0]
+            for cell in re.findall(r"[&\n]\s*(-?\d+\.\d+)\s*(?=&|\\\\)", body):
+                unit = 10.0 ** -len(cell.partition(".")[2])
+                self.assertTrue(any(abs(float(cell) - factor * value) <= 0.51 * unit for value in known for factor in (1, 100, 1000, 1e6)),
+                                f"{name}: {cell} is not in its CSV")
+
+    def test_equal_results_give_equal_bytes_and_a_used_folder_is_exchanged(self):
+        for name in ("one", "other"):
+            trilat("report", made() / "results", "-o", self.folder / name, "--time", "2026-01-01")
+        self.assertEqual(everything_in(self.folder / "one"), everything_in(self.folder / "other"))
+        (self.folder / "one/tables/left.csv").write_text("of an earlier report")
+        trilat("report", made() / "results", "-o", self.folder / "one", "--time", "2026-01-01")
+        self.assertEqual(everything_in(self.folder / "one"), everything_in(self.folder / "other"))
+        cells = Page((self.folder / "one/report.html").read_text()).cells
+        run = json.loads((made() / "results/manifest.json").read_text())
+        self.assertTrue(any(run["inputs"][0]["sha256"][:12] in cell for cell in cells), "the inputs' hashes are not shown")
+
+    def test_results_of_one_name_are_told_apart(self):
+        shutil.copytree(made() / "results", self.folder / "a/results")
+        study = {**json.loads((made() / "study.json").read_text()), "name": "other"}
+        trilat("run", self.written("other.json", study), "--campaign", made() / "campaign", "-o", self.folder / "b/results")
+        trilat("report", self.folder / "a/results", self.folder / "b/results", "-o", self.folder / "report")
+        self.assertEqual(len(list((self.folder / "report/studies").iterdir())), 2)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
