@@ -192,17 +192,5 @@ TEST(ErrorSources, LeaveTheCalibrationTrue) {
   }
 }
 
-TEST(ErrorSources, HaveNamesAndDescriptionsOfTheirOwnWithNoneFirstAndAllLast) {
-  std::set<std::string> names, descriptions;
-  for (const ErrorSource source : error_sources()) {
-    names.insert(name_of(source));
-    descriptions.insert(description_of(source));
-  }
-  EXPECT_EQ(names.size(), error_sources().size());
-  EXPECT_EQ(descriptions.size(), error_sources().size());
-  EXPECT_EQ(error_sources().front(), ErrorSource::none);
-  EXPECT_EQ(error_sources().back(), ErrorSource::all);
-}
-
 }  // namespace
 }  // namespace trilat

@@ -73,56 +73,5 @@ TEST(CampaignFile, PathsMayLeadAnywhereButToPipes) {
   EXPECT_THAT(refusal_of_path(folder, "mocap", "pipe"), HasSubstr("is a device, a pipe or a socket"));
 }
 
-TEST(CampaignFile, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  const ScratchFolder folder;
-  const auto refusal = [&](const std::string& takes) {
-    write_file(folder / "campaign.json",
-               R"({"format": "trilat.campaign", "version": 1, "name": "x", "takes": [)" + takes + "]}");
-    return message_of([&] { read_campaign(folder.path()); });
-  };
-  const auto take = [](const std::string& id, const std::string& start) {
-    return R"({"id": ")" + id + R"(", "participant": "p", "session": "s", "calibration": "c", "mocap": "m",
-              "mapping": "m", "mocap_start_host_ns": )" +
-           start + "}";
-  };
-  EXPECT_EQ(refusal(take("a", "5")), "no error");
-  EXPECT_THAT(refusal(""), HasSubstr("campaign.json /takes: must hold at least one take"));
-  EXPECT_THAT(refusal(take("a", "5") + "," + take("a", "5")),
-              HasSubstr("/takes/1/id: is \"a\", which an earlier take has"));
-  EXPECT_THAT(refusal(take("../a", "5")), HasSubstr("/takes/0/id: must be 1 to 100 letters"));
-  EXPECT_THAT(refusal(take("a", "1.5")), HasSubstr("/takes/0/mocap_start_host_ns: must be an integer"));
-  EXPECT_THAT(message_of([&] { read_campaign(folder / "absent"); }), HasSubstr("absent"));
-  write_file(folder / "campaign.json", R"({"format": "trilat.campaign", "version": 2})");
-  EXPECT_THAT(message_of([&] { read_campaign(folder.path()); }),
-              HasSubstr("/version: must be 1, the version that this program reads"));
-}
-
-TEST(MappingFile, WhatIsWrittenIsReadBack) {
-  const ScratchFolder folder;
-  write_mapping(folder / "mapping.json",
-                {{{Joint::head, {"head_1", "head_2"}}, {Joint::wrist_left, {"rigid_body:Wrist"}}}});
-  const JointMapping mapping = read_mapping(folder / "mapping.json");
-  ASSERT_EQ(mapping.joints.size(), 2u);
-  EXPECT_EQ(mapping.joints[0].joint, Joint::head);
-  EXPECT_THAT(mapping.joints[0].assets, testing::ElementsAre("head_1", "head_2"));
-  EXPECT_EQ(mapping.joints[1].joint, Joint::wrist_left);
-}
-
-TEST(MappingFile, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  const ScratchFolder folder;
-  const auto refusal = [&](const std::string& joints) {
-    write_file(folder / "mapping.json",
-               R"({"format": "trilat.mapping", "version": 1, "joints": )" + joints + "}");
-    return message_of([&] { read_mapping(folder / "mapping.json"); });
-  };
-  EXPECT_EQ(refusal(R"({"head": ["a"]})"), "no error");
-  EXPECT_THAT(refusal(R"({"nose": ["a"]})"),
-              HasSubstr("mapping.json /joints/nose: is not a joint; known are: spine_base, "));
-  EXPECT_THAT(refusal(R"({"head": []})"), HasSubstr("/joints/head: must name at least one asset"));
-  EXPECT_THAT(refusal(R"({"head": ["a", "a"]})"), HasSubstr("/joints/head: names the asset \"a\" twice"));
-  EXPECT_THAT(refusal(R"({"head": "a"})"), HasSubstr("/joints/head: must be an array of texts"));
-  EXPECT_THAT(refusal("{}"), HasSubstr("/joints: must map at least one joint"));
-}
-
 }  // namespace
 }  // namespace trilat

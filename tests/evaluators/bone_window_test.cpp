@@ -224,49 +224,6 @@ TEST(BoneWindow, ASensorThatIsFarOffHardlyCounts) {
   EXPECT_LT((estimates[scene.slot(60, 0)].position_m - scene.truth_m[scene.slot(60, 0)]).norm(), 0.03);
 }
 
-TEST(BoneWindow, WindowsInAnyOrderGiveTheSameBits) {
-  const Scene scene = scene_of(200, 0.03);
-  const BoneWindows windows = plan_bone_windows(scene.path(), {});
-  ASSERT_GT(windows.windows.size(), 3u);
-  const auto forth = solve(scene, {});
-  std::vector<PointEstimate> back(forth.size());
-  for (std::size_t k = windows.windows.size(); k-- > 0;)
-    solve_bone_window(scene.path(), windows, k, {}, back);
-  for (std::size_t k = 0; k < forth.size(); ++k)
-    EXPECT_EQ(std::memcmp(forth[k].position_m.data(), back[k].position_m.data(), 3 * sizeof(double)), 0) << k;
-}
-
-TEST(BoneWindow, EveryInstantIsAnsweredByTheWindowInWhoseMiddleItLies) {
-  const Scene scene = scene_of(200, 0.0);
-  const BoneWindows windows = plan_bone_windows(scene.path(), {.window_s = 2.0});
-  std::size_t next = 0;
-  for (const TimeWindow& window : windows.windows) {
-    EXPECT_EQ(window.answer_first, next);
-    EXPECT_TRUE(window.first <= window.answer_first && window.answer_last <= window.last);
-    EXPECT_EQ(window.answer_first - window.first, next > 0 ? 15u : 0u);
-    next = window.answer_last;
-  }
-  EXPECT_EQ(next, 200u);
-}
-
-TEST(BoneWindow, AnswersWhereTheSmootherDoes) {
-  Scene scene = scene_of(150, 0.03);
-  scene.hide(0, 0, 5);
-  scene.hide(0, 20, 24);   // 0.13 s
-  scene.hide(0, 40, 130);  // 3 s, more than a window
-  scene.hide(2, 140, 150);
-  const auto estimates = solve(scene, {});
-  for (std::size_t j = 0; j < 3; ++j) {
-    const auto smoother = smoothed(scene, j, {});
-    for (std::size_t i = 0; i < 150; ++i) {
-      const bool answered = is_usable(smoother[i].status);
-      EXPECT_EQ(estimates[scene.slot(i, j)].status,
-                answered ? SolveStatus::converged : SolveStatus::no_observation);
-      EXPECT_EQ(estimates[scene.slot(i, j)].position_m.allFinite(), answered) << i;
-    }
-  }
-}
-
 TEST(BoneWindow, AJointIsCarriedThroughAWholeWindowWhenTheGapMayBeSoLong) {
   Scene scene = scene_of(150, 0.005);
   scene.hide(0, 40, 110);
@@ -301,35 +258,6 @@ TEST(BoneWindow, OneInstantIsEnough) {
     EXPECT_EQ(estimates[j].status, SolveStatus::converged);
     EXPECT_LT((estimates[j].position_m - scene.truth_m[j]).norm(), 1e-9);
   }
-}
-
-// 0.1 s hold no or one of the instants of 5 Hz.
-TEST(BoneWindow, WindowsShorterThanTheTimeBetweenInstantsAnswerEachInstantOnce) {
-  Scene scene = scene_of(30, 0.0);
-  for (std::size_t i = 0; i < scene.time_ns.size(); ++i)
-    scene.time_ns[i] = static_cast<std::int64_t>(i) * 200'000'000;
-  const auto estimates = solve(scene, {.window_s = 0.1});
-  for (std::size_t k = 0; k < estimates.size(); ++k) {
-    EXPECT_EQ(estimates[k].status, SolveStatus::converged) << k;
-    EXPECT_LT((estimates[k].position_m - scene.truth_m[k]).norm(), 1e-6) << k;
-  }
-}
-
-TEST(BoneWindow, TooFewIterationsAreSaid) {
-  const auto estimates = solve(scene_of(30, 0.05), {.bone_sigma_m = 1e-3, .max_iterations = 1});
-  for (const PointEstimate& estimate : estimates) EXPECT_EQ(estimate.status, SolveStatus::iteration_limit);
-}
-
-TEST(BoneWindow, RefusesWhatDoesNotFit) {
-  Scene scene = scene_of(5, 0.0);
-  scene.time_ns[3] = scene.time_ns[2];
-  EXPECT_THROW(solve(scene, {}), InternalError);
-  scene = scene_of(5, 0.0);
-  scene.joints[1] = scene.joints[0];
-  EXPECT_THROW(solve(scene, {}), InternalError);
-  scene = scene_of(5, 0.0);
-  scene.seen.pop_back();
-  EXPECT_THROW(solve(scene, {}), InternalError);
 }
 
 }  // namespace

@@ -133,20 +133,6 @@ TEST_P(EverySetting, EveryInstructionSetGivesTheSameBits) {
   if (targets < 2) GTEST_SKIP() << "this processor has one instruction set only";
 }
 
-// The plane of the sensors is worked out once for neighbours with the same sensors; a problem that is refused
-// in between must not pass on the plane of the one before it.
-TEST(ManyProblems, ARefusedOneDoesNotConfuseItsNeighbours) {
-  const RangeProblem level = problem_of(ring_m(0.9, 0.9, 0.9, 0.9), {0.1, 1.5, 0.2});
-  const RangeProblem tilted = problem_of(well_posed_sensors_m(), {0.1, 1.5, 0.2});
-  RangeProblem refused = tilted;
-  refused.range_m[0] = -1.0;
-  const std::vector<RangeProblem> problems{level, refused, tilted};
-  std::vector<PointEstimate> estimates(3);
-  solve_nonlinear(problems, {}, estimates);
-  EXPECT_EQ(estimates[1].status, SolveStatus::invalid_input);
-  EXPECT_TRUE(same(estimates[2], solve_nonlinear(tilted, {})));
-}
-
 DescentBatch filled_batch(const std::vector<RangeProblem>& problems, bool one_rig) {
   DescentBatch batch(4, problems.size(), one_rig);
   for (std::size_t lane = 0; lane < problems.size(); ++lane) {
@@ -170,33 +156,6 @@ std::vector<RangeProblem> ring_problems(std::size_t count) {
   return problems;
 }
 
-TEST(DescentBatch, OneRigForAllIsTheSameAsItsSensorsInEveryLane) {
-  for (const std::size_t count : {1, 3, 8, 13, 64}) {
-    const std::vector<RangeProblem> problems = ring_problems(count);
-    DescentBatch shared = filled_batch(problems, true), own = filled_batch(problems, false);
-    descend(shared, {});
-    descend(own, {});
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      EXPECT_EQ(shared.status[lane], SolveStatus::converged);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        EXPECT_EQ(shared.position_m.row(axis)[lane], own.position_m.row(axis)[lane]);
-    }
-  }
-}
-
-TEST(DescentBatch, ALaneDoesNotCareWhatItsNeighboursDo) {
-  const std::vector<RangeProblem> problems = ring_problems(16);
-  DescentBatch calm = filled_batch(problems, false), wild = filled_batch(problems, false);
-  for (std::size_t lane = 1; lane < 16; lane += 2) wild.range_m.row(2)[lane] = 1e200;
-  descend(calm, {});
-  descend(wild, {});
-  for (std::size_t lane = 0; lane < 16; lane += 2) {
-    EXPECT_EQ(calm.position_m.row(0)[lane], wild.position_m.row(0)[lane]);
-    EXPECT_EQ(calm.iterations.row(0)[lane], wild.iterations.row(0)[lane]);
-    EXPECT_EQ(wild.status[lane], SolveStatus::converged);
-  }
-}
-
 TEST(DescentBatch, ASensorOfWeightZeroIsNotThere) {
   const std::vector<RangeProblem> problems = ring_problems(8);
   DescentBatch batch = filled_batch(problems, true);
@@ -217,17 +176,6 @@ TEST(DescentBatch, ASensorOfWeightZeroIsNotThere) {
     ASSERT_EQ(estimate.status, SolveStatus::converged);
     EXPECT_LT((estimate.position_m - *three.hint_m).norm(), 1e-8);
   }
-}
-
-TEST(DescentBatch, RefusesSettingsThatContradictEachOther) {
-  DescentBatch batch = filled_batch(ring_problems(1), true);
-  DescentOptions printed;
-  printed.gradient = Gradient::printed;
-  EXPECT_THROW(descend(batch, printed), InternalError);
-  DescentOptions undamped;
-  undamped.damping = Damping::none;
-  undamped.curvature = Curvature::newton;
-  EXPECT_THROW(descend(batch, undamped), InternalError);
 }
 
 TEST(Newton, EndsWhereGaussNewtonEndsInFewerSteps) {

@@ -119,17 +119,6 @@ TEST(Kalman, TheSmootherEqualsTheBatchSolution) {
   }
 }
 
-TEST(Kalman, TheOrderOfTheSensorsDoesNotMatter) {
-  const KalmanOptions options{.smooth = true};
-  Walk walk = random_walk(9, 50, options);
-  walk.seen[40].point_in_world_m += Vector3d(1.0, 0.0, 0.0);  // one that the gate refuses
-  const auto one = solve(walk, options);
-  for (std::size_t i = 0; i < 50; ++i) std::swap(walk.seen[i * kSensors], walk.seen[i * kSensors + 1]);
-  const auto other = solve(walk, options);
-  for (std::size_t i = 0; i < 50; ++i)
-    EXPECT_NEAR((one[i].position_m - other[i].position_m).norm(), 0.0, 1e-12);
-}
-
 TEST(Kalman, GoesOnThroughShortGapsAndEndsInLongOnes) {
   for (const bool smooth : {false, true}) {
     const KalmanOptions options{.longest_gap_s = 0.2, .smooth = smooth};

@@ -56,31 +56,6 @@ TEST(Precision, OfDirectionsAlongTheAxesIsTheVarianceOfEachRange) {
   EXPECT_LT((precision.covariance - expected).norm(), 1e-12 * expected.norm());
 }
 
-TEST(Precision, OfATetrahedronIsThreeQuartersOfTheVariance) {
-  const RangeProblem problem = problem_of({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {0, 0, 0});
-  const PointEstimate precision = precision_at(problem, {0, 0, 0}, std::vector<double>(4, 0.01));
-  EXPECT_NEAR(precision.gdop, 1.5, 1e-12);
-  EXPECT_LT((precision.covariance - 0.0075 * Matrix3d::Identity()).norm(), 1e-14);
-}
-
-// U^T U = n diag(cos^2 / 2, sin^2, cos^2 / 2), e the elevation.
-TEST(Precision, OfARingFollowsTheElevation) {
-  for (int n = 3; n <= kMaxSensors; ++n) {
-    for (const double e : {-1.2, -0.3, 0.05, 0.6, 1.5}) {
-      const Vector3d joint_m(0.2, 1.1, -0.7);
-      const RangeProblem problem = ring_of(n, e, joint_m);
-      const PointEstimate precision =
-          precision_at(problem, joint_m, std::vector<double>(static_cast<std::size_t>(n), 1.0));
-      const double horizontal = 4.0 / (n * std::cos(e) * std::cos(e));
-      const double vertical = 1.0 / (n * std::sin(e) * std::sin(e));
-      const Vector3d variance = precision.covariance.diagonal();
-      EXPECT_NEAR((variance.x() + variance.z()) / horizontal, 1.0, 1e-12) << n << " " << e;
-      EXPECT_NEAR(variance.y() / vertical, 1.0, 1e-12) << n << " " << e;
-      EXPECT_NEAR(precision.gdop / std::sqrt(horizontal + vertical), 1.0, 1e-12) << n << " " << e;
-    }
-  }
-}
-
 TEST(Precision, IsNeverBelowThreeByTheRootOfTheNumberOfSensors) {
   for (int n = 3; n <= kMaxSensors; ++n) {
     const double best_rad = std::atan(std::sqrt(0.5));

@@ -72,21 +72,6 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
               21 * 11);
 }
 
-// Depths 0.9 to 2 m: below half the average is nothing, and 0.9 m is less than half of 2 m.
-TEST(PrintedWand, TheCorrectedStopRuleNeedNotEndEither) {
-  DepthPicture picture = filled_with(5000);
-  put_block(picture, 100, 100, 199, 199, 2000);
-  put_block(picture, 100, 100, 109, 199, 900);
-  const WandSighting sighting =
-      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
-  EXPECT_EQ(sighting.status, WandStatus::found);  // 1.89 m average, threshold 0.95 m: the 0.9 m strip
-  EXPECT_EQ(sighting.pixels, 1000);
-  put_block(picture, 100, 100, 109, 199, 1000);
-  EXPECT_EQ(
-      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected}).status,
-      WandStatus::not_ended);
-}
-
 // One invalid pixel is the nearest of all as printed: in the end only it is left.
 TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   DepthPicture picture = block_before_a_wall();
@@ -205,33 +190,6 @@ TEST(PrintedWand, ByTheMidRangeItEndsWhenTheNextThresholdLeavesNothingOut) {
       find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::mid_range});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 400);
-}
-
-TEST(PrintedWand, SeesNothingWhereNothingIsLabelled) {
-  const WandSighting empty =
-      find_wand_as_printed(filled_with(0).view(), printed_rays(), all_equations_corrected());
-  EXPECT_EQ(empty.status, WandStatus::no_wand);
-  EXPECT_TRUE(std::isnan(empty.centre_in_sensor_m.z()));
-  EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), printed_rays(), {}).status, WandStatus::no_wand);
-  EXPECT_EQ(find_wand_as_printed(filled_with(2000).view(), printed_rays(), {}).status, WandStatus::no_wand);
-}
-
-TEST(PrintedWand, AFactorOfOneEndsAtTheIterationLimit) {
-  const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), printed_rays(),
-                                                     {.c_offset = 5.0, .max_iterations = 7});
-  EXPECT_EQ(sighting.status,
-            WandStatus::found);  // 5 times the nearest is beyond the farthest: eq. 3 holds at last
-  DepthPicture uneven = block_before_a_wall();
-  uneven.at(300, 100) = 1100;
-  const WandSighting endless =
-      find_wand_as_printed(uneven.view(), printed_rays(), {.c_offset = 1.0, .max_iterations = 1});
-  EXPECT_EQ(endless.status, WandStatus::not_ended);
-}
-
-TEST(PrintedWand, AnImageOfAnotherSizeIsOurMistake) {
-  const std::vector<std::uint16_t> depth_mm(640 * 480, 1000);
-  EXPECT_THROW(static_cast<void>(find_wand_as_printed({640, 480, depth_mm}, printed_rays(), {})),
-               InternalError);
 }
 
 }  // namespace

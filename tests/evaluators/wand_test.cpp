@@ -416,26 +416,5 @@ TEST(FindWand, SeesNothingInImagesWithoutABall) {
   EXPECT_EQ(sighting.pixels, 0);
 }
 
-TEST(FindWand, ARandomImageHoldsNoBall) {
-  const RandomStream random{4, Purpose::test, 1};
-  DepthPicture picture = picture_of({}, rays());
-  for (std::size_t i = 0; i < picture.depth_mm.size(); ++i)
-    picture.depth_mm[i] =
-        static_cast<std::uint16_t>(random.uniform(static_cast<std::uint32_t>(i), 0.0, 65535.0));
-  EXPECT_EQ(find_wand(picture.view(), rays(), kOptions).status, WandStatus::no_wand);
-}
-
-TEST(FindWand, AnImageOfAnotherSizeIsOurMistake) {
-  const std::vector<std::uint16_t> depth_mm(640 * 480, 1000);
-  EXPECT_THROW(static_cast<void>(find_wand({640, 480, depth_mm}, rays(), kOptions)), InternalError);
-  EXPECT_THROW(static_cast<void>(find_wand({512, 424, {}}, rays(), kOptions)), InternalError);
-}
-
-TEST(WandStatus, EveryStatusHasItsName) {
-  EXPECT_EQ(name_of(WandStatus::not_looked), "not_looked");
-  EXPECT_EQ(name_of(WandStatus::cut_by_edge), "cut_by_edge");
-  EXPECT_EQ(name_of(WandStatus::not_ended), "not_ended");
-}
-
 }  // namespace
 }  // namespace trilat

@@ -60,16 +60,6 @@ TEST(Assumptions, OfACampaignThatIsSimulatedAgainAreTheNewOnes) {
   EXPECT_NE(read_file(folder / "campaign/simulator.json"), first);
 }
 
-TEST(Assumptions, WithoutASimulatorsFileThereAreNone) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  std::filesystem::remove(folder / "campaign/simulator.json");
-  execute_study(mean_study(), campaign, folder / "results", {});
-  EXPECT_FALSE(std::filesystem::exists(folder / "results/simulator.json"));
-  write_report({folder / "results"}, folder / "report");
-  EXPECT_THAT(read_file(folder / "report/report.html"), Not(HasSubstr("What the simulation behind")));
-}
-
 struct RecordedSession {
   ScratchFolder folder;
   SimulationSpec spec = tracked(0.02);

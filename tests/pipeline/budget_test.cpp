@@ -39,15 +39,6 @@ BudgetSpec budget_of(const std::string& members, const SimulationSpec& simulatio
   return parse_budget(parse_json(budget_text(members), "budget.json"), "budget.json", {}, simulation);
 }
 
-// The simulation that the door's tests name; returns the study's path.
-std::string study_in(const ScratchFolder& folder, const std::string& members, double duration_s = 2.0) {
-  file_with(folder, "simulation.json",
-            R"({"format": "trilat.simulation", "version": 1, "name": "tiny", "participants": 1,
-                "activities": [{"name": "walking", "duration_s": )" +
-                std::to_string(duration_s) + R"(}], "body_tracker": {}})");
-  return file_with(folder, "budget.json", budget_text(R"("simulation": "simulation.json", )" + members));
-}
-
 BudgetSummary evaluate(const BudgetSpec& spec, const std::filesystem::path& output, int threads = 2) {
   run_study(budget_study(spec), output, {.threads = threads});
   return read_results<BudgetSummary>(output);
@@ -73,14 +64,6 @@ TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
   }
   for (const auto& [group, m2] : sum_m2) EXPECT_NEAR(std::sqrt(m2) / observed_m.at(group), 1.0, 0.3) << group;
   EXPECT_EQ(read_file(folder / "results/summary.json").find("NaN"), std::string::npos);
-}
-
-TEST(Budget, ItsResultsHoldWhatTheSimulationAssumesAndNoCampaign) {
-  const ScratchFolder folder;
-  evaluate(budget_of(kBudgetMethods, tracked_walk(1, 1.0)), folder / "results");
-  EXPECT_FALSE(read_declared_parameters(folder / "results").empty());
-  EXPECT_FALSE(std::filesystem::exists(folder / "results/work"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
 }
 
 // Markers that do not move at all are measured all the same.
@@ -111,30 +94,6 @@ std::string budget_refusal(const std::string& members,
   return message_of([&] { budget_of(members, simulation); });
 }
 
-TEST(BudgetSpec, ErrorsNameTheJsonPointerAndWhatWouldBeRight) {
-  const std::string good = kBudgetMethods;
-  EXPECT_EQ(budget_refusal(good), "no error");
-  const std::pair<const char*, const char*> cases[] = {
-      {R"(, "calibration_sigma_m": -0.1)", "budget.json /calibration_sigma_m: must lie between 0"},
-      {R"(, "calibration_sigma_deg": 90)", "budget.json /calibration_sigma_deg: must lie between 0"},
-      {R"(, "calibration_sigma_m": "5 mm")", "budget.json /calibration_sigma_m: must be a number"},
-      {R"(, "participants": 0)", "budget.json /participants: must be 1 to 10000, is 0"},
-      {R"(, "participants": 1.5)", "budget.json /participants"},
-      {R"(, "seed": -1)", "budget.json /seed"},
-      {R"(, "campaign": "mine")", "budget.json /campaign: is of no use"},
-      {R"(, "rate_hz": 0)", "budget.json /rate_hz: must be greater than 0"}};
-  for (const auto& [members, message] : cases)
-    EXPECT_THAT(budget_refusal(good + members), HasSubstr(message)) << members;
-  const std::string unknown = budget_refusal(good + R"(, "simulatoin": "a.json")");
-  EXPECT_THAT(unknown, HasSubstr("budget.json /simulatoin: is an unknown key"));
-  EXPECT_THAT(unknown,
-              AllOf(HasSubstr("simulation"), HasSubstr("calibration_sigma_deg"), HasSubstr("methods")));
-  SimulationSpec recorded = tracked_walk(1, 1.0);
-  recorded.recorded = RecordedSpec{"take.csv", "mapping.json"};
-  EXPECT_THAT(budget_refusal(good + R"(, "participants": 3)", recorded),
-              HasSubstr("budget.json /participants: "));
-}
-
 TEST(BudgetSpec, ReplacesSeedAndParticipantsOfTheSimulation) {
   const SimulationSpec simulation = tracked_walk(7, 1.0);
   const BudgetSpec as_given = budget_of(kBudgetMethods, simulation);
@@ -144,35 +103,6 @@ TEST(BudgetSpec, ReplacesSeedAndParticipantsOfTheSimulation) {
       budget_of(std::string(R"("participants": 2, "seed": 99, )") + kBudgetMethods, simulation);
   EXPECT_EQ(replaced.simulation.participants, 2u);
   EXPECT_EQ(replaced.simulation.seed, 99u);
-}
-
-TEST(BudgetVerb, PrintsTablesOrOneJsonDocumentAndReplacesItsEarlierResults) {
-  const ScratchFolder folder;
-  const std::string study = study_in(folder, kBudgetMethods, 0.5), results = folder / "results";
-  const Ended text = run_trilat(folder, {"run", study, "-o", results});
-  EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_THAT(text.out, AllOf(HasSubstr("Error budget, simulated"), HasSubstr("sum / observed")));
-  const Ended json = run_trilat(folder, {"run", study, "-o", results, "--json"});
-  EXPECT_EQ(json.code, 0) << json.err;
-  EXPECT_EQ(only_json(json)["simulated"], true);
-  const Ended report = run_trilat(folder, {"report", results, "-o", folder / "report", "--json"});
-  EXPECT_EQ(report.code, 0) << report.err;
-  for (const Table& table : budget_tables(read_results<BudgetSummary>(results)))
-    EXPECT_TRUE(std::filesystem::exists(folder / ("report/tables/results/" + table.id + ".csv"))) << table.id;
-}
-
-TEST(BudgetVerb, ADryRunPrintsThePlanAndWritesNothing) {
-  const ScratchFolder folder;
-  const std::string study = study_in(folder, kBudgetMethods);
-  const Ended text = run_trilat(folder, {"run", study, "--dry-run", "-o", folder / "results"});
-  EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("14 campaigns of 1 participant"));
-  const Ended json = run_trilat(folder, {"run", study, "--dry-run", "--json"});
-  EXPECT_EQ(json.code, 0);
-  EXPECT_EQ(only_json(json)["campaigns"], 14);
-  EXPECT_EQ(only_json(json)["participants"], 1);
-  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "results.partial"));
 }
 
 // Before anything is simulated, and so also in a dry run.
@@ -188,27 +118,6 @@ TEST(BudgetSpec, WhatTheSimulationDoesNotHaveIsRefusedAtOnce) {
   EXPECT_EQ(budget_refusal(
                 good + R"(, "conditions": ["walking"], "reference": "nonlinear", "sensors": ["k1", "k4"])"),
             "no error");
-}
-
-TEST(BudgetVerb, RefusesWhatItHasNoUseForAndWhatIsWrong) {
-  const ScratchFolder folder;
-  const std::string study = study_in(folder, kBudgetMethods), out = folder / "r";
-  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--campaign", folder.path().string()}),
-                 "--campaign: is of no use: an error budget simulates its own campaigns");
-  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--calibration", "c.json"}),
-                 "--calibration: is of no use");
-  expect_refused(run_trilat(folder, {"run", study, "-o", out, "--cross-check"}), "--cross-check: is for");
-  expect_refused(run_trilat(folder, {"run", study}), "--output: is missing");
-  const auto refused = [&](const std::string& members, const std::string& message) {
-    const std::string bad = file_with(folder, "bad.json", budget_text(members + ", " + kBudgetMethods));
-    expect_refused(run_trilat(folder, {"run", bad, "-o", out}), message);
-  };
-  refused(R"("sed": 1)", "bad.json /sed: is an unknown key");
-  refused(R"("calibration_sigma_m": 2)", "bad.json /calibration_sigma_m: must lie between");
-  refused(R"("simulation": "absent.json")", "absent.json");
-  refused(R"("conditions": ["flying"])",
-          "has \"flying\", which the simulation does not have; its activities are \"walking\"");
-  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 }  // namespace

@@ -206,40 +206,6 @@ TEST(CalibrateWand, IntrinsicsOfAnotherSensorAreRefused) {
   EXPECT_THAT(complaint("k1", folder / "absent.yaml"), HasSubstr("absent.yaml"));
 }
 
-TEST(CalibrateVerb, WrongUsageIsOneLine) {
-  const ScratchFolder folder;
-  record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2), 2);
-  const std::string session = folder / "session.h5", output = folder / "calibration.json";
-  const auto calibrated = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"calibrate", session, "-o", output};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_trilat(folder, arguments);
-  };
-  expect_refused(calibrated({"--mocap", "wand.csv"}), "--mocap: needs --asset and --mocap-start-host-ns");
-  expect_refused(calibrated({"--asset", "Wand"}), "--mocap: needs --asset");
-  expect_refused(calibrated({"--mocap", "wand.csv", "--asset", "Wand"}), "--mocap-start-host-ns");
-  for (const char* entry : {"k1", "k1=", "=calib.yaml"})
-    expect_refused(calibrated({"--intrinsics", entry}), "must be SENSOR=FILE");
-  expect_refused(calibrated({"--intrinsics", "k9=calib.yaml"}), "has no sensor \"k9\"; it has k1, k2");
-  expect_refused(calibrated({"--method", "guess"}), "guess");
-  expect_refused(calibrated({"--ball-radius-m", "7.5"}), "--ball-radius-m");
-  expect_refused(calibrated({"--method", "bodies"}), "has no body frames");
-  for (const char* option : {"--movement-m", "--movement-sigma-m", "--ball-radius-m"})
-    expect_refused(calibrated({"--method", "bodies", option, "0.1"}),
-                   std::string(option) + ": is of no use with --method bodies");
-  expect_refused(calibrated({"--method", "two_positions", "--mocap", "a.csv", "--asset", "w",
-                             "--mocap-start-host-ns", "1"}),
-                 "--mocap: is of no use with --method two_positions");
-  expect_refused(calibrated({"--trajectory-axis", "z"}),
-                 "--trajectory-axis: is of no use with --method wand");
-  expect_refused(calibrated({"--method", "printed", "--trajectory-axis", "up"}), "--trajectory-axis");
-  expect_refused(
-      calibrated({"--movement-m", "1", "--mocap", "a.csv", "--asset", "w", "--mocap-start-host-ns", "1"}),
-      "--movement-m: is of no use beside --mocap");
-  expect_refused(calibrated({session, "--method", "bodies"}), "one session too many for --method bodies");
-  EXPECT_FALSE(std::filesystem::exists(output));
-}
-
 TEST(CalibrateViews, ExactSightingsGiveExactPoses) {
   const auto rig = rig_of(3);
   const WandCalibration result = calibrate_views(views_of(rig, kPlaces, always), "session.h5", {});

@@ -35,43 +35,6 @@ CalibrationSpec calibration_spec_of(const std::string& members) {
   return parse_calibration_spec(parse_json(text, "study.json"), "study.json");
 }
 
-std::string calibration_refusal(const std::string& members) {
-  return message_of([&] { calibration_spec_of(members); });
-}
-
-TEST(CalibrationSpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  EXPECT_EQ(calibration_refusal(""), "no error");
-  EXPECT_THAT(calibration_refusal(R"(, "unit": 3)"),
-              AllOf(HasSubstr("study.json /unit"), HasSubstr("units")));
-  EXPECT_THAT(calibration_refusal(R"(, "units": 0)"),
-              HasSubstr("study.json /units: must be 1 to 1000, is 0"));
-  EXPECT_THAT(calibration_refusal(R"(, "frames": 101)"), HasSubstr("/frames: must be 1 to 100, is 101"));
-  EXPECT_THAT(calibration_refusal(R"(, "positions": 2)"), HasSubstr("/positions: must be 3 to 1000, is 2"));
-  EXPECT_THAT(calibration_refusal(R"(, "runs": -1)"), HasSubstr("/runs"));
-  EXPECT_THAT(calibration_refusal(R"(, "distances_m": [4.5, 0.4])"),
-              HasSubstr("/distances_m: must be [from, to] within 0.2 to 8 m, the nearer first"));
-  EXPECT_THAT(calibration_refusal(R"(, "distances_m": [0.4])"),
-              HasSubstr("/distances_m: must be an array of 2 numbers"));
-  EXPECT_THAT(calibration_refusal(R"(, "ball_radius_m": 75)"),
-              HasSubstr("/ball_radius_m: must lie between 0.02 and 0.3"));
-  EXPECT_THAT(calibration_refusal(R"(, "rig": {"heights_m": [1]})"),
-              HasSubstr("/rig/heights_m: must hold 2 to 8 heights"));
-  EXPECT_THAT(calibration_refusal(R"(, "rig": {"height_m": 1})"), HasSubstr("/rig/height_m"));
-}
-
-TEST(CalibrationSpec, WrittenOutInFullItReadsBackAsItself) {
-  const CalibrationSpec spec = calibration_spec_of(
-      R"(, "seed": 9, "units": 3, "frames": 2, "distances_m": [0.5, 3.5], "rig": {"radius_m": 2.5,
-         "heights_m": [0.5, 1.5, 2.0]}, "runs": 7, "bodies_s": 0, "wall_m": 1.5, "largest_angle_deg": 20)");
-  EXPECT_EQ(spec.rig.heights_m, (std::vector<double>{0.5, 1.5, 2.0}));
-  for (const CalibrationSpec& written : {spec, calibration_spec_of("")}) {
-    const Json json = resolved_json(written);
-    EXPECT_EQ(resolved_json(parse_calibration_spec(json, "resolved.json")), json);
-  }
-  EXPECT_EQ(resolved_json(spec)["runs"], 7);
-  EXPECT_NE(resolved_json(spec), resolved_json(calibration_spec_of("")));
-}
-
 // 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
 TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
@@ -155,41 +118,6 @@ CalibrationSpec tiny_spec() {
       "bodies_instants": 6)");
 }
 
-TEST(CalibrationStudy, ATinyOneReadsBackAndTellsItsParts) {
-  const ScratchFolder folder;
-  std::set<std::string> parts;
-  std::mutex mutex;
-  StudyOptions options;
-  options.progress = [&](const std::string& part, double) {
-    const std::lock_guard lock(mutex);  // any thread may tell
-    parts.insert(part);
-  };
-  run_study(calibration_study(tiny_spec()), folder / "1", options);
-  EXPECT_EQ(parts, (std::set<std::string>{"wand", "distortion", "rigs"}));
-  EXPECT_EQ(results_kind(folder / "1"), StudyKind::calibration);
-  const CalibrationSummary summary = read_results<CalibrationSummary>(folder / "1");
-  EXPECT_EQ(summary.study, "test");
-  ASSERT_THAT(summary.wand, SizeIs(16));  // eight methods in two scenes
-  for (const WandRow& row : summary.wand) {
-    EXPECT_EQ(row.all.asked, 2u) << row.method;
-    EXPECT_EQ(row.near.asked, 1u) << row.method;
-    std::uint64_t statuses = 0;
-    for (const auto& [name, count] : row.statuses) statuses += count;
-    EXPECT_EQ(statuses, 2u) << row.method;
-  }
-  EXPECT_THAT(summary.wand_samples, SizeIs(16 * 2));
-  for (const WandSample& sample : summary.wand_samples)
-    EXPECT_FALSE(sample.distance_error_m > sample.error_m);
-  ASSERT_THAT(summary.distortion, SizeIs(1));
-  EXPECT_THAT(summary.distortion[0].valid, SizeIs(512));
-  EXPECT_EQ(summary.distortion[0].frames, 4u);
-  ASSERT_THAT(summary.rigs, SizeIs(6));
-  EXPECT_THAT(summary.rigs, Each(Field(&RigRow::runs, 1u)));
-  EXPECT_THAT(summary.rigs, testing::Contains(Field(&RigRow::method, "wand")));
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "1"))
-    EXPECT_NE(entry.path().extension(), ".h5") << entry.path();  // recordings of walking are removed
-}
-
 CalibrationSpec wand_only_spec(const std::string& members) {
   return calibration_spec_of(members +
                              R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0)");
@@ -254,18 +182,6 @@ TEST(CalibrationStudy, TheFirstThreePlacesAreLevelAndSeenByEverySensor) {
     const Eigen::Vector3d up = simulated.wand_from_world.rotation * Eigen::Vector3d::UnitY();
     EXPECT_NEAR(up.y(), 1.0, 1e-12);
   }
-}
-
-TEST(CalibrationStudy, PartsOfWhichNothingIsAskedAreLeftOut) {
-  const ScratchFolder folder;
-  CalibrationSpec spec = tiny_spec();
-  spec.samples = spec.near_samples = spec.distortion_units = spec.runs = 0;
-  run_study(calibration_study(spec), folder / "nothing", {});
-  const CalibrationSummary nothing = read_results<CalibrationSummary>(folder / "nothing");
-  EXPECT_THAT(nothing.wand, IsEmpty());
-  EXPECT_THAT(nothing.wand_samples, IsEmpty());
-  EXPECT_THAT(nothing.distortion, IsEmpty());
-  EXPECT_THAT(nothing.rigs, IsEmpty());
 }
 
 }  // namespace

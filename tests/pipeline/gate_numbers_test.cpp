@@ -47,24 +47,5 @@ TEST(GateNumbers, AValueThatIsNotThereAnyMoreOrIsAnotherKindIsAnAlarm) {
   EXPECT_EQ(changes.findings[1].note, "0.1 before, nothing now");
 }
 
-TEST(GateNumbers, AnEntryThatIsNewIsShown) {
-  Json now{{"errors_m", {0.1, 0.2}}}, before{{"errors_m", {0.1}}};
-  const NumberChanges changes = judge_numbers("study", now, before, {});
-  ASSERT_THAT(changes.findings, SizeIs(1));
-  EXPECT_EQ(changes.findings[0].note, "nothing before, 0.2 now");
-}
-
-TEST(GateNumbers, OfAThousandTheLargestAreListed) {
-  Json before{{"errors_m", Json::array()}}, now = before;
-  for (int i = 0; i < 1000; ++i) {
-    before["errors_m"].push_back(0.05);
-    now["errors_m"].push_back(0.051 + 1e-5 * i);
-  }
-  const NumberChanges changes = judge_numbers("study", now, before, {});
-  EXPECT_EQ(changes.differing, 1000u);
-  ASSERT_THAT(changes.findings, SizeIs(kMostNumbers));
-  EXPECT_EQ(changes.findings[0].what, "/errors_m/999");
-}
-
 }  // namespace
 }  // namespace trilat

@@ -87,43 +87,6 @@ TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
   EXPECT_THAT(ended.out, Not(HasSubstr("the same numbers")));
 }
 
-TEST(GateUnjudged, OtherNumbersOfChangedSamplesAreTold) {
-  Nights nights({}, larger_errors(1.0001));
-  Json summary = read_json(nights.folder / "now/summary.json");
-  summary["cells"][0]["mean_iterations"] = 9.0;
-  write_file(nights.folder / "now/summary.json", summary.dump());
-  summary["cells"][0]["mean_iterations"] = 3.0;
-  write_file(nights.folder / "before/summary.json", summary.dump());
-  const Ended ended = nights.gate();
-  EXPECT_EQ(ended.code, 0) << ended.out;
-  EXPECT_THAT(ended.out, HasSubstr("mean_iterations (nonlinear, walking, head, none): +200.0 %, 3 -> 9"));
-}
-
-TEST(GateUnjudged, PartsOfTwoRunsInOneFolderAreRefused) {
-  const Nights nights({}, {});
-  for (const char* night : {"now", "before"}) {
-    const auto path = nights.folder / night / "summary.json";
-    Json summary = read_json(path);
-    summary["study"] = "runs";
-    write_file(path, summary.dump());
-  }
-  expect_refused(nights.gate(), "/study/name: is \"walks\", and that of summary.json beside it \"runs\"");
-}
-
-TEST(GateUnjudged, SamplesThatAreTornAlikeAreRefused) {
-  const Nights nights({}, {});
-  for (const char* night : {"now", "before"})
-    std::filesystem::resize_file(nights.folder / night / "samples.h5", 5000);
-  expect_refused(nights.gate(), "samples.h5");
-}
-
-TEST(GateUnjudged, FilesThatItDoesNotKnowAreNoDifference) {
-  const Nights nights({}, {});
-  write_file(nights.folder / "now/items.json", "[1]");
-  write_file(nights.folder / "now/hashes.json", "[2]");
-  EXPECT_EQ(nights.gate().code, 0);
-}
-
 TEST(GateUnjudged, AcceptingFewerStudiesSaysWhichAreLeftBehind) {
   ScratchFolder folder;
   MadeStudy other;
@@ -135,32 +98,6 @@ TEST(GateUnjudged, AcceptingFewerStudiesSaysWhichAreLeftBehind) {
                                           (folder / "before").string(), "--accept", "runs are gone"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("not in the baseline any more: runs"));
-}
-
-TEST(GateUnjudged, AFailureIsSaidOnce) {
-  Nights nights({}, {});
-  MadeStudy study;
-  study.takes_failed = 1;
-  write_made_results(nights.folder / "now", study, larger_errors(1.0001));
-  const std::string out = nights.gate().out;
-  const std::string what = "takes that could not be evaluated";
-  EXPECT_NE(out.find(what), std::string::npos);
-  EXPECT_EQ(out.find(what), out.rfind(what));
-}
-
-TEST(GateUnjudged, LongValuesThatDifferAreToldWhereTheyDiffer) {
-  Nights nights({}, {});
-  std::string text;
-  for (int i = 0; i < 60; ++i) text += "ä";
-  for (const char* night : {"now", "before"}) {
-    Json manifest = read_json(nights.folder / night / "manifest.json");
-    manifest["study"]["note"] = text + night + text;
-    write_file(nights.folder / night / "manifest.json", manifest.dump());
-  }
-  const Ended ended = nights.gate();
-  expect_refused(ended, "/study/note is ");
-  EXPECT_THAT(ended.err, HasSubstr("änow"));
-  EXPECT_THAT(ended.err, HasSubstr("äbefore"));
 }
 
 }  // namespace

@@ -48,41 +48,5 @@ TEST(OverTime, WithoutNoiseTheWindowsFindTheTruth) {
   EXPECT_LT(mean_error_m(execute_study(study, campaign, folder / "results", {}), "window"), 0.001);
 }
 
-TEST(OverTime, TheProgressMovesWindowByWindowAndEndsAtTheEnd) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
-  std::mutex mutex;
-  std::vector<double> shares;
-  ExecuteOptions options{.threads = 1};
-  options.progress = [&](double share) {
-    const std::lock_guard lock(mutex);
-    shares.push_back(share);
-  };
-  execute_study(study_of(R"("methods": [{"method": "window", "window_s": 1}])"), campaign, folder / "results",
-                options);
-  ASSERT_GT(shares.size(), 4u);
-  EXPECT_TRUE(std::ranges::is_sorted(shares));
-  EXPECT_LT(shares.front(), 0.4);
-  EXPECT_EQ(shares.back(), 1.0);
-}
-
-// A window takes 0.5 s of the 3 s, so there are far more of them than threads.
-TEST(OverTime, IsInterruptedBetweenWindows) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
-  std::atomic<bool> moved{false};
-  std::atomic<int> after{0};
-  ExecuteOptions options{.threads = 1};
-  options.progress = [&](double) {
-    if (moved.exchange(true)) ++after;
-  };
-  options.stop_requested = [&] { return moved.load(); };
-  EXPECT_THROW(execute_study(study_of(R"("methods": [{"method": "window", "window_s": 0.5}])"), campaign,
-                             folder / "results", options),
-               Interrupted);
-  constexpr int kOthersAtWork = 3;  // under the thread sanitizer, which has four threads: they finish theirs
-  EXPECT_LE(after, kOthersAtWork);
-}
-
 }  // namespace
 }  // namespace trilat

@@ -56,22 +56,6 @@ TEST(Record, EndsWhenItsDurationIsOver) {
   EXPECT_THAT(session.header().started_utc, HasSubstr("at host clock"));
 }
 
-TEST(Record, WhatCannotBeRecordedIsRefused) {
-  const ScratchFolder folder;
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& message) {
-    arguments.insert(arguments.begin(), "record");
-    arguments.insert(arguments.end(), {"-o", in(folder, "s.h5")});
-    expect_refused(run_trilat(folder, arguments), message);
-  };
-  refused({}, "a source may be synthetic:N");
-  refused({"--source", "webcam:0"}, "no source \"webcam\"");
-  refused({"--source", "synthetic:2", "--source", "synthetic:2"}, "two sensors named \"k1\"");
-  refused({"--source", "synthetic:1", "--preview"}, "--preview: draws on a terminal");
-  refused({"--source", "synthetic:1,speed=max", "--truth", in(folder, "truth")}, "--truth: is known of one");
-  file_with(folder, "s.h5", "precious");
-  refused({"--source", "synthetic:1"}, "s.h5: exists; a recording is never written over another");
-}
-
 TEST(Record, InterruptedClosesTheFileInOrder) {
   const ScratchFolder folder;
   const Process process(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")});
@@ -80,19 +64,6 @@ TEST(Record, InterruptedClosesTheFileInOrder) {
   process.interrupt();
   EXPECT_EQ(process.wait().code, 0);
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
-}
-
-TEST(Record, LostFramesAndABrokenSourceMakeTheExitCodeOne) {
-  const ScratchFolder folder;
-  const Ended broken = run_trilat(
-      folder, {"record", "--source", "synthetic:1,depth=no,unplug=0.3", "-o", in(folder, "broken.h5")});
-  EXPECT_EQ(broken.code, 1);
-  EXPECT_THAT(broken.err, HasSubstr("k1: the source broke"));
-  EXPECT_TRUE(SessionReader(folder / "broken.h5").complete());
-  const Ended stalled =
-      run_trilat(folder, {"record", "--source", "synthetic:1,depth=no,duration=1,stall=0.3+0.2", "-o",
-                          in(folder, "stalled.h5")});
-  EXPECT_EQ(stalled.code, 1);
 }
 
 TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
@@ -178,16 +149,6 @@ TEST(Record, SensorsOfTwoComputersArriveOverTls) {
   }
 }
 
-TEST(Recover, WhatIsCompleteNeedsNoRecovery) {
-  const ScratchFolder folder;
-  run_trilat(folder,
-             {"record", "--source", "synthetic:1,depth=no,duration=0.5,speed=max", "-o", in(folder, "s.h5")});
-  const Ended ended = run_trilat(folder, {"recover", in(folder, "s.h5")});
-  EXPECT_EQ(ended.code, 0);
-  EXPECT_THAT(ended.out, HasSubstr("is complete; there is nothing to recover"));
-  expect_refused(run_trilat(folder, {"recover", in(folder, "other.h5")}), "other.h5: does not exist");
-}
-
 TEST(Recover, AFinishedRecordingWithoutItsNameGetsIt) {
   const ScratchFolder folder;
   run_trilat(folder,
@@ -255,14 +216,6 @@ TEST(SkeletonPreview, DrawsThePersonWhomAllSensorsSeeTogether) {
   const Eigen::Vector3d seen(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
   EXPECT_LT((first * seen - (head + 0.5 * off)).norm(), 1e-6);
   EXPECT_EQ(std::ranges::count(body.tracking_state, 2), 1);
-}
-
-TEST(RecordVerb, ACalibrationWithoutAPreviewIsRefused) {
-  const ScratchFolder folder;
-  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:1", "--calibration",
-                                          folder / "c.json", "-o", folder / "s.h5"});
-  EXPECT_EQ(ended.code, 2);
-  EXPECT_THAT(ended.err, HasSubstr("--calibration: is for --preview"));
 }
 
 // A body that stands upright in the middle: its spine is one column of dots.

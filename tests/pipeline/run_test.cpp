@@ -97,31 +97,6 @@ TEST(Run, NoiseOfTheSensorsIsWhatASingleSensorShows) {
   EXPECT_NEAR(all_m, one_m / 2.0, 0.1 * one_m / 2.0);
 }
 
-TEST(Run, TheFirstTakeOfAConditionCanBeReplayed) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
-  execute_study(study_of(R"("methods": [{"method": "mean"}])"), campaign, folder / "results", {});
-  const std::vector<ReplayTake> replays = read_replay(folder / "results");
-  ASSERT_EQ(replays.size(), 1u);
-  const ReplayTake& replay = replays.front();
-  EXPECT_EQ(replay.id, campaign.takes.front().id);
-  EXPECT_EQ(replay.condition, "walking");
-  EXPECT_EQ(replay.sensors.size(), replay.world_from_sensor.size());
-  const SamplesFile samples = SamplesFile::open(folder / "results/samples.h5");
-  EXPECT_EQ(replay.instants, samples.header().takes[replay.take].instants);
-  const SampleBlock block = samples.read(replay.take, 0, 1, SampleColumns::positions);
-  const auto head = static_cast<std::size_t>(Joint::head);  // the first of the evaluated joints, too
-  std::size_t seen = 0;
-  for (std::size_t s = 0; s < replay.sensors.size(); ++s) {
-    const float* joint_m = &replay.joint_m[(s * kJointCount + head) * 3];
-    if (!std::isfinite(joint_m[0])) continue;
-    ++seen;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(double{joint_m[axis]}, block.truth_m[axis], 0.5) << s;
-  }
-  EXPECT_GT(seen, 0u);
-}
-
 TEST(Run, EqualSeedsGiveEqualCampaignsAndOtherSeedsOthers) {
   const ScratchFolder folder;
   SimulationSpec spec = walking_spec(2);
@@ -319,54 +294,6 @@ TEST(Run, ACampaignWhereEveryTakeIsBrokenSaysWhy) {
   Spoilt spoilt;
   for (Take& take : spoilt.campaign.takes) take.session = spoilt.folder / "absent.h5";
   EXPECT_THAT(message_of([&] { spoilt.evaluated(); }), HasSubstr("absent.h5"));
-}
-
-TEST(Run, AnInterruptedRunKeepsTheEarlierResults) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  const StudySpec study = study_with(R"(["mean"])", kFewMethods);
-  execute_study(study, campaign, folder / "results", {});
-  const std::string before = read_file(folder / "results/summary.json");
-  EXPECT_THROW(execute_study(study, campaign, folder / "results", {.stop_requested = [] { return true; }}),
-               Interrupted);
-  EXPECT_EQ(read_file(folder / "results/summary.json"), before);
-}
-
-TEST(Run, CrossCheckingNeedsAMethodToCheck) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  EXPECT_THAT(message_of([&] {
-                execute_study(study_with(R"(["mean"])", kFewMethods), campaign, folder / "results",
-                              {.cross_check = true});
-              }),
-              HasSubstr("has no nonlinear or newton method with damping lm"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "results"));
-}
-
-TEST(RunPlan, SaysWhichTakesCanBeEvaluatedAndHowLongTheyAre) {
-  Spoilt spoilt;
-  spoilt.take.mocap = spoilt.folder / "absent.csv";
-  const Plan plan = make_plan(study_with(R"(["mean"])"), spoilt.campaign);
-  EXPECT_THAT(plan.rig, testing::ElementsAre("k1", "k2", "k3", "k4"));
-  EXPECT_TRUE(plan.simulated);
-  EXPECT_EQ(plan.methods.size(), 12u);
-  EXPECT_EQ(plan.joints.front(), Joint::head);
-  EXPECT_EQ(plan.joints.size(), 7u);
-  EXPECT_TRUE(plan.takes[0].ok);
-  EXPECT_NEAR(static_cast<double>(plan.takes[0].instants), 30.0, 1.0);
-  EXPECT_FALSE(plan.takes[1].ok);
-  EXPECT_THAT(plan.takes[1].place, HasSubstr("absent.csv"));
-}
-
-TEST(RunPlan, AStudyThatAsksForOtherJointsThanTheMappingsIsRefused) {
-  const ScratchFolder folder;
-  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
-  EXPECT_THAT(message_of([&] {
-                make_plan(study_of(std::string(R"("joints": ["knee_left"], )") + kFewMethods), campaign);
-              }),
-              HasSubstr("which no take's mapping maps; they map "));
-  const Plan plan = make_plan(study_of(std::string(R"("joints": ["wrist_left"], )") + kFewMethods), campaign);
-  EXPECT_THAT(plan.joints, testing::ElementsAre(Joint::wrist_left));
 }
 
 }  // namespace

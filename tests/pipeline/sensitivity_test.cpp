@@ -47,47 +47,6 @@ Json study_json(const std::string& space = kSpace, const std::string& claims = k
 
 SensitivitySpec spec_of(const Json& json) { return parse_sensitivity(json, "map.json", {}, {}); }
 
-std::string refusal(const Json& json) {
-  return message_of([&] { spec_of(json); });
-}
-
-TEST(SensitivitySpec, WrittenOutItIsReadAsTheSame) {
-  const SensitivitySpec spec =
-      spec_of(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "height", "steps": 2}],
-          "parts": [{"factor": "ratio", "low": 0.1, "high": 1}])"));
-  const Json resolved = resolved_json(spec);
-  EXPECT_EQ(resolved_json(spec_of(parse_json(resolved.dump(), "map.json"))).dump(), resolved.dump());
-  EXPECT_EQ(campaigns_of(spec), 4u * 4u + 8u + 4u);
-}
-
-TEST(SensitivitySpec, ErrorsNameThePlaceAndWhatWouldBeRight) {
-  const auto space = [](const std::string& factor) { return "\"space\": [" + factor + "]"; };
-  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/magic", "low": 1, "high": 2})"))),
-              AllOf(HasSubstr("/space/0/setting"), HasSubstr("/rig/magic: is an unknown key")));
-  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/radius_m", "low": 1, "high": 200})"))),
-              AllOf(HasSubstr("cannot be 200"), HasSubstr("radius_m: must lie between")));
-  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/format/first", "low": 1, "high": 2})"))),
-              HasSubstr("is no setting of simulation.json that could be varied"));
-  EXPECT_THAT(refusal(study_json(space(R"({"setting": "/rig/radius_m", "low": 2, "high": 2})"))),
-              HasSubstr("/space/0/high: must be greater than low"));
-  EXPECT_THAT(refusal(study_json(
-                  space(R"({"setting": "/sensor/nearest_m", "low": 0, "high": 2, "logarithmic": true})"))),
-              HasSubstr("must be greater than 0 on a logarithmic scale"));
-  EXPECT_THAT(refusal(study_json(space(""))), HasSubstr("/space: must hold 1 to 20 factors"));
-  EXPECT_THAT(refusal(study_json(kSpace, R"("claims": [{"better": "magic", "than": ["mean"]}])")),
-              AllOf(HasSubstr("/claims/0/better"), HasSubstr("has \"magic\", which is none of the methods")));
-  EXPECT_THAT(refusal(study_json(kSpace, kClaims, R"(, "slices": [{"x": "ratio", "y": "ratio"}])")),
-              HasSubstr("/slices/0/y: must be another factor than x"));
-  const auto part = [](const std::string& entry) {
-    return refusal(study_json(kSpace, kClaims, ", \"parts\": [" + entry + "]"));
-  };
-  EXPECT_THAT(
-      part(R"({"factor": "magic", "low": 0, "high": 1})"),
-      HasSubstr("/parts/0/factor: is \"magic\", which is none of the factors: \"ratio\", \"height\""));
-  EXPECT_THAT(part(R"({"factor": "ratio", "low": 1, "high": 1})"),
-              HasSubstr("/parts/0/high: must be greater than low"));
-}
-
 TEST(SensitivitySpec, SettingsThatContradictEachOtherAreRefusedBeforeAnythingIsSimulated) {
   // each end is possible by itself, but not both together
   const Json json = study_json(R"("space": [{"setting": "/sensor/nearest_m", "low": 0, "high": 4},

@@ -117,28 +117,5 @@ TEST(SimulateWand, TakesHaveDepthWhenAskedForAndTheSameBodies) {
               testing::HasSubstr("depth_wiggle_phase_rad"));
 }
 
-TEST(SimulateWand, ProgressRisesToOneAndAStopEndsItWithinAFewFrames) {
-  const ScratchFolder folder;
-  SimulationSpec spec = wand_spec(6);
-  std::vector<double> shares;
-  simulate_campaign(spec, folder / "c", {{}, [&](double share) { shares.push_back(share); }});
-  EXPECT_GT(shares.size(), 8u);
-  EXPECT_TRUE(std::ranges::is_sorted(shares));
-  EXPECT_GT(shares.back(), 0.95);
-  EXPECT_LE(shares.back(), 1.0);
-  spec.wand->motion.positions = 5000;
-  std::atomic<int> asked_after_stop{0};
-  std::atomic<bool> stop{false};
-  EXPECT_THROW(simulate_campaign(spec, folder / "d",
-                                 {[&] {
-                                    asked_after_stop += stop.load();
-                                    return stop.load();
-                                  },
-                                  [&](double share) { stop = share > 0.001; }}),
-               Interrupted);
-  EXPECT_LE(asked_after_stop, 64);
-  EXPECT_FALSE(std::filesystem::exists(folder / "d"));
-}
-
 }  // namespace
 }  // namespace trilat

@@ -126,30 +126,6 @@ TEST(Sweep, ASmallerThresholdGivesMoreDigitsForMoreIterations) {
   EXPECT_LT(run.cells[7].mean_iterations, 5.0);    // corrected
 }
 
-TEST(Sweep, TimesEveryCellWhenAsked) {
-  const ScratchFolder folder;
-  sweep_into(folder / "results", sweep_plan_of(kOneRig + R"(, "thresholds": [1e-2, 1e-4], "trials": 10,
-      "error_ranges_cm": [[5, 15]], "stops": ["objective"], "time_problems": 10, "time_repeats": 2)"));
-  const auto timings = read_beside<SweepTimings>(folder / "results");
-  ASSERT_TRUE(timings);
-  EXPECT_EQ(timings->cells.size(), 4u);
-  EXPECT_GT(timings->cells[3].scalar_min_ns, 0.0);
-  EXPECT_GE(timings->cells[3].batched_median_ns, timings->cells[3].batched_min_ns);
-}
-
-TEST(Sweep, AnInterruptedTimingKeepsTheTrials) {
-  const ScratchFolder folder;
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "trials": 10, "time_problems": 1000000)");
-  std::atomic<bool> timing{false};
-  EXPECT_THROW(
-      sweep_into(folder / "results", plan,
-                 {.stop_requested = [&] { return timing.load(); },
-                  .progress = [&](const std::string& stage, double) { timing = stage == "timing"; }}),
-      Interrupted);
-  const SweepPlan untimed = sweep_plan_of(kOneRig + R"(, "trials": 10)");
-  EXPECT_TRUE(sweep_into(folder / "results", untimed).tally.computed.empty());
-}
-
 TEST(LinearStart, IsLinearTrilateration) {
   for (const char* rig :
        {"[0.3, 2.3, 0.3, 2.3]", "[0.9, 0.9, 0.9, 1.4]", "[1, 2, 0.4, 1.1, 2.2, 0.7, 1.9, 0.3]"}) {

@@ -117,30 +117,5 @@ TEST(Tracking, OfTwoPersonsInViewTheOneWithTheMarkersIsEvaluated) {
   EXPECT_THAT(summary.notes.front().text, HasSubstr("they are 2 persons"));
 }
 
-TEST(TrackingSummary, IsReadAsItWasWritten) {
-  const ScratchFolder folder;
-  TrackingSummary summary{"study", true, true, {}, {}, {}};
-  summary.views.push_back({"walking", "k1", "wrist", "inferred", 10, 4});
-  summary.exchanges.push_back({"walking", "k2", 100, 7, 2});
-  summary.clocks.push_back(
-      {"p01", "ambiguous", kNoNumber, kNoNumber, kNoNumber, kNoNumber, kNoNumber, 0.9, 0.95, false});
-  write_beside(folder.path(), summary);
-  const std::string once = read_file(folder / "tracking.json");
-  const auto read = read_beside<TrackingSummary>(folder.path());
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->views[0].rejected, 4u);
-  EXPECT_EQ(read->exchanges[0].stretches, 2u);
-  EXPECT_TRUE(std::isnan(read->clocks[0].offset_s));
-  write_beside(folder.path(), *read);
-  EXPECT_EQ(read_file(folder / "tracking.json"), once);
-}
-
-TEST(TrackingSummary, OfAnotherKindIsRefusedAndMissingIsNone) {
-  const ScratchFolder folder;
-  EXPECT_FALSE(read_beside<TrackingSummary>(folder.path()));
-  write_file(folder / "tracking.json", R"({"format": "something"})");
-  EXPECT_THROW(read_beside<TrackingSummary>(folder.path()), InputError);
-}
-
 }  // namespace
 }  // namespace trilat

@@ -98,24 +98,6 @@ TEST(NetworkLink, TooFewAgentsAreNamedAndNobodyWaitsForEver) {
   EXPECT_THROW(network.wait_for_agents(2, kGenerous, [] { return true; }), Interrupted);
 }
 
-TEST(NetworkLink, TornDepthFramesAreLostAtTheSourceAndTheRestArrives) {
-  const TestKeys keys;
-  NetworkSource network(listen_options(keys));
-  MadeSource source("kinect", [](std::size_t number) -> std::optional<SourceEvent> {
-    if (number == 30) return std::nullopt;
-    if (number % 3 == 0)
-      return SourceEvent{0, DepthFrame{made_stamp(number), std::vector<std::uint16_t>(number)}};
-    return made_event(number, 1'000'000);
-  });
-  RunningAgent agent(source, agent_options("k1"), connect_as(keys, "k1", network.port()));
-  network.wait_for_agents(1, kGenerous);
-  const Received received = receive_all(network);
-  EXPECT_EQ(received.frames.size(), 20u);
-  ASSERT_FALSE(received.drops.empty());
-  EXPECT_EQ(received.drops.back().at_source, 10);
-  EXPECT_EQ(agent.report().status.frames_taken, 20u);
-}
-
 TEST(NetworkLink, ASourceThatBreaksIsToldAfterEverythingElse) {
   const TestKeys keys;
   NetworkSource network(listen_options(keys));
@@ -196,21 +178,6 @@ TEST(NetworkLink, APeerThatFallsSilentIsLeftAndFoundAgain) {
   while (auto event = network.next()) put(received, std::move(*event));
   expect_made_frames(received, 200);
   EXPECT_THAT(received.notices.front(), HasSubstr("connection lost"));
-}
-
-TEST(NetworkLink, AFullQueueMakesTheAgentWaitAndLosesNothing) {
-  const TestKeys keys;
-  ListenOptions listen = listen_options(keys);
-  listen.queue_bytes = 20'000;
-  NetworkSource network(listen);
-  MadeSource source("kinect", made_events(400));
-  AgentOptions options = agent_options("k1");
-  options.ring_bytes = 100'000;
-  RunningAgent agent(source, options, connect_as(keys, "k1", network.port()));
-  network.wait_for_agents(1, kGenerous);
-  EXPECT_FALSE(network.live());
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  expect_made_frames(receive_all(network), 400);
 }
 
 TEST(NetworkLink, ClockExchangesAreInOrderAndGoOnDuringTheRecording) {
