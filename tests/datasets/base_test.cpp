@@ -112,12 +112,12 @@ TEST(Units, KnowEveryLengthUnitOfAnExport) {
 }
 
 TEST(Files, AWrittenFileReadsBackAndLeavesNoPartial) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "trilat_files_test.txt";
+  const ScratchFolder folder;
+  const auto path = folder / "file.txt";
   write_file(path, "one\n");
   write_file(path, "two\n");
   EXPECT_EQ(read_file(path), "two\n");
   EXPECT_FALSE(std::filesystem::exists(partial_name(path)));
-  std::filesystem::remove(path);
 }
 
 TEST(Files, AFolderThatCannotBeWrittenIsNamed) {

@@ -26,9 +26,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::filesystem::path scratch(const std::string& name) {
-  const auto folder =
-      std::filesystem::path(testing::TempDir()) / ("trilat_session_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+  static const ScratchFolder folder;  // removed when the program ends
   return folder / name;
 }
 
