@@ -64,8 +64,11 @@ TEST(Budget, TheSumOfTheSourcesIsWhatAllOfThemTogetherGive) {
     else  // what is always there counts once
       sum_m2[row.group] += row.source == "none" ? m2 : m2 - none_m2[row.group];
   }
-  for (const auto& [group, m2] : sum_m2)
-    EXPECT_NEAR(std::sqrt(m2) / observed_m.at(group), 1.0, 0.15) << group;
+  for (const auto& [group, m2] : sum_m2) {
+    const double ratio = std::sqrt(m2) / observed_m.at(group);
+    EXPECT_GT(ratio, 0.95) << group;  // without a source of half the variance it would be 0.9 at most
+    EXPECT_LT(ratio, 1.3) << group;   // of few persons, whose biases cancel by chance
+  }
   EXPECT_EQ(read_file(folder / "results/summary.json").find("NaN"), std::string::npos);
 }
 
