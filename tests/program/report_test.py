@@ -166,6 +166,18 @@ class Report(ScratchTest):
         run = json.loads((made() / "results/manifest.json").read_text())
         self.assertTrue(any(run["inputs"][0]["sha256"][:12] in cell for cell in cells), "the inputs' hashes are not shown")
 
+    def test_what_follows_from_other_numbers_of_a_summary_does(self):
+        summary = json.loads((made() / "results/summary.json").read_text())
+        for cell in summary["cells"]:
+            self.assertAlmostEqual(cell["coverage"], cell["answered"] / cell["asked"])
+        judged = [d for d in summary["differences"] if d["low_m"] is not None]
+        self.assertTrue(judged)
+        for d in judged:
+            self.assertEqual(d["significant"], d["low_m"] > 1e-6 or d["high_m"] < -1e-6)
+            self.assertLessEqual(d["low_m"], d["difference_m"])
+            self.assertGreaterEqual(d["high_m"], d["difference_m"])
+        self.assertEqual({True, False}, {d["significant"] for d in judged})
+
     def test_results_of_one_name_are_told_apart(self):
         shutil.copytree(made() / "results", self.folder / "a/results")
         study = {**json.loads((made() / "study.json").read_text()), "name": "other"}
