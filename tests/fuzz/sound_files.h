@@ -21,7 +21,8 @@ struct SoundFile {
 // All in the folders inside `results`, in an order that is always the same.
 inline std::vector<SoundFile> sound_files(const std::filesystem::path& results) {
   std::vector<SoundFile> files;
-  for (const char* folder : {"accuracy", "budget", "calibration", "gate", "recording", "sweep"})
+  for (const char* folder :
+       {"accuracy", "budget", "calibration", "gate", "recording", "sensitivity", "sweep"})
     for (const auto& entry : std::filesystem::directory_iterator(results / folder))
       if (entry.path().extension().string().starts_with(".json"))
         files.push_back({results / folder, entry.path().filename().string(), read_file(entry.path())});

@@ -7,6 +7,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/recording/recording_study.h"
+#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
@@ -72,6 +73,19 @@ void write_budget(const fs::path& folder) {
   write_results(folder, budget);
 }
 
+void write_sensitivity(const fs::path& folder) {
+  const std::string text =
+      R"({"format": "trilat.study", "version": 1, "kind": "sensitivity", "name": "map", "clock": "stated",
+          "resamples": 0, "participants": 1, "rows": 4, "alignments": ["none"],
+          "simulation": {"format": "trilat.simulation", "version": 1, "body_tracker": {},
+                         "activities": [{"name": "walking", "duration_s": 0.3}]},
+          "methods": [{"method": "mean"}, {"method": "nonlinear"}],
+          "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
+          "claims": [{"better": "nonlinear", "than": ["mean"]}]})";
+  run_study(sensitivity_study(parse_sensitivity(parse_json(text, "map.json"), "map.json", {}, {})), folder,
+            {.threads = 1});
+}
+
 void write_gate_files(const fs::path& folder) {
   make_folder(folder);
   write_beside(folder, AcceptedBaseline{"first night", "2026-01-01T03:00:00Z", "trilat", "00ff", "", ""});
@@ -95,6 +109,7 @@ void write_sound_results(const fs::path& scratch) {
   make_folder(scratch / "calibration");
   write_results(scratch / "calibration", hand_made_calibration());
   write_budget(scratch / "budget");
+  write_sensitivity(scratch / "sensitivity");
   write_gate_files(scratch / "gate");
   write_calibration_part(scratch / "parts/calibration");
 }

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import unittest
 from html.parser import HTMLParser
 from pathlib import Path
@@ -165,6 +166,21 @@ class Report(ScratchTest):
         cells = Page((self.folder / "one/report.html").read_text()).cells
         run = json.loads((made() / "results/manifest.json").read_text())
         self.assertTrue(any(run["inputs"][0]["sha256"][:12] in cell for cell in cells), "the inputs' hashes are not shown")
+
+    @unittest.skipIf(shutil.which("pdflatex") is None, "pdflatex is not installed")
+    def test_all_tables_compile_whatever_a_name_holds(self):
+        nasty = '50 % & $1 #2 a_b {c} ~d ^e \\f "g" <b>'
+        study = {**STUDIES["accuracy"], "methods": [{"method": "mean", "name": nasty}, {"method": "nonlinear"}]}
+        report = self.of("accuracy", study)
+        inputs = "".join(f"\\input{{{path.relative_to(report)}}}\n" for path in sorted(report.glob("tables/**/*.tex")))
+        (report / "article.tex").write_text("\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[T1]{fontenc}\n"
+                                            f"\\usepackage{{booktabs,longtable}}\n\\begin{{document}}\n{inputs}\\end{{document}}\n")
+        done = subprocess.run(["pdflatex", "-halt-on-error", "-interaction=nonstopmode", "article.tex"], cwd=report, capture_output=True,
+                              text=True, errors="replace", check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-1500:])
+        page = (report / "report.html").read_text()
+        self.assertNotIn("<b>", Page(page).cells)
+        self.assertNotIn('"g" <b>', page)
 
     def test_what_follows_from_other_numbers_of_a_summary_does(self):
         summary = json.loads((made() / "results/summary.json").read_text())
