@@ -36,16 +36,6 @@ TEST(StrictJson, RefusesEndlessNesting) {
               HasSubstr("nests deeper"));
 }
 
-TEST(StrictJson, UnknownKeysAreNamedWithTheKnownOnes) {
-  const Json json = parse_json(R"({"name": "linear", "refrence": 1})", "a.json");
-  JsonObject object = reader_of(json);
-  object.text("name");
-  object.count("reference", 0);
-  EXPECT_THAT(message_of([&] { object.finish(); }),
-              AllOf(HasSubstr("a.json /methods/0/refrence"),
-                    HasSubstr("known are: name, reference; did you mean \"reference\"?")));
-}
-
 TEST(StrictJson, ASyntaxErrorNamesLineAndColumn) {
   EXPECT_THAT(message_of([] { parse_json("{\"a\": 1,\n \"b\": 2 \"c\": 3}", "a.json"); }),
               HasSubstr("a.json:2:11: is not valid JSON"));
@@ -62,16 +52,6 @@ TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {
   EXPECT_EQ(nearest_name("", verbs), "");
   EXPECT_EQ(nearest_name(std::string(100'000, 'r'), verbs), "");
   EXPECT_EQ(known_names("x", verbs), "known are: run, merge, report, record");
-}
-
-TEST(StrictJson, TypesAreNotConverted) {
-  const Json json = parse_json(R"({"i": 1.7, "u": -1, "t": 3, "n": "x"})", "a.json");
-  JsonObject object = reader_of(json);
-  EXPECT_THAT(message_of([&] { object.integer("i"); }), HasSubstr("must be an integer, is the number 1.7"));
-  EXPECT_THAT(message_of([&] { object.count("u"); }), HasSubstr("0 or more, is the integer -1"));
-  EXPECT_THAT(message_of([&] { object.text("t"); }), HasSubstr("must be a text"));
-  EXPECT_THAT(message_of([&] { object.number("n"); }), HasSubstr("must be a number"));
-  EXPECT_THAT(message_of([&] { object.number("missing"); }), HasSubstr("/methods/0/missing: is missing"));
 }
 
 TEST(StrictJson, ChoicesListWhatIsKnown) {

@@ -68,16 +68,6 @@ TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsWithTheSameNumbersAreQuiet) {
   EXPECT_EQ(nights.gate().code, 0);
 }
 
-TEST(GateUnjudged, WhatCannotBeComparedIsAnErrorInJunitToo) {
-  Nights nights({}, {});
-  std::filesystem::remove(nights.folder / "before/manifest.json");
-  const auto junit = nights.folder / "gate.xml";
-  const Ended ended = nights.gate({"--junit", junit.string()});
-  EXPECT_EQ(ended.code, 2) << ended.out;
-  EXPECT_THAT(read_file(junit), testing::AllOf(HasSubstr("errors=\"1\""), HasSubstr("<error message="),
-                                               HasSubstr((nights.folder / "before").string())));
-}
-
 TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
   const Nights nights({}, [](MadeSample& s) { s.clamped = s.method == 1; });
   const Ended ended = nights.gate();
@@ -85,19 +75,6 @@ TEST(GateUnjudged, AnswersThatAreClampedNowAreAnAlarm) {
   EXPECT_THAT(ended.out, HasSubstr("nonlinear: more answers are clamped"));
   EXPECT_THAT(ended.out, HasSubstr("converged 3000 -> 0, clamped 0 -> 3000"));
   EXPECT_THAT(ended.out, Not(HasSubstr("the same numbers")));
-}
-
-TEST(GateUnjudged, AcceptingFewerStudiesSaysWhichAreLeftBehind) {
-  ScratchFolder folder;
-  MadeStudy other;
-  other.name = "runs";
-  write_made_results(folder / "before/walks");
-  write_made_results(folder / "before/runs", other);
-  write_made_results(folder / "now/walks");
-  const Ended ended = run_trilat(folder, {"gate", (folder / "now").string(), "--baseline",
-                                          (folder / "before").string(), "--accept", "runs are gone"});
-  EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("not in the baseline any more: runs"));
 }
 
 }  // namespace
