@@ -94,6 +94,23 @@ class Engine(ScratchTest):
                 self.assertEqual((results / "summary.json").read_bytes(), before["summary.json"])
                 self.assertEqual(json.loads(ended(*words, "-o", results, "--fresh", "--json").stdout)["items_reused"], 0)
 
+    def test_settings_that_change_between_stops_leave_nothing_of_the_others(self):
+        for kind, changed in (("accuracy", {"rate_hz": 15}), ("calibration", {"seed": 2})):
+            if kind not in KINDS:
+                continue
+            with self.subTest(kind):
+                before = ["run", self.study(kind), "--threads", 1]
+                after = ["run", self.written("after.json", {**json.loads(before[1].read_text()), **changed})]
+                begin = time.monotonic()
+                trilat(*before, "-o", self.folder / f"{kind}-before")
+                took_s = time.monotonic() - begin
+                trilat(*after, "-o", self.folder / f"{kind}-whole")
+                for share in (0.4, 0.6, 0.8):
+                    output = self.folder / f"{kind}-{share}"
+                    stopped_after(share * took_s, *before, "-o", output, by=signal.SIGKILL)
+                    trilat(*after, "-o", output)
+                    self.assert_same(self.folder / f"{kind}-whole", output)
+
     def test_two_runs_cannot_fill_one_folder(self):
         words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
