@@ -154,7 +154,7 @@ void write_items(const fs::path& results, const std::string& key, std::size_t co
   std::map<std::string, Json> files{{"run.json", nullptr}};
   for (const fs::directory_entry& entry : fs::directory_iterator(results))
     if (const std::string name = entry.path().filename().string(); entry.is_regular_file())
-      files[name] = name == "timings.json" || name == "hashes.json" ? Json(nullptr) : Json(entry.file_size());
+      files[name] = name == "timings.json" ? Json(nullptr) : Json(entry.file_size());
   std::string text =
       json_text({{"format", "trilat.items"}, {"version", 2}, {"key", key}, {"files", files}}, -1);
   text.back() = ',';  // an item a line

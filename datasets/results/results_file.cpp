@@ -17,7 +17,8 @@ const std::vector<std::string> kKinds{"accuracy",     "threshold_sweep", "calibr
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 7;
-  return kind == StudyKind::recording || kind == StudyKind::calibration ? 2 : 1;
+  if (kind == StudyKind::calibration) return 3;
+  return kind == StudyKind::recording ? 2 : 1;
 }
 
 StudyKind read_head(JsonObject& object) {

@@ -29,8 +29,8 @@ std::vector<std::string> history_sentences(const History& history);
 // the ranges of the factors that decide it most.
 std::vector<Figure> sensitivity_figures(const SensitivitySummary& summary);
 
-// What the paper draws of its calibration, from simulated samples: error by distance and angle, and a flat
-// wall by column. A part that was not run gives none.
+// The paper's two calibration figures, from simulated samples: error against distance and angle, and depth
+// error against image column. Each needs its part of the study.
 std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
 
 // Families named "METHOD, N sensors": error against N.

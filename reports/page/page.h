@@ -19,7 +19,7 @@ PageSection claims_section(const ReportContent& content);
 PageSection errata_section(const ReportContent& content);
 // One a results folder: what it says, its shown tables with the claims that rest on them, its first figures.
 std::vector<PageSection> chapter_sections(const ReportContent& content);
-// What the simulations assume.
+// The section that links the simulations' parameters.
 PageSection assumptions_section(const ReportContent& content);
 // Resolved configurations, hashes, versions, seeds, machines, and the commands that make it all again.
 PageSection provenance_section(const ReportContent& content);

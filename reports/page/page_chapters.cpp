@@ -38,7 +38,7 @@ std::string claims_on(const std::optional<Table>& claims, const std::string& pla
   return html.empty() ? html : "<ul class=\"notes\">\n" + html + "</ul>\n";
 }
 
-// What the page does not show: a line each, with the files that hold it.
+// One line with the file of a table or figure that the page does not show.
 std::string table_link(const Table& table) {
   const std::string id = html_text(table.id);
   return fmt::format("<li>{} <small>{} rows</small> <a href=\"tables/{}.csv\">CSV</a></li>\n",

@@ -66,7 +66,7 @@ T filled() {
   return value;
 }
 
-// What a write and a read leave, as bytes.
+// Writes, reads and writes the value again; both texts must be equal.
 template <class T>
 void expect_read_back(const T& value) {
   const Json json = json_of(value);
@@ -85,7 +85,7 @@ TYPED_TEST_SUITE(Filled, Plain);
 
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }
 
-// What is not a number is null, and comes back as none.
+// NaN is written as null and read back as NaN.
 TEST(FilledStudy, OfAccuracyMayLackNumbers) {
   ResultsSummary summary = filled<ResultsSummary>();
   summary.cells = {SummaryCell{}};

@@ -63,7 +63,7 @@ TEST(PersonChoice, OfThreeTheOneWithTheMarkersIsTakenThoughAnotherIsNearerToTheM
   EXPECT_TRUE(walk.samples() == alone);
 }
 
-// By the stated start the other person stands nearest to where the markers are then.
+// At the stated start the other person stands nearer to the markers.
 TEST(PersonChoice, WithTheClockByMotionThePersonIsChosenAfterTheClockIsFound) {
   Walk walk;
   walk.campaign = simulate_into(walk.folder / "long", walking_spec(1, 20.0));

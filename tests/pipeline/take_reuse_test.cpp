@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <atomic>
-#include <fstream>
 #include <functional>
 #include <mutex>
-#include <thread>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
@@ -18,7 +14,6 @@
 namespace trilat {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -27,7 +22,7 @@ constexpr const char* kDividedMethods = R"("occluded_apart": true, "resamples": 
     "alignments": ["mean", "none", "rigid", "first", "held_out", "joint_offset"], "methods": [
     {"method": "mean"}, {"method": "nonlinear"}, {"method": "geometric"}, {"method": "rts"}])";
 
-// What a run of all takes, or of a shard of them, came to.
+// Result of one run.
 struct AccuracyRun {
   ResultsSummary summary;  // of all takes
   ItemTally tally;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line, as cases.json says: words, files, exit code, what is said, and what is left.
+"""Runs the command lines of cases.json and checks exit code, messages and files.
 
 `@` is the folder that made.py makes. What is refused changes no byte anywhere and says one line."""
 import json

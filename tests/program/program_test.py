@@ -8,8 +8,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ["TRILAT"]
+from made import PROGRAM, SOURCE, ScratchTest, trilat
+
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "lab", "alignments": ["none"],
          "methods": [{"method": "mean"}, {"method": "nonlinear"}]}
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "walks", "participants": 2,
@@ -26,15 +26,7 @@ Frame,Time (Seconds),X,Y,Z,X,Y,Z
 """
 
 
-def trilat(*words, code=0, cwd=None):
-    """Runs the program; gives what it printed on both streams."""
-    ended = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=300, check=False)
-    said = ended.stdout + ended.stderr
-    assert ended.returncode == code, f"exit {ended.returncode}: {said}"
-    return said
-
-
-class ProgramTest(unittest.TestCase):
+class ProgramTest(ScratchTest):
     @classmethod
     def setUpClass(cls):
         holder = tempfile.TemporaryDirectory()
@@ -42,17 +34,6 @@ class ProgramTest(unittest.TestCase):
         cls.made = Path(holder.name)
         (cls.made / "simulation.json").write_text(json.dumps(SIMULATION))
         trilat("simulate", cls.made / "simulation.json", "-o", cls.made / "campaign")
-
-    def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = Path(holder.name)
-
-    def written(self, name, document):
-        path = self.folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(document if isinstance(document, str) else json.dumps(document))
-        return path
 
     def campaign(self, **changes):
         """A copy of the campaign whose takes are changed."""

@@ -142,7 +142,7 @@ class Refusals(ScratchTest):
         return ended("run", path, "--dry-run")
 
     def refuse_all(self, cases):
-        """Exit code 2 and the place, for each (name of the document, document, what is said)."""
+        """Checks that the program ends with 2 and names the place. A case is (name of the document, document, message)."""
         with ThreadPoolExecutor(3) as pool:
             for (name, document, says), done in zip(cases, pool.map(lambda k: self.use(k, *cases[k][:2]), range(len(cases)))):
                 with self.subTest(document=name, says=says):

@@ -85,7 +85,8 @@ TrackedFrame BodyTracker::observe(std::uint64_t frame, const SkeletonPose& pose)
   const Sight sight = sight_of(pose);
   const Eigen::Vector3d& sensor_m = sensor_.pose.world_from_sensor.translation_m;
   note_back(body_view(pose, sensor_m), frame);
-  // As the SDK does, above 2^56, and another one when the person comes back; no two of a campaign are equal.
+  // The SDK gives numbers above 2^56, and a new one to a person who comes back. No two in a campaign are
+  // equal.
   if ((sight.in_view & ~sight.hidden).none())
     tracking_id_ = 0;
   else if (tracking_id_ == 0)

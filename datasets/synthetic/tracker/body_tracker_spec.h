@@ -40,9 +40,9 @@ struct BodyTrackerSpec {
   double jump_size_m = 0.0;
   double jump_duration_s = 0.0;
   double least_visible_share = 0.0;      // a joint of which less is visible is hidden
-  double hidden_as_tracked_share = 0.0;  // of hidden stretches that are said to be tracked
+  double hidden_as_tracked_share = 0.0;  // share of hidden stretches that are reported as tracked
   double back_view_angle_rad = 0.0;      // body's forward to the sensor; beyond, the back is seen
-  double exchanged_share = 0.0;          // of stretches seen from behind: taken for the front
+  double exchanged_share = 0.0;          // share of stretches seen from behind that are taken for the front
 };
 
 // All values at 0: the tracker is exact.

@@ -309,7 +309,7 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
     bodies[m].alignment = summary.alignments[layout.body_alignment];
     summary.bodies.push_back(bodies[m]);
   }
-  if (summary.left_out()) return;  // there is no motion capture
+  if (summary.left_out()) return;  // a sensor stands for the truth
   for (const std::size_t g : groups)
     summary.truth_speed.push_back({activity, summary.groups[g], truth_speed_m_s(condition, g)});
 }
