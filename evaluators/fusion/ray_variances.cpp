@@ -180,7 +180,7 @@ RayInterval interval(double value, double log_variance, std::size_t clusters) {
 
 std::size_t clusters_of(std::vector<std::uint32_t> cluster) {
   std::ranges::sort(cluster);
-  return static_cast<std::size_t>(std::ranges::unique(cluster).begin() - cluster.begin());
+  return static_cast<std::size_t>(std::unique(cluster.begin(), cluster.end()) - cluster.begin());
 }
 
 }  // namespace

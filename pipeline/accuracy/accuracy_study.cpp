@@ -236,9 +236,9 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
     if (!parameters.empty()) write_declared_parameters(folder, parameters);
   };
   study.gathers = {"samples.h5"};
-  if (std::ranges::any_of(std::views::iota(std::size_t{0}, run->plan.takes.size()),
-                          [&](std::size_t t) { return is_replayed(run->plan, t); }))
-    study.gathers.emplace_back("replay.h5");
+  bool replayed = false;
+  for (std::size_t t = 0; t < run->plan.takes.size(); ++t) replayed = replayed || is_replayed(run->plan, t);
+  if (replayed) study.gathers.emplace_back("replay.h5");
   return study;
 }
 

@@ -153,9 +153,9 @@ std::string reservations(const OpenClaim& claim, double alpha) {
 // lie on their side at `alpha`, and fails when one lies on the other at `alpha` / n.
 void show_intervals(OpenClaim& claim, double alpha) {
   for (std::size_t k = 0; k < claim.parts.size(); ++k) {
-    const auto& [measured, bound, paper, chance] = claim.parts[k];
+    const auto& measured = claim.parts[k].measured;
     const auto shown = [&](const ContrastEstimate& e) {
-      const bool on_its_side = !(depth_of(e.value, bound) < 0.0);
+      const bool on_its_side = !(depth_of(e.value, claim.parts[k].bound) < 0.0);
       return estimate_of(e, on_its_side ? alpha : alpha / static_cast<double>(claim.parts.size()));
     };
     ClaimPart& part = claim.judged.parts[k];

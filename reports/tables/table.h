@@ -87,6 +87,8 @@ struct CellOf {
   Show show;
   bool is_text = false, has_interval = false;
 };
+template <class Show>
+CellOf(Show, bool = false, bool = false) -> CellOf<Show>;  // clang 14 does not deduce aggregates
 template <class Of>
 auto as_text(Of of) {
   return CellOf{[=](const auto& row) { return TableValue::of(std::string(std::invoke(of, row))); }, true};

@@ -2,20 +2,38 @@
 // fuzz_seeds FOLDER: small sound files for the fuzzers to begin with, in a folder for each.
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "datasets/calibration/calibration.h"
 #include "datasets/markers/joint_files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/session_writer.h"
+#include "pipeline/cli/embedded_campaigns.h"
+#include "pipeline/cli/embedded_studies.h"
+#include "recorders/network/link/tls_keys.h"
 #include "recorders/network/link/wire.h"
-#include "tests/fuzz/chosen_seeds.h"
+#include "tests/fuzz/fuzz_folder.h"
+#include "tests/fuzz/sound_results.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/sweeps.h"
 
 namespace trilat {
 namespace {
+
+namespace fs = std::filesystem;
+
+// Gives the path of a new seed of a fuzzer.
+using SeedPath = std::function<fs::path(const std::string& fuzzer, const std::string& name)>;
+
+// The first bytes of a handshake.
+constexpr const char* kHello = "\x16\x03\x01\x02";
 
 std::string wire_seed() {
   HelloMessage hello;
@@ -28,7 +46,7 @@ std::string wire_seed() {
   return bytes;
 }
 
-void write_session(const std::filesystem::path& path) {
+void write_session(const fs::path& path) {
   SessionHeader header;
   header.sensors.resize(1);
   header.sensors[0].name = "k1";
@@ -46,7 +64,7 @@ void write_session(const std::filesystem::path& path) {
 }
 
 // Motive's columns, as our own writer lays them out.
-void write_motive(const std::filesystem::path& path) {
+void write_motive(const fs::path& path) {
   MocapHeader header;
   header.take_name = "walk";
   header.capture_rate_hz = header.export_rate_hz = 100.0;
@@ -82,20 +100,68 @@ constexpr const char* kIntrinsics =
     "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
     "   data: [ 0.09, -0.26, 0., 0., 0.09 ]\n";
 
-void write_seeds(const std::filesystem::path& folder) {
+void write_campaign_seeds(const SeedPath& seed) {
+  const FuzzFolder scratch("seeds");
+  simulate_into(scratch.path(), walking_spec(2, 0.2));
+  for (const char* name : {"campaign", "mapping", "calibration"})
+    for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
+      if (entry.path().filename() == std::string(name) + ".json") {
+        write_file(seed(name, "simulated"), read_file(entry.path()));
+        break;
+      }
+}
+
+void write_settings_seeds(const SeedPath& seed) {
+  int number = 0;
+  for (const char* study : {embedded::calibration_json, embedded::error_budget_json, embedded::sensors_json,
+                            embedded::table1_json, embedded::table1_search_json, embedded::table2_json,
+                            embedded::table3_json, embedded::table4_json})
+    write_file(seed("study", std::to_string(number++)), study);
+  const StudySpec study = study_of(R"("methods": [{"name": "nonlinear", "method": "nonlinear"},
+                                                  {"name": "window", "method": "window"}])");
+  write_file(seed("study", "every_accuracy_setting"), json_text(resolved_json(study), 1));
+  write_file(seed("study", "every_sweep_setting"), json_text(resolved_json(sweep_of(kOneRig)), 1));
+  write_file(seed("simulation", "paper"), embedded::paper_campaign_json);
+  write_file(seed("simulation", "of_a_recorded_take"),
+             R"({"format": "trilat.simulation", "version": 1, "recorded": {"mocap": "walk.csv",
+                 "mapping": "mapping.json", "activity": "walking"}, "wand": {}, "depth": {}, "room": {}})");
+}
+
+void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
+  write_sound_results(sound);
+  const std::vector<SoundFile> files = sound_files(sound);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    write_file(seed("results", files[i].folder.filename().string() + "_" + files[i].name),
+               std::string(1, static_cast<char>(i)) + files[i].text);
+  write_file(seed("samples", "accuracy"), read_file(sound / "accuracy" / "samples.h5"));
+  write_file(seed("replay", "accuracy"), read_file(sound / "accuracy" / "replay.h5"));
+}
+
+void write_network_seeds(const SeedPath& seed) {
+  const FuzzFolder scratch("seeds");
+  make_tls_keys(scratch.path(), {"k1"});
+  write_file(seed("keys", "agent"), read_file(scratch.path() / "k1.key"));
+  write_file(seed("address", "mapped"), "[::ffff:127.0.0.1]:7345");
+  for (const char* side : {"recorder_handshake", "agent_handshake"}) write_file(seed(side, "hello"), kHello);
+  write_file(seed("wire", "hello_and_bye"), wire_seed());
+}
+
+void write_seeds(const fs::path& folder) {
   const auto seed = [&](const std::string& fuzzer, const std::string& name) {
     make_folder(folder / fuzzer);
     return folder / fuzzer / name;
   };
-  write_file(seed("wire", "hello_and_bye"), wire_seed());
   write_session(seed("session", "three_frames"));
-  write_motive(seed("mocap", "motive"));
-  write_file(seed("mocap", "rows"), kRowFormat);
-  write_file(seed("mocap", "trc"), kTrc);
+  for (const char* reader : {"mocap", "mocap_summary"}) {
+    write_motive(seed(reader, "motive"));
+    write_file(seed(reader, "rows"), kRowFormat);
+    write_file(seed(reader, "trc"), kTrc);
+  }
   write_file(seed("intrinsics", "kinect"), kIntrinsics);
   write_settings_seeds(seed);
+  write_campaign_seeds(seed);
   write_results_seeds(seed, folder / "sound_results");
-  write_tls_seeds(seed);
+  write_network_seeds(seed);
 }
 
 }  // namespace

@@ -12,11 +12,9 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
+#include "tests/fuzz/fuzzers.h"
 
 extern "C" {
-#define TRILAT_FUZZER(name) int fuzz_##name(const std::uint8_t* data, std::size_t size);
-#include "fuzzers.inc"
-#undef TRILAT_FUZZER
 // As libFuzzer calls it: the new size.
 std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed);
 std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
@@ -29,18 +27,6 @@ namespace trilat {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-using Entry = int (*)(const std::uint8_t* data, std::size_t size);
-
-struct Fuzzer {
-  std::string name;
-  Entry entry;
-};
-
-const Fuzzer kFuzzers[] = {
-#define TRILAT_FUZZER(name) {#name, fuzz_##name},
-#include "fuzzers.inc"
-#undef TRILAT_FUZZER
-};
 
 constexpr std::size_t kCuts = 20, kChangesOfBytes = 50, kChangesOfJson = 50;
 constexpr std::size_t kInputs = 200;  // of a fuzzer, about: many seeds have fewer changes each
@@ -60,20 +46,24 @@ Bytes bytes_of(const std::filesystem::path& file) {
   return {text.begin(), text.end()};
 }
 
-bool is_json(const Bytes& seed) { return seed.size() > 2 && (seed[1] == '{' || seed[1] == '['); }
-
-// An input lies in memory of just its size, so that a sanitizer sees every read beyond it.
-void give(Entry entry, const Bytes& input) {
-  Bytes exact(input.begin(), input.end());
-  exact.shrink_to_fit();
-  entry(exact.data(), exact.size());
+// Results have a byte before their JSON.
+bool is_json(const Bytes& seed) {
+  return std::any_of(seed.begin(), seed.begin() + std::min<std::ptrdiff_t>(2, std::ssize(seed)),
+                     [](std::uint8_t byte) { return byte == '{' || byte == '['; });
 }
 
-void try_seed(Entry entry, const Bytes& seed, std::uint64_t number, const Shares& shares) {
-  give(entry, seed);
+// An input lies in memory of just its size, so that a sanitizer sees every read beyond it.
+void give(const std::string& fuzzer, const Bytes& input) {
+  Bytes exact(input.begin(), input.end());
+  exact.shrink_to_fit();
+  fuzz(fuzzer, exact);
+}
+
+void try_seed(const std::string& fuzzer, const Bytes& seed, std::uint64_t number, const Shares& shares) {
+  give(fuzzer, seed);
   for (std::size_t cut = 0; cut < shares.cuts; ++cut)
-    give(entry, {seed.begin(),
-                 seed.begin() + static_cast<std::ptrdiff_t>((cut + 1) * seed.size() / (shares.cuts + 1))});
+    give(fuzzer, {seed.begin(),
+                  seed.begin() + static_cast<std::ptrdiff_t>((cut + 1) * seed.size() / (shares.cuts + 1))});
   const RandomStream random{1, Purpose::test, number};
   std::uint32_t draw = 0;
   const auto below = [&](std::size_t count) {
@@ -83,14 +73,14 @@ void try_seed(Entry entry, const Bytes& seed, std::uint64_t number, const Shares
     Bytes changed = seed;
     const std::size_t place = below(seed.size());
     changed[place] = static_cast<std::uint8_t>(changed[place] + 1 + below(255));
-    give(entry, changed);
+    give(fuzzer, changed);
   }
   for (unsigned k = 0; k < shares.json && is_json(seed); ++k) {
     Bytes changed = seed;
     const std::size_t most = 2 * seed.size() + 1000;
     changed.resize(most);
     changed.resize(LLVMFuzzerCustomMutator(changed.data(), seed.size(), most, k));
-    give(entry, changed);
+    give(fuzzer, changed);
   }
 }
 
@@ -103,19 +93,13 @@ std::vector<std::filesystem::path> files_in_order(const std::filesystem::path& f
 }
 
 int run(const std::string& name, const std::filesystem::path& folder) {
-  const Fuzzer* fuzzer = std::find_if(std::begin(kFuzzers), std::end(kFuzzers),
-                                      [&](const Fuzzer& known) { return known.name == name; });
-  if (fuzzer == std::end(kFuzzers)) {
-    std::fprintf(stderr, "fuzz_tests: there is no fuzzer \"%s\"\n", name.c_str());
-    return 2;
-  }
   const auto files = files_in_order(folder);
   std::uint64_t number = 0;
-  give(fuzzer->entry, {});
+  give(name, {});
   for (const std::filesystem::path& file : files) {
     std::printf("%s\n", file.filename().c_str());
     std::fflush(stdout);
-    try_seed(fuzzer->entry, bytes_of(file), number++, shares_of(files.size()));
+    try_seed(name, bytes_of(file), number++, shares_of(files.size()));
   }
   if (!files.empty()) return 0;
   std::fprintf(stderr, "fuzz_tests: %s: holds no seeds of \"%s\"\n", folder.c_str(), name.c_str());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Linked into fuzzers of JSON readers: changes values of the document, so that what comes is JSON still and
-// gets past the parser. The first byte, which chooses the reader, stays.
+// Where an input is JSON, values of the document are changed, so that what comes is JSON still and gets past
+// the parser. A byte before it, which chooses one of several files, stays.
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -104,7 +104,8 @@ void change(Json& node, const std::vector<Json*>& nodes, Dice& dice) {
 std::size_t mutate(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
   Dice dice(seed);
   if (size < 2 || dice.below(kBytesInstead) == 0) return LLVMFuzzerMutate(data, size, most);
-  Json json = Json::parse(data + 1, data + size, nullptr, false);
+  const std::size_t begin = data[0] == '{' || data[0] == '[' ? 0 : 1;
+  Json json = Json::parse(data + begin, data + size, nullptr, false);
   if (json.is_discarded()) return LLVMFuzzerMutate(data, size, most);
   for (std::size_t changes = 1 + dice.below(3); changes > 0; --changes) {
     std::vector<Json*> nodes;
@@ -112,9 +113,9 @@ std::size_t mutate(std::uint8_t* data, std::size_t size, std::size_t most, unsig
     change(*nodes[dice.below(nodes.size())], nodes, dice);
   }
   const std::string text = json_text(json, -1);
-  if (text.size() + 1 > most) return LLVMFuzzerMutate(data, size, most);
-  std::copy(text.begin(), text.end(), data + 1);
-  return text.size() + 1;
+  if (text.size() + begin > most) return LLVMFuzzerMutate(data, size, most);
+  std::copy(text.begin(), text.end(), data + begin);
+  return text.size() + begin;
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include "datasets/results/gate_history.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
@@ -18,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Shard kOnePart{1, 1};
-
 void write_accuracy(const fs::path& scratch) {
   const Campaign campaign = simulate_into(scratch / "campaign", walking_spec(2, 0.5));
   const StudySpec study = study_of(
@@ -27,7 +24,6 @@ void write_accuracy(const fs::path& scratch) {
                      {"name": "mean", "method": "mean"}],
          "alignments": ["mean", "none"], "resamples": 200, "rate_hz": 10)");
   execute_study(study, campaign, scratch / "accuracy", {.threads = 1});
-  run_accuracy(study, campaign, scratch / "parts/accuracy", {.threads = 1, .shard = kOnePart});
 }
 
 void write_sweep(const fs::path& scratch) {
@@ -35,7 +31,6 @@ void write_sweep(const fs::path& scratch) {
       sweep_plan_of(kOneRig + R"(, "trials": 20, "digits_trials": 10, "max_iterations": 50, "search": true,
                                  "time_problems": 16, "time_repeats": 1)");
   run_study(sweep_study(plan), scratch / "sweep", {.threads = 1});
-  run_study(sweep_study(plan), scratch / "parts/sweep", {.threads = 1, .shard = kOnePart});
 }
 
 void write_recording(const fs::path& scratch) {
@@ -45,18 +40,6 @@ void write_recording(const fs::path& scratch) {
   const Study study =
       recording_study(parse_recording_spec(parse_json(text, "recording.json"), "recording.json"));
   run_study(study, scratch / "recording", {.threads = 1});
-  run_study(study, scratch / "parts/recording", {.threads = 1, .shard = kOnePart});
-}
-
-void write_calibration_part(const fs::path& folder) {
-  const std::string text =
-      R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "tiny", "units": 1,
-          "samples": 1, "near_samples": 1, "frames": 1, "distortion_units": 1, "distortion_frames": 1,
-          "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
-          "bodies_instants": 6})";
-  run_study(
-      calibration_study(parse_calibration_spec(parse_json(text, "calibration.json"), "calibration.json")),
-      folder, {.threads = 1, .shard = kOnePart});
 }
 
 void write_budget(const fs::path& folder) {
@@ -100,6 +83,18 @@ void write_gate_files(const fs::path& folder) {
 
 }  // namespace
 
+std::vector<SoundFile> sound_files(const fs::path& results) {
+  std::vector<SoundFile> files;
+  for (const auto& folder : fs::directory_iterator(results))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().extension().string().starts_with(".json"))
+        files.push_back({folder, entry.path().filename().string(), read_file(entry.path())});
+  std::ranges::sort(files, [](const SoundFile& a, const SoundFile& b) {
+    return std::pair(a.folder, a.name) < std::pair(b.folder, b.name);
+  });
+  return files;
+}
+
 void write_sound_results(const fs::path& scratch) {
   fs::remove_all(scratch);
   make_folder(scratch);
@@ -111,7 +106,6 @@ void write_sound_results(const fs::path& scratch) {
   write_budget(scratch / "budget");
   write_sensitivity(scratch / "sensitivity");
   write_gate_files(scratch / "gate");
-  write_calibration_part(scratch / "parts/calibration");
 }
 
 }  // namespace trilat
