@@ -41,7 +41,7 @@ void read_inputs(JsonObject& manifest, Provenance& provenance) {
 void read_manifest(const std::filesystem::path& path, const std::string& campaign, Provenance& p) {
   const Json json = read_json(path);
   JsonObject manifest(json, path.string(), "");
-  check_format(manifest, "trilat.manifest", 1);
+  check_format(manifest, "trilat.manifest", 2);
   p.program = manifest.text("program");
   check_same_run(manifest, p.kind, p.study, campaign);
   p.campaign = campaign;

@@ -85,14 +85,6 @@ void draw_all(ReportContent& content) {
     for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
 }
 
-void refuse_unfinished(const std::filesystem::path& given) {
-  const std::filesystem::path folder = given.has_filename() ? given : given.parent_path();
-  const bool is_partial = folder.extension() == ".partial";
-  const std::filesystem::path partial = is_partial ? folder : partial_name(folder);
-  if (is_partial || (!std::filesystem::exists(folder) && std::filesystem::exists(partial)))
-    throw InputError(partial.string(), "is what an unfinished run left. Run it again, or remove it");
-}
-
 }  // namespace
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
@@ -102,7 +94,6 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   ReportContent content;
   const std::vector<std::string> names = names_of(results);
   for (const auto& path : results) {
-    refuse_unfinished(path);
     content.chapters.push_back(read_chapter(path, paper.has_value()));
     Chapter& chapter = content.chapters.back();
     const std::string name = names[content.chapters.size() - 1];

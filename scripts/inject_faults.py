@@ -52,8 +52,8 @@ def counted(lines, start):
     return found
 
 
-# What only an unfinished output needs.
-UNFINISHED = re.compile(r"(items|aside)/")
+# What somebody is making, or another run left; the next one removes it.
+UNFINISHED = re.compile(r"items/\.aside\.|.*\.partial$")
 
 
 class Injector:
@@ -102,23 +102,38 @@ class Injector:
         if code == 0:
             if out != clean_out:
                 return "succeeds with another text"
-            others = set(differences(now, clean_files))
-            if others == {"items.json"} and '"key":""' in (folder / "out/items.json").read_text():
-                return ""  # an item whose inputs could not be looked at again: again() asks that it is computed anew
-            return f"succeeds with other files: {sorted(others)}" if others else ""
+            others = self.others(scenario, now, clean_files)
+            return f"succeeds with other files: {others}" if others else ""
         if code == 1:
             return "" if "failed" in err else f"ends with 1 and names no failure: {err[-300:]}"
         if not err.startswith("trilat: ") and "\ntrilat: " not in err and not silent:
             return f"fails without a message: {err[-300:]}"
         if scenario.name == "gate" and (folder / "out").is_file() and "<error message=" in (folder / "out").read_text():
             return ""  # the JUnit file says that nothing could be compared
-        if scenario.whole:
-            # finished, and only what the unfinished output needed could not be removed: that is said, and no harm
-            rest = {n: h for n, h in now.items() if n in clean_files or not UNFINISHED.match(n)}
-            whole = now in ({}, earlier, clean_files) or ("cannot be removed" in err and rest == clean_files)
-            return "" if whole else f"leaves what looks finished: {differences(now, clean_files)}"
-        half = [n for n, h in now.items() if not n.endswith(".partial") and clean_files.get(n) != h]
-        return f"leaves half files: {half}" if half else ""
+        if not scenario.finished:
+            return "" if now in ({}, earlier, clean_files) else f"leaves what looks finished: {differences(now, clean_files)}"
+        return self.judge_folder(scenario, now, earlier, clean_files)
+
+    @staticmethod
+    def others(scenario, now, clean_files):
+        """What is not as it should be at the end. Items that nobody needs may be left. Which items are a shard's depends on
+        which takes can be looked into; a run without --shard computes what none did."""
+        if scenario.name == "run --shard":
+            return [n for n, h in now.items() if n.startswith("items/") and clean_files.get(n, h) != h]
+        return differences({n: h for n, h in now.items() if n in clean_files or not n.startswith("items/")}, clean_files)
+
+    @staticmethod
+    def judge_folder(scenario, now, earlier, clean_files):
+        """An item is whole or not there; the folder looks finished only when it is, or as it was."""
+        if now == earlier:
+            return ""
+        rest = {n: h for n, h in now.items() if not UNFINISHED.match(n)}
+        half = [n for n, h in rest.items() if clean_files.get(n, h) != h and earlier.get(n) != h and
+                (n != "manifest.json" or scenario.finished in rest)]
+        if half:
+            return f"leaves half files: {half}"
+        missing = [n for n in clean_files if n not in rest]
+        return f"looks finished without {missing}" if scenario.finished in rest and missing else ""
 
     def judge_recording(self, folder, scenario, result, silent):
         """A recording has its name only when it is sound and holds what was said."""
@@ -150,13 +165,14 @@ class Injector:
         _, clean_files = self.clean[scenario.name]
         code, _, err = run(self.program, command, folder)
         now = files_of(folder / "out")
-        if code == 2 and "exists" in err and scenario.name in ("record", "recover", "merge campaign"):
+        if code == 2 and "exists" in err and scenario.name in ("record", "recover"):
             return "" if recorded else f"again: {err[-300:]}"  # recordings are never replaced
         if code not in right or (code == 2 and not err.startswith("trilat: ")):
             return f"again: `{command}` ends with {code}: {err[-300:]}"
-        if scenario.name == "record" or now == clean_files or (scenario.name == "recover" and recorded):
+        if scenario.name == "record" or (scenario.name == "recover" and recorded):
             return ""
-        return f"again: other files: {differences(now, clean_files)}"
+        others = self.others(scenario, now, clean_files)
+        return f"again: other files: {others}" if others else ""
 
     def inject(self, number, scenario, fault):
         kind, call, which, error, lasting = fault

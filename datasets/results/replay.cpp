@@ -18,8 +18,7 @@ namespace {
 
 constexpr const char* kFile = "replay.h5";
 constexpr const char* kReplayFormat = "trilat.replay";
-constexpr std::int64_t kReplayVersion = 1;
-constexpr std::size_t kMaxTakes = 1000;
+constexpr std::int64_t kReplayVersion = 2;
 constexpr std::uint64_t kPoseNumbers = 7;         // quaternion w, x, y, z and position x, y, z
 constexpr std::uint64_t kMaxInstants = 1u << 20;  // far beyond what is ever written
 constexpr std::size_t kMaxSensors = 64;
@@ -44,7 +43,6 @@ RigidTransform pose_of(const double* n, const std::string& place) {
 void write_take(H5Node node, const ReplayTake& take) {
   node.set_text("id", take.id);
   node.set_text("condition", take.condition);
-  node.set_integer("take", static_cast<std::int64_t>(take.take));
   node.set_texts("sensors", take.sensors);
   const std::uint64_t sensors = take.sensors.size();
   const std::vector<double> poses = pose_numbers(take.world_from_sensor);
@@ -60,9 +58,6 @@ ReplayTake read_take(const H5Node& node) {
   ReplayTake take;
   take.id = node.text("id");
   take.condition = node.text("condition");
-  const std::int64_t number = node.integer("take");
-  if (number < 0) throw InputError(node.place(), "take is negative");
-  take.take = static_cast<std::uint64_t>(number);
   take.sensors = node.texts("sensors");
   const std::size_t sensors = take.sensors.size();
   const H5Table poses = node.table("world_from_sensor", H5Type::f64, {kPoseNumbers});
@@ -90,34 +85,27 @@ void ReplayTake::reset(std::uint64_t count, std::size_t sensor_count) {
   state.assign(count * sensor_count * kJointCount, static_cast<std::uint8_t>(TrackingState::not_tracked));
 }
 
-void write_replay(const std::filesystem::path& folder, std::span<const ReplayTake> takes) {
+void write_replay(const std::filesystem::path& folder, const ReplayTake& take) {
   const std::filesystem::path path = folder / kFile;
   H5File file = H5File::create(path);
   file.set_text("format", kReplayFormat);
   file.set_integer("version", kReplayVersion);
   file.set_text("created_by", kProgramVersion);
-  {
-    H5Node all = file.create_group("takes");
-    for (std::size_t t = 0; t < takes.size(); ++t)
-      write_take(all.create_group(fmt::format("{:05}", t)), takes[t]);
-  }
+  write_take(file.create_group("take"), take);
   file.close();
   sync_file(path);
 }
 
-std::vector<ReplayTake> read_replay(const std::filesystem::path& folder) {
+std::optional<ReplayTake> read_replay(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kFile;
-  std::vector<ReplayTake> takes;
-  if (!std::filesystem::exists(path)) return takes;
+  if (!std::filesystem::exists(path)) return std::nullopt;
   const H5File file = H5File::open(path);
   if (!file.has_attribute("format") || file.text("format") != kReplayFormat)
     throw InputError(path.string(), "is not a replay file of this program");
   if (file.integer("version") != kReplayVersion)
     throw InputError(path.string(),
                      fmt::format("is another version; this program reads version {}", kReplayVersion));
-  const H5Node all = file.group("takes");
-  for (const std::string& name : all.children(kMaxTakes)) takes.push_back(read_take(all.group(name)));
-  return takes;
+  return read_take(file.group("take"));
 }
 
 }  // namespace trilat

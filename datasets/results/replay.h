@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +17,6 @@ inline constexpr double kReplay_s = 35.0;
 // What the sensors saw during the first part of a take, which samples.h5 does not tell. Its truth and
 // estimates are rows [0, instants) of that take there.
 struct ReplayTake {
-  std::uint64_t take = 0;  // its number in samples.h5
   std::string id, condition;
   std::vector<std::string> sensors;
   std::vector<RigidTransform> world_from_sensor;
@@ -31,9 +30,9 @@ struct ReplayTake {
   void reset(std::uint64_t instants, std::size_t sensors);
 };
 
-// replay.h5 (version 1). Equal takes give equal bytes.
-void write_replay(const std::filesystem::path& folder, std::span<const ReplayTake> takes);
-// Empty when there is no such file; InputError when it is not one of these.
-std::vector<ReplayTake> read_replay(const std::filesystem::path& folder);
+// replay.h5 (version 2) beside samples.h5 in the item of a take. Equal takes give equal bytes.
+void write_replay(const std::filesystem::path& folder, const ReplayTake& take);
+// Nothing when there is no such file; InputError when it is not one of these.
+std::optional<ReplayTake> read_replay(const std::filesystem::path& folder);
 
 }  // namespace trilat

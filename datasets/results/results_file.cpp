@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/results/item_store.h"
 
 namespace trilat {
 namespace {
@@ -39,8 +40,7 @@ std::string what_it_is_instead(const std::filesystem::path& folder) {
            " -o RESULTS` makes results of it";
   if (fs::exists(folder) && !fs::is_directory(folder))
     return "is a file; a results folder is meant, which `trilat run` makes";
-  if (fs::exists(folder.string() + ".partial"))
-    return "is not finished; the same `trilat run` goes on with it";
+  if (const std::string unfinished = unfinished_results(folder); !unfinished.empty()) return unfinished;
   if (!fs::exists(folder)) return "does not exist; `trilat run` makes results folders";
   return "holds no summary.json, so it is no results folder, which `trilat run` makes";
 }

@@ -15,7 +15,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kSamplesFormat = "trilat.samples";
-constexpr std::int64_t kSamplesVersion = 2;
+constexpr std::int64_t kSamplesVersion = 3;
 constexpr std::size_t kMostTakes = 20'000;
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
 constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
@@ -97,6 +97,7 @@ SamplesFile SamplesFile::create(const std::filesystem::path& path, const Samples
   s.file.set_texts("methods", header.methods);
   s.file.set_texts("status_names", header.status_names);
   s.file.set_text("alignment", header.alignment);
+  s.file.set_number("training_share", header.training_share);
   H5Node takes = s.file.create_group("takes");
   for (std::size_t t = 0; t < header.takes.size(); ++t) {
     H5Node node = takes.create_group(group_name(t));
@@ -124,6 +125,7 @@ SamplesFile SamplesFile::open(const std::filesystem::path& path) {
   s.header.methods = s.file.texts("methods");
   s.header.status_names = s.file.texts("status_names");
   s.header.alignment = s.file.text("alignment");
+  s.header.training_share = s.file.number("training_share");
   if (s.header.joints.size() * s.header.methods.size() > kMaxEstimates)
     throw InputError(path.string(),
                      fmt::format("has {} joints x {} methods, more than the {} allowed",

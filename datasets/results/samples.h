@@ -24,6 +24,7 @@ struct SamplesHeader {
   std::vector<std::string> methods;
   std::vector<std::string> status_names;  // status number -> name
   std::string alignment;                  // that of the error column
+  double training_share = 0.0;            // what it was learnt on, where it is learnt
   std::vector<TakeShape> takes;
 };
 

@@ -2,19 +2,18 @@
 #include "pipeline/accuracy/accuracy_study.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/evaluate_take.h"
-#include "pipeline/accuracy/gather_takes.h"
-#include "pipeline/accuracy/planned_work.h"
+#include "pipeline/accuracy/statistics/summarise.h"
 #include "pipeline/accuracy/take/solve_block.h"
-#include "pipeline/study/parallel.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/accuracy/take_key.h"
+#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {
@@ -32,7 +31,7 @@ struct AccuracyRun {
   std::vector<WatchedFiles> files;                    // by take, from before the plan was made
   std::vector<std::vector<TakeInput>> inputs;         // by take, once its key was asked for
   std::vector<std::optional<TakeSummary>> summaries;  // by take, of those that were evaluated
-  std::vector<EvaluatedTake> takes;                   // once they are put together
+  std::vector<DeclaredParameter> parameters;          // of the simulator that made the campaign
   StageClocks clocks;
 };
 
@@ -95,25 +94,23 @@ Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Wa
   }
 }
 
-void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& results, const Watch& watch) {
-  run.takes.clear();
+void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
+  std::vector<EvaluatedTake> takes;
   for (std::size_t t = 0; t < run.plan.takes.size(); ++t) {
-    const PlannedTake& planned = run.plan.takes[t];
-    const auto found = outcomes.find(item_of(planned));
-    if (found == outcomes.end())
-      throw InputError(planned.take.id, "is a take of the study, but none of its items");
-    run.takes.push_back({found->second.folder,
-                         read_as<TakeResult>(JsonObject(found->second.json(), found->second.place(), "")),
-                         std::exchange(run.summaries[t], {})});
+    const Outcome& outcome = outcomes.at(item_of(run.plan.takes[t]));
+    takes.push_back({outcome.folder, read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")),
+                     std::exchange(run.summaries[t], {})});
   }
   const Stopwatch time(run.clocks.summarise_ns);
-  gather_takes(run.plan, run.takes, run.cross_check, results, watch);
+  const RunOutcome outcome = outcome_of(run.plan, takes, run.cross_check);
+  write_beside(folder, outcome.tracking);
+  write_summary(folder, summarise(run.plan, outcome, takes, watch));
 }
 
 Json inputs_json(const AccuracyRun& run) {
   Json list = Json::array();
-  for (std::size_t t = 0; t < run.takes.size(); ++t)
-    for (const TakeInput& input : run.takes[t].result.inputs)
+  for (std::size_t t = 0; t < run.inputs.size(); ++t)
+    for (const TakeInput& input : run.inputs[t])
       list.push_back({{"take", run.plan.takes[t].take.id},
                       {"role", input.role},
                       {"file", input.file},
@@ -139,6 +136,7 @@ Json manifest_of_run(const AccuracyRun& run) {
   }
   return manifest_of(resolved_json(plan.study),
                      {{"campaign", plan.campaign.name},
+                      {"simulator_sha256", hash_of_text(json_of(run.parameters).dump())},
                       {"simulated", plan.simulated},
                       {"rig", plan.rig},
                       {"methods", methods},
@@ -159,31 +157,6 @@ Json times_of(const StageClocks& clocks) {
           {"summarise_s", seconds(clocks.summarise_ns)}};
 }
 
-// Of a plan that may lack the files of its takes.
-Study study_of(const std::shared_ptr<AccuracyRun>& run, Json work,
-               const std::vector<DeclaredParameter>& parameters) {
-  return {.kind = name_of(StudyKind::accuracy),
-          .work = std::move(work),
-          .reduce = [run](const Outcomes& outcomes, const fs::path& results,
-                          const Watch& watch) { put_together(*run, outcomes, results, watch); },
-          .manifest = [run](const Outcomes&) { return manifest_of_run(*run); },
-          .key =
-              [run, parameters] {
-                const Campaign& campaign = run->plan.campaign;
-                RunIdentity identity{run->plan.study,
-                                     run->cross_check,
-                                     campaign.name,
-                                     campaign.simulated,
-                                     parameters,
-                                     campaign.takes,
-                                     {}};
-                for (const EvaluatedTake& take : run->takes) identity.inputs.push_back(take.result.inputs);
-                return key_of_run(identity);
-              },
-          .hashes = run->hashes,
-          .times = [run] { return times_of(run->clocks); }};
-}
-
 Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
   const PlannedTake& planned = run->plan.takes[t];
   return {item_of(planned), cost_of(planned),
@@ -200,23 +173,8 @@ void check_cross_check(const Plan& plan) {
 
 }  // namespace
 
-std::string key_of_results(const StudySpec& spec, const Campaign& campaign, bool cross_check,
-                           HashCache& hashes, const Watch& watch) {
-  const Campaign takes = takes_of(spec, campaign);
-  RunIdentity run{
-      spec,        cross_check, takes.name, takes.simulated, read_declared_parameters(takes.folder),
-      takes.takes, {}};
-  run.inputs.resize(run.takes.size());
-  parallel_for_index(run.takes.size(), 1, [&](std::size_t t) {
-    watch.check();
-    run.inputs[t] = inputs_of(run.takes[t], hashes, watch.stop_requested);
-  });
-  return key_of_run(run);
-}
-
 Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross_check,
-                     const std::shared_ptr<HashCache>& hashes, const Watch& watch,
-                     std::vector<TakeNote>* unreadable) {
+                     const std::shared_ptr<HashCache>& hashes, const Watch& watch) {
   const auto run = std::make_shared<AccuracyRun>();
   for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
   run->plan = make_plan(spec, campaign, watch);
@@ -225,84 +183,48 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
   run->summaries.resize(run->plan.takes.size());
-  const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
-  Study study =
-      study_of(run, planned_work(run->plan, cross_check, *hashes, {watch.stop_requested, {}}), parameters);
+  run->parameters = read_declared_parameters(campaign.folder);
+  Study study{.kind = name_of(StudyKind::accuracy),
+              .settings = resolved_json(run->plan.study),
+              .write_beside =
+                  [run](const fs::path& folder) {
+                    if (!run->parameters.empty()) write_declared_parameters(folder, run->parameters);
+                  },
+              .reduce = [run](const Outcomes& outcomes, const fs::path& folder,
+                              const Watch& reading) { put_together(*run, outcomes, folder, reading); },
+              .manifest = [run] { return manifest_of_run(*run); },
+              .hashes = hashes,
+              .times = [run] { return times_of(run->clocks); }};
   for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
-  for (const PlannedTake& planned : run->plan.takes)
-    if (unreadable && !planned.ok)
-      unreadable->push_back({planned.take.id, true, planned.place, planned.problem});
-  study.write_beside = [run, parameters](const fs::path& folder) {
-    if (!parameters.empty()) write_declared_parameters(folder, parameters);
-  };
-  study.gathers = {"samples.h5"};
-  bool replayed = false;
-  for (std::size_t t = 0; t < run->plan.takes.size(); ++t) replayed = replayed || is_replayed(run->plan, t);
-  if (replayed) study.gathers.emplace_back("replay.h5");
   return study;
-}
-
-Study accuracy_of_parts(const Json& work, const std::string& place) {
-  const auto run = std::make_shared<AccuracyRun>();
-  PlannedWork planned = read_planned_work(work, place);
-  run->plan = std::move(planned.plan);
-  run->summaries.resize(run->plan.takes.size());
-  run->cross_check = planned.cross_check;
-  run->hashes = std::make_shared<HashCache>();
-  return study_of(run, work, planned.parameters);
-}
-
-ItemTally run_accuracy(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
-                       const ExecuteOptions& options) {
-  const auto hashes = std::make_shared<HashCache>();
-  for (const fs::path& earlier : options.reuse) hashes->load(earlier);
-  StudyOptions run{.threads = options.threads,
-                   .stop_requested = options.stop_requested,
-                   .shard = options.shard,
-                   .reuse = options.reuse,
-                   .fresh = options.fresh};
-  constexpr double kTakesShare = 0.8;  // of the progress; the rest is the summary
-  if (options.progress)
-    run.progress = [&](const std::string& stage, double share) {
-      const bool takes = stage == "takes";
-      options.progress(takes ? kTakesShare * share : kTakesShare + (1.0 - kTakesShare) * share);
-    };
-  ItemTally tally;
-  on_threads(options.threads, [&](int) {
-    const bool asked = std::ranges::find(options.reuse, output) != options.reuse.end();
-    if (asked && options.shard.whole() && fs::exists(output / "items.json") &&
-        holds_results(output, key_of_results(spec, campaign, options.cross_check, *hashes,
-                                             {options.stop_requested, {}}))) {
-      for (const Take& take : takes_of(spec, campaign).takes) tally.reused.push_back("takes/" + take.id);
-      tally.unchanged = true;
-      return;
-    }
-    tally =
-        run_study(accuracy_study(spec, campaign, options.cross_check, hashes, {options.stop_requested, {}}),
-                  output, run);
-  });
-  return tally;
 }
 
 ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
                              const ExecuteOptions& options) {
-  run_accuracy(spec, campaign, output, options);
+  const auto hashes = std::make_shared<HashCache>();
+  hashes->load(output);
+  StudyOptions run{.threads = options.threads, .stop_requested = options.stop_requested};
+  constexpr double kTakesShare = 0.8;  // of the progress; the rest is the summary
+  if (options.progress)
+    run.progress = [&](const std::string& stage, double share) {
+      if (stage == "takes") options.progress(kTakesShare * share);
+      if (stage == "summary") options.progress(kTakesShare + (1.0 - kTakesShare) * share);
+    };
+  on_threads(options.threads, [&](int) {
+    run_study(accuracy_study(spec, campaign, options.cross_check, hashes, {options.stop_requested, {}}),
+              output, run);
+  });
   return read_summary(output);
 }
 
 double cost_of(const PlannedTake& take) { return static_cast<double>(take.instants) + 1.0; }
 
-PartNotes notes_of_part(const fs::path& part) {
-  const WorkPart work = read_part(part);
-  PartNotes found;
-  for (const PartItem& item : work.items) {
-    if (item.shard != work.number) continue;
-    const Outcome outcome{"", item_folder(part, item.id), {}};
-    const TakeResult result = read_as<TakeResult>(JsonObject(outcome.json(), outcome.place(), ""));
-    found.notes.insert(found.notes.end(), result.notes.begin(), result.notes.end());
-    ++found.takes;
-  }
-  return found;
+std::vector<TakeNote> notes_of(const ItemTally& tally) {
+  std::vector<TakeNote> notes;
+  for (const auto& [id, outcome] : tally.failed)
+    for (TakeNote& note : read_as<TakeResult>(JsonObject(outcome, id, "")).notes)
+      notes.push_back(std::move(note));
+  return notes;
 }
 
 }  // namespace trilat

@@ -2,8 +2,6 @@
 #include "pipeline/accuracy/evaluate_take.h"
 
 #include <algorithm>
-#include <array>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -85,32 +83,12 @@ std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, 
   return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
 }
 
-TakeSummary summarised(const Plan& plan, const std::filesystem::path& folder, StageClocks& clocks) {
+TakeSummary summarised(const Plan& plan, SamplesFile& samples, StageClocks& clocks) {
   const Stopwatch time(clocks.summarise_ns);
-  return summarise_take(SamplesFile::open(folder / "samples.h5"), 0, statistics_layout(plan));
+  return summarise_take(samples, statistics_layout(plan), &samples);
 }
 
 }  // namespace
-
-SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes) {
-  SamplesHeader header;
-  for (Joint joint : plan.joints) header.joints.emplace_back(name_of(joint));
-  for (const Method& method : plan.methods) header.methods.push_back(method.spec.name);
-  for (int s = 0; s < kSolveStatusCount; ++s)
-    header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
-  header.alignment = name_of(plan.study.alignments.front());
-  for (const std::size_t t : takes) {
-    const PlannedTake& take = plan.takes[t];
-    header.takes.push_back({take.take.id, take.instants, take.take.activity});
-  }
-  return header;
-}
-
-SamplesHeader samples_header(const Plan& plan) {
-  std::vector<std::size_t> all(plan.takes.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  return samples_header(plan, all);
-}
 
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
                             const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
@@ -126,13 +104,14 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check
   if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
   estimate_sigmas(plan, planned, data);
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, std::array{take}));
+  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, planned));
   solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress, result);
+  TakeSummary summary = summarised(plan, samples, clocks);
   samples.finish();
-  if (is_replayed(plan, take)) write_replay(folder, std::array{replay_of(plan, take, data)});
+  if (is_replayed(plan, take)) write_replay(folder, replay_of(plan, planned, data));
   result.notes = std::move(data.notes);
   result.evaluated = true;
-  return {folder, std::move(result), summarised(plan, folder, clocks)};
+  return {folder, std::move(result), std::move(summary)};
 }
 
 bool is_replayed(const Plan& plan, std::size_t take) {
@@ -142,10 +121,8 @@ bool is_replayed(const Plan& plan, std::size_t take) {
   return first == plan.takes.begin() + static_cast<std::ptrdiff_t>(take);
 }
 
-ReplayTake replay_of(const Plan& plan, std::size_t index, const TakeData& data) {
-  const PlannedTake& planned = plan.takes[index];
+ReplayTake replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   ReplayTake replay;
-  replay.take = index;
   replay.id = planned.take.id;
   replay.condition = planned.take.activity;
   replay.sensors = plan.rig;

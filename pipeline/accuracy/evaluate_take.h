@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "datasets/results/replay.h"
@@ -33,10 +32,6 @@ class Stopwatch {
   RunningTime time_;
 };
 
-// The layout of samples.h5 for these takes of the plan; all of them without a list.
-SamplesHeader samples_header(const Plan& plan);
-SamplesHeader samples_header(const Plan& plan, std::span<const std::size_t> takes);
-
 // Sends one take through every method into `folder`: samples.h5, and replay.h5 when it is replayed. Throws
 // Interrupted when asked to stop.
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
@@ -46,6 +41,6 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check
 bool is_replayed(const Plan& plan, std::size_t take);
 
 // The first part of a take as every sensor sees it, in the world.
-ReplayTake replay_of(const Plan& plan, std::size_t take, const TakeData& data);
+ReplayTake replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 }  // namespace trilat

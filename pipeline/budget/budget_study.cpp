@@ -144,8 +144,8 @@ Json measure_source(const BudgetSpec& spec, ErrorSource source, const std::files
   return rows;
 }
 
-// What all parts of a budget share, and all that putting them together needs.
-Json work_json(const BudgetSpec& spec) {
+// Of all that decides the rows of a source.
+Json settings_json(const BudgetSpec& spec) {
   return {{"study", resolved_json(spec.study)},
           {"campaign", spec.simulation.name},
           {"seed", spec.simulation.seed},
@@ -155,64 +155,55 @@ Json work_json(const BudgetSpec& spec) {
           {"sha256", spec.sha256}};
 }
 
-Json manifest_of_work(const Json& work) {
-  Json more{{"campaign", work.at("campaign")}, {"simulated", true}};
+Json manifest_of_settings(const Json& settings) {
+  Json more{{"campaign", settings.at("campaign")}, {"simulated", true}};
   for (const char* key : {"seed", "participants", "calibration_sigma_m", "calibration_sigma_deg"})
-    more[key] = work.at(key);
-  return manifest_of(work.at("study"), more);
+    more[key] = settings.at(key);
+  return manifest_of(settings.at("study"), more);
 }
 
-BudgetSummary summary_of(const Json& json, const std::string& place) {
-  JsonObject work(json, place, "/work");
+BudgetSummary summary_of(const BudgetSpec& spec) {
   BudgetSummary budget;
-  budget.study = work.object("study").text("name");
-  budget.campaign = work.text("campaign");
-  budget.seed = work.count("seed");
-  budget.participants = work.count("participants");
-  budget.calibration_sigma_m = work.number("calibration_sigma_m");
-  budget.calibration_sigma_rad = work.number("calibration_sigma_deg") * kRadPerDegree;
-  work.text("sha256");
-  work.finish();
+  budget.study = spec.study.name;
+  budget.campaign = spec.simulation.name;
+  budget.seed = spec.simulation.seed;
+  budget.participants = spec.simulation.participants;
+  budget.calibration_sigma_m = spec.calibration_sigma_m;
+  budget.calibration_sigma_rad = spec.calibration_sigma_deg * kRadPerDegree;
   return budget;
 }
 
 void add_source(ErrorSource source, const Outcome& outcome, BudgetSummary& budget) {
   budget.sources.push_back(name_of(source));
   budget.descriptions.push_back(description_of(source));
-  for (const Json& row : outcome.json())
+  for (const Json& row : outcome.json)
     budget.rows.push_back(read_as<BudgetRow>(JsonObject(row, outcome.place(), "")));
 }
 
 }  // namespace
 
-Study budget_of_parts(const Json& work, const std::string& place) {
-  const BudgetSummary head = summary_of(work, place);
+Study budget_study(const BudgetSpec& spec) {
+  const auto shared = std::make_shared<const BudgetSpec>(spec);
+  const Json settings = settings_json(spec);
   Study study{.kind = name_of(StudyKind::error_budget),
-              .work = work,
+              .settings = settings,
+              .write_beside =
+                  [shared](const std::filesystem::path& folder) {
+                    write_declared_parameters(folder, simulation_parameters(shared->simulation));
+                  },
               .reduce =
-                  [head](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-                    BudgetSummary budget = head;
+                  [shared](const Outcomes& outcomes, const std::filesystem::path& folder, const Watch&) {
+                    BudgetSummary budget = summary_of(*shared);
                     for (const ErrorSource source : error_sources())
                       add_source(source, outcomes.at(name_of(source)), budget);
-                    write_results(results, budget);
+                    write_results(folder, budget);
                   },
-              .manifest = [work](const Outcomes&) { return manifest_of_work(work); }};
-  for (const ErrorSource source : error_sources()) study.items.push_back({name_of(source), 1.0, {}});
-  return study;
-}
-
-Study budget_study(const BudgetSpec& spec) {
-  Study study = budget_of_parts(work_json(spec), "error budget");
-  study.write_beside = [parameters =
-                            simulation_parameters(spec.simulation)](const std::filesystem::path& folder) {
-    write_declared_parameters(folder, parameters);
-  };
-  const auto shared = std::make_shared<const BudgetSpec>(spec);
-  for (std::size_t i = 0; i < study.items.size(); ++i)
-    study.items[i].compute = [=, source = error_sources()[i]](const std::filesystem::path& into,
-                                                              const Watch& watch) {
-      return measure_source(*shared, source, into / "work", watch);
-    };
+              .manifest = [settings] { return manifest_of_settings(settings); }};
+  for (const ErrorSource source : error_sources())
+    study.items.push_back(
+        {name_of(source), 1.0, [shared, source](const std::filesystem::path& into, const Watch& watch) {
+           return measure_source(*shared, source, into / "work", watch);
+         }});
   return study;
 }
 

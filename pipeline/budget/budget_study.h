@@ -28,7 +28,5 @@ BudgetSpec parse_budget(const Json& json, const std::string& place, const std::f
 // A simulated campaign, once for every source of error, evaluated; the campaigns themselves are not kept. An
 // item a source of error. Its summary.json is a BudgetSummary.
 Study budget_study(const BudgetSpec& spec);
-// The same from what its parts share, to put them together. InputError when that is not what they share.
-Study budget_of_parts(const Json& work, const std::string& place);
 
 }  // namespace trilat

@@ -191,7 +191,7 @@ std::vector<DistortionCurve> read_distortion(const CalibrationSpec& spec, const 
   std::vector<DistortionCurve> curves;
   for (std::uint64_t u = 0; u < spec.distortion_units; ++u) {
     const Outcome& outcome = outcomes.at(distortion_item(u));
-    const Json json = outcome.json();
+    const Json json = outcome.json;
     curves.push_back(read_as<DistortionCurve>(JsonObject(json, outcome.place(), "")));
   }
   return curves;
@@ -222,11 +222,11 @@ Study calibration_study(const CalibrationSpec& spec) {
   for (const auto& more : {distortion_items(spec), rig_items(spec)})
     items.insert(items.end(), more.begin(), more.end());
   return {.kind = name_of(StudyKind::calibration),
-          .work = resolved,
+          .settings = resolved,
           .items = std::move(items),
           .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
                            const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
-          .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+          .manifest = [resolved] { return manifest_of_generated(resolved); }};
 }
 
 }  // namespace trilat

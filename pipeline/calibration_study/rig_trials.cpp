@@ -247,7 +247,7 @@ std::vector<RunOutcome> measure_run(const CalibrationSpec& spec, const std::vect
 }
 
 std::vector<RunOutcome> read_run(const Outcome& outcome) {
-  const Json json = outcome.json();
+  const Json json = outcome.json;
   std::vector<RunOutcome> outcomes = read_as<RunOutcomes>(JsonObject(json, outcome.place(), "")).methods;
   if (outcomes.size() != methods().size())
     throw InputError(outcome.place(), fmt::format("must have {} methods", methods().size()));

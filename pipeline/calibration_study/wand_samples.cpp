@@ -222,7 +222,7 @@ std::vector<SampleOutcome> measure_samples(const CalibrationSpec& spec, std::uin
 }
 
 std::vector<SampleOutcome> read_outcomes(const Outcome& outcome, std::size_t images, std::size_t methods) {
-  const Json json = outcome.json();
+  const Json json = outcome.json;
   std::vector<SampleOutcome> outcomes = read_as<UnitOutcomes>(JsonObject(json, outcome.place(), "")).images;
   const auto whole = [&](const SampleOutcome& o) {
     return o.error_m.size() == methods && o.distance_error_m.size() == methods && o.status.size() == methods;

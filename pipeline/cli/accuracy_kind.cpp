@@ -11,7 +11,6 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/reused_results.h"
 #include "reports/render/render.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/tables.h"
@@ -74,11 +73,6 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
   return all_ok ? kDone : kItemsFailed;
 }
 
-std::size_t failures_in(const std::vector<TakeNote>& notes) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(notes, [](const TakeNote& note) { return note.failed; }));
-}
-
 void print_notes(const std::vector<TakeNote>& notes) {
   for (const TakeNote& note : notes)
     fmt::print(stderr, "{}: {}{}: {}\n", note.failed ? "failed" : "note",
@@ -117,25 +111,6 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
   return inputs;
 }
 
-int print_accuracy_part(const std::filesystem::path& part, const Shard& shard, const ItemTally& tally,
-                        const std::vector<TakeNote>& unreadable, std::size_t takes, bool json) {
-  auto [here, notes] = notes_of_part(part);
-  const std::size_t failed = failures_in(notes);
-  for (const TakeNote& note : unreadable)
-    if (!std::filesystem::exists(item_folder(part, "takes/" + note.take))) notes.push_back(note);
-  print_notes(notes);
-  if (json) {
-    Json document{
-        {"part", part.string()}, {"shard", name_of(shard)}, {"takes", here}, {"takes_failed", failed}};
-    document.update(tally_json(tally));
-    fmt::print("{}\n", json_text(document, 2));
-  } else {
-    fmt::print("part {}: {} of {} takes, {} failed: {}\n", name_of(shard), here, takes, failed,
-               part.string());
-  }
-  return failures_in(notes) > 0 ? kItemsFailed : kDone;
-}
-
 // Under the study's first alignment.
 Json errors_json(const ResultsSummary& s) {
   Json rows = Json::array();
@@ -150,26 +125,17 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   const StudySpec spec = parse_study(json, arguments.study.string(), arguments.study.parent_path());
   const Campaign campaign = campaign_of(spec, arguments);
   const auto hashes = std::make_shared<HashCache>();
-  for (const std::filesystem::path& earlier : reused_results(arguments)) hashes->load(earlier);
+  hashes->load(arguments.output);
   const bool cross_check = arguments.cross_check;
-  const auto unreadable = std::make_shared<std::vector<TakeNote>>();
   return {
-      .plan =
-          [=](const Watch& watch) {
-            return accuracy_study(spec, campaign, cross_check, hashes, watch, unreadable.get());
-          },
+      .plan = [=](const Watch& watch) { return accuracy_study(spec, campaign, cross_check, hashes, watch); },
       .print_plan =
           [=](const Shard& shard, bool as_json, const Watch& watch) {
             return print_plan(make_plan(spec, campaign, watch), shard, as_json);
           },
       .inputs = inputs_of(campaign),
       .campaign = campaign,
-      .key = [=](const Watch& watch) { return key_of_results(spec, campaign, cross_check, *hashes, watch); },
-      .print_part =
-          [=](const std::filesystem::path& part, const Shard& shard, const ItemTally& tally, bool as_json) {
-            return print_accuracy_part(part, shard, tally, *unreadable, takes_of(spec, campaign).takes.size(),
-                                       as_json);
-          }};
+      .print_failed = [](const ItemTally& tally) { print_notes(notes_of(tally)); }};
 }
 
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown) {

@@ -18,7 +18,7 @@
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
 

@@ -16,9 +16,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/markers/joint_files.h"
-#include "datasets/results/items.h"
 #include "datasets/skeleton/skeleton.h"
-#include "pipeline/simulate/campaign_study.h"
 
 namespace trilat {
 namespace {
@@ -48,55 +46,36 @@ Json document(const fs::path& file, const std::string& format) {
   }
 }
 
-// A workflow engine removes the one file that it knows of before it makes an output anew; the others still
-// tell that it is ours.
+// What a stop left before anything was put together.
+bool is_begun(const PlannedOutput& output) {
+  std::error_code no_folder;
+  const fs::directory_iterator entries(output.path, no_folder);
+  return fs::is_directory(output.path / "items") &&
+         std::all_of(entries, fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return entry.path().filename() == "items"; });
+}
+
+// Finished or not; a workflow engine may have removed the one file that it knows of.
 bool is_results(const PlannedOutput& output) {
-  const fs::path& folder = output.path;
-  if (fs::exists(folder / "part.json")) return false;
-  if (fs::exists(folder / "summary.json") && fs::exists(folder / "manifest.json") &&
-      fs::exists(folder / "run.json"))
-    return true;
-  return !fs::exists(folder / kItemsFolder) &&
-         (!document(folder / "run.json", "trilat.run").empty() ||
-          !document(folder / "manifest.json", "trilat.manifest").empty());
+  return is_begun(output) || !document(output.path / "manifest.json", "trilat.manifest").empty() ||
+         !document(output.path / "run.json", "trilat.run").empty();
 }
 
-// Recordings are told from other items by the first part of their names.
-bool holds_recordings(const fs::path& part) { return fs::exists(item_folder(part, kRecordings)); }
-
-bool is_part_without_its_file(const fs::path& folder) {
-  return fs::exists(folder / kItemsFolder) && !document(folder / "run.json", "trilat.run").empty();
-}
-
-bool is_part(const PlannedOutput& output) {
-  const Json part = document(output.path / "part.json", "trilat.part");
-  if (!part.empty()) return part.value("kind", Json()) == output.of;
-  return is_results(output) || (is_part_without_its_file(output.path) && !holds_recordings(output.path));
-}
-
-bool is_campaign_part(const PlannedOutput& output) {
-  const Json part = document(output.path / "part.json", "trilat.part");
-  return part.empty() ? is_part_without_its_file(output.path) && holds_recordings(output.path)
-                      : part.value("kind", Json()) == output.of;
-}
-
-// What a simulation writes: its documents, recordings with their truth, and what could not be removed at the
-// end.
+// What a simulation writes: its documents, recordings with their truth, and what is not finished.
 bool is_of_simulation(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   return name == "campaign.json" || name == "calibration.json" || name == "simulator.json" ||
-         name == kItemsFolder || fs::exists(entry.path() / "truth.json");
+         name == "items" || fs::exists(entry.path() / "truth.json");
 }
 
-// A campaign.json that was written by hand lies beside no simulator.json, or is of real recordings. The whole
-// folder would be replaced, so nothing else may be in it.
+// A campaign.json that was written by hand lies beside no simulator.json, or is of real recordings.
 bool is_simulated(const PlannedOutput& output) {
   std::error_code no_folder;
   const fs::directory_iterator entries(output.path, no_folder);
   if (!std::all_of(entries, fs::directory_iterator(), is_of_simulation)) return false;
   const fs::path campaign = output.path / "campaign.json";
+  if (is_begun(output)) return true;
   return !document(output.path / "simulator.json", "trilat.simulator").empty() &&
-         !fs::exists(output.path / "part.json") &&
          (!fs::exists(campaign) || document(campaign, "trilat.campaign").value("simulated", Json()) == true);
 }
 
@@ -145,14 +124,10 @@ const KindRow kKinds[] = {
      },
      "exists and is no history of `trilat gate`"},
     {OutputKind::session, false, nobodys, "exists; a recording is never written over another"},
-    {OutputKind::merged_campaign, true, nobodys, "exists; recordings are never replaced"},
     {OutputKind::truth, true, is_truth, "exists and is not the truth of an earlier try at this recording"},
     {OutputKind::campaign, true, is_simulated,
      "exists and is not an earlier simulation, or holds more than that"},
-    {OutputKind::campaign_part, true, is_campaign_part,
-     "exists and is not this part; recordings are never replaced"},
     {OutputKind::results, true, is_results, "exists and is not a results folder"},
-    {OutputKind::part, true, is_part, "exists and is not a results folder or an earlier part of this kind"},
     {OutputKind::report, true,
      [](const PlannedOutput& o) {
        return beginning_of(o.path / "report.html").find("<meta name=\"generator\" content=\"trilat ") !=

@@ -17,12 +17,9 @@ enum class OutputKind {
   junit,
   history,
   session,  // and all other recordings: no older one is ever replaced
-  merged_campaign,
   truth,
   campaign,
-  campaign_part,
   results,
-  part,
   report,
   reproduction
 };
@@ -32,11 +29,11 @@ struct PlannedOutput {
   OutputKind kind;
   std::vector<std::filesystem::path> inputs;  // files and folders that the verb reads; empty ones are none
   bool force = false;                         // what others wrote may be replaced
-  std::string of = {};             // of a part: its kind; of the truth: the session that it belongs to
-  std::string aside = ".partial";  // behind the name while it is unfinished
+  std::string of = {};                        // of the truth: the session that it belongs to
+  std::string aside = ".partial";             // behind the name while it is unfinished
 };
 
-// InputError unless `force` where the folder holds finished results of another study, by name (empty: not
+// InputError unless `force` where the folder holds results of another study, by name (empty: not
 // looked at), or of another campaign: of another name, without a common take, or with no input of equal
 // SHA-256. Changed settings of the same study go on in place. `campaign`: null for a study that has none.
 void refuse_other_results(const std::filesystem::path& output, const std::string& study,

@@ -14,7 +14,7 @@
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/night_history.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {

@@ -77,7 +77,8 @@ std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::st
   std::vector<fs::path> files;
   auto entry = fs::recursive_directory_iterator(folder);
   for (; entry != fs::recursive_directory_iterator(); ++entry) {
-    if (entry->is_directory() && fs::exists(entry->path() / "items.json")) entry.disable_recursion_pending();
+    if (entry->is_directory() && fs::exists(entry->path() / "manifest.json"))
+      entry.disable_recursion_pending();
     if (entry->is_regular_file() && extensions.contains(entry->path().extension().string()))
       files.push_back(entry->path());
   }

@@ -96,17 +96,11 @@ int print_tables(const std::filesystem::path& results, const std::vector<Table>&
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
-      {StudyKind::accuracy, "takes", "", open_accuracy,
-       [](const Json& work, const std::string& place) { return accuracy_of_parts(work, place); },
-       print_accuracy, accuracy_schema},
+      {StudyKind::accuracy, "takes", "", open_accuracy, print_accuracy, accuracy_schema},
       {StudyKind::threshold_sweep, "items",
-       "a threshold sweep makes its own trials and places its own sensors", open_sweep,
-       [](const Json& work, const std::string& place) { return sweep_study(plan_of_work(work, place)); },
-       print_sweep, sweep_schema},
+       "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_sweep,
+       sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
-       [](const Json& work, const std::string& place) {
-         return calibration_study(parse_calibration_spec(work, place));
-       },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, calibration_tables(read_results<CalibrationSummary>(results)),
                              std::move(document), shown);
@@ -115,16 +109,13 @@ const std::vector<Kind>& kinds() {
       {StudyKind::error_budget, "sources of error",
        "an error budget simulates its own campaigns; name their simulation.json in the study, as "
        "\"simulation\"",
-       open_budget, [](const Json& work, const std::string& place) { return budget_of_parts(work, place); },
+       open_budget,
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(results, budget_tables(read_results<BudgetSummary>(results)),
                              std::move(document), shown);
        },
        budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
-       [](const Json& work, const std::string& place) {
-         return recording_study(parse_recording_spec(work, place));
-       },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(
              results, table4(read_results<RecordingSummary>(results), read_beside<StageTimings>(results)),
@@ -135,9 +126,6 @@ const std::vector<Kind>& kinds() {
        "a sensitivity study simulates its own campaigns; say in the study, as \"simulation\", what they have "
        "in common",
        open_sensitivity,
-       [](const Json& work, const std::string& place) {
-         return sensitivity_study(parse_sensitivity(work, place, {}, {}));
-       },
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          const SensitivitySummary summary = read_sensitivity_summary(results);
          const int code = print_tables(results, sensitivity_tables(summary), std::move(document), shown);

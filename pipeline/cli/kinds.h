@@ -26,10 +26,9 @@ struct RunArguments {
   int threads = 0;  // 0: as many as there are processors
   bool cross_check = false;
   bool dry_run = false;
-  std::string shard;                         // k/n, or empty: all of it
-  std::vector<std::filesystem::path> reuse;  // earlier results
-  bool fresh = false;                        // nothing is taken from the results that `output` holds
-  bool force = false;                        // may replace what others wrote
+  std::string shard;   // k/n, or empty: all of it
+  bool fresh = false;  // nothing is taken from what `output` holds
+  bool force = false;  // may replace what others wrote
   bool json = false;
   bool tables = false;  // all of them are printed
 };
@@ -39,13 +38,9 @@ struct OpenedStudy {
   std::function<Study(const Watch& watch)> plan;
   // Says what would be computed, on stdout, and gives the exit code.
   std::function<int(const Shard& shard, bool json, const Watch& watch)> print_plan;
-  std::vector<std::filesystem::path> inputs = {};  // that it reads beside what the arguments name
-  std::optional<Campaign> campaign = {};           // whose takes it evaluates
-  // Of the finished results, where that is known before planning.
-  std::function<std::string(const Watch& watch)> key = {};
-  // Says what a part holds, on stdout, and gives the exit code; empty: print_part() does.
-  std::function<int(const std::filesystem::path& part, const Shard& shard, const ItemTally& tally, bool json)>
-      print_part = {};
+  std::vector<std::filesystem::path> inputs = {};           // that it reads beside what the arguments name
+  std::optional<Campaign> campaign = {};                    // whose takes it evaluates
+  std::function<void(const ItemTally&)> print_failed = {};  // why, on stderr, where items may fail
 };
 
 // How results are said.
@@ -60,8 +55,6 @@ struct Kind {
   std::string items;        // what its items are called
   std::string no_campaign;  // why a campaign is of no use; empty: it needs one
   OpenedStudy (*open)(const RunArguments& arguments, const Json& study);
-  // To put parts together; `place`: of the work that they share.
-  Study (*of_parts)(const Json& work, const std::string& place);
   // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
   int (*print)(const std::filesystem::path& results, Json document, const Shown& shown);
   Json (*schema)();  // JSON Schema of its study.json

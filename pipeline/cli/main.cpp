@@ -16,9 +16,9 @@ namespace {
 
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
-constexpr AddVerb kVerbs[] = {add_demo,   add_init,      add_simulate,  add_run,  add_merge,
-                              add_report, add_reproduce, add_calibrate, add_gate, add_record,
-                              add_info,   add_verify,    add_recover,   add_fuse, add_schema};
+constexpr AddVerb kVerbs[] = {add_demo,      add_init,      add_simulate, add_run,    add_report,
+                              add_reproduce, add_calibrate, add_gate,     add_record, add_info,
+                              add_verify,    add_recover,   add_fuse,     add_schema};
 
 int guarded_main(int argc, char** argv) {
   CLI::App app(

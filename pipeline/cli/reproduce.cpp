@@ -23,7 +23,7 @@
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "reports/write_report.h"
 
@@ -221,9 +221,9 @@ class Reproduction {
   ResultsSummary evaluated(const std::string& name, const StudySpec& study, const Campaign& campaign,
                            bool cross_check) {
     Progress progress("evaluating");
-    ResultsSummary summary = execute_study(
-        study, campaign, folder_ / name,
-        {arguments_.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }, earlier(name)});
+    ResultsSummary summary =
+        execute_study(study, campaign, folder_ / name,
+                      {arguments_.threads, cross_check, stop_requested, [&](double s) { progress.set(s); }});
     takes_failed_ += summary.takes_failed;
     return summary;
   }
@@ -233,14 +233,7 @@ class Reproduction {
     run_study(study, folder_ / name,
               {.threads = arguments_.threads,
                .stop_requested = stop_requested,
-               .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
-               .reuse = earlier(name)});
-  }
-
-  // What an earlier reproduction left there and did not change since.
-  std::vector<std::filesystem::path> earlier(const std::string& name) const {
-    if (!std::filesystem::is_directory(folder_ / name)) return {};
-    return {folder_ / name};
+               .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
   }
 
   std::vector<std::filesystem::path> results() const {

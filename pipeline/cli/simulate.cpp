@@ -8,15 +8,13 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
-#include "datasets/base/version.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/reused_results.h"
+#include "pipeline/cli/run_words.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_wand.h"
-#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
@@ -24,7 +22,6 @@ namespace {
 struct SimulateArguments {
   std::filesystem::path spec;
   std::filesystem::path output;
-  std::string shard;   // k/n, or empty: all of it
   bool force = false;  // may replace what others wrote
   bool json = false;
 };
@@ -80,43 +77,25 @@ Study planned(const SimulateArguments& arguments) {
   return campaign_study(spec, hash_of_text(sha256), inputs);
 }
 
-// Recordings are never replaced by others: what is there must be this part, perhaps not whole any more.
-void check_part(const Study& study, const Shard& shard, const std::filesystem::path& output) {
-  if (!std::filesystem::exists(output / "part.json")) return;
-  const WorkPart there = read_part(output);
-  if (there.number != shard.number || there.of != shard.of || there.work != study.work ||
-      there.build != build_id())
-    throw InputError(output.string(),
-                     "exists and is not this part; recordings are never replaced. Choose another name, or "
-                     "replace it with --force");
-}
-
 int simulate(const SimulateArguments& arguments) {
-  const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   const SimulationSpec spec = read_simulation(arguments.spec);
-  check_output({arguments.output, shard.whole() ? OutputKind::campaign : OutputKind::campaign_part,
-                files_of(arguments, spec), arguments.force, kCampaign});
-  if (shard.whole()) refuse_other_campaign(arguments.output, spec.name, arguments.force);
+  check_output({arguments.output, OutputKind::campaign, files_of(arguments, spec), arguments.force});
+  refuse_other_campaign(arguments.output, spec.name, arguments.force);
   const Study study = planned(arguments);
-  if (!shard.whole() && !arguments.force) check_part(study, shard, arguments.output);
-  StudyOptions options{.stop_requested = stop_requested, .shard = shard};
-  if (!shard.whole() && std::filesystem::is_directory(arguments.output)) options.reuse = {arguments.output};
   ItemTally tally;
   {
     Progress progress("simulating");
-    options.progress = [&](const std::string&, double share) { progress.set(share); };
     try {
-      tally = run_study(study, arguments.output, options);
+      tally = record_campaign(study, arguments.output,
+                              {.stop_requested = stop_requested,
+                               .progress = [&](const std::string&, double share) { progress.set(share); }});
     } catch (const Interrupted&) {
-      tell_interrupted(partial_name(output_name(arguments.output)));
+      tell_interrupted(arguments.output);
       return kInterrupted;
     }
   }
-  tell_reuse("recordings", tally);
-  if (shard.whole())
-    print_campaign(arguments.output, spec, arguments.json);
-  else
-    print_part(arguments.output, shard, tally, arguments.json);
+  tell_tally("recordings", tally);
+  print_campaign(arguments.output, spec, arguments.json);
   return kDone;
 }
 
@@ -127,7 +106,6 @@ void add_simulate(CLI::App& app, int& code) {
       app, code, "simulate", "virtual Kinects watch a generated person or a real OptiTrack take", simulate);
   verb.add_option("spec", a.spec, "simulation.json")->required();
   verb.add_option("-o,--output", a.output, "folder of the campaign")->required();
-  verb.add_option("--shard", a.shard, "k/n: make only part k of n, into a folder for `trilat merge`");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

@@ -9,7 +9,6 @@
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "pipeline/gate/found_results.h"
-#include "pipeline/study/results_folder.h"
 
 namespace trilat {
 namespace {
@@ -35,6 +34,34 @@ void copy_folder(const fs::path& from, const fs::path& to) {
   if (error)
     throw OutputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
 }
+
+// A folder that is filled beside the baseline and takes its place at the end.
+class NewBaseline {
+ public:
+  explicit NewBaseline(const fs::path& baseline)
+      : baseline_(baseline),
+        partial_(partial_name(baseline)),
+        old_(partial_.string() + ".old"),
+        lock_(baseline) {
+    // from a process that was killed between two renames
+    if (!fs::exists(baseline_) && fs::is_directory(old_)) fs::rename(old_, baseline_);
+    fs::remove_all(partial_);
+    make_folder(partial_);
+  }
+  const fs::path& partial() const { return partial_; }
+  void put_in_place() const {
+    fs::remove_all(old_);
+    std::error_code error;
+    if (fs::exists(baseline_)) fs::rename(baseline_, old_, error);
+    if (!error) fs::rename(partial_, baseline_, error);
+    if (error) throw OutputError(baseline_.string(), "cannot be put in place: " + error.message());
+    fs::remove_all(old_, error);
+  }
+
+ private:
+  fs::path baseline_, partial_, old_;
+  FolderLock lock_;
+};
 
 bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
 
@@ -66,7 +93,7 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
     if (const auto older = read_beside<AcceptedBaseline>(baseline)) accepted.replaces_time = older->time;
     keeps_others = set.single && !before.single;
   }
-  const ResultsFolder folder(baseline);
+  const NewBaseline folder(baseline);
   const fs::path& partial = folder.partial();
   if (keeps_others) {
     copy_folder(baseline, partial);

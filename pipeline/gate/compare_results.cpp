@@ -15,7 +15,7 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
 #include "datasets/skeleton/skeleton.h"
 #include "evaluators/solvers/point_estimate.h"
@@ -87,9 +87,9 @@ PairedStudy study_of(const ResultsPair& pair, const SamplesHeader& header) {
 struct Night {
   SampleBlock block;
   std::vector<float> error_m;
-  Night(const SamplesFile& samples, std::size_t take, std::uint64_t first, std::uint64_t instants)
-      : block(samples.read(take, first, instants, SampleColumns::positions)),
-        error_m(samples.read_errors(take, first, instants)) {}
+  Night(const SamplesFile& samples, std::uint64_t first, std::uint64_t instants)
+      : block(samples.read(0, first, instants, SampleColumns::positions)),
+        error_m(samples.read_errors(0, first, instants)) {}
   bool has_truth(std::size_t place) const {
     return std::all_of(&block.truth_m[3 * place], &block.truth_m[3 * place] + 3,
                        [](double x) { return std::isfinite(x); });
@@ -108,20 +108,37 @@ struct Night {
   }
 };
 
+// The takes of one night and what their samples have in common.
+struct NightSamples {
+  std::vector<ResultTake> takes;
+  SamplesHeader header;
+  explicit NightSamples(const std::filesystem::path& results) : takes(result_takes(results)) {
+    for (const ResultTake& take : takes)
+      if (!take.folder.empty() && header.joints.empty()) header = open_samples(take).header();
+    header.takes.clear();
+    for (const ResultTake& take : takes) header.takes.push_back(take.shape);
+  }
+};
+
 struct TakeReader {
-  const SamplesFile& now;
-  const SamplesFile& before;
+  const NightSamples& now;
+  const NightSamples& before;
   const PairedAxes& axes;
   std::uint64_t block_instants;
 
   // False when the instants are not the same; then nothing is filled.
   bool read(std::size_t t, PairedTake& take, std::uint64_t& truths_that_differ) const {
-    const std::uint64_t instants = now.header().takes[t].instants;
-    if (instants != before.header().takes[t].instants) return false;
+    const std::uint64_t instants = now.takes[t].shape.instants;
+    if (instants != before.takes[t].shape.instants) return false;
     PairedTakeSums sums(axes, (instants + block_instants - 1) / block_instants);
+    if (now.takes[t].folder.empty() || before.takes[t].folder.empty()) {  // told as a failure
+      sums.finish(take);
+      return true;
+    }
+    const SamplesFile of_now = open_samples(now.takes[t]), of_before = open_samples(before.takes[t]);
     for (std::uint64_t first = 0; first < instants; first += kWindow) {
       const std::uint64_t count = std::min(kWindow, instants - first);
-      const Night here(now, t, first, count), there(before, t, first, count);
+      const Night here(of_now, first, count), there(of_before, first, count);
       if (here.block.time_ns != there.block.time_ns) return false;
       for (std::uint64_t i = 0; i < count; ++i) add_instant(here, there, first, i, sums, truths_that_differ);
     }
@@ -146,14 +163,13 @@ struct TakeReader {
   }
 };
 
-// Streams both nights' samples.h5 side by side: the same take, instant, joint and method. InputError when
+// Streams both nights' samples side by side: the same take, instant, joint and method. InputError when
 // they do not hold the same takes, joints and methods.
 PairedSamples read_paired_samples(const ResultsPair& pair) try {
-  const SamplesFile now = SamplesFile::open(pair.now.folder / "samples.h5");
-  const SamplesFile before = SamplesFile::open(pair.before.folder / "samples.h5");
-  check_headers(now.header(), before.header(), (pair.before.folder / "samples.h5").string());
+  const NightSamples now(pair.now.folder), before(pair.before.folder);
+  check_headers(now.header, before.header, pair.before.folder.string());
   PairedSamples samples;
-  samples.study = study_of(pair, now.header());
+  samples.study = study_of(pair, now.header);
   const double rate_hz = pair.now.manifest.at("study").value("rate_hz", 30.0);
   const auto block = static_cast<std::uint64_t>(std::max(1LL, std::llround(kPairedBlock_s * rate_hz)));
   const TakeReader reader{now, before, samples.study.axes, block};
@@ -184,10 +200,15 @@ void sort_findings(std::vector<GateFinding>& findings) {
   });
 }
 
-bool same_file(const ResultsPair& pair, const char* name, const std::function<bool()>& stop_requested) {
-  const auto here = pair.now.folder / name, there = pair.before.folder / name;
-  if (std::filesystem::file_size(here) != std::filesystem::file_size(there)) return false;
-  return hash_of_file(here, stop_requested) == hash_of_file(there, stop_requested);
+bool same_samples(const ResultsPair& pair, const std::function<bool()>& stop_requested) {
+  const auto now = result_takes(pair.now.folder), before = result_takes(pair.before.folder);
+  return std::ranges::equal(now, before, [&](const ResultTake& here, const ResultTake& there) {
+    if (here.shape.id != there.shape.id || here.folder.empty() != there.folder.empty()) return false;
+    if (here.folder.empty()) return true;
+    const auto a = here.folder / "samples.h5", b = there.folder / "samples.h5";
+    return std::filesystem::file_size(a) == std::filesystem::file_size(b) &&
+           hash_of_file(a, stop_requested) == hash_of_file(b, stop_requested);
+  });
 }
 
 // What the paired samples do not judge: how far the worst errors go, iterations, GDOP, whole bodies.
@@ -286,11 +307,9 @@ class Comparison {
   }
 
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
-    for (const FoundResults* night : {&pair.now, &pair.before})
-      SamplesFile::open(night->folder / "samples.h5");
     compare_failures(pair);
     report_.looked_at += pair.now.summary.value("cells", Json::array()).size();
-    if (same_file(pair, "samples.h5", options_.stop_requested)) {
+    if (same_samples(pair, options_.stop_requested)) {
       verdict.state = StudyState::identical;
       compare_numbers(pair, verdict);
       return;

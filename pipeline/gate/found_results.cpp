@@ -30,21 +30,13 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   found.summary = read_results_json(folder);
   found.manifest = read_json(folder / "manifest.json");
   JsonObject manifest(found.manifest, (folder / "manifest.json").string(), "");
-  check_format(manifest, "trilat.manifest", 1);
+  check_format(manifest, "trilat.manifest", 2);
   found.study = manifest.object("study").text("name");
   found.name = name.empty() ? found.study : name;
   check_same_run(manifest, found.kind, text_of(found.summary, "study"), text_of(found.summary, "campaign"));
-  if (found.kind == StudyKind::accuracy) {
-    if (!fs::exists(folder / "samples.h5"))
-      throw InputError((folder / "samples.h5").string(), "is missing: results are compared sample by sample");
-    if (found.summary.value("cells", Json::array()).empty())
-      throw InputError((folder / "summary.json").string() + " /cells", "is empty: nothing was evaluated");
-  }
+  if (found.kind == StudyKind::accuracy && found.summary.value("cells", Json::array()).empty())
+    throw InputError((folder / "summary.json").string() + " /cells", "is empty: nothing was evaluated");
   return found;
-}
-
-void refuse_unfinished(const fs::path& partial) {
-  throw InputError(partial.string(), "is what an unfinished run left. Run it again, or remove it");
 }
 
 // "/seed is 2 here and 1 there; …"; empty when the documents are equal.
@@ -78,7 +70,6 @@ ResultsSet find_results(const fs::path& given) {
   const fs::path folder = given.has_filename() ? given : given.parent_path();
   if (!fs::is_directory(folder))
     throw InputError(folder.string(), "is no folder; results, or a folder that holds several, are needed");
-  if (folder.extension() == ".partial") refuse_unfinished(folder);
   ResultsSet set;
   if (is_results(folder)) {
     set.single = true;
@@ -90,7 +81,6 @@ ResultsSet find_results(const fs::path& given) {
     if (entry.is_directory()) inside.push_back(entry.path());
   std::ranges::sort(inside);
   for (const fs::path& path : inside) {
-    if (path.extension() == ".partial") refuse_unfinished(path);
     if (is_results(path)) set.results.push_back(read_found(path, path.filename().string()));
   }
   if (set.results.empty())
@@ -124,7 +114,8 @@ PairedSet pair_results(ResultsSet now, ResultsSet before) {
 }
 
 Json configuration_of(const Json& manifest) {
-  static const std::set<std::string> kOfTheCode{"program", "study_sha256", "inputs", "instants",
+  static const std::set<std::string> kOfTheCode{"program", "study_sha256", "simulator_sha256",
+                                                "inputs",  "items",        "instants",
                                                 "samples", "cells",        "skipped"};
   Json configuration = Json::object();
   for (const auto& [key, value] : manifest.items())

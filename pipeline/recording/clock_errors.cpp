@@ -185,7 +185,7 @@ ClockErrorResults read_clocks(const RecordingSpec& spec, const Outcomes& outcome
   ClockErrorResults results;
   for (std::size_t n = 0; n < spec.networks.size(); ++n) {
     const Outcome& outcome = outcomes.at(clock_item(n));
-    const Json json = outcome.json();
+    const Json json = outcome.json;
     JsonObject object(json, outcome.place(), "");
     for (ClockErrorRow& row : read_list<ClockErrorRow>(object, "rows"))
       results.rows.push_back(std::move(row));

@@ -13,7 +13,7 @@
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {
@@ -185,7 +185,7 @@ RecordingSummary summarise(const RecordingSpec& spec, const Outcomes& outcomes) 
 Study recording_study(const RecordingSpec& spec) {
   const Json resolved = resolved_json(spec);
   Study study{.kind = name_of(StudyKind::recording),
-              .work = resolved,
+              .settings = resolved,
               .items = clock_items(spec),
               .write_beside =
                   [spec](const std::filesystem::path& folder) {
@@ -193,7 +193,7 @@ Study recording_study(const RecordingSpec& spec) {
                   },
               .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
                                const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
-              .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+              .manifest = [resolved] { return manifest_of_generated(resolved); }};
   if (!spec.methods.empty())
     study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {
       write_beside(folder, StageTimings{spec.name, processor_name(), time_processing(spec, watch)});

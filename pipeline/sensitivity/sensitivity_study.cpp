@@ -86,8 +86,7 @@ void take_errors(const StudySpec& study, const Campaign& campaign, const std::fi
           cell.condition == summary.conditions.front() && cell.alignment == summary.alignments.front())
         point.answered[m] = cell.coverage();
   const StatisticsLayout layout = statistics_layout(make_plan(study, campaign, {watch.stop_requested, {}}));
-  point.paired_m =
-      paired_errors_m(SamplesFile::open(results / "samples.h5"), summary.conditions.front(), layout);
+  point.paired_m = paired_errors_m(results, summary.conditions.front(), layout);
 }
 
 // Rows of the space have seeds of their own, and so has each campaign as it is: the points of a row have the
@@ -197,13 +196,13 @@ Study sensitivity_study(const SensitivitySpec& spec) {
   const auto shared = std::make_shared<const SensitivitySpec>(spec);
   const Json resolved = resolved_json(spec);
   Study study{.kind = name_of(StudyKind::sensitivity),
-              .work = resolved,
+              .settings = resolved,
               .reduce =
                   [shared](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                     SensitivitySummary summary = shared->head;
                     for (const Row& row : rows_of(summary)) {
                       const Outcome& outcome = outcomes.at(row.item);
-                      for (const Json& point : outcome.json()) {
+                      for (const Json& point : outcome.json) {
                         const JsonObject object(point, outcome.place(), "");
                         summary.points.push_back(read_as<SensitivityPoint>(object));
                         summary.check(object);
@@ -212,7 +211,7 @@ Study sensitivity_study(const SensitivitySpec& spec) {
                     analyse(summary);
                     write_sensitivity_summary(results, summary);
                   },
-              .manifest = [resolved](const Outcomes&) { return manifest_of_generated(resolved); }};
+              .manifest = [resolved] { return manifest_of_generated(resolved); }};
   study.write_beside = [shared](const std::filesystem::path& folder) {
     const std::vector<double> as_it_is(shared->head.factors.size(), kNoNumber);
     write_declared_parameters(folder,

@@ -6,14 +6,13 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/simulate/simulate_take.h"
-#include "pipeline/study/known_items.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string item_of(const std::string& recording) { return std::string(kRecordings) + '/' + recording; }
+std::string item_of(const std::string& recording) { return "recordings/" + recording; }
 
 // What campaign.json says of a take besides its files; nothing of the wand.
 Json json_of(const Take& take) {
@@ -38,50 +37,31 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
   return take;
 }
 
-void link_files(const fs::path& item, const fs::path& recording) {
-  make_folder(recording);
-  const std::optional<StoredItem> stored = stored_item(item);
-  if (!stored) throw InputError(item.string(), "is no recording of a part");
-  for (const auto& [name, bytes] : stored->bytes) link_or_copy(item / name, recording / name);
-}
-
-void put_together(const std::string& name, const std::vector<std::string>& recordings,
-                  const Outcomes& outcomes, const fs::path& folder) {
+// Moves what the items recorded out of the store.
+void put_together(const std::string& name, const SimulatedCampaign& simulated, const Outcomes& outcomes,
+                  const fs::path& folder) {
   Campaign campaign{name, true, {}, folder};
-  for (const std::string& recording : recordings) {
-    const auto found = outcomes.find(item_of(recording));
-    if (found == outcomes.end())
-      throw InputError(name, "has no recording \"" + recording + "\" in its parts");
-    const Outcome& outcome = found->second;
-    link_files(outcome.folder, folder / recording);
-    if (const Json take = outcome.json(); !take.is_null())
-      campaign.takes.push_back(read_take(recording, take, outcome.place(), folder));
+  for (std::size_t r = 0; r < simulated.recordings(); ++r) {
+    const std::string id = simulated.id(r);
+    const Outcome& outcome = outcomes.at(item_of(id));
+    fs::rename(outcome.folder, folder / id);
+    fs::remove(folder / id / "item.json");
+    if (!outcome.json.is_null())
+      campaign.takes.push_back(read_take(id, outcome.json, outcome.place(), folder));
   }
   write_campaign(folder, campaign);
 }
 
 }  // namespace
 
-Study campaign_of_parts(const Json& json, const std::string& place) {
-  JsonObject work(json, place, "/work");
-  const std::string name = work.text("simulation");
-  work.text("sha256");
-  const std::vector<std::string> recordings = work.texts("recordings");
-  work.finish();
-  return {.kind = kCampaign,
-          .work = json,
-          .reduce = [=](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
-            put_together(name, recordings, outcomes, folder);
-          }};
-}
-
 Study campaign_study(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs) {
   const auto shared = std::make_shared<const SimulationSpec>(spec);
   const auto campaign = std::make_shared<const SimulatedCampaign>(simulated_campaign(spec));
-  Json recordings = Json::array();
-  for (std::size_t r = 0; r < campaign->recordings(); ++r) recordings.push_back(campaign->id(r));
-  Study study = campaign_of_parts({{"simulation", spec.name}, {"sha256", sha256}, {"recordings", recordings}},
-                                  spec.name);
+  Study study{.kind = "campaign",
+              .settings = {{"simulation", spec.name}, {"sha256", sha256}},
+              .reduce = [=](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
+                put_together(shared->name, *campaign, outcomes, folder);
+              }};
   const std::vector<double> costs = costs_of(spec, *campaign);
   for (std::size_t r = 0; r < campaign->recordings(); ++r)
     study.items.push_back({item_of(campaign->id(r)), costs[r], [=](const fs::path& into, const Watch& watch) {
@@ -96,12 +76,19 @@ Study campaign_study(const SimulationSpec& spec, const std::string& sha256, cons
   return study;
 }
 
+ItemTally record_campaign(const Study& study, const fs::path& folder, const StudyOptions& options) {
+  return run_to_files(study, folder, options, "campaign.json", [](const fs::path& path) {
+    const std::string name = path.filename().string();
+    return name == "calibration.json" || name == "simulator.json" || fs::exists(path / "truth.json");
+  });
+}
+
 Campaign simulate_campaign(const SimulationSpec& spec, const fs::path& folder, const Watch& watch) {
-  run_study(campaign_study(spec, "", {}), folder,
-            {.threads = tbb::this_task_arena::max_concurrency(),
-             .stop_requested = watch.stop_requested,
-             .progress = [&](const std::string&, double share) { watch.tell(share); },
-             .fresh = true});
+  record_campaign(campaign_study(spec, "", {}), folder,
+                  {.threads = tbb::this_task_arena::max_concurrency(),
+                   .stop_requested = watch.stop_requested,
+                   .progress = [&](const std::string&, double share) { watch.tell(share); },
+                   .fresh = true});
   return read_campaign(folder);
 }
 

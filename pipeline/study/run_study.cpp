@@ -3,16 +3,17 @@
 #include <atomic>
 #include <mutex>
 #include <numeric>
+#include <set>
 
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
-#include "pipeline/study/known_items.h"
+#include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
-#include "pipeline/study/results_folder.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kAside = "aside";  // where items are made before they are put in place
+constexpr const char* kSummary = "summary.json";
 
 std::string stage_of(const std::string& id) { return id.substr(0, id.find('/')); }
 
@@ -68,43 +69,77 @@ std::size_t step_through(std::size_t n) {
 // The items of this run, found or computed.
 class Run {
  public:
-  Run(const Study& study, const fs::path& folder, const StudyOptions& options)
-      : study_(study),
-        folder_(folder),
-        options_(options),
-        known_(study, folder, options.reuse, options.shard.whole()) {
+  Run(const Study& study, const fs::path& results, const StudyOptions& options)
+      : study_(study), options_(options), store_(results), keys_(study.items.size()) {
     std::vector<double> costs;
     for (const Item& item : study.items) costs.push_back(item.cost);
     const std::vector<std::uint64_t> owner = shards_of(costs, options.shard.of);
-    for (std::size_t i = 0; i < owner.size(); ++i) {
-      list_.push_back({study.items[i].id, costs[i], owner[i]});
+    for (std::size_t i = 0; i < owner.size(); ++i)
       if (owner[i] == options.shard.number) mine_.push_back(i);
-    }
+  }
+
+  void find_keys() {
+    const Watch watch = watch_of(options_, "inputs");
+    std::atomic<std::size_t> done{0};
+    parallel_for_index(mine_.size(), 1, [&](std::size_t k) {
+      watch.check();
+      const Item& item = study_.items[mine_[k]];
+      keys_[mine_[k]] =
+          item.key ? item.key(watch) : trilat::key_of({{"study", study_.settings}, {"item", item.id}});
+      watch.tell(static_cast<double>(++done) / static_cast<double>(mine_.size()));
+    });
+  }
+  bool has_all() const {
+    return std::ranges::all_of(mine_, [&](std::size_t i) {
+      try {
+        return !keys_[i].empty() && store_.find(keys_[i]);
+      } catch (const InputError&) {
+        return false;
+      }
+    });
   }
 
   void compute() {
+    const ItemStore::Aside aside(store_);
     std::span<const std::size_t> left = mine_;
     while (!left.empty()) {
       const std::string stage = stage_of(study_.items[left[0]].id);
       std::size_t count = 1;
       while (count < left.size() && stage_of(study_.items[left[count]].id) == stage) ++count;
       const RunningTime time;
-      compute_stage(left.first(count), watch_of(options_, stage));
+      compute_stage(left.first(count), aside.path(), watch_of(options_, stage));
       times_[stage + "_s"] = time.seconds();
       left = left.subspan(count);
     }
-    fs::remove_all(folder_ / kAside);
   }
-  // After the last file of an item was read.
-  void check_earlier() const { known_.check_earlier(); }
 
+  const ItemStore& store() const { return store_; }
   const Outcomes& outcomes() const { return outcomes_; }
-  const std::vector<PartItem>& list() const { return list_; }
-  const ItemTally& tally() const { return tally_; }
+  ItemTally& tally() { return tally_; }
   const Json& times() const { return times_; }
+  std::vector<std::string> ids() const {
+    std::vector<std::string> ids;
+    for (const std::size_t i : mine_) ids.push_back(study_.items[i].id);
+    return ids;
+  }
+  std::set<std::string> keys() const { return {keys_.begin(), keys_.end()}; }
+
+  // With the keys that are known; of a failed item none.
+  Json manifest() const {
+    Json items = Json::object();
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      const auto outcome = outcomes_.find(study_.items[i].id);
+      const bool failed = outcome != outcomes_.end() && outcome->second.failed;
+      items[study_.items[i].id] = keys_[i].empty() || failed ? Json() : Json(keys_[i]);
+    }
+    Json manifest{{"format", "trilat.manifest"}, {"version", 2}, {"program", kProgramVersion}};
+    manifest.update(study_.manifest());
+    manifest["items"] = items;
+    return manifest;
+  }
 
  private:
-  void compute_stage(std::span<const std::size_t> items, const Watch& watch) {
+  void compute_stage(std::span<const std::size_t> items, const fs::path& aside, const Watch& watch) {
     std::vector<double> costs;
     for (const std::size_t i : items) costs.push_back(study_.items[i].cost);
     StageProgress progress(std::move(costs), watch);
@@ -116,7 +151,7 @@ class Run {
           const std::size_t k = n * step % items.size();
           const Watch of_item = progress.item(k);
           of_item.check();
-          take(study_.items[items[k]], of_item);
+          take(items[k], aside / std::to_string(items[k]), of_item);
           of_item.tell(1.0);
         }
       } catch (...) {
@@ -126,36 +161,48 @@ class Run {
     });
   }
 
-  void take(const Item& item, const Watch& watch) {
-    const std::string key =
-        item.key ? item.key(watch) : trilat::key_of({{"study", study_.work}, {"item", item.id}});
-    const fs::path aside = folder_ / kAside / item.id;
-    const auto found = known_.find(item.id, key);
-    Outcome outcome;
-    if (found) {
-      outcome = options_.shard.whole() ? found->outcome : known_.bring_here(item.id, found->outcome, aside);
-    } else {
+  void take(std::size_t i, const fs::path& aside, const Watch& watch) {
+    const Item& item = study_.items[i];
+    Outcome outcome{keys_[i], store_.folder(keys_[i]), {}, false};
+    const bool found = find(item, outcome);
+    if (!found) {
       make_folder(aside);
-      const Computed computed = item.compute(aside, watch);
-      outcome.key = computed.failed ? "" : key;
-      put_item(aside, folder_, {item.id, outcome.key, computed.outcome});
-      outcome.folder = item_folder(folder_, item.id);
+      Computed computed = item.compute(aside, watch);
+      outcome.json = std::move(computed.outcome);
+      outcome.failed = computed.failed;
+      if (outcome.key.empty() && !outcome.failed)
+        throw InputError(item.id, "was evaluated, although its files could not be read before; run again");
+      if (outcome.failed)
+        fs::remove_all(aside);
+      else
+        store_.put(aside, {item.id, outcome.key, outcome.json, {}});
     }
     const std::lock_guard lock(mutex_);
-    if (!outcome.key.empty()) {
-      std::vector<std::string>& list = !found             ? tally_.computed
-                                       : found->continued ? tally_.continued
-                                                          : tally_.reused;
-      list.push_back(item.id);
-    }
+    if (outcome.failed)
+      tally_.failed[item.id] = outcome.json;
+    else
+      (found ? tally_.found : tally_.computed).push_back(item.id);
     outcomes_[item.id] = std::move(outcome);
   }
 
+  bool find(const Item& item, Outcome& outcome) {
+    if (outcome.key.empty() || options_.fresh) return false;
+    try {
+      std::optional<StoredItem> stored = store_.find(outcome.key);
+      if (!stored) return false;
+      outcome.json = std::move(stored->outcome);
+      return true;
+    } catch (const InputError& error) {
+      const std::lock_guard lock(mutex_);
+      tally_.damaged.push_back(fmt::format("{}: {}", item.id, error.what()));
+      return false;
+    }
+  }
+
   const Study& study_;
-  const fs::path& folder_;
   const StudyOptions& options_;
-  KnownItems known_;
-  std::vector<PartItem> list_;
+  const ItemStore store_;
+  std::vector<std::string> keys_;  // by item of the study; of other shards' none
   std::vector<std::size_t> mine_;
   std::mutex mutex_;
   Outcomes outcomes_;
@@ -163,64 +210,96 @@ class Run {
   Json times_ = Json::object();
 };
 
-void write_manifest(const Study& study, const Outcomes& outcomes, const fs::path& folder) {
-  Json manifest{{"format", "trilat.manifest"}, {"version", 1}, {"program", kProgramVersion}};
-  manifest.update(study.manifest(outcomes));
-  write_file(folder / "manifest.json", json_text(manifest, 1) + "\n");
+// Several shards may begin at once, so it is written aside under a name of this process.
+void put_manifest(const ItemStore& store, const fs::path& results, const Json& manifest) {
+  const ItemStore::Aside aside(store);
+  write_file(aside.path() / "manifest.json", json_text(manifest, 1) + "\n");
+  fs::rename(aside.path() / "manifest.json", results / "manifest.json");
 }
 
-std::string results_key(const Study& study, const Outcomes& outcomes) {
-  const bool failed = std::ranges::any_of(outcomes, [](const auto& o) { return o.second.key.empty(); });
-  if (failed) return "";  // what failed may work the next time
-  return study.key ? study.key() : key_of(study.work);
+Json manifest_in(const fs::path& results) {
+  try {
+    return fs::exists(results / "manifest.json") ? read_json(results / "manifest.json") : Json();
+  } catch (const InputError&) {
+    return {};  // damaged: it is written again
+  }
 }
 
-// All that comes of the items of a study.
-void write_results(const Study& study, std::span<const PartItem> list, const Outcomes& outcomes,
-                   const fs::path& folder, const StudyOptions& options) {
-  study.reduce(outcomes, folder, watch_of(options, "summary"));
-  if (!study.manifest) return;
-  write_manifest(study, outcomes, folder);
-  write_items(folder, results_key(study, outcomes), list.size(), [&](std::size_t i) {
-    const Outcome& outcome = outcomes.at(list[i].id);
-    return DoneItem{list[i].id, outcome.key, outcome.json()};
-  });
+// The results are no longer those of another study or of other settings.
+void begin(const Run& run, const fs::path& results, const Json& manifest) {
+  fs::remove(results / kSummary);
+  put_manifest(run.store(), results, manifest);
 }
 
-// Removes items that are none of these: an earlier run of another study or shard may have left them.
-void keep_items(const fs::path& output, const Outcomes& outcomes) {
-  std::vector<fs::path> others;
-  if (!fs::exists(output / kItemsFolder)) return;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output / kItemsFolder))
-    if (entry.path().filename() == kItemFile) {
-      const fs::path folder = entry.path().parent_path();
-      if (!outcomes.contains(folder.lexically_relative(output / kItemsFolder).generic_string()))
-        others.push_back(folder);
-    }
-  for (const fs::path& folder : others) fs::remove_all(folder);
+// Moves what is in `made` into the output, the mark last; what an earlier run left there is replaced.
+void publish(const fs::path& made, const fs::path& output, const std::string& mark,
+             const std::function<bool(const fs::path&)>& is_earlier) {
+  fs::remove(output / mark);
+  std::vector<fs::path> earlier, fresh;
+  for (const fs::directory_entry& entry : fs::directory_iterator(output))
+    if (is_earlier(entry.path())) earlier.push_back(entry.path());
+  for (const fs::path& path : earlier) fs::remove_all(path);
+  for (const fs::directory_entry& entry : fs::directory_iterator(made))
+    if (entry.path().filename() != mark) fresh.push_back(entry.path());
+  fresh.push_back(made / mark);
+  for (const fs::path& path : fresh) {
+    std::error_code error;
+    fs::rename(path, output / path.filename(), error);
+    if (error)
+      throw OutputError((output / path.filename()).string(), "cannot be put in place: " + error.message());
+  }
 }
 
-void write_record(const Study& study, const fs::path& folder, Json times, const RunningTime& start) {
-  if (study.hashes) study.hashes->save(folder);
+// Files of an earlier summary; manifest.json is of this one already.
+bool is_of_summary(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return fs::is_regular_file(path) && name != "manifest.json" && name != "hashes.json" &&
+         (path.extension() == ".json" || path.extension() == ".csv");
+}
+
+void write_summary(const Study& study, Run& run, const fs::path& results, const StudyOptions& options,
+                   const RunningTime& start) {
+  const ItemStore::Aside aside(run.store());
+  const fs::path& folder = aside.path();
+  if (study.write_beside) study.write_beside(folder);
+  if (study.time) study.time(folder, watch_of(options, "timing"));
+  study.reduce(run.outcomes(), folder, watch_of(options, "summary"));
+  Json times = run.times();
+  times.update(Json{{"computed", run.tally().computed}, {"found", run.tally().found}});
   if (study.times) times.update(study.times());
   write_run_record(folder, times, start.seconds(), tbb::this_task_arena::max_concurrency());
+  publish(folder, results, kSummary, is_of_summary);
+}
+
+void run_shard(const Study& study, Run& run, const fs::path& results) {
+  const Json there = manifest_in(results);
+  run.find_keys();
+  if (!there.is_object() || there.value("study", Json()) != study.manifest().value("study", Json()))
+    begin(run, results, run.manifest());
+  run.compute();
+}
+
+void run_whole(const Study& study, Run& run, const fs::path& results, const StudyOptions& options) {
+  const RunningTime start;
+  run.find_keys();
+  const Json manifest = run.manifest();
+  if (!options.fresh && fs::exists(results / kSummary) && run.has_all() && manifest_in(results) == manifest) {
+    run.tally().found = run.ids();
+    run.tally().unchanged = true;
+    return;
+  }
+  begin(run, results, manifest);
+  if (study.hashes) study.hashes->save(results);
+  run.compute();
+  if (!run.tally().failed.empty()) put_manifest(run.store(), results, run.manifest());
+  write_summary(study, run, results, options, start);
+  run.store().remove_all_but(run.keys());
 }
 
 }  // namespace
 
 std::string key_of(const Json& settings) {
   return hash_of_text(json_text(Json{{"build", build_id()}, {"settings", settings}}, -1));
-}
-
-Json Outcome::json() const {
-  if (gathered) return *gathered;
-  std::optional<StoredItem> stored = stored_item(folder);
-  if (!stored) throw InputError(folder.string(), "was removed while it was read");
-  return std::move(stored->outcome);
-}
-
-std::string Outcome::place() const {
-  return gathered ? (folder / "items.json").string() : (folder / kItemFile).string() + " outcome";
 }
 
 Json manifest_of(const Json& resolved, const Json& more) {
@@ -233,64 +312,36 @@ Json manifest_of_generated(const Json& resolved) {
   return manifest_of(resolved, {{"simulated", true}, {"inputs", Json::array()}});
 }
 
-ItemTally run_study(const Study& study, const fs::path& output, const StudyOptions& options) {
-  const bool asked = std::ranges::find(options.reuse, output) != options.reuse.end();
-  if (asked && options.shard.whole() && !study.key && holds_results(output, key_of(study.work))) {
-    ItemTally tally;
-    for (const Item& item : study.items) tally.reused.push_back(item.id);
-    tally.unchanged = true;
-    return tally;
-  }
-  const ResultsFolder results(output, !options.fresh);
-  const fs::path& folder = results.partial();
-  ItemTally tally;
+ItemTally run_study(const Study& study, const fs::path& results, const StudyOptions& options) {
+  make_folder(results);
+  std::optional<FolderLock> lock;
+  if (options.shard.whole()) lock.emplace(results);
+  Run run(study, results, options);
   on_threads(options.threads, [&](int) {
-    const RunningTime start;
-    Run run(study, folder, options);
-    run.compute();
-    tally = run.tally();
-    if (study.write_beside) study.write_beside(folder);
-    if (study.time && options.shard.number == 1) study.time(folder, watch_of(options, "timing"));
-    Json times = run.times();
-    times.update(
-        Json{{"computed", tally.computed}, {"continued", tally.continued}, {"reused", tally.reused}});
-    if (options.shard.whole()) {
-      write_results(study, run.list(), run.outcomes(), folder, options);
-      run.check_earlier();
-      if (!study.manifest) return;
-    } else {
-      run.check_earlier();
-      keep_items(folder, run.outcomes());
-      write_part(folder,
-                 {study.kind, build_id(), options.shard.number, options.shard.of, study.work, run.list()});
-    }
-    write_record(study, folder, std::move(times), start);
+    if (options.shard.whole())
+      run_whole(study, run, results, options);
+    else
+      run_shard(study, run, results);
   });
-  results.put_in_place(!options.shard.whole());
-  return tally;
+  return std::move(run.tally());
 }
 
-void merge_parts(const Study& study, std::span<const FoundPart> parts, const fs::path& output,
-                 const StudyOptions& options) {
-  const ResultsFolder results(output);
-  const fs::path& folder = results.partial();
-  WatchedFiles lists;
-  for (const FoundPart& part : parts) lists.add(part.folder / "part.json");
+ItemTally run_to_files(const Study& study, const fs::path& output, const StudyOptions& options,
+                       const std::string& mark, const std::function<bool(const fs::path&)>& is_earlier) {
+  make_folder(output);
+  const FolderLock lock(output);
+  Run run(study, output, options);
   on_threads(options.threads, [&](int) {
-    const RunningTime start;
-    const Outcomes outcomes = outcomes_of(parts);
-    for (const fs::directory_entry& entry : fs::directory_iterator(parts.front().folder)) {
-      const std::string name = entry.path().filename().string();
-      if (name != kItemsFolder && name != "part.json" && name != "run.json" && name != "hashes.json")
-        fs::copy(entry.path(), folder / name);
-    }
-    if (study.hashes)
-      for (const FoundPart& part : parts) study.hashes->load(part.folder);
-    write_results(study, parts.front().part.items, outcomes, folder, options);
-    if (study.manifest) write_record(study, folder, {{"parts", parts.size()}}, start);
+    run.find_keys();
+    run.compute();
+    const ItemStore::Aside aside(run.store());
+    if (study.write_beside) study.write_beside(aside.path());
+    study.reduce(run.outcomes(), aside.path(), watch_of(options, "summary"));
+    publish(aside.path(), output, mark, is_earlier);
   });
-  lists.check();
-  results.put_in_place();
+  run.store().remove_all_but({});
+  run.store().remove_if_empty();
+  return std::move(run.tally());
 }
 
 }  // namespace trilat

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "datasets/base/error.h"
-#include "datasets/results/items.h"
 
 namespace trilat {
 namespace {

@@ -14,8 +14,8 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
+#include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
-#include "pipeline/study/results_folder.h"
 #include "pipeline/sweep/interpretation_search.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_plan.h"
@@ -157,7 +157,7 @@ std::vector<SweepCell> cells_of(const SweepPlan& plan, const Outcomes& outcomes)
   for (const SweepItem& item : items_of(plan)) {
     const auto found = outcomes.find(item.id);
     if (found == outcomes.end()) throw InputError(plan.spec.name, "has no item " + item.id);
-    const Json json = found->second.json();
+    const Json json = found->second.json;
     const std::string place = found->second.place();
     if (!json.is_array() || json.size() != item.cells)
       throw InputError(place, fmt::format("must be a list of {} cells", item.cells));
@@ -250,24 +250,15 @@ std::string key_of_item(const SweepPlan& plan, const SweepItem& item) {
                  {"digits_trials", plan.spec.digits_trials}});
 }
 
-Json sweep_work(const SweepPlan& plan) { return {{"study", resolved_json(plan.spec)}}; }
-
-SweepPlan plan_of_work(const Json& work, const std::string& place) {
-  JsonObject object(work, place, "/work");
-  const SweepSpec spec = parse_sweep(object.value("study"), place);
-  object.finish();
-  return make_sweep_plan(spec, place);
-}
-
 Study sweep_study(const SweepPlan& whole) {
   const auto plan = std::make_shared<const SweepPlan>(whole);
   Study study{.kind = name_of(StudyKind::threshold_sweep),
-              .work = sweep_work(*plan),
+              .settings = resolved_json(plan->spec),
               .reduce =
                   [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                     write_results(results, summary_of(*plan, cells_of(*plan, outcomes)));
                   },
-              .manifest = [plan](const Outcomes&) { return manifest_of_sweep(*plan); }};
+              .manifest = [plan] { return manifest_of_sweep(*plan); }};
   for (const SweepItem& item : items_of(*plan))
     study.items.push_back({item.id, static_cast<double>(trials_in(*plan, item)),
                            [plan, item](const std::filesystem::path&, const Watch& watch) {

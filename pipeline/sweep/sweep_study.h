@@ -30,8 +30,5 @@ std::string key_of_item(const SweepPlan& plan, const SweepItem& item);
 
 // Its summary.json is a SweepSummary, its timings.json SweepTimings.
 Study sweep_study(const SweepPlan& plan);
-// What all parts of a sweep share. InputError at `place` when it is not that.
-Json sweep_work(const SweepPlan& plan);
-SweepPlan plan_of_work(const Json& work, const std::string& place);
 
 }  // namespace trilat

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     import pandas
 
 NEWEST_SUMMARY = 7
-NEWEST_SAMPLES = 2
+NEWEST_MANIFEST = 2
+NEWEST_SAMPLES = 3
 ANSWERS = ("converged", "closed_form", "clamped")
 AXES = "xyz"
 
@@ -36,32 +37,48 @@ class Results:
     def __init__(self, folder: str | os.PathLike) -> None:
         self.folder = Path(folder)
         path = self.folder / "summary.json"
-        try:
-            self.summary: dict = json.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(path, "cannot be read; a folder that `trilat run` wrote is expected") from error
-        except ValueError as error:
-            raise InputError(path, f"is no JSON: {error}") from error
+        if not path.exists():
+            self._check_finished()
+        self.summary: dict = _document(path)
         if self.summary.get("kind") != "accuracy":
             raise InputError(path, f'is of the kind "{self.summary.get("kind")}"; "accuracy" is expected')
         if self.summary.get("version", 0) > NEWEST_SUMMARY:
             raise InputError(path, f"has version {self.summary['version']}; this module reads up to {NEWEST_SUMMARY}: "
                                    "take the one of the trilat that wrote it")
-        with self._samples() as file:
-            self.takes: tuple[str, ...] = tuple(_text(take.attrs["id"]) for take in file["takes"].values())
+        manifest = self._manifest()
+        # the item of each take that could be evaluated
+        self._items: dict[str, Path] = {
+            take["id"]: self.folder / "items" / key for take in manifest["takes"]
+            if (key := manifest["items"][f"takes/{take['id']}"]) is not None}
+        self.takes: tuple[str, ...] = tuple(self._items)
+        with self._samples(self.takes[0]) as file:
             self.methods, self.joints, self._statuses = (
                 tuple(_text(name) for name in file.attrs[key]) for key in ("methods", "joints", "status_names"))
 
-    def _samples(self) -> h5py.File:
-        return open_hdf5(self.folder / "samples.h5", "trilat.samples", NEWEST_SAMPLES)
+    def _manifest(self) -> dict:
+        path = self.folder / "manifest.json"
+        manifest = _document(path)
+        if manifest.get("version", 0) != NEWEST_MANIFEST:
+            raise InputError(path, f"has version {manifest.get('version')}; this module reads {NEWEST_MANIFEST}: take the "
+                                   "one of the trilat that wrote it")
+        return manifest
+
+    def _check_finished(self) -> None:
+        if (self.folder / "manifest.json").exists():
+            items = self._manifest()["items"]
+            there = sum(1 for item in self.folder.glob("items/*/item.json"))
+            raise InputError(self.folder, f"is unfinished: {min(there, len(items))} of {len(items)} items are there; "
+                                          "`trilat run` goes on from them")
+
+    def _samples(self, take: str) -> h5py.File:
+        return open_hdf5(self._items[take] / "samples.h5", "trilat.samples", NEWEST_SAMPLES)
 
     def _groups(self, take: str | None) -> Iterator[tuple[str, h5py.Group]]:
         if take is not None and take not in self.takes:
             raise InputError(self.folder, f'has no take "{take}"; it has {", ".join(self.takes)}')
-        with self._samples() as file:
-            for group in file["takes"].values():
-                if take in (None, _text(group.attrs["id"])):
-                    yield _text(group.attrs["id"]), group
+        for name in self.takes if take is None else (take,):
+            with self._samples(name) as file:
+                yield name, file["takes/00000"]
 
     def columns(self, take: str | None = None) -> dict[str, np.ndarray]:
         """Every sample as arrays of equal length, of one take or of all.
@@ -133,6 +150,15 @@ class Results:
         kind = "simulated" if self.summary.get("simulated") else "recorded"
         axes.set(xlabel="time (s)", ylabel="error (cm)", title=f"{take}, {joint}, {kind}")
         return axes
+
+
+def _document(path: Path) -> dict:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "cannot be read; a folder that `trilat run` wrote is expected") from error
+    except ValueError as error:
+        raise InputError(path, f"is no JSON: {error}") from error
 
 
 def _text(value: object) -> str:

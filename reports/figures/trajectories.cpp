@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/item_store.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/table.h"
 
@@ -42,18 +42,18 @@ std::set<std::uint8_t> usable_statuses(const SamplesHeader& header) {
   return usable;
 }
 
-Path read_path(const SamplesFile& samples, std::size_t take, std::size_t joint) {
+Path read_path(const SamplesFile& samples, std::size_t joint) {
   constexpr std::uint64_t kBlock = 1024;
   const SamplesHeader& header = samples.header();
   const std::size_t joints = header.joints.size(), methods = header.methods.size();
   const std::set<std::uint8_t> usable = usable_statuses(header);
   Path path;
   path.estimate_m.resize(methods);
-  const std::uint64_t instants = header.takes[take].instants;
+  const std::uint64_t instants = header.takes[0].instants;
   std::int64_t start_ns = 0;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
     const SampleBlock block =
-        samples.read(take, first, std::min(kBlock, instants - first), SampleColumns::positions);
+        samples.read(0, first, std::min(kBlock, instants - first), SampleColumns::positions);
     if (first == 0 && block.instants > 0) start_ns = block.time_ns.front();
     for (std::uint64_t i = 0; i < block.instants; ++i) {
       path.time_s.push_back(static_cast<double>(block.time_ns[i] - start_ns) * 1e-9);
@@ -102,21 +102,22 @@ double shift_to_truth_m(const Path& path, const std::vector<double>& height_m) {
 }
 
 // The joint to be shown, of those with any truth.
-std::optional<std::size_t> shown_joint(const SamplesFile& samples, std::size_t take, Path& path) {
+std::optional<std::size_t> shown_joint(const SamplesFile& samples, Path& path) {
   const SamplesHeader& header = samples.header();
   std::vector<std::size_t> order;
   for (std::size_t j = 0; j < header.joints.size(); ++j)
-    if (header.joints[j] == drawn_joint(header.takes[take].condition)) order.push_back(j);
+    if (header.joints[j] == drawn_joint(header.takes[0].condition)) order.push_back(j);
   for (std::size_t j = 0; j < header.joints.size(); ++j) order.push_back(j);
   for (const std::size_t j : order) {
-    path = read_path(samples, take, j);
+    path = read_path(samples, j);
     if (std::ranges::any_of(path.truth_m, [](double y) { return std::isfinite(y); })) return j;
   }
   return std::nullopt;
 }
 
 Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, const Path& path,
-                 const TakeShape& take, const std::string& joint) {
+                 const std::string& joint) {
+  const TakeShape& take = header.takes[0];
   const std::vector<std::size_t> shown = shown_methods(header);
   Figure figure;
   figure.id = usable_id(fmt::format("trajectory-{}-{}", take.condition, joint));
@@ -143,17 +144,15 @@ Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, con
 
 std::vector<Figure> trajectory_figures(const std::filesystem::path& results, const ResultsSummary& summary) {
   std::vector<Figure> figures;
-  if (!std::filesystem::exists(results / "samples.h5")) return figures;
-  const SamplesFile samples = SamplesFile::open(results / "samples.h5");
   std::set<std::string> shown;
-  for (const TakeShape& shape : samples.header().takes) {
-    const auto take = static_cast<std::size_t>(&shape - samples.header().takes.data());
-    if (shown.contains(shape.condition)) continue;
+  for (const ResultTake& take : result_takes(results)) {
+    if (take.folder.empty() || shown.contains(take.shape.condition)) continue;
+    const SamplesFile samples = open_samples(take);
     Path path;
-    const auto joint = shown_joint(samples, take, path);
+    const auto joint = shown_joint(samples, path);
     if (!joint) continue;
-    shown.insert(shape.condition);
-    figures.push_back(figure_of(summary, samples.header(), path, shape, samples.header().joints[*joint]));
+    shown.insert(take.shape.condition);
+    figures.push_back(figure_of(summary, samples.header(), path, samples.header().joints[*joint]));
   }
   return figures;
 }

@@ -48,7 +48,7 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
     }
   if (data.empty()) {
     section.html =
-        "<p>There is no replay: none of the results holds a replay.h5, which <code>trilat run</code> writes "
+        "<p>There is no replay: none of the results has one, which <code>trilat run</code> writes "
         "for studies of kind accuracy.</p>\n";
     return section;
   }

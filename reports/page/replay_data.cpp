@@ -9,8 +9,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/replay.h"
-#include "datasets/results/samples.h"
 #include "datasets/skeleton/skeleton.h"
 #include "reports/figures/figure_look.h"
 #include "reports/page/html.h"
@@ -122,11 +122,10 @@ Json skeleton_json() {
 PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const ResultsSummary& summary,
                   const std::string& place) {
   const SamplesHeader& header = samples.header();
-  if (take.take >= header.takes.size() || header.takes[take.take].id != take.id ||
-      header.takes[take.take].instants < take.instants)
-    throw InputError(place, "is not of the run that samples.h5 beside it is of: take \"" + take.id +
-                                "\" is another there; run the study again");
-  const SampleBlock block = samples.read(take.take, 0, take.instants, SampleColumns::positions);
+  if (header.takes[0].id != take.id || header.takes[0].instants < take.instants)
+    throw InputError(
+        place, "is of take \"" + take.id + "\", and samples.h5 beside it of another; run the study again");
+  const SampleBlock block = samples.read(0, 0, take.instants, SampleColumns::positions);
   Packer packer;
   pack_sensors(take, packer);
   const std::vector<std::string> leading = leading_methods(summary, take.condition);
@@ -157,11 +156,11 @@ PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const Resu
 std::vector<PackedReplay> packed_replays(const std::filesystem::path& results,
                                          const ResultsSummary& summary) {
   std::vector<PackedReplay> packed;
-  const std::vector<ReplayTake> takes = read_replay(results);
-  if (takes.empty() || !std::filesystem::exists(results / "samples.h5")) return packed;
-  const SamplesFile samples = SamplesFile::open(results / "samples.h5");
-  for (const ReplayTake& take : takes)
-    if (take.instants > 0) packed.push_back(pack(take, samples, summary, (results / "replay.h5").string()));
+  for (const ResultTake& take : result_takes(results)) {
+    const auto replay = take.folder.empty() ? std::nullopt : read_replay(take.folder);
+    if (replay && replay->instants > 0)
+      packed.push_back(pack(*replay, open_samples(take), summary, (take.folder / "replay.h5").string()));
+  }
   return packed;
 }
 

@@ -20,8 +20,7 @@ struct PackedReplay {
   std::string bytes;
 };
 
-// One a take in replay.h5, with truth and estimates from samples.h5. Empty when one of the files is not
-// there; InputError when they are not of the same run.
+// One of each take that has a replay. InputError when that is not of the samples beside it.
 std::vector<PackedReplay> packed_replays(const std::filesystem::path& results, const ResultsSummary& summary);
 
 }  // namespace trilat

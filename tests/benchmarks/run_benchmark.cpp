@@ -13,7 +13,7 @@
 #include "datasets/base/strict_json.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {

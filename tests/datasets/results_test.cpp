@@ -25,7 +25,8 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
 }
 
 SamplesHeader small_header() {
-  return {{"head", "neck"}, {"mean", "nonlinear", "linear"}, {"a", "b"}, "mean", {{"one", 10}, {"two", 5}}};
+  return {{"head", "neck"},         {"mean", "nonlinear", "linear"}, {"a", "b"}, "mean", 0.5,
+          {{"one", 10}, {"two", 5}}};
 }
 
 SampleBlock block_of(std::uint64_t first, std::uint64_t count) {
@@ -52,6 +53,7 @@ TEST(Samples, WhatIsWrittenIsReadBack) {
   const SamplesFile samples = SamplesFile::open(folder / "samples.h5");
   EXPECT_EQ(samples.header().joints, small_header().joints);
   EXPECT_EQ(samples.header().methods, small_header().methods);
+  EXPECT_EQ(samples.header().training_share, 0.5);
   EXPECT_EQ(samples.header().takes.at(1).id, "two");
   EXPECT_EQ(samples.header().takes.at(0).instants, 10u);
   const SampleBlock block = samples.read(0, 3, 4);

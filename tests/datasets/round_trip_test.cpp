@@ -6,7 +6,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
-#include "datasets/results/items.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
@@ -78,9 +78,9 @@ void expect_read_back(const T& value) {
 
 template <class T>
 class Filled : public testing::Test {};
-using Plain = testing::Types<DoneItem, StoredItem, PartItem, TrackingSummary, StageTimings, SweepTimings,
-                             SweepInterpretation, SweepCell, SweepSearch, SensitivityFactor, SensitivityPoint,
-                             SensitivityClaim, SensitivitySlice, ResultsSummary, BudgetSummary>;
+using Plain = testing::Types<StoredItem, TrackingSummary, StageTimings, SweepTimings, SweepInterpretation,
+                             SweepCell, SweepSearch, SensitivityFactor, SensitivityPoint, SensitivityClaim,
+                             SensitivitySlice, ResultsSummary, BudgetSummary>;
 TYPED_TEST_SUITE(Filled, Plain);
 
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }

@@ -14,6 +14,7 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/markers/joint_files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/results/item_store.h"
 #include "datasets/session/session_writer.h"
 #include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/cli/embedded_studies.h"
@@ -133,8 +134,9 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
   for (std::size_t i = 0; i < files.size(); ++i)
     write_file(seed("results", files[i].folder.filename().string() + "_" + files[i].name),
                std::string(1, static_cast<char>(i)) + files[i].text);
-  write_file(seed("samples", "accuracy"), read_file(sound / "accuracy" / "samples.h5"));
-  write_file(seed("replay", "accuracy"), read_file(sound / "accuracy" / "replay.h5"));
+  const std::filesystem::path item = result_takes(sound / "accuracy").at(0).folder;
+  write_file(seed("samples", "accuracy"), read_file(item / "samples.h5"));
+  write_file(seed("replay", "accuracy"), read_file(item / "replay.h5"));
 }
 
 void write_network_seeds(const SeedPath& seed) {

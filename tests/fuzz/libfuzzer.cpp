@@ -9,7 +9,3 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   trilat::fuzz(name ? name : "", {data, size});
   return 0;
 }
-
-// HDF5 itself forgets some memory when a file's metadata are damaged.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\n"; }

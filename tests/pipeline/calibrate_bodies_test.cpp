@@ -9,7 +9,7 @@
 #include "datasets/base/units.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
-#include "pipeline/study/results_folder.h"
+#include "pipeline/study/machine.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -158,12 +158,13 @@ TEST(Gate, RefusesOtherRecordingsButNotOtherwiseSimulatedOnes) {
 TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
   Nights nights;
   nights.write({});
-  std::filesystem::create_directories(nights.folder / "several" / "walks.partial");
+  write_made_results(nights.folder / "several" / "walks");
+  std::filesystem::remove(nights.folder / "several" / "walks" / "summary.json");
   const auto refusal = [&](const std::string& results) {
     return run_trilat(nights.folder, {"gate", results, "--baseline", nights.before()});
   };
   expect_refused(refusal((nights.folder / "several").string()),
-                 "walks.partial: is what an unfinished run left");
+                 "walks: is unfinished: 10 of 10 items are there");
   std::filesystem::create_directories(nights.folder / "empty");
   expect_refused(refusal((nights.folder / "empty").string()), "holds no results");
   expect_refused(refusal((nights.folder / "nowhere").string()), "is no folder");

@@ -163,8 +163,7 @@ TEST(LeftOut, RowsAreOfParticipants) {
 TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
   const ScratchFolder folder;
   const Campaign campaign = blind_campaign(folder, 2, 2.0);
-  run_accuracy(study_of(kMethods), campaign, folder.path() / "results", {});
-  const ResultsSummary summary = read_summary(folder.path() / "results");
+  const ResultsSummary summary = execute_study(study_of(kMethods), campaign, folder.path() / "results", {});
   EXPECT_TRUE(summary.left_out());
   EXPECT_EQ(summary.takes, 8u);
   EXPECT_EQ(summary.takes_failed, 0u);
@@ -191,8 +190,9 @@ TEST(LeftOut, MocapIsLeftAsideWhenTheStudySaysSo) {
   const Campaign with = simulate_into(folder.path() / "campaign", walking_spec(1));
   const std::string members = std::string(R"("joints": ["head", "wrist_left"], )") + kMethods;
   const auto head_of = [&](const Campaign& campaign, const std::string& truth, const char* name) {
-    run_accuracy(study_of(members + truth), campaign, folder.path() / name, {});
-    return find_cell(read_summary(folder.path() / name), "nonlinear", "walking", "head", "none")->mae_m;
+    return find_cell(execute_study(study_of(members + truth), campaign, folder.path() / name, {}),
+                     "nonlinear", "walking", "head", "none")
+        ->mae_m;
   };
   const double aside = head_of(with, R"(, "truth": "left_out_sensor")", "aside");
   EXPECT_EQ(aside, head_of(without_mocap(with), "", "without"));
@@ -218,14 +218,11 @@ TEST(LeftOut, TheProgramGoesFromACampaignWithoutMocapToATable) {
   EXPECT_THAT(whole.out, HasSubstr("against the sensor left out"));
   EXPECT_THAT(whole.out, HasSubstr("There is no ground truth."));
   EXPECT_THAT(whole.out, HasSubstr("What a sensor sees, predicted from the others"));
-  EXPECT_EQ(run("part1", {"--shard", "1/2"}).code, 0);
-  EXPECT_EQ(run("part2", {"--shard", "2/2"}).code, 0);
-  const Ended merged =
-      run_trilat(folder, {"merge", (folder.path() / "part1").string(), (folder.path() / "part2").string(),
-                          "-o", (folder.path() / "merged").string()});
-  EXPECT_EQ(merged.code, 0) << merged.err;
+  EXPECT_EQ(run("shards", {"--shard", "1/2"}).code, 0);
+  EXPECT_EQ(run("shards", {"--shard", "2/2"}).code, 0);
+  EXPECT_EQ(run("shards", {}).code, 0);
   for (const char* name : {"summary.json", "tracking.json"})
-    EXPECT_EQ(read_file(folder.path() / "merged" / name), read_file(folder.path() / "results" / name))
+    EXPECT_EQ(read_file(folder.path() / "shards" / name), read_file(folder.path() / "results" / name))
         << name;
 }
 

@@ -11,7 +11,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
 #include "datasets/base/strict_json.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "tests/pipeline/program.h"
@@ -47,10 +47,11 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
   for (int s = 0; s < kSolveStatusCount; ++s)
     header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   header.alignment = "none";
-  for (std::size_t p = 0; p < study.participants; ++p)
-    header.takes.push_back({"p" + std::to_string(p) + "-walking", study.instants, "walking"});
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", header);
   for (std::size_t t = 0; t < study.participants; ++t) {
+    header.takes = {{"p" + std::to_string(t) + "-walking", study.instants, "walking"}};
+    const std::filesystem::path item = ItemStore(folder).folder("key" + std::to_string(t));
+    std::filesystem::create_directories(item);
+    SamplesFile samples = SamplesFile::create(item / "samples.h5", header);
     SampleBlock block;
     block.reset(0, study.instants, 3, 2);
     std::vector<float> errors(block.estimate_m.size(), std::numeric_limits<float>::quiet_NaN());
@@ -74,14 +75,14 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
         }
       }
     }
-    samples.write(t, block);
-    samples.write_errors(t, 0, errors);
+    samples.write(0, block);
+    samples.write_errors(0, 0, errors);
+    samples.finish();
   }
-  samples.finish();
 }
 
 inline void write_made_manifest(const std::filesystem::path& folder, const MadeStudy& study) {
-  Json takes = Json::array(), inputs = Json::array();
+  Json takes = Json::array(), inputs = Json::array(), items = Json::object();
   for (std::size_t p = 0; p < study.participants; ++p) {
     const std::string name = "p" + std::to_string(p);
     takes.push_back({{"id", name + "-walking"},
@@ -89,17 +90,19 @@ inline void write_made_manifest(const std::filesystem::path& folder, const MadeS
                      {"activity", "walking"},
                      {"mocap_start_host_ns", 7},
                      {"instants", study.instants}});
+    items["takes/" + name + "-walking"] = "key" + std::to_string(p);
     inputs.push_back({{"take", name + "-walking"}, {"role", "session"}, {"sha256", study.input_sha256}});
   }
   const Json json{
       {"format", "trilat.manifest"},
-      {"version", 1},
+      {"version", 2},
       {"program", "trilat test"},
       {"study",
        {{"kind", "accuracy"}, {"name", study.name}, {"rate_hz", study.rate_hz}, {"alignments", {"none"}}}},
       {"simulated", study.simulated},
       {"takes", takes},
-      {"inputs", inputs}};
+      {"inputs", inputs},
+      {"items", items}};
   write_file(folder / "manifest.json", json_text(json, 1) + "\n");
 }
 

@@ -5,6 +5,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/results/item_store.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
@@ -37,9 +38,9 @@ struct Walk {
   std::string alone(const std::function<void(std::size_t, BodyFrame&)>& change = [](std::size_t, BodyFrame&) {
   }) {
     evaluated(change);
-    return read_file(folder / "results/samples.h5");
+    return samples();
   }
-  std::string samples() { return read_file(folder / "results/samples.h5"); }
+  std::string samples() { return read_file(result_takes(folder / "results")[0].folder / "samples.h5"); }
   Body other(std::size_t sensor, double x_m, double z_m, std::uint64_t id) {
     return body_at(poses.at(sensor), x_m, z_m, id + sensor);
   }

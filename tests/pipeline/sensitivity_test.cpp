@@ -211,9 +211,8 @@ TEST(MethodPairs, AreTheDifferencesOfTheResults) {
   const StudySpec study = study_of(R"("alignments": ["rigid", "none"], "methods": [{"method": "mean"},
       {"method": "nonlinear", "occlusion": "corrected", "fewest_sensors": 4}, {"method": "geometric"}])");
   const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
-  const std::vector<double> paired_m =
-      paired_errors_m(SamplesFile::open(folder / "results/samples.h5"), summary.conditions.front(),
-                      statistics_layout(make_plan(study, campaign, {})));
+  const std::vector<double> paired_m = paired_errors_m(folder / "results", summary.conditions.front(),
+                                                       statistics_layout(make_plan(study, campaign, {})));
   std::size_t compared = 0;
   for (const DifferenceCell& cell : summary.differences) {
     if (cell.group != kAverageGroup || cell.alignment != "rigid") continue;

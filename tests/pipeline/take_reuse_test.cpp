@@ -16,23 +16,14 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 constexpr const char* kDividedMethods = R"("occluded_apart": true, "resamples": 200, "block_s": 0.2,
     "alignments": ["mean", "none", "rigid", "first", "held_out", "joint_offset"], "methods": [
     {"method": "mean"}, {"method": "nonlinear"}, {"method": "geometric"}, {"method": "rts"}])";
 
-// Result of one run.
-struct AccuracyRun {
-  ResultsSummary summary;  // of all takes
-  ItemTally tally;
-};
-
-AccuracyRun run(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& output,
-                const ExecuteOptions& options = {}) {
-  AccuracyRun run{{}, run_accuracy(study, campaign, output, options)};
-  if (options.shard.whole()) run.summary = read_summary(output);
-  return run;
+// How many takes the last run into this folder computed.
+std::size_t computed_in(const std::filesystem::path& results) {
+  return read_json(results / "run.json").at("computed").size();
 }
 
 // Takes of two activities; one cannot be evaluated.
@@ -49,13 +40,10 @@ struct Divided {
     campaign = simulate_into(folder / "campaign", spec);
     if (one_fails) campaign.takes[1].mocap = folder / "campaign/absent.csv";
   }
-  std::filesystem::path whole(ExecuteOptions options = {}) {
-    execute_study(study, campaign, folder / "whole", options);
-    return folder / "whole";
-  }
+  void whole() { execute_study(study, campaign, folder / "whole", {}); }
 };
 
-// A field that is added to Take stops the binding in planned_work.cpp, and is then changed here.
+// A field that is added to Take stops the binding in take_key.cpp, and is then changed here.
 TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
   Divided work(1, false);
   const auto copied = [&](const std::filesystem::path& file) {
@@ -65,7 +53,6 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
   };
   const std::pair<const char*, std::function<void(Campaign&)>> changes[] = {
       {"name", [](Campaign& c) { c.name += "x"; }},
-      {"simulated", [](Campaign& c) { c.simulated = !c.simulated; }},
       {"id", [](Campaign& c) { c.takes[0].id += "x"; }},
       {"participant", [](Campaign& c) { c.takes[0].participant += "x"; }},
       {"activity", [](Campaign& c) { c.takes[0].activity += "x"; }},
@@ -77,8 +64,10 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
       {"up_axis", [](Campaign& c) { c.takes[0].up_axis = UpAxis::z; }},
       {"left_out", [](Campaign& c) { c.takes[0].left_out = "k1"; }}};
   const auto key_of = [&](const Campaign& campaign) {
-    HashCache hashes;
-    return key_of_results(work.study, campaign, false, hashes, {});
+    const Study study = accuracy_study(work.study, campaign, false, std::make_shared<HashCache>(), {});
+    std::string keys;
+    for (const Item& item : study.items) keys += item.id + item.key({});
+    return keys + study.manifest().dump();
   };
   const std::string key = key_of(work.campaign);
   EXPECT_EQ(key_of(work.campaign), key);
@@ -93,16 +82,15 @@ TEST(Reuse, WhatDecidesTheClockDecidesTheTake) {
   Divided work(3, false);
   work.whole();
   const std::string methods = R"("methods": [{"method": "mean"}], )";
-  const auto computed = [&](const std::string& members, const std::filesystem::path& earlier) {
-    return run(study_of(methods + members), work.campaign, work.folder / "again", {.reuse = {earlier}})
-        .tally.computed.size();
+  const auto computed = [&](const std::string& members) {
+    execute_study(study_of(methods + members), work.campaign, work.folder / "shapes", {});
+    return computed_in(work.folder / "shapes");
   };
-  execute_study(study_of(methods + R"("alignments": ["rigid"])"), work.campaign, work.folder / "shapes", {});
-  EXPECT_EQ(computed(R"("alignments": ["rigid"], "clock_error_s": 0.01)", work.folder / "shapes"),
+  EXPECT_EQ(computed(R"("alignments": ["rigid"])"), work.campaign.takes.size());
+  EXPECT_EQ(computed(R"("alignments": ["rigid"], "clock_error_s": 0.01)"), work.campaign.takes.size());
+  EXPECT_EQ(computed(R"("alignments": ["rigid", "none"], "clock_error_s": 0.01)"),
             work.campaign.takes.size());
-  EXPECT_EQ(computed(R"("alignments": ["rigid", "none"])", work.folder / "shapes"),
-            work.campaign.takes.size());
-  EXPECT_EQ(computed(R"("alignments": ["rigid"], "resamples": 300)", work.folder / "shapes"), 0u);
+  EXPECT_EQ(computed(R"("alignments": ["none", "mean"], "clock_error_s": 0.01, "resamples": 300)"), 0u);
 }
 
 TEST(Reuse, AFileThatIsReplacedDuringTheRunFailsItsTakesInsteadOfGivingThemItsHash) {
@@ -117,21 +105,21 @@ TEST(Reuse, AFileThatIsReplacedDuringTheRunFailsItsTakesInsteadOfGivingThemItsHa
     });
     return false;
   };
-  const AccuracyRun again =
-      run(work.study, work.campaign, work.folder / "results", {.threads = 1, .stop_requested = replace});
-  EXPECT_EQ(again.summary.takes_failed, again.summary.takes);
-  ASSERT_THAT(again.summary.notes, Not(IsEmpty()));
-  EXPECT_THAT(again.summary.notes[0].text, HasSubstr("changed while it was being evaluated"));
-  EXPECT_THAT(again.tally.computed, IsEmpty());
+  const ResultsSummary summary = execute_study(work.study, work.campaign, work.folder / "results",
+                                               {.threads = 1, .stop_requested = replace});
+  EXPECT_EQ(summary.takes_failed, summary.takes);
+  ASSERT_THAT(summary.notes, Not(IsEmpty()));
+  EXPECT_THAT(summary.notes[0].text, HasSubstr("changed while it was being evaluated"));
+  EXPECT_EQ(computed_in(work.folder / "results"), 0u);
 }
 
 TEST(Reuse, WhatFailedIsTriedAgain) {
   Divided work;
-  const auto whole = work.whole();
-  const AccuracyRun again = run(work.study, work.campaign, whole, {.reuse = {whole}});
-  EXPECT_FALSE(again.tally.unchanged);
-  EXPECT_EQ(again.summary.takes_failed, 1u);
-  EXPECT_THAT(again.tally.reused, SizeIs(7));
+  work.whole();
+  work.campaign.takes[1].mocap = work.campaign.takes[0].mocap;
+  const ResultsSummary summary = execute_study(work.study, work.campaign, work.folder / "whole", {});
+  EXPECT_EQ(summary.takes_failed, 0u);
+  EXPECT_EQ(computed_in(work.folder / "whole"), 2u);  // and the one that was shown in its stead
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""What holds for studies of every kind, and for simulations: the same bytes for any number of threads, after any stop, and in parts."""
+"""What holds for studies of every kind, and for simulations: the same bytes for any number of threads, after any stop, and in shards."""
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
 import unittest
 
-from made import PROGRAM, ScratchTest, ended, everything_in, made, stopped_after, trilat
+from made import PROGRAM, ScratchTest, ended, everything_in, made, settled, stopped_after, trilat
 
 WALK = {"format": "trilat.simulation", "version": 1, "name": "walk", "participants": 4, "body_tracker": {},
         "activities": [{"name": "walking", "duration_s": 2}]}
@@ -28,6 +29,7 @@ STUDIES = {
                     "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
                     "claims": [{"better": "nonlinear", "than": ["mean"]}]},
 }
+MARK = {"simulation": "campaign.json"}  # the file that finishes an output
 KINDS = set(os.environ.get("TRILAT_KINDS", "simulation " + " ".join(STUDIES)).split())
 
 
@@ -64,7 +66,7 @@ class Threads(Studies):
 
 
 class Stops(Studies):
-    def test_parts_and_stops_leave_the_same_bytes(self):
+    def test_stops_leave_the_same_bytes(self):
         stops = 0
         for kind, words in self.each():
             with self.subTest(kind):
@@ -78,18 +80,41 @@ class Stops(Studies):
                         self.assertEqual(said, "")
                         continue
                     self.assertIn(code, (0, 130, -signal.SIGKILL), said)
-                    if code == 0 or gone_on.exists():  # a stop may also come between the last step and the program's end
+                    if code == 0 or (gone_on / MARK.get(kind, "summary.json")).exists():  # a stop may also come between the last step and the program's end
                         self.assert_same(whole, gone_on)
                         break
                     stops += 1
                 trilat(*words(2), "-o", gone_on)
                 self.assert_same(whole, gone_on)
-                parts = [self.folder / f"{kind}-part{k}" for k in (3, 1, 2)]
-                for part in parts:
-                    trilat(*words(2), "-o", part, "--shard", f"{part.name[-1]}/3")
-                trilat("merge", *parts, "-o", self.folder / f"{kind}-merged")
-                self.assert_same(whole, self.folder / f"{kind}-merged")
         self.assertGreater(stops, len(KINDS) // 2)
+
+    def test_shards_fill_one_store_or_several_that_are_copied_together(self):
+        for kind in [kind for kind in STUDIES if kind in KINDS]:
+            with self.subTest(kind):
+                words, whole = ["run", self.study(kind), "--threads", 2], self.folder / f"{kind}-whole"
+                trilat(*words, "-o", whole)
+                shared, apart = self.folder / f"{kind}-shared", self.folder / f"{kind}-apart"
+                for k in (3, 1, 2):
+                    trilat(*words, "-o", shared if k < 3 else apart, "--shard", f"{k}/3")
+                    self.assertFalse((shared / "summary.json").exists())
+                self.assertIn("is unfinished", trilat("report", shared, "-o", self.folder / "report", code=2))
+                shutil.copytree(apart / "items", shared / "items", dirs_exist_ok=True)
+                done = json.loads(ended(*words, "-o", shared, "--json").stdout)
+                self.assertEqual((done["items_computed"], done["items_failed"]), (0, 0))
+                self.assert_same(whole, shared)
+
+    def test_items_that_are_damaged_or_of_another_key_are_named_and_computed_again(self):
+        words, results = ["run", self.study("accuracy")], self.folder / "results"
+        trilat(*words, "-o", results)
+        before = settled(results)
+        cut, other, *_ = sorted((results / "items").iterdir())
+        (cut / "samples.h5").write_bytes((cut / "samples.h5").read_bytes()[:-100])
+        shutil.rmtree(other)
+        shutil.copytree(cut, other)
+        said = trilat(*words, "-o", results)
+        self.assertIn(f"{cut.name}/samples.h5: is not whole", said)
+        self.assertIn(f"{other.name}/item.json /key: is another than the name of its folder", said)
+        self.assertEqual(settled(results), before)
 
     def test_what_did_not_change_is_not_touched_and_what_was_thrown_away_is_made_again(self):
         for kind in [kind for kind in STUDIES if kind in KINDS]:
@@ -103,29 +128,31 @@ class Stops(Studies):
                 (results / "summary.json").unlink()
                 trilat(*words, "-o", results)
                 self.assertEqual((results / "summary.json").read_bytes(), before["summary.json"])
-                self.assertEqual(json.loads(ended(*words, "-o", results, "--fresh", "--json").stdout)["items_reused"], 0)
+                self.assertEqual(json.loads(ended(*words, "-o", results, "--fresh", "--json").stdout)["items_found"], 0)
 
-    def test_settings_that_change_between_stops_leave_nothing_of_the_others(self):
-        for kind, changed in (("accuracy", {"rate_hz": 15}), ("calibration", {"seed": 2})):
+    def test_settings_that_change_leave_nothing_of_the_others(self):
+        changes = (("accuracy", {"rate_hz": 15}), ("accuracy", {"alignments": ["none", "mean"]}), ("calibration", {"seed": 2}))
+        for number, (kind, changed) in enumerate(changes):
             if kind not in KINDS:
                 continue
-            with self.subTest(kind):
+            with self.subTest(kind, changed=changed):
+                folder = self.folder / str(number)
                 before = ["run", self.study(kind), "--threads", 1]
                 after = ["run", self.written("after.json", {**json.loads(before[1].read_text()), **changed})]
                 begin = time.monotonic()
-                trilat(*before, "-o", self.folder / f"{kind}-before")
+                trilat(*before, "-o", folder / "before")
                 took_s = time.monotonic() - begin
-                trilat(*after, "-o", self.folder / f"{kind}-whole")
-                for share in (0.4, 0.6, 0.8):
-                    output = self.folder / f"{kind}-{share}"
+                trilat(*after, "-o", folder / "whole")
+                for share in (0.4, 0.6, 0.8, 100):  # the last is finished before
+                    output = folder / str(share)
                     stopped_after(share * took_s, *before, "-o", output, by=signal.SIGKILL)
                     trilat(*after, "-o", output)
-                    self.assert_same(self.folder / f"{kind}-whole", output)
+                    self.assert_same(folder / "whole", output)
 
     def test_two_runs_cannot_fill_one_folder(self):
         words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        while not (self.folder / "results.partial").exists() and first.poll() is None:
+        while not (self.folder / "results.lock").exists() and first.poll() is None:
             time.sleep(0.001)
         second = ended(*words)
         self.assertEqual(first.wait(), 0)

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
@@ -61,9 +60,11 @@ def trilat(*words, code=0, cwd=None):
 def stopped_after(seconds, *words, by=signal.SIGINT):
     """Runs the program and stops it; its exit code and what it said."""
     process = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    time.sleep(seconds)
-    process.send_signal(by)
-    said, _ = process.communicate(timeout=600)
+    try:
+        said, _ = process.communicate(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        process.send_signal(by)
+        said, _ = process.communicate(timeout=600)
     return process.returncode, said
 
 

@@ -213,14 +213,15 @@ class DoorTest(unittest.TestCase):
         with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 7"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
-        with h5py.File(newer / "samples.h5", "r+") as file:
-            file.attrs["version"] = 99
+        for samples in newer.glob("items/*/samples.h5"):
+            with h5py.File(samples, "r+") as file:
+                file.attrs["version"] = 99
         with self.assertRaisesRegex(trilat.InputError, "samples.h5: has version 99"):
             trilat.results(newer)
         with self.assertRaisesRegex(trilat.InputError, "a folder that `trilat run` wrote"):
             trilat.results(self.folder / "camp")
         with self.assertRaisesRegex(trilat.InputError, '"trilat.samples"; "trilat.session" is expected'):
-            trilat.session(self.results.folder / "samples.h5")
+            trilat.session(next(self.results.folder.glob("items/*/samples.h5")))
         cut = self.folder / "cut.h5"
         cut.write_bytes((self.folder / "camp/p01-walking/session.h5").read_bytes()[:5000])
         with self.assertRaisesRegex(trilat.InputError, "cut short"):

@@ -253,12 +253,16 @@ class Results:
         results = folder / f"{name}_results"
         run_program("run", folder / f"{name}_study.json", "--campaign", folder / name, "-o", results)
         self.summary = json.loads((results / "summary.json").read_text())
-        with h5py.File(results / "samples.h5") as file:
-            self.samples = [Samples(file, group) for group in file["takes"].values()]
+        manifest = json.loads((results / "manifest.json").read_text())
+        items = [results / "items" / manifest["items"]["takes/" + take["id"]] for take in manifest["takes"]]
+        self.samples = []
+        for item in items:
+            with h5py.File(item / "samples.h5") as file:
+                self.samples.append(Samples(file, file["takes/00000"]))
         entries = json.loads((folder / name / "campaign.json").read_text())["takes"]
         self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS) for e in entries]
-        with h5py.File(results / "replay.h5") as file:
-            self.replay = {key: file["takes/00000"][key][:] for key in ("joint_m", "state")}
+        with h5py.File(items[0] / "replay.h5") as file:
+            self.replay = {key: file["take"][key][:] for key in ("joint_m", "state")}
 
     def compare(self):
         compare_replay(self.takes[0], self.replay)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/results/item_store.h"
 #include "datasets/skeleton/skeleton.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/statistics/take_statistics.h"
@@ -106,9 +107,9 @@ TakeAlignments align(std::uint64_t instants, const StatisticsLayout& layout, con
 
 }  // namespace
 
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
-  return align(samples.header().takes[take].instants, layout, [&](const auto& visit) {
-    stream_take(samples, take, layout.axes, SampleColumns::positions, visit, [](const SampleBlock&) {});
+TakeAlignments align_take(const SamplesFile& samples, const StatisticsLayout& layout) {
+  return align(samples.header().takes[0].instants, layout, [&](const auto& visit) {
+    stream_take(samples, layout.axes, SampleColumns::positions, visit, [](const SampleBlock&) {});
   });
 }
 
@@ -168,14 +169,14 @@ void add_take(const SampleBlock& samples, const StatisticsLayout& layout, Means&
 
 }  // namespace
 
-std::vector<double> paired_errors_m(const SamplesFile& samples, const std::string& condition,
+std::vector<double> paired_errors_m(const std::filesystem::path& results, const std::string& condition,
                                     StatisticsLayout layout) {
   const Axes& axes = layout.axes;
   const std::size_t pairs = axes.methods * axes.methods;
   std::vector<SampleBlock> takes;
-  for (std::size_t t = 0; t < samples.header().takes.size(); ++t)
-    if (samples.header().takes[t].condition == condition)
-      takes.push_back(samples.read(t, 0, samples.header().takes[t].instants, SampleColumns::positions));
+  for (const ResultTake& take : result_takes(results))
+    if (take.shape.condition == condition && !take.folder.empty())
+      takes.push_back(open_samples(take).read(0, 0, take.shape.instants, SampleColumns::positions));
   std::vector<double> paired_m(axes.alignments * pairs, 0.0);
   for (std::size_t with = 0; with < axes.methods; ++with) {
     layout.reference = with;

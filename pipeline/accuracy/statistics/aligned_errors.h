@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -123,19 +124,19 @@ void visit_samples(const SampleBlock& block, const Axes& axes, const Visit& visi
 
 // The same block by block, and calls end_block(block) behind each.
 template <class Visit, class EndBlock>
-void stream_take(const SamplesFile& samples, std::size_t take, const Axes& axes, SampleColumns columns,
-                 const Visit& visit, const EndBlock& end_block) {
+void stream_take(const SamplesFile& samples, const Axes& axes, SampleColumns columns, const Visit& visit,
+                 const EndBlock& end_block) {
   constexpr std::uint64_t kBlock = 1024;
-  const std::uint64_t instants = samples.header().takes[take].instants;
+  const std::uint64_t instants = samples.header().takes[0].instants;
   SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    samples.read(take, first, std::min(kBlock, instants - first), columns, block);
+    samples.read(0, first, std::min(kBlock, instants - first), columns, block);
     visit_samples(block, axes, visit);
     end_block(block);
   }
 }
 
-TakeAlignments align_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout);
+TakeAlignments align_take(const SamplesFile& samples, const StatisticsLayout& layout);
 // Of a whole take in memory.
 TakeAlignments align_take(const SampleBlock& samples, const StatisticsLayout& layout);
 
@@ -171,7 +172,7 @@ inline AlignedError error_of(const SampleView& view, std::uint64_t i, std::size_
 // on these; of a method with itself over all its answers. In metres, the mean of the joint groups, of the
 // takes of one condition; NaN where a group has no such sample. One such table behind the other for each
 // alignment of the layout.
-std::vector<double> paired_errors_m(const SamplesFile& samples, const std::string& condition,
+std::vector<double> paired_errors_m(const std::filesystem::path& results, const std::string& condition,
                                     StatisticsLayout layout);
 
 }  // namespace trilat

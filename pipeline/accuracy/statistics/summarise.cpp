@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/results/item_store.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/aligned_errors.h"
 #include "pipeline/accuracy/statistics/participant_errors.h"
@@ -21,36 +23,6 @@ namespace trilat {
 namespace {
 
 constexpr double kTakesShare = 0.8, kCellsShare = 0.9;  // of the progress, at the end of each
-
-// By cell, |error| of its answered samples.
-using Distances = std::vector<std::vector<double>>;
-
-// Writes the error column of the first alignment and gives the distances of the take.
-Distances write_errors(SamplesFile& samples, std::size_t take, const Axes& axes,
-                       const std::vector<AlignmentTable>& alignments) {
-  Distances distances_m(axes.cells());
-  std::vector<float> errors;
-  const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
-                         const SampleView& view) {
-    errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t a = 0; a < axes.alignments; ++a) {
-      const AlignedError e = error_of(view, i, j, m, slot, alignments[a]);
-      if (!e.asked || !is_usable(e.status)) continue;
-      const double distance_m = e.error_m.norm();
-      for (std::size_t set = 0; set < view.sets(i, j); ++set)
-        distances_m[axes.cell(set, axes.group_of_joint[j], m, a)].push_back(distance_m);
-      for (int axis = 0; a == 0 && axis < 3; ++axis)
-        errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
-    }
-  };
-  stream_take(samples, take, axes, SampleColumns::positions, visit, [&](const SampleBlock& block) {
-    errors.resize(block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
-    samples.write_errors(take, block.first_instant, errors);
-    errors.clear();
-  });
-  for (std::vector<double>& of_cell_m : distances_m) of_cell_m.shrink_to_fit();
-  return distances_m;
-}
 
 // `distances_m`: |error| of the answered samples.
 SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
@@ -75,17 +47,16 @@ SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
 }
 
 // Takes the distances of its takes.
-void add_condition(const std::vector<std::size_t>& takes, const Axes& axes,
-                   const std::vector<TakeSummary>& by_take, std::vector<Distances>& distances_m,
-                   const std::string& activity, ResultsSummary& summary) {
+void add_condition(std::span<TakeSummary* const> takes, const Axes& axes, const std::string& activity,
+                   ResultsSummary& summary) {
   std::vector<SummaryCell> cells(axes.cells());
   parallel_for_index(axes.cells(), 1, [&](std::size_t c) {
     CellSums sums;
     std::vector<double> all_m;
-    for (const std::size_t t : takes) sums.merge(by_take[t].statistics.sums[c]);
+    for (const TakeSummary* take : takes) sums.merge(take->statistics.sums[c]);
     all_m.reserve(static_cast<std::size_t>(sums.errors.answered()));
-    for (const std::size_t t : takes) {
-      const std::vector<double> of_take_m = std::exchange(distances_m[t][c], {});
+    for (TakeSummary* take : takes) {
+      const std::vector<double> of_take_m = std::exchange(take->distances_m[c], {});
       all_m.insert(all_m.end(), of_take_m.begin(), of_take_m.end());
     }
     cells[c] = cell_of(sums, std::move(all_m));
@@ -272,13 +243,15 @@ std::size_t answering_reference(const StatisticsLayout& layout, const std::vecto
 }
 
 // Compares the takes with another reference than their summaries were made with.
-void compare_with(std::size_t reference, const SamplesFile& samples, StatisticsLayout& layout,
+void compare_with(std::size_t reference, std::span<const EvaluatedTake> evaluated, StatisticsLayout& layout,
                   std::vector<TakeSummary>& takes, ResultsSummary& summary) {
   const std::string silent = summary.reference;
   layout.reference = reference;
   summary.reference = summary.methods[reference];
   parallel_for_index(takes.size(), 1, [&](std::size_t t) {
-    takes[t].statistics = summarise_take(samples, t, layout).statistics;
+    if (!evaluated[t].result.evaluated) return;
+    const SamplesFile samples = SamplesFile::open(evaluated[t].folder / "samples.h5");
+    takes[t].statistics = summarise_take(samples, layout, nullptr).statistics;
   });
   summary.notes.push_back(
       {"", false, "study \"" + summary.study + "\" /reference",
@@ -286,41 +259,78 @@ void compare_with(std::size_t reference, const SamplesFile& samples, StatisticsL
                    summary.reference)});
 }
 
+bool has_errors_of(const SamplesHeader& there, const SamplesHeader& wanted) {
+  return there.alignment == wanted.alignment && there.training_share == wanted.training_share;
+}
+
+// The item anew, with the errors that `wanted` says.
+TakeSummary replace_errors(const SamplesFile& samples, const SamplesHeader& wanted,
+                           const StatisticsLayout& layout) {
+  constexpr std::uint64_t kCopied = 1024;  // instants at once
+  const std::filesystem::path folder = samples.path().parent_path();
+  const ItemStore store(folder.parent_path().parent_path());
+  const ItemStore::Aside aside(store);
+  const std::filesystem::path made = aside.path() / "item";
+  make_folder(made);
+  SamplesFile copy = SamplesFile::create(made / "samples.h5", wanted);
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < wanted.takes[0].instants; first += kCopied) {
+    samples.read(0, first, std::min(kCopied, wanted.takes[0].instants - first), SampleColumns::all, block);
+    copy.write(0, block);
+  }
+  TakeSummary summary = summarise_take(samples, layout, &copy);
+  copy.finish();
+  if (std::filesystem::exists(folder / "replay.h5"))
+    std::filesystem::copy_file(folder / "replay.h5", made / "replay.h5");
+  std::optional<StoredItem> item = store.find(folder.filename().string());
+  if (!item) throw InputError(folder.string(), "was removed while it was read");
+  store.put(made, {item->id, item->key, item->outcome, {}});
+  return summary;
+}
+
+TakeSummary summary_of(const EvaluatedTake& take, const SamplesHeader& wanted,
+                       const StatisticsLayout& layout) {
+  const SamplesFile samples = SamplesFile::open(take.folder / "samples.h5");
+  return has_errors_of(samples.header(), wanted) ? summarise_take(samples, layout, nullptr)
+                                                 : replace_errors(samples, wanted, layout);
+}
+
 }  // namespace
 
-ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, SamplesFile& samples,
-                         std::vector<std::optional<TakeSummary>> known, const BringTake& bring,
-                         const std::function<void(double)>& progress) {
+ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, std::span<EvaluatedTake> evaluated,
+                         const Watch& watch) {
   ResultsSummary summary = empty_summary(plan, outcome);
   StatisticsLayout layout = statistics_layout(plan);
   const Axes& axes = layout.axes;
   add_families(plan, summary);
   std::vector<TakeSummary> takes(plan.takes.size());
-  std::vector<Distances> distances_m(takes.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
-    bring(t);
-    takes[t] = known[t] ? std::move(*known[t]) : summarise_take(samples, t, layout);
-    distances_m[t] = write_errors(samples, t, axes, takes[t].alignments);
-    takes[t].alignments = {};
-    if (progress) progress(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
+    watch.check();
+    EvaluatedTake& take = evaluated[t];
+    if (take.summary)
+      takes[t] = std::move(*std::exchange(take.summary, {}));
+    else if (take.result.evaluated)
+      takes[t] = summary_of(take, samples_header(plan, plan.takes[t]), layout);
+    watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(takes.size()));
   });
   if (const std::size_t reference = answering_reference(layout, takes); reference != layout.reference)
-    compare_with(reference, samples, layout, takes, summary);
+    compare_with(reference, evaluated, layout, takes, summary);
   for (const std::string& activity : activities_of(plan)) {
-    std::vector<std::size_t> of_activity;
+    std::vector<TakeSummary*> of_activity;
     for (std::size_t t = 0; t < plan.takes.size(); ++t)
-      if (plan.takes[t].take.activity == activity) of_activity.push_back(t);
-    add_condition(of_activity, axes, takes, distances_m, activity, summary);
+      if (plan.takes[t].take.activity == activity && evaluated[t].result.evaluated)
+        of_activity.push_back(&takes[t]);
+    add_condition(of_activity, axes, activity, summary);
   }
   for (std::size_t t = 0; t < takes.size(); ++t) add_take_rows(plan, layout, t, takes[t].statistics, summary);
-  if (progress) progress(kCellsShare);
+  watch.tell(kCellsShare);
   add_statistics(plan, outcome, layout, takes, summary);
   const ParticipantErrors errors(summary);
   add_family_cells(errors, summary);
   complete_differences(errors, summary);
   add_best(errors, summary);
-  if (progress) progress(1.0);
+  watch.tell(1.0);
   return summary;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "evaluators/metrics/body_metrics.h"
@@ -240,6 +241,33 @@ class TakeGatherer {
   std::vector<Eigen::Vector3d> estimate_m_, aligned_m_, truth_m_;  // of one body
 };
 
+// The distances of a take by cell; writes the error column of the first alignment where it is wanted.
+std::vector<std::vector<double>> gather_distances(const SamplesFile& samples, const Axes& axes,
+                                                  const TakeAlignments& alignments, SamplesFile* errors_to) {
+  std::vector<std::vector<double>> distances_m(axes.cells());
+  std::vector<float> errors;
+  const auto visit = [&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot,
+                         const SampleView& view) {
+    errors.resize(view.block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t a = 0; a < axes.alignments; ++a) {
+      const AlignedError e = error_of(view, i, j, m, slot, alignments[a].own);
+      if (!e.asked || !is_usable(e.status)) continue;
+      const double distance_m = e.error_m.norm();
+      for (std::size_t set = 0; set < view.sets(i, j); ++set)
+        distances_m[axes.cell(set, axes.group_of_joint[j], m, a)].push_back(distance_m);
+      for (int axis = 0; a == 0 && axis < 3; ++axis)
+        errors[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(e.error_m[axis]);
+    }
+  };
+  stream_take(samples, axes, SampleColumns::positions, visit, [&](const SampleBlock& block) {
+    errors.resize(block.status.size() * 3, std::numeric_limits<float>::quiet_NaN());
+    if (errors_to) errors_to->write_errors(0, block.first_instant, errors);
+    errors.clear();
+  });
+  for (std::vector<double>& of_cell_m : distances_m) of_cell_m.shrink_to_fit();
+  return distances_m;
+}
+
 }  // namespace
 
 void CellSums::merge(const CellSums& later) {
@@ -247,20 +275,30 @@ void CellSums::merge(const CellSums& later) {
   iterations.merge(later.iterations);
 }
 
-TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout) {
-  TakeAlignments alignments = align_take(samples, take, layout);
-  const std::uint64_t instants = samples.header().takes[take].instants;
+SamplesHeader samples_header(const Plan& plan, const PlannedTake& take) {
+  SamplesHeader header;
+  for (Joint joint : plan.joints) header.joints.emplace_back(name_of(joint));
+  for (const Method& method : plan.methods) header.methods.push_back(method.spec.name);
+  for (int s = 0; s < kSolveStatusCount; ++s)
+    header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+  header.alignment = name_of(plan.study.alignments.front());
+  header.training_share = plan.study.training_share;
+  header.takes = {{take.take.id, take.instants, take.take.activity}};
+  return header;
+}
+
+TakeSummary summarise_take(const SamplesFile& samples, const StatisticsLayout& layout, SamplesFile* errors) {
+  const TakeAlignments alignments = align_take(samples, layout);
+  const std::uint64_t instants = samples.header().takes[0].instants;
   TakeGatherer gatherer(layout, alignments, instants);
   SampleBlock block;
   for (std::uint64_t first = 0; first < instants; first += kWindow) {
     const std::uint64_t end = std::min(first + kWindow, instants);
     const std::uint64_t from = first - std::min(first, kMargin), to = std::min(end + kMargin, instants);
-    samples.read(take, from, to - from, SampleColumns::all, block);
+    samples.read(0, from, to - from, SampleColumns::all, block);
     gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
   }
-  TakeSummary summary{{}, gatherer.finish()};
-  for (KindAlignments& kind : alignments) summary.alignments.push_back(std::move(kind.own));
-  return summary;
+  return {gatherer.finish(), gather_distances(samples, layout.axes, alignments, errors)};
 }
 
 }  // namespace trilat

@@ -66,11 +66,15 @@ struct TakeStatistics {
 
 // What one take adds to the summary of a study, made from its samples alone.
 struct TakeSummary {
-  std::vector<AlignmentTable> alignments;  // by kind, each on all of a method's answers
   TakeStatistics statistics;
+  std::vector<std::vector<double>> distances_m;  // by cell, |error| of its answered samples
 };
 
-// Streams the take's samples twice. `take`: of the file.
-TakeSummary summarise_take(const SamplesFile& samples, std::size_t take, const StatisticsLayout& layout);
+// The layout of the samples of a take.
+SamplesHeader samples_header(const Plan& plan, const PlannedTake& take);
+
+// Streams the take's samples. `errors`: a file of the same take, or null; there the errors under the first
+// alignment are written.
+TakeSummary summarise_take(const SamplesFile& samples, const StatisticsLayout& layout, SamplesFile* errors);
 
 }  // namespace trilat

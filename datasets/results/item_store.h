@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "datasets/base/described.h"
+#include "datasets/results/samples.h"
+
+namespace trilat {
+
+// What computing one item of a study gave: item.json (trilat.item, version 2) in a folder with whatever files
+// the item consists of. The key is a hash of all that decides the outcome: settings, inputs and the build of
+// the program. Items of equal key have equal outcomes and files.
+struct StoredItem {
+  std::string id, key;
+  Json outcome;
+  std::map<std::string, std::uint64_t> bytes;  // of its files, by name
+
+  void check(const JsonObject& object) const;
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(id, key) field("files", self.bytes);
+    TRILAT_EACH(outcome)
+  }
+};
+
+// The items of a study, in folders items/KEY of its results. An item is whole or not there, however a process
+// ends, and several processes may put items at once.
+class ItemStore {
+ public:
+  explicit ItemStore(const std::filesystem::path& results) : folder_(results / "items") {}
+
+  std::filesystem::path folder(const std::string& key) const { return folder_ / key; }
+  // Nothing when there is none of this key. InputError, which names the file, when one is cut, or when the
+  // item is of another key than its folder says.
+  std::optional<StoredItem> find(const std::string& key) const;
+  // Takes an item whose files lie in `made`, a folder of an Aside; one that is there is replaced.
+  void put(const std::filesystem::path& made, StoredItem item) const;
+  // Removes every other item, and what killed processes were making.
+  void remove_all_but(const std::set<std::string>& keys) const;
+  void remove_if_empty() const;
+  // How many items there are.
+  std::size_t size() const;
+
+  // A folder in which one process makes items; removed at the end. What a killed process left is told from
+  // what a running one is making by a lock.
+  class Aside {
+   public:
+    explicit Aside(const ItemStore& store);
+    ~Aside();
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+   private:
+    std::filesystem::path path_;
+    int folder_ = -1;
+  };
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// manifest.json of a results folder names its items and their keys; an item that failed, or whose key is not
+// known yet, has none. InputError when it is not one of this version.
+std::map<std::string, std::string> read_item_keys(const std::filesystem::path& results);
+// "is unfinished: 3 of 16 items are there; …", or empty where the folder holds no unfinished results.
+std::string unfinished_results(const std::filesystem::path& results);
+
+// A take of the results of an accuracy study, in the order of the study.
+struct ResultTake {
+  TakeShape shape;
+  std::filesystem::path folder;  // of its item: samples.h5, and replay.h5 when it is shown; empty: it failed
+};
+// Of finished results. InputError when an item is not there.
+std::vector<ResultTake> result_takes(const std::filesystem::path& results);
+SamplesFile open_samples(const ResultTake& take);
+
+}  // namespace trilat

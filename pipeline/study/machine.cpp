@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/study/machine.h"
+
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "datasets/base/files.h"
+
+namespace trilat {
+
+void on_threads(int threads, const std::function<void(int)>& work) {
+  const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(count));
+  tbb::task_arena arena(count);
+  arena.execute([&] { work(count); });
+}
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("model name")) {
+      const auto colon = line.find(": ");
+      return colon == std::string::npos ? "unknown" : line.substr(colon + 2);
+    }
+  return "unknown";
+}
+
+void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {
+  Json json{{"format", "trilat.run"},
+            {"version", 1},
+            {"processor", processor_name()},
+            {"processors", std::thread::hardware_concurrency()},
+            {"threads", threads},
+            {"compiler", __VERSION__},
+            {"wall_s", wall_s}};
+  json.update(times);
+  write_file(folder / "run.json", json.dump(1) + "\n");
+}
+
+}  // namespace trilat
