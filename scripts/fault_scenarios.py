@@ -17,7 +17,7 @@ VOLATILE = {"run.json", "hashes.json", "accepted.json", "history.jsonl"}
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "small", "participants": 2, "body_tracker": {},
               "activities": [{"name": "walking", "duration_s": 1}]}
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "small", "alignments": ["mean"],
-         "resamples": 200, "methods": [{"method": "linear"}, {"method": "mean"}]}
+         "methods": [{"method": "linear"}, {"method": "mean"}]}
 SWEEP = {"format": "trilat.study", "version": 1, "kind": "threshold_sweep", "name": "sweep", "seed": 1,
          "rigs": [{"name": "mine", "heights_m": [0.6, 2.2, 0.9, 1.9], "radius_m": 2.0}], "joints": ["volume"],
          "error_models": ["range_signed"], "threshold_units": ["cm2"], "gradients": ["corrected"],
@@ -76,7 +76,7 @@ def stock(program, folder):
     """Everything that a scenario may begin with."""
     folder.mkdir()
     for name, document in (("simulation", SIMULATION), ("study", STUDY), ("sweep", SWEEP),
-                           ("other", {**STUDY, "resamples": 250})):
+                           ("other", {**STUDY})):
         (folder / f"{name}.json").write_text(json.dumps(document))
     must(program, "simulate simulation.json -o campaign", folder)
     must(program, "run study.json --campaign campaign -o shard --shard 1/2", folder)

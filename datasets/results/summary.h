@@ -226,8 +226,8 @@ struct FamilyCell {
 // 95 % of what they are asked, if any does, and of sets of sensors none that has a family.
 struct BestMethod {
   std::string condition, group, method;
-  // The others whose mean error is not told apart from it: Student's t at 95 % over the participants'
-  // differences, on samples that any of both answers. None where there is no interval.
+  // The others that are not told apart from it by is_told_apart(), on the samples that both answer. None
+  // where there is no interval.
   std::vector<std::string> like_best;
 
   TRILAT_FIELDS(condition, group, method, like_best)
@@ -254,8 +254,6 @@ struct ResultsSummary {
   std::vector<BodyCell> bodies;
   std::vector<TruthSpeed> truth_speed;
   std::vector<TakeJointRow> by_take;  // takes, in each condition, joint, method
-  std::uint64_t resamples = 0;        // of the intervals; 0: there are none
-  double block_s = kNoNumber;         // length of their blocks
   std::vector<TakeNote> notes;
   std::string truth = kMocapTruth;
   std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
@@ -268,12 +266,12 @@ struct ResultsSummary {
   }
 
   TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
-                family_cells, best, reference, conditions, groups, alignments, resamples, block_s, cells,
-                differences, bodies, truth_speed, by_take, notes, truth, cross_checks)
+                family_cells, best, reference, conditions, groups, alignments, cells, differences, bodies,
+                truth_speed, by_take, notes, truth, cross_checks)
   void check(const JsonObject& object) const;
 };
 
-// summary.json (results format 7, kind accuracy). NaN is written as null.
+// summary.json (results format 8, kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or not one.
 ResultsSummary read_summary(const std::filesystem::path& folder);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/metrics/cluster_ratios.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "datasets/base/philox.h"
@@ -27,6 +28,17 @@ RatioRange add_ratios(const std::vector<WeightedRatio>& sum, RowMatrix& columns,
     ratios.push_back({2 * ratios.size(), 2 * ratios.size() + 1});
   }
   return range;
+}
+
+// How many clusters have a denominator of the quantity's ratios that is not 0.
+std::size_t clusters_with_data(const Eigen::Ref<const RowMatrix>& sums, std::span<const RatioColumns> ratios,
+                               const RatioRange& range) {
+  std::size_t count = 0;
+  for (Eigen::Index c = 0; c < sums.rows(); ++c)
+    count += std::ranges::any_of(ratios.subspan(range.first, range.count), [&](const RatioColumns& ratio) {
+      return sums(c, static_cast<Eigen::Index>(ratio.denominator)) > 0.0;
+    });
+  return count;
 }
 
 double half_width(const ContrastEstimate& e) {
@@ -76,7 +88,7 @@ double ClusterRatios::pull_of(const RatioRange& range, Eigen::Index cluster) con
 }
 
 Studentised ClusterRatios::of(std::size_t quantity, std::size_t clusters) const {
-  const BootstrapQuantity& q = quantities_[quantity];
+  const RatioQuantity& q = quantities_[quantity];
   const double by = q.divided_by ? mean_of(*q.divided_by) : 1.0;
   Studentised result;
   result.value = mean_of(q.mean);
@@ -93,29 +105,28 @@ Studentised ClusterRatios::of(std::size_t quantity, std::size_t clusters) const 
   return result;
 }
 
-ClustersWithData::ClustersWithData(const Eigen::Ref<const RowMatrix>& clusters,
-                                   std::span<const RatioColumns> ratios,
-                                   std::span<const BootstrapQuantity> quantities)
-    : clusters_(static_cast<std::size_t>(clusters.rows())), has_(quantities.size() * clusters_) {
+std::vector<IntervalEstimate> student_intervals(const Eigen::Ref<const RowMatrix>& sums,
+                                                std::span<const RatioColumns> ratios,
+                                                std::span<const RatioQuantity> quantities) {
+  ClusterRatios solved(ratios, quantities);
+  solved.set(sums);
+  std::vector<IntervalEstimate> result;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
-    const RatioRange& range = quantities[q].mean;
-    std::size_t count = 0;
-    for (std::size_t c = 0; c < clusters_; ++c) {
-      std::uint8_t& has = has_[q * clusters_ + c];
-      for (std::size_t r = range.first; r < range.first + range.count; ++r)
-        if (clusters(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(ratios[r].denominator)) > 0.0)
-          has = 1;
-      count += has;
+    IntervalEstimate e;
+    e.clusters = clusters_with_data(sums, ratios, quantities[q].mean);
+    const Studentised found = solved.of(q, e.clusters);
+    if (found.has_data && std::isfinite(found.value)) {
+      e.value = found.value;
+      e.standard_error = found.standard_error;
+      if (e.clusters >= 2) {
+        const double reach = student_quantile(e.clusters - 1) * e.standard_error;
+        e.low = e.value - reach;
+        e.high = e.value + reach;
+      }
     }
-    counts_.push_back(count);
+    result.push_back(e);
   }
-}
-
-std::size_t ClustersWithData::count_of(std::size_t quantity, std::span<const std::uint16_t> drawn) const {
-  if (counts_[quantity] == clusters_) return clusters_;
-  std::size_t count = 0;
-  for (const std::uint16_t cluster : drawn) count += has_[quantity * clusters_ + cluster];
-  return count;
+  return result;
 }
 
 double ContrastEstimate::low() const { return value - half_width(*this); }
@@ -128,11 +139,11 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
   RowMatrix columns(static_cast<Eigen::Index>(contrast.value.front().numerator.size()),
                     static_cast<Eigen::Index>(2 * (contrast.value.size() + contrast.base.size())));
   std::vector<RatioColumns> ratios;
-  BootstrapQuantity quantity{add_ratios(contrast.value, columns, ratios)};
+  RatioQuantity quantity{add_ratios(contrast.value, columns, ratios)};
   if (!contrast.base.empty()) quantity.divided_by = add_ratios(contrast.base, columns, ratios);
-  const std::vector<BootstrapQuantity> quantities{quantity};
+  const std::vector<RatioQuantity> quantities{quantity};
   ContrastEstimate result;
-  result.clusters = ClustersWithData(columns, ratios, quantities).count(0);
+  result.clusters = clusters_with_data(columns, ratios, quantity.mean);
   ClusterRatios solved(ratios, quantities);
   solved.set(columns);
   const Studentised estimate = solved.of(0, result.clusters);
@@ -140,6 +151,14 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
   result.value = estimate.value;
   result.standard_error = estimate.standard_error;
   return result;
+}
+
+bool is_told_apart(const ContrastEstimate& difference, std::size_t others) {
+  constexpr double kChance = 0.05;
+  if (!(difference.value > 0.0) || difference.clusters < 2) return false;
+  const double one_sided =
+      student_two_sided(difference.value / difference.standard_error, difference.clusters - 1) / 2.0;
+  return one_sided < kChance / static_cast<double>(others);
 }
 
 std::pair<double, double> bootstrap_mean(const std::vector<double>& sums, const std::vector<double>& counts,

@@ -25,7 +25,7 @@ struct RatioColumns {
 struct RatioRange {
   std::size_t first = 0, count = 1;
 };
-struct BootstrapQuantity {
+struct RatioQuantity {
   RatioRange mean;
   std::optional<RatioRange> divided_by = {};
 };
@@ -39,7 +39,7 @@ struct Studentised {
 // Quantities of one set of clusters.
 class ClusterRatios {
  public:
-  ClusterRatios(std::span<const RatioColumns> ratios, std::span<const BootstrapQuantity> quantities)
+  ClusterRatios(std::span<const RatioColumns> ratios, std::span<const RatioQuantity> quantities)
       : ratios_(ratios), quantities_(quantities), value_(ratios.size()), inverse_(ratios.size()) {}
 
   // One row of sums a cluster.
@@ -53,24 +53,27 @@ class ClusterRatios {
   double pull_of(const RatioRange& range, Eigen::Index cluster) const;
 
   std::span<const RatioColumns> ratios_;
-  std::span<const BootstrapQuantity> quantities_;
+  std::span<const RatioQuantity> quantities_;
   std::vector<double> value_, inverse_;  // by ratio; inverse_ of the total denominator
   RowMatrix pull_;                       // clusters x ratios: what each cluster moves the ratio by
 };
 
-// Which clusters have data for a quantity: a denominator of its ratios that is not 0.
-class ClustersWithData {
- public:
-  ClustersWithData(const Eigen::Ref<const RowMatrix>& clusters, std::span<const RatioColumns> ratios,
-                   std::span<const BootstrapQuantity> quantities);
-  std::size_t count(std::size_t quantity) const { return counts_[quantity]; }
-  std::size_t count_of(std::size_t quantity, std::span<const std::uint16_t> drawn) const;
-
- private:
-  std::size_t clusters_ = 0;
-  std::vector<std::uint8_t> has_;  // by quantity and cluster
-  std::vector<std::size_t> counts_;
+// NaN where there is none.
+struct IntervalEstimate {
+  double value = kNaN;
+  double low = kNaN, high = kNaN;  // 95 %, by Student's t between clusters
+  double standard_error = kNaN;
+  std::size_t clusters = 0;  // with data
 };
+
+// Estimates with their intervals from sums: `sums` is clusters x columns. Each quantity by itself: the result
+// does not depend on which others are asked for. The standard error is that between clusters, by
+// linearisation: u_k is what cluster k pulls the quantity by, se^2 = n / (n - 1) sum u_k^2 (Cochran, Sampling
+// Techniques, 1977, section 6.4); the interval is t times se on either side, of n - 1 degrees of freedom. How
+// often it covers the truth: docs/explanation/intervals.md.
+[[nodiscard]] std::vector<IntervalEstimate> student_intervals(const Eigen::Ref<const RowMatrix>& sums,
+                                                              std::span<const RatioColumns> ratios,
+                                                              std::span<const RatioQuantity> quantities);
 
 // A ratio of sums, of which every cluster (a participant, a sensor unit, a run) has its own part, times a
 // weight.
@@ -97,9 +100,14 @@ struct ContrastEstimate {
 };
 
 // Every cluster enters all its ratios at once, so that what its samples share cancels where it is subtracted.
-// NaN when a ratio has no samples at all. What coverage such intervals have: block_bootstrap.h, the row
-// "Student's t times se".
+// NaN when a ratio has no samples at all.
 ContrastEstimate solve_contrast(const Contrast& contrast);
+
+// Whether the first method of a paired difference (first - best) errs more than the best of it and `others`
+// methods in all: a one-sided test at 0.05 / others, since the best was chosen by the data that it is tested
+// on. The methods that do not then hold the truly best in 95 % of campaigns at least. False without a
+// standard error.
+bool is_told_apart(const ContrastEstimate& difference, std::size_t others);
 
 // 95 % interval of sum(sums) / sum(counts), one of each a cluster, by bootstrap over clusters; NaN with fewer
 // than four.

@@ -23,7 +23,6 @@ struct GateArguments {
   std::filesystem::path results, baseline;
   std::filesystem::path history, junit;  // or empty
   double smallest_percent = 1.0;
-  std::uint64_t resamples = 2000;
   std::string method;                        // whose cells are listed instead of the verdict
   std::optional<std::string> accept_reason;  // the results become the baseline
   int threads = 0;
@@ -100,8 +99,7 @@ int compare(const GateArguments& arguments, const std::string& time) {
   limits.smallest_percent = arguments.smallest_percent;
   GateReport report;
   on_threads(arguments.threads, [&](int) {
-    report =
-        compare_results(arguments.results, arguments.baseline, {limits, arguments.resamples, stop_requested});
+    report = compare_results(arguments.results, arguments.baseline, {limits, stop_requested});
   });
   report.time = time;
   HistoryEntry tonight;
@@ -148,9 +146,6 @@ void add_gate(CLI::App& app, int& code) {
   verb.add_option("--history", a.history, "history.jsonl: says since when, and gets one line more");
   verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are not told")
       ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  verb.add_option("--resamples", a.resamples, "of the bootstrap intervals")
-      ->check(CLI::Range(100, 100'000))
       ->capture_default_str();
   verb.add_option("--junit", a.junit, "also write the verdict as JUnit XML to this file");
   verb.add_option("--method", a.method, "list every cell of this method that is not identical");

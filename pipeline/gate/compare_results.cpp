@@ -324,7 +324,7 @@ class Comparison {
       verdict.note += fmt::format("{}the truth itself differs in {} samples",
                                   verdict.note.empty() ? "" : "; ", samples.truths_that_differ);
     const bool same = same_inputs(pair.now.manifest, pair.before.manifest);
-    auto cells = compared_cells(samples.study, {options_.resamples, same});
+    auto cells = compared_cells(samples.study, {same});
     if (cells.empty() && samples.takes_with_other_instants == 0) verdict.state = StudyState::same_values;
     if (!same) check_participants(cells, verdict);
     std::move(cells.begin(), cells.end(), std::back_inserter(report_.cells));
@@ -335,11 +335,11 @@ class Comparison {
   static void check_participants(const std::vector<ComparedCell>& cells, StudyVerdict& verdict) {
     const auto fewest =
         std::ranges::min_element(cells, [](const auto& a, const auto& b) { return a.clusters < b.clusters; });
-    if (fewest == cells.end() || fewest->clusters >= kFewestParticipants) return;
+    if (fewest == cells.end() || fewest->clusters >= kFewestJudged) return;
     verdict.state = StudyState::not_judged;
     verdict.participants = fewest->clusters;
     verdict.note += fmt::format("; the fewest that can be judged with other recordings are {} participants",
-                                kFewestParticipants);
+                                kFewestJudged);
   }
 
   // Told without an alarm: single numbers have no chance to be held against.

@@ -11,7 +11,6 @@ namespace trilat {
 
 struct CompareOptions {
   GateLimits limits;
-  std::size_t resamples = 2000;
   std::function<bool()> stop_requested = {};
 };
 

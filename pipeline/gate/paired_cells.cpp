@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "datasets/results/summary.h"
-#include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/student.h"
 #include "pipeline/study/parallel.h"
 
@@ -23,7 +22,6 @@ Index as_index(std::size_t i) { return static_cast<Index>(i); }
 struct ConditionPairs {
   std::vector<const PairedTake*> takes;
   std::vector<std::size_t> clusters;
-  BlockResamples resamples;
 };
 
 std::vector<std::size_t> by_participant(const std::vector<const PairedTake*>& takes) {
@@ -61,12 +59,11 @@ ConditionPairs pairs_of(const PairedStudy& study, const std::string& condition,
   std::ranges::stable_sort(
       pairs.takes, [](const PairedTake* a, const PairedTake* b) { return a->participant < b->participant; });
   pairs.clusters = by_participant(pairs.takes);
-  if (clusters_of(pairs.clusters) < kFewestParticipants && options.same_inputs) {
+  if (clusters_of(pairs.clusters) < kFewestJudged && options.same_inputs) {
     constexpr auto kBlocks = static_cast<std::size_t>(static_cast<double>(kLongBlock_s) / kPairedBlock_s);
     pairs.clusters = by_time(pairs.takes, kBlocks);
     if (clusters_of(pairs.clusters) < kFewestLongBlocks) pairs.clusters = by_time(pairs.takes, 1);
   }
-  pairs.resamples = draw_resamples(pairs.clusters, {options.resamples, 1});
   return pairs;
 }
 
@@ -81,16 +78,16 @@ bool differs(const ConditionPairs& pairs, std::size_t cell) {
   return false;
 }
 
-Eigen::MatrixXd gathered(const ConditionPairs& pairs, const std::vector<std::size_t>& cells) {
-  Eigen::MatrixXd sums(as_index(pairs.clusters.size()), as_index(cells.size() * PairedColumns::count));
-  Index first = 0;
-  for (const PairedTake* take : pairs.takes) {
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      sums.block(first, as_index(c * PairedColumns::count), take->sums.rows(),
-                 as_index(PairedColumns::count)) =
-          take->sums.middleCols(as_index(cells[c] * PairedColumns::count), as_index(PairedColumns::count));
-    first += take->sums.rows();
-  }
+// By cluster.
+RowMatrix gathered(const ConditionPairs& pairs, const std::vector<std::size_t>& cells) {
+  constexpr auto kColumns = static_cast<Index>(PairedColumns::count);
+  RowMatrix sums = RowMatrix::Zero(as_index(clusters_of(pairs.clusters)), as_index(cells.size()) * kColumns);
+  std::size_t next = 0;
+  for (const PairedTake* take : pairs.takes)
+    for (Index b = 0; b < take->sums.rows(); ++b, ++next)
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        sums.block(as_index(pairs.clusters[next]), as_index(c) * kColumns, 1, kColumns) +=
+            take->sums.block(b, as_index(cells[c]) * kColumns, 1, kColumns);
   return sums;
 }
 
@@ -99,7 +96,7 @@ Eigen::MatrixXd gathered(const ConditionPairs& pairs, const std::vector<std::siz
 struct Wanted {
   static constexpr std::size_t quantities_a_cell = 4;
   std::vector<RatioColumns> ratios;
-  std::vector<BootstrapQuantity> quantities;
+  std::vector<RatioQuantity> quantities;
 };
 
 Wanted wanted_of(std::size_t cells) {
@@ -195,8 +192,7 @@ std::vector<ComparedCell> method_cells(const PairedStudy& study, const Condition
   }
   if (!any) return {};
   const Wanted wanted = wanted_of(cells.size());
-  const auto found =
-      solve_intervals(gathered(pairs, cells), pairs.resamples, wanted.ratios, wanted.quantities);
+  const auto found = student_intervals(gathered(pairs, cells), wanted.ratios, wanted.quantities);
   std::vector<ComparedCell> result;
   for (std::size_t k = 0; Wanted::quantities_a_cell * k < found.size(); ++k) {
     const bool is_average = k == cells.size();

@@ -84,7 +84,6 @@ struct PairedStudy {
 };
 
 struct PairedOptions {
-  std::size_t resamples = 2000;
   // Whether both nights saw the same recordings, bit by bit.
   bool same_inputs = true;
 };
@@ -92,12 +91,12 @@ struct PairedOptions {
 // With fewer participants than this that both nights evaluated, and the same recordings, blocks of
 // kLongBlock_s are the clusters: the answer is about these recordings, not about people. With fewer and other
 // recordings participants stay the clusters, and hardly anything can be told apart.
-inline constexpr std::size_t kFewestParticipants = 8;
+inline constexpr std::size_t kFewestJudged = 8;
 inline constexpr std::size_t kLongBlock_s = 5;
 // With fewer long blocks than this in all takes, blocks of kPairedBlock_s are.
 inline constexpr std::size_t kFewestLongBlocks = 4;
 
-// Every cell that is not identical, each group and their average, with 95 % intervals by solve_intervals()
+// Every cell that is not identical, each group and their average, with 95 % intervals by student_intervals()
 // and the probability that so much is chance by Student's t of (clusters - 1) degrees on the same standard
 // error. Threads do not change the result.
 std::vector<ComparedCell> compared_cells(const PairedStudy& study, const PairedOptions& options);

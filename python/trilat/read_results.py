@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 7
+NEWEST_SUMMARY = 8
 NEWEST_MANIFEST = 2
 NEWEST_SAMPLES = 3
 ANSWERS = ("converged", "closed_form", "clamped")

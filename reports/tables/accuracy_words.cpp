@@ -32,12 +32,11 @@ std::string truth_note(const ResultsSummary& s) {
 }
 
 std::string interval_note(const ResultsSummary& s) {
-  if (s.resamples == 0) return "There are no intervals: the study asks for no resamples.";
-  return fmt::format(
-      "Beside a number stands its 95 % interval: the wider of Student's t and of a bootstrap-t with "
-      "participants as clusters and blocks of {:g} s within them, {} resamples; of fewer than six "
-      "participants Student's t. A single participant has none.",
-      s.block_s, s.resamples);
+  const std::string beside = "Beside a number stands its 95 % interval: Student's t between ";
+  if (s.participants >= 3) return beside + "participants.";
+  return beside +
+         "takes or, of a single take, between its blocks of five seconds. It says how well these takes were "
+         "measured, and nothing of other people.";
 }
 
 void add_coverage_note(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
@@ -158,10 +157,10 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
     warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}: {}.", notes,
                                    notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
                                    noted->place, noted->text));
-  if (s.participants < 6 && s.resamples > 0)
+  if (s.participants < 6)
     warnings.push_back(
         fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
-                    s.participants < 2 ? "there are no intervals"
+                    s.participants < 3 ? "intervals are between takes, and say nothing of other people"
                                        : "intervals are wide, and hold for people like these alone"));
   for (const CrossCheck& check : s.cross_checks)
     if (!check.passed())

@@ -22,7 +22,7 @@ void write_accuracy(const fs::path& scratch) {
   const StudySpec study = study_of(
       R"("methods": [{"name": "linear", "method": "linear"}, {"name": "nonlinear", "method": "nonlinear"},
                      {"name": "mean", "method": "mean"}],
-         "alignments": ["mean", "none"], "resamples": 200, "rate_hz": 10)");
+         "alignments": ["mean", "none"], "rate_hz": 10)");
   execute_study(study, campaign, scratch / "accuracy", {.threads = 1});
 }
 
@@ -59,7 +59,7 @@ void write_budget(const fs::path& folder) {
 void write_sensitivity(const fs::path& folder) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "sensitivity", "name": "map", "clock": "stated",
-          "resamples": 0, "participants": 1, "rows": 4, "alignments": ["none"],
+          "participants": 1, "rows": 4, "alignments": ["none"],
           "simulation": {"format": "trilat.simulation", "version": 1, "body_tracker": {},
                          "activities": [{"name": "walking", "duration_s": 0.3}]},
           "methods": [{"method": "mean"}, {"method": "nonlinear"}],

@@ -23,7 +23,7 @@ double seconds_asked(double few) { return std::getenv("TRILAT_NIGHTS") ? 35.0 : 
 
 std::vector<GateFinding> judged(const SimulatedNights& nights, std::uint64_t number,
                                 const NightModel& model) {
-  const auto cells = compared_cells(nights.night(number, model), {300, model.same_inputs});
+  const auto cells = compared_cells(nights.night(number, model), {model.same_inputs});
   const std::vector<std::string> same =
       model.same_inputs ? std::vector<std::string>{"simulated"} : std::vector<std::string>{};
   return judge_cells(cells, {}, same);

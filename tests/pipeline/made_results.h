@@ -157,7 +157,7 @@ struct Nights {
     write_made_results(folder / "now", study, spoil);
   }
   Ended gate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{"gate", now(), "--baseline", before(), "--resamples", "200"};
+    std::vector<std::string> arguments{"gate", now(), "--baseline", before()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_trilat(folder, arguments);
   }

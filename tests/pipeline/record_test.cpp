@@ -90,7 +90,7 @@ TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
   EXPECT_TRUE(std::filesystem::exists(in(folder, "s.h5.partial")));
   const std::string study = file_with(folder, "study.json", R"({"format": "trilat.study", "version": 1,
-      "kind": "accuracy", "name": "mine", "resamples": 0, "alignments": ["none"], "methods": [{"method": "mean"}]})");
+      "kind": "accuracy", "name": "mine", "alignments": ["none"], "methods": [{"method": "mean"}]})");
   const std::vector<std::string> run{
       "run", study, "--campaign", in(folder, "truth"), "-o", in(folder, "results"), "--json"};
   const Ended ran = run_trilat(folder, run);

@@ -29,7 +29,7 @@ constexpr const char* kSimulation =
          "wander_sigma_m": 0, "view_wander_sigma_m": 0, "own_wander_sigma_m": 0.05, "wander_path_m": 0.1,
          "lag_s": 0, "jump_size_m": 0, "exchanged_share": 0, "least_visible_share": 0, "unit_depth_share": 0}})";
 constexpr const char* kMethods =
-    R"("alignments": ["none"], "clock": "stated", "resamples": 0, "participants": 1, "rows": 4,
+    R"("alignments": ["none"], "clock": "stated", "participants": 1, "rows": 4,
        "methods": [{"method": "mean"}, {"method": "nonlinear"}])";
 constexpr const char* kSpace =
     R"("space": [{"name": "ratio", "setting": "/body_tracker/ray_ratio", "low": 0.1,

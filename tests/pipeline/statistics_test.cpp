@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "datasets/results/item_store.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "tests/pipeline/campaigns.h"
@@ -72,8 +73,6 @@ TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsVal
   Evaluated evaluated;
   const ResultsSummary summary =
       evaluated.of(walking_spec(5, 3.0), statistics_study(R"("alignments": ["none", "held_out"])"));
-  EXPECT_EQ(summary.block_s, 1.0);
-  EXPECT_EQ(summary.resamples, 2000u);
   for (const SummaryCell& cell : summary.cells) {
     const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
     if (cell.method == "never") {
@@ -132,7 +131,7 @@ TEST(Statistics, AMethodIsNoBetterThanItself) {
   }
 }
 
-TEST(Statistics, OneParticipantHasValuesAndNoInterval) {
+TEST(Statistics, ATakeOfOneBlockHasValuesAndNoInterval) {
   Evaluated evaluated;
   SimulationSpec spec = walking_spec(1, 2.0);
   spec.activities.push_back(spec.activities[0]);
@@ -146,25 +145,30 @@ TEST(Statistics, OneParticipantHasValuesAndNoInterval) {
   EXPECT_TRUE(std::isfinite(d->difference_m) && std::isnan(d->low_m));
 }
 
-TEST(Statistics, WithoutResamplesThereAreNoIntervals) {
-  Evaluated evaluated;
-  const ResultsSummary summary =
-      evaluated.of(walking_spec(3), statistics_study(R"("alignments": ["mean"], "resamples": 0)"));
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
-  EXPECT_EQ(cell->clusters, 3u);
-  EXPECT_TRUE(std::isnan(cell->mae_low_m));
-}
-
-// All takes of one participant in a condition are one cluster.
+// All takes of one participant in a condition are one cluster; of fewer than three participants each take is.
 TEST(Statistics, TakesOfOneParticipantShareTheCluster) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "campaign", walking_spec(6));
-  for (std::size_t t = 0; t < campaign.takes.size(); ++t)
-    campaign.takes[t].participant = t % 2 == 0 ? "even" : "odd";
+  const auto clusters_of = [&](std::size_t participants) {
+    for (std::size_t t = 0; t < campaign.takes.size(); ++t)
+      campaign.takes[t].participant = "p" + std::to_string(t % participants);
+    const ResultsSummary summary =
+        execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+    EXPECT_EQ(summary.participants, participants);
+    return find_cell(summary, "mean", "walking", "head", "mean")->clusters;
+  };
+  EXPECT_EQ(clusters_of(3), 3u);
+  EXPECT_EQ(clusters_of(2), 6u);
+}
+
+TEST(Statistics, BlocksOfASingleTakeAreItsClusters) {
+  Evaluated evaluated;
   const ResultsSummary summary =
-      execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
-  EXPECT_EQ(summary.participants, 2u);
-  EXPECT_EQ(find_cell(summary, "mean", "walking", "head", "mean")->clusters, 2u);
+      evaluated.of(walking_spec(1, 16.0), statistics_study(R"("alignments": ["mean"])"));
+  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  ASSERT_TRUE(cell);
+  EXPECT_EQ(cell->clusters, 4u);  // of five seconds
+  EXPECT_LT(cell->mae_low_m, cell->mae_m);
 }
 
 TEST(Statistics, ATakeThatFailedIsNoParticipant) {
@@ -180,25 +184,70 @@ TEST(Statistics, ATakeThatFailedIsNoParticipant) {
   EXPECT_TRUE(std::isfinite(cell->mae_low_m));
 }
 
-// Takes of one second and of five, blocks of two.
-TEST(Statistics, TakesMayBeShorterThanABlockAndOfDifferentLength) {
-  const ScratchFolder folder;
-  Campaign campaign = simulate_into(folder / "short", walking_spec(3, 1.0));
-  const Campaign longer = simulate_into(folder / "long", walking_spec(3, 5.0));
-  for (Take take : longer.takes) {
-    take.id += "-long";
-    take.participant += "-long";
-    campaign.takes.push_back(take);
+TEST(Statistics, BlocksAreFiveSecondsOrATwelfthOfTheTake) {
+  StatisticsLayout layout;
+  layout.rate_hz = 30.0;
+  EXPECT_EQ(layout.blocks(0), 0u);
+  EXPECT_EQ(layout.blocks(1), 1u);
+  EXPECT_EQ(layout.blocks(150), 1u);
+  EXPECT_EQ(layout.blocks(151), 2u);
+  EXPECT_EQ(layout.blocks(12 * 150), 12u);
+  EXPECT_EQ(layout.blocks(100'000), 12u);
+}
+
+// What a pair is says the definition: both aligned on the samples that both answer.
+TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
+  Evaluated evaluated;
+  const StudySpec study = study_of(R"("alignments": ["mean"], "methods": [{"method": "nonlinear"},
+      {"method": "nonlinear", "name": "sparse", "max_iterations": 5}, {"method": "mean"}])");
+  const Campaign campaign = simulate_into(evaluated.folder / "campaign", walking_spec(1, 4.0));
+  execute_study(study, campaign, evaluated.folder / "results", {});
+  const SamplesFile samples = open_samples(result_takes(evaluated.folder / "results").at(0));
+  const StatisticsLayout layout = statistics_layout(make_plan(study, campaign));
+  const PairTable pairs = pair_methods(samples, layout);
+  const SampleBlock block = samples.read(0, 0, samples.header().takes[0].instants);
+  const SampleView view{block, layout.axes};
+  for (std::size_t j = 0; j < layout.axes.joints; ++j)
+    for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{0, 1}, {1, 0}, {1, 2}, {0, 2}}) {
+      std::vector<Eigen::Vector3d> first_m, second_m;
+      for (std::uint64_t i = 0; i < block.instants; ++i) {
+        const std::size_t slot_a = view.slot(i, j, a), slot_b = view.slot(i, j, b);
+        if (!view.truth(i, j).allFinite() || !is_usable(view.status(slot_a)) ||
+            !is_usable(view.status(slot_b)))
+          continue;
+        first_m.push_back(view.estimate(slot_a) - view.truth(i, j));
+        second_m.push_back(view.estimate(slot_b) - view.truth(i, j));
+      }
+      const auto sum_m = [](const std::vector<Eigen::Vector3d>& error_m) {
+        Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+        for (const auto& e : error_m) mean_m += e / static_cast<double>(error_m.size());
+        double sum = 0.0;
+        for (const auto& e : error_m) sum += (e - mean_m).norm();
+        return sum;
+      };
+      const PairSums& pair = pairs.at(0, j, a, b);
+      EXPECT_EQ(pair.n, first_m.size()) << j << a << b;
+      EXPECT_NEAR(pair.first_m, sum_m(first_m), 1e-9) << j << a << b;
+      EXPECT_NEAR(pair.second_m, sum_m(second_m), 1e-9) << j << a << b;
+    }
+}
+
+// A method that errs more in every participant is told apart, one with the same estimates is not.
+TEST(Statistics, NoMarkContradictsADifference) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(6, 4.0), study_of(R"("alignments": ["mean"], "reference": "mean",
+          "methods": [{"method": "mean"}, {"method": "mean", "name": "same"}, {"method": "linear"},
+                      {"method": "single", "sensors": ["k2"]}])"));
+  for (const BestMethod& best : summary.best) {
+    ASSERT_THAT(best.method, testing::AnyOf("mean", "same"));
+    EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"));
+    const DifferenceCell* linear = find_difference(summary, "linear", best.condition, best.group, "mean");
+    ASSERT_TRUE(linear);
+    if (linear->low_m > 0.01) {
+      EXPECT_THAT(best.like_best, testing::Not(testing::Contains("linear"))) << best.group;
+    }
   }
-  const StudySpec study = statistics_study(R"("alignments": ["none"], "block_s": 2)");
-  const Plan plan = make_plan(study, campaign);
-  const StatisticsLayout layout = statistics_layout(plan);
-  EXPECT_EQ(layout.blocks(plan.takes[0].instants), 1u);
-  EXPECT_EQ(layout.blocks(plan.takes[5].instants), 3u);
-  const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "none");
-  EXPECT_EQ(cell->clusters, 6u);
-  EXPECT_LT(cell->mae_low_m, cell->mae_high_m);
 }
 
 TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {

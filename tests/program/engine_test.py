@@ -16,16 +16,16 @@ SOLVERS = [{"method": "nonlinear"}, {"method": "mean"}]
 EVERY_METHOD = [{"method": name} for name in ("linear", "geometric", "nonlinear", "newton", "ceres", "range_bearing", "mean", "tracked_mean",
                                               "median", "single", "kalman", "rts", "window")]
 STUDIES = {
-    "accuracy": {"campaign": "campaign", "resamples": 200, "methods": EVERY_METHOD, "alignments": ["mean", "none", "joint_offset"]},
+    "accuracy": {"campaign": "campaign", "methods": EVERY_METHOD, "alignments": ["mean", "none", "joint_offset"]},
     "threshold_sweep": {"rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 20000, "stops": ["objective"],
                         "max_iterations": 20, "search": True, "time_problems": 5, "time_repeats": 1},
     "calibration": {"units": 2, "samples": 6, "near_samples": 2, "frames": 1, "distortion_units": 2, "distortion_frames": 2,
                     "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 0.5,
                     "bodies_instants": 5},
-    "error_budget": {"simulation": "walk.json", "participants": 1, "resamples": 0, "methods": SOLVERS},
+    "error_budget": {"simulation": "walk.json", "participants": 1, "methods": SOLVERS},
     "recording": {"frames": 600, "sensors": 2, "runs": 4,
                   "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}], "methods": SOLVERS},
-    "sensitivity": {"resamples": 0, "clock": "stated", "participants": 1, "rows": 4, "methods": SOLVERS, "simulation": WALK,
+    "sensitivity": {"clock": "stated", "participants": 1, "rows": 4, "methods": SOLVERS, "simulation": WALK,
                     "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
                     "claims": [{"better": "nonlinear", "than": ["mean"]}]},
 }

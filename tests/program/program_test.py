@@ -115,7 +115,7 @@ class ProgramTest(ScratchTest):
     def test_a_recording_walks_to_a_calibration_and_to_a_table(self):
         trilat("record", "--source", "synthetic:4,depth=no,duration=6", "--truth", self.folder / "truth", "-o", self.folder / "s.h5")
         trilat("calibrate", self.folder / "s.h5", "--method", "bodies", "-o", self.folder / "calibration.json")
-        study = self.written("study.json", {**STUDY, "alignments": ["rigid"], "resamples": 0})
+        study = self.written("study.json", {**STUDY, "alignments": ["rigid"]})
         said = trilat("run", study, "--campaign", self.folder / "truth", "--calibration", self.folder / "calibration.json",
                       "-o", self.folder / "results")
         self.assertIn("average", said)

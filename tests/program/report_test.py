@@ -19,7 +19,7 @@ from made import SOURCE, ScratchTest, everything_in, made, trilat
 GOLDEN = SOURCE / "tests/golden"
 NUMBER = re.compile(r"(?<![A-Za-z0-9_])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 TINY = {
-    "accuracy": {**STUDIES["accuracy"], "occluded_apart": True, "alignments": ["mean", "none"], "resamples": 0,
+    "accuracy": {**STUDIES["accuracy"], "occluded_apart": True, "alignments": ["mean", "none"],
                  "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k1"]},
                              {"method": "nonlinear", "name": "compensated", "occlusion": "printed"}]},
     "threshold_sweep": {**STUDIES["threshold_sweep"], "trials": 500, "time_problems": 0},

@@ -244,7 +244,7 @@ class Results:
     def __init__(self, folder, name):
         simulation = {"format": "trilat.simulation", "version": 1, "name": name, "seed": 7, "participants": 2}
         study = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": name, "alignments": ALIGNMENTS,
-                 "reference": REFERENCE, "clock": "stated", "repair_exchanges": False, "resamples": 0,
+                 "reference": REFERENCE, "clock": "stated", "repair_exchanges": False,
                  "occluded_apart": True,
                  "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items()]}
         (folder / f"{name}_simulation.json").write_text(json.dumps({**simulation, **SIMULATIONS[name]}))

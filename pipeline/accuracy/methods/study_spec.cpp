@@ -19,7 +19,6 @@ constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kAlignments{"none", "first", "mean", "rigid", "held_out", "joint_offset"};
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
 const std::vector<std::string> kTruths{"auto", "mocap", "left_out_sensor"};
-constexpr std::uint64_t kFewestResamples = 200;  // 2.5 % of fewer are not told from the ends
 
 void tell_alignments(Settings& s, std::vector<AlignmentKind>& kinds) {
   JsonObject* object = s.reading();
@@ -77,15 +76,11 @@ void tell(Settings& s, StudySpec& spec) {
     "left and right that a sensor has exchanged are exchanged back");
   s("training_share", spec.training_share, {0.05, 0.95},
     "of a take, at its start: what the alignment joint_offset learns from");
-  s("block_s", spec.block_s, {0.01, 3600.0}, "length of the time blocks that intervals are drawn from");
-  s("resamples", spec.resamples, {0, 10'000}, "of the intervals; 0: none, else at least 200");
   s("clock_error_s", spec.clock_error_s, {0.0, 1.0}, "between truth and sensors, one standard deviation");
   if (!object) return;
   if (spec.rate_hz > 1000.0) object->refuse("rate_hz", "must not be above 1000");
   for (const char* gap : {"sensor_gap_s", "truth_gap_s"})
     if (object->number(gap, 0.0) > 3600.0) object->refuse(gap, "must not be longer than an hour");
-  if (spec.resamples > 0 && spec.resamples < kFewestResamples)
-    object->refuse("resamples", fmt::format("must be 0, for no intervals, or at least {}", kFewestResamples));
 }
 
 }  // namespace

@@ -41,12 +41,10 @@ struct StudySpec {
   double cross_check_limit_m = 1e-6;
   // Whether the start of the mocap is taken as stated, also checked by motion, or corrected by it.
   ClockSource clock = ClockSource::check;
-  double clock_search_s = 3.0;     // to both sides of the stated start
-  bool repair_exchanges = true;    // left and right that a sensor has exchanged are put right
-  double training_share = 0.5;     // of a take, at its start: what joint_offset learns from
-  double block_s = 1.0;            // of the time blocks that intervals are drawn from
-  std::uint64_t resamples = 2000;  // of the intervals; 0: none
-  double clock_error_s = 0.005;    // between truth and sensors, as the paper states it
+  double clock_search_s = 3.0;   // to both sides of the stated start
+  bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
+  double training_share = 0.5;   // of a take, at its start: what joint_offset learns from
+  double clock_error_s = 0.005;  // between truth and sensors, as the paper states it
   std::vector<MethodSpec> methods;
 };
 

@@ -12,40 +12,6 @@
 namespace trilat {
 namespace {
 
-// What the alignments of one joint and method are made from.
-struct AlignedSums {
-  AlignmentSums whole;
-  JointOffset trained;
-  void add(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
-           std::uint64_t training_end) {
-    whole.add(view.estimate(slot), view.truth(i, j));
-    if (view.block.first_instant + i < training_end && std::isfinite(view.heading_rad(i)))
-      trained.add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
-  }
-};
-using SumTable = std::vector<AlignedSums>;  // joints x methods
-
-AlignmentTable solve_table(const SumTable& sums, const Axes& axes, AlignmentKind kind,
-                           std::uint64_t training_end) {
-  AlignmentTable solved(axes.joints * axes.methods);
-  for (std::size_t m = 0; m < axes.methods; ++m) {
-    AlignmentSums whole;
-    for (std::size_t j = 0; j < axes.joints; ++j) whole.merge(sums[j * axes.methods + m].whole);
-    for (std::size_t j = 0; j < axes.joints; ++j) {
-      const std::size_t k = j * axes.methods + m;
-      solved[k].kind = kind;
-      if (is_trained(kind)) solved[k].first_instant = training_end;
-      if (kind == AlignmentKind::joint_offset)
-        solved[k].offset = sums[k].trained;
-      else
-        solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums[k].whole, kind);
-      const Eigen::Quaterniond& rotation = solved[k].alignment.truth_from_estimate.rotation;
-      solved[k].turns = rotation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
-    }
-  }
-  return solved;
-}
-
 Axes axes_of(const Plan& plan) {
   const std::vector<std::string> groups = groups_of(plan);
   Axes axes;
@@ -61,34 +27,24 @@ Axes axes_of(const Plan& plan) {
   return axes;
 }
 
-// How many instants make one block: as the study wants it, or longer until all blocks fit into the memory.
-std::uint64_t block_instants_of(const Plan& plan, const Axes& axes) {
-  const std::uint64_t row_bytes =
-      sizeof(double) * (axes.cells() * CellColumns::count + axes.methods * BodySumColumns::count);
-  const std::uint64_t fit = std::max<std::uint64_t>({kBlockSumBytes / row_bytes, plan.takes.size(), 1});
-  const std::uint64_t most = std::min(fit, std::max<std::uint64_t>(kMostBlocks, plan.takes.size()));
-  StatisticsLayout layout;
-  layout.block_instants =
-      static_cast<std::uint64_t>(std::max(1LL, std::llround(plan.study.block_s * plan.study.rate_hz)));
-  const auto rows = [&] {
-    std::uint64_t sum = 0;
-    for (const PlannedTake& take : plan.takes) sum += layout.blocks(take.instants);
-    return sum;
-  };
-  while (rows() > most) layout.block_instants *= 2;
-  return layout.block_instants;
+// All but sets of sensors that a family has several of.
+std::vector<std::size_t> competitors_of(const Plan& plan) {
+  std::vector<std::size_t> competitors;
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    const MethodSpec& spec = plan.methods[m].spec;
+    const auto others = std::ranges::count_if(
+        plan.methods, [&](const Method& other) { return other.spec.family == spec.family; });
+    if (spec.family.empty() || spec.sensors.size() <= 1 || others == 1) competitors.push_back(m);
+  }
+  return competitors;
 }
 
 // `each_sample` calls what it is given as visit_samples() does.
 TakeAlignments align(std::uint64_t instants, const StatisticsLayout& layout, const auto& each_sample) {
   const Axes& axes = layout.axes;
   const std::vector<AlignmentKind>& kinds = layout.alignments;
-  const bool any_is_trained = std::ranges::any_of(kinds, is_trained);
-  const auto training_end =
-      any_is_trained
-          ? static_cast<std::uint64_t>(std::llround(layout.training_share * static_cast<double>(instants)))
-          : 0;
-  SumTable own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
+  const std::uint64_t training_end = layout.training_end(instants);
+  std::vector<AlignedSums> own(axes.joints * axes.methods), on_both = own, reference_on_both = own;
   each_sample([&](std::uint64_t i, std::size_t j, std::size_t m, std::size_t slot, const SampleView& view) {
     const std::size_t k = j * axes.methods + m, reference_slot = view.slot(i, j, layout.reference);
     if (!is_usable(view.status(slot))) return;
@@ -99,13 +55,47 @@ TakeAlignments align(std::uint64_t instants, const StatisticsLayout& layout, con
   });
   TakeAlignments result;
   for (AlignmentKind kind : kinds)
-    result.push_back({solve_table(own, axes, kind, training_end),
-                      solve_table(on_both, axes, kind, training_end),
-                      solve_table(reference_on_both, axes, kind, training_end)});
+    result.push_back({solve_alignments(own, axes.joints, kind, training_end),
+                      solve_alignments(on_both, axes.joints, kind, training_end),
+                      solve_alignments(reference_on_both, axes.joints, kind, training_end)});
   return result;
 }
 
 }  // namespace
+
+AlignmentTable solve_alignments(std::span<const AlignedSums> sums, std::size_t joints, AlignmentKind kind,
+                                std::uint64_t training_end) {
+  AlignmentTable solved(sums.size());
+  const std::size_t columns = sums.size() / joints;
+  for (std::size_t m = 0; m < columns; ++m) {
+    AlignmentSums whole;
+    for (std::size_t j = 0; j < joints; ++j) whole.merge(sums[j * columns + m].whole);
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t k = j * columns + m;
+      solved[k].kind = kind;
+      if (is_trained(kind)) solved[k].first_instant = training_end;
+      if (kind == AlignmentKind::joint_offset)
+        solved[k].offset = sums[k].trained;
+      else
+        solved[k].alignment = solve_alignment(kind == AlignmentKind::rigid ? whole : sums[k].whole, kind);
+      const Eigen::Quaterniond& rotation = solved[k].alignment.truth_from_estimate.rotation;
+      solved[k].turns = rotation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
+    }
+  }
+  return solved;
+}
+
+std::uint64_t StatisticsLayout::block_instants(std::uint64_t instants) const {
+  constexpr double kBlock_s = 5.0;
+  constexpr std::uint64_t kMostBlocks = 12;
+  const auto wanted = static_cast<std::uint64_t>(std::max(1LL, std::llround(kBlock_s * rate_hz)));
+  return std::max(wanted, (instants + kMostBlocks - 1) / kMostBlocks);
+}
+
+std::uint64_t StatisticsLayout::training_end(std::uint64_t instants) const {
+  if (std::ranges::none_of(alignments, is_trained)) return 0;
+  return static_cast<std::uint64_t>(std::llround(training_share * static_cast<double>(instants)));
+}
 
 TakeAlignments align_take(const SamplesFile& samples, const StatisticsLayout& layout) {
   return align(samples.header().takes[0].instants, layout, [&](const auto& visit) {
@@ -132,11 +122,11 @@ StatisticsLayout statistics_layout(const Plan& plan) {
   layout.alignments = plan.study.alignments;
   layout.training_share = plan.study.training_share;
   layout.reference = plan.reference;
+  layout.competitors = competitors_of(plan);
   const auto& kinds = layout.alignments;
   const auto none = std::ranges::find(kinds, AlignmentKind::none);
   if (none != kinds.end()) layout.body_alignment = static_cast<std::size_t>(none - kinds.begin());
   layout.rate_hz = plan.study.rate_hz;
-  layout.block_instants = block_instants_of(plan, layout.axes);
   for (const Bone& bone : kBones) {
     const auto from = std::ranges::find(plan.joints, bone.parent);
     const auto to = std::ranges::find(plan.joints, bone.child);

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,9 +29,8 @@ struct Axes {
   std::size_t cells() const { return sets * groups * methods * alignments; }
 };
 
-// Block sums of a study are kept in memory; blocks are made longer until they fit.
-inline constexpr std::uint64_t kBlockSumBytes = 64'000'000;
-inline constexpr std::uint64_t kMostBlocks = 4096;
+// With fewer participants than this takes are the clusters of intervals.
+inline constexpr std::size_t kFewestParticipants = 3;
 
 // What the statistics of a study are made with. Depends on the plan alone, so every shard has the same.
 struct StatisticsLayout {
@@ -37,13 +38,17 @@ struct StatisticsLayout {
   std::vector<AlignmentKind> alignments;
   double training_share = 0.0;                             // of a take's instants, at its start
   std::size_t reference = 0;                               // the method that the others are compared with
+  std::vector<std::size_t> competitors;                    // methods of which one is the best
   std::size_t body_alignment = 0;                          // of whole bodies: none when the study has it
   double rate_hz = 30.0;                                   // of the instants
-  std::uint64_t block_instants = 30;                       // that make one time block
   std::vector<std::pair<std::size_t, std::size_t>> bones;  // both ends, by joint of the study
+  // A time block of a take of so many instants: five seconds, a twelfth of the take where that is longer.
+  std::uint64_t block_instants(std::uint64_t instants) const;
   std::uint64_t blocks(std::uint64_t instants) const {
-    return (instants + block_instants - 1) / block_instants;
+    return instants == 0 ? 0 : (instants - 1) / block_instants(instants) + 1;
   }
+  // The first instant that no alignment is trained on.
+  std::uint64_t training_end(std::uint64_t instants) const;
 };
 
 StatisticsLayout statistics_layout(const Plan& plan);
@@ -135,6 +140,21 @@ void stream_take(const SamplesFile& samples, const Axes& axes, SampleColumns col
     end_block(block);
   }
 }
+
+// What the alignments of one joint and method are made from.
+struct AlignedSums {
+  AlignmentSums whole;
+  JointOffset trained;
+  void add(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t slot,
+           std::uint64_t training_end) {
+    whole.add(view.estimate(slot), view.truth(i, j));
+    if (view.block.first_instant + i < training_end && std::isfinite(view.heading_rad(i)))
+      trained.add(view.estimate(slot), view.truth(i, j), view.heading_rad(i));
+  }
+};
+// `sums`: of each joint the same number of columns.
+AlignmentTable solve_alignments(std::span<const AlignedSums> sums, std::size_t joints, AlignmentKind kind,
+                                std::uint64_t training_end);
 
 TakeAlignments align_take(const SamplesFile& samples, const StatisticsLayout& layout);
 // Of a whole take in memory.

@@ -11,6 +11,13 @@
 namespace trilat {
 namespace {
 
+// In the order of their names: the same people may come in another order of takes.
+std::vector<std::string> participants_of(const ResultsSummary& s) {
+  std::set<std::string> names;
+  for (const TakeJointRow& row : s.by_take) names.insert(row.participant);
+  return {names.begin(), names.end()};
+}
+
 constexpr std::string_view kBestOf = "best of ";
 
 // A mean over nothing is NaN and adds nothing.
@@ -39,9 +46,7 @@ void ParticipantErrors::Sums::Paired::add(const PairedErrors& paired) {
 }
 
 ParticipantErrors::ParticipantErrors(const ResultsSummary& summary) : summary_(summary) {
-  for (const TakeJointRow& row : summary.by_take)
-    if (std::ranges::find(participants_, row.participant) == participants_.end())
-      participants_.push_back(row.participant);
+  participants_ = participants_of(summary);
   for (const TakeJointRow& row : summary.by_take) {
     ByParticipant& of = sums_[row.condition][row.group][row.method];
     of.resize(participants_.size());
@@ -190,13 +195,6 @@ Contrast ParticipantErrors::difference(const std::string& of, const std::string&
 }
 
 namespace {
-
-std::vector<std::string> participants_of(const ResultsSummary& s) {
-  std::vector<std::string> names;
-  for (const TakeJointRow& row : s.by_take)
-    if (std::ranges::find(names, row.participant) == names.end()) names.push_back(row.participant);
-  return names;
-}
 
 // The plain mean over the groups.
 std::vector<WeightedRatio> mean_error(const ParticipantErrors& errors, const std::string& method,

@@ -5,11 +5,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <vector>
 
 #include "datasets/results/summary.h"
-#include "evaluators/metrics/block_bootstrap.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/study/parallel.h"
@@ -17,11 +15,27 @@
 namespace trilat {
 namespace {
 
-// The takes of one activity that were evaluated, those of one participant together.
+// The takes of one activity that were evaluated, and what counts as one cluster of their samples: all of a
+// participant; of fewer than three participants a take; of a single take each of its time blocks.
 struct ConditionTakes {
   std::vector<const TakeStatistics*> takes;
-  std::vector<std::size_t> participant;  // by take, from 0
-  BlockResamples resamples;
+  std::vector<std::size_t> cluster;  // by take
+  bool blocks = false;               // each block of the one take is a cluster
+  std::size_t clusters = 0;
+
+  // Adds the sums that `of` gives of every take, blocks x columns, to those of its cluster.
+  template <class Of>
+  RowMatrix cluster_sums(std::size_t columns, const Of& of) const {
+    RowMatrix sums = RowMatrix::Zero(static_cast<Eigen::Index>(clusters), static_cast<Eigen::Index>(columns));
+    for (std::size_t t = 0; t < takes.size(); ++t) {
+      const auto rows = of(*takes[t]);
+      if (blocks)
+        sums = rows;
+      else
+        sums.row(static_cast<Eigen::Index>(cluster[t])) += rows.colwise().sum();
+    }
+    return sums;
+  }
 };
 
 // What the intervals of one method are, in one set of samples.
@@ -40,31 +54,28 @@ using Eigen::Index;
 
 Index as_index(std::size_t i) { return static_cast<Index>(i); }
 
-Index rows_of(const ConditionTakes& condition) { return as_index(condition.resamples.first_block.back()); }
-
 // The sums of one method by alignment, group and column, gathered from all takes.
-Eigen::MatrixXd cell_sums(const ConditionTakes& condition, const StatisticsLayout& layout, std::size_t set,
-                          std::size_t method, const std::vector<std::size_t>& groups) {
+RowMatrix cell_sums(const ConditionTakes& condition, const StatisticsLayout& layout, std::size_t set,
+                    std::size_t method, const std::vector<std::size_t>& groups) {
   const Axes& axes = layout.axes;
-  Eigen::MatrixXd sums(rows_of(condition), as_index(axes.alignments * groups.size() * CellColumns::count));
-  Index first = 0;
-  for (const TakeStatistics* take : condition.takes) {
+  const std::size_t columns = axes.alignments * groups.size() * CellColumns::count;
+  return condition.cluster_sums(columns, [&](const TakeStatistics& take) {
+    RowMatrix sums(take.cells.rows(), as_index(columns));
     for (std::size_t a = 0; a < axes.alignments; ++a)
       for (std::size_t g = 0; g < groups.size(); ++g)
-        sums.block(first, as_index((a * groups.size() + g) * CellColumns::count), take->cells.rows(),
-                   as_index(CellColumns::count)) =
-            take->cells.middleCols(as_index(axes.cell(set, groups[g], method, a) * CellColumns::count),
-                                   as_index(CellColumns::count));
-    first += take->cells.rows();
-  }
-  return sums;
+        sums.middleCols(as_index((a * groups.size() + g) * CellColumns::count),
+                        as_index(CellColumns::count)) =
+            take.cells.middleCols(as_index(axes.cell(set, groups[g], method, a) * CellColumns::count),
+                                  as_index(CellColumns::count));
+    return sums;
+  });
 }
 
 // The ratios and quantities of every alignment: distances, differences and percentages of each group, then of
 // their average.
 struct Wanted {
   std::vector<RatioColumns> ratios;
-  std::vector<BootstrapQuantity> quantities;
+  std::vector<RatioQuantity> quantities;
 };
 
 Wanted wanted_of(std::size_t alignments, std::size_t groups, bool with_differences) {
@@ -112,33 +123,15 @@ DifferenceCell difference_of(const IntervalEstimate& difference, const IntervalE
   return cell;
 }
 
-ConditionTakes condition_takes(std::vector<const TakeStatistics*> takes, std::vector<std::size_t> participant,
-                               const ResampleOptions& options) {
-  std::vector<std::size_t> order(takes.size()), clusters;
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order,
-                           [&](std::size_t a, std::size_t b) { return participant[a] < participant[b]; });
-  ConditionTakes result;
-  for (const std::size_t t : order) {
-    const bool same = !result.participant.empty() && result.participant.back() == participant[t];
-    const std::size_t cluster = clusters.empty() ? 0 : clusters.back() + (same ? 0 : 1);
-    result.takes.push_back(takes[t]);
-    result.participant.push_back(participant[t]);
-    clusters.insert(clusters.end(), static_cast<std::size_t>(takes[t]->cells.rows()), cluster);
-  }
-  result.resamples = draw_resamples(clusters, options);
-  return result;
-}
-
 // By alignment and group, each followed by the average of the groups when there are two or more. `groups`:
 // those that were asked for.
 MethodIntervals method_intervals(const ConditionTakes& condition, const StatisticsLayout& layout,
                                  std::size_t set, std::size_t method,
                                  const std::vector<std::size_t>& groups) {
   const bool with_differences = method != layout.reference;
-  const Eigen::MatrixXd sums = cell_sums(condition, layout, set, method, groups);
+  const RowMatrix sums = cell_sums(condition, layout, set, method, groups);
   const Wanted wanted = wanted_of(layout.axes.alignments, groups.size(), with_differences);
-  const auto found = solve_intervals(sums, condition.resamples, wanted.ratios, wanted.quantities);
+  const auto found = student_intervals(sums, wanted.ratios, wanted.quantities);
   MethodIntervals result;
   std::size_t next = 0;
   for (std::size_t a = 0; a < layout.axes.alignments; ++a) {
@@ -167,14 +160,13 @@ MethodIntervals method_intervals(const ConditionTakes& condition, const Statisti
 
 // Without names.
 BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
-  Eigen::MatrixXd sums(rows_of(condition), as_index(BodySumColumns::count));
-  Index first = 0;
+  const RowMatrix sums = condition.cluster_sums(BodySumColumns::count, [&](const TakeStatistics& take) {
+    return RowMatrix(
+        take.bodies.middleCols(as_index(method * BodySumColumns::count), as_index(BodySumColumns::count)));
+  });
   TakeBodies bodies;
   Mean truth_jerk_m_s3;
   for (const TakeStatistics* take : condition.takes) {
-    sums.middleRows(first, take->bodies.rows()) =
-        take->bodies.middleCols(as_index(method * BodySumColumns::count), as_index(BodySumColumns::count));
-    first += take->bodies.rows();
     const TakeBodies& here = take->of_method[method];
     for (std::size_t r = 0; r < bodies.within.size(); ++r) bodies.within[r] += here.within[r];
     bodies.joints += here.joints;
@@ -185,8 +177,8 @@ BodyCell body_cell(const ConditionTakes& condition, std::size_t method) {
   }
   const std::vector<RatioColumns> ratios{{BodySumColumns::mpjpe, BodySumColumns::whole},
                                          {BodySumColumns::pa_mpjpe, BodySumColumns::pa_whole}};
-  const std::vector<BootstrapQuantity> quantities{{{0, 1}}, {{1, 1}}};
-  const auto found = solve_intervals(sums, condition.resamples, ratios, quantities);
+  const std::vector<RatioQuantity> quantities{{{0, 1}}, {{1, 1}}};
+  const auto found = student_intervals(sums, ratios, quantities);
   BodyCell cell;
   cell.instants = static_cast<std::uint64_t>(sums.col(as_index(BodySumColumns::whole)).sum());
   cell.clusters = found[0].clusters;
@@ -314,22 +306,24 @@ void add_bodies_and_truth(const ConditionTakes& condition, const StatisticsLayou
     summary.truth_speed.push_back({activity, summary.groups[g], truth_speed_m_s(condition, g)});
 }
 
-// The takes of an activity that have samples, and whose they are.
 ConditionTakes takes_of(const Plan& plan, const RunOutcome& outcome, const std::string& activity,
-                        std::span<const TakeSummary> summaries) {
-  std::vector<const TakeStatistics*> takes;
-  std::vector<std::size_t> participants;
+                        std::size_t participants, std::span<const TakeSummary> summaries) {
+  ConditionTakes condition;
   std::vector<std::string> names;
   for (std::size_t t = 0; t < plan.takes.size(); ++t) {
     const Take& take = plan.takes[t].take;
     if (take.activity != activity || !outcome.evaluated[t] || summaries[t].statistics.cells.rows() == 0)
       continue;
-    auto name = std::ranges::find(names, take.participant);
-    if (name == names.end()) name = names.insert(names.end(), take.participant);
-    takes.push_back(&summaries[t].statistics);
-    participants.push_back(static_cast<std::size_t>(name - names.begin()));
+    const std::string& cluster = participants < kFewestParticipants ? take.id : take.participant;
+    auto name = std::ranges::find(names, cluster);
+    if (name == names.end()) name = names.insert(names.end(), cluster);
+    condition.takes.push_back(&summaries[t].statistics);
+    condition.cluster.push_back(static_cast<std::size_t>(name - names.begin()));
   }
-  return condition_takes(std::move(takes), std::move(participants), {plan.study.resamples, 1});
+  condition.blocks = participants < kFewestParticipants && condition.takes.size() == 1;
+  condition.clusters =
+      condition.blocks ? static_cast<std::size_t>(condition.takes[0]->cells.rows()) : names.size();
+  return condition;
 }
 
 void add_activity(const ConditionTakes& condition, const StatisticsLayout& layout,
@@ -353,11 +347,10 @@ void add_activity(const ConditionTakes& condition, const StatisticsLayout& layou
 
 void add_statistics(const Plan& plan, const RunOutcome& outcome, const StatisticsLayout& layout,
                     std::span<const TakeSummary> takes, ResultsSummary& summary) {
-  summary.resamples = plan.study.resamples;
-  summary.block_s = static_cast<double>(layout.block_instants) / layout.rate_hz;
   const CellIndex index(summary);
   for (const std::string& activity : activities_of(plan))
-    add_activity(takes_of(plan, outcome, activity, takes), layout, activity, index, summary);
+    add_activity(takes_of(plan, outcome, activity, summary.participants, takes), layout, activity, index,
+                 summary);
 }
 
 }  // namespace trilat

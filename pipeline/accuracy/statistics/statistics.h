@@ -11,9 +11,9 @@
 namespace trilat {
 
 // Adds to a summary that has its cells: their intervals, the average over the groups, differences from the
-// reference, whole bodies, and what is known of the truth. Participants are the clusters: all takes of one in
-// a condition belong together. Sums are taken in the order of the takes and random numbers are a function of
-// their place, whatever the threads. `takes`: of the plan.
+// reference, whole bodies, and what is known of the truth. Intervals are Student's t between participants; of
+// fewer than three between takes, and of a single take between its blocks of five seconds. Sums are taken in
+// the order of the takes, whatever the threads. `takes`: of the plan.
 void add_statistics(const Plan& plan, const RunOutcome& outcome, const StatisticsLayout& layout,
                     std::span<const TakeSummary> takes, ResultsSummary& summary);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -185,7 +186,63 @@ std::vector<const SummaryCell*> competitors(const ResultsSummary& summary, const
   return cells;
 }
 
-void add_best(const ParticipantErrors& errors, ResultsSummary& summary) {
+// Two methods on the samples that both answer, in one condition.
+class PairedDifferences {
+ public:
+  PairedDifferences(const Plan& plan, const StatisticsLayout& layout, std::size_t participants,
+                    std::span<const TakeSummary> takes)
+      : plan_(plan), layout_(layout), participants_(participants), takes_(takes) {}
+
+  // The mean of the groups' differences first - second in metres; clusters as of all intervals.
+  ContrastEstimate between(const std::string& first, const std::string& second, const std::string& condition,
+                           const std::vector<std::string>& groups) const {
+    const std::size_t a = competitor(first), b = competitor(second);
+    const std::vector<std::string> all = groups_of(plan_);
+    Contrast difference;
+    for (const std::string& group : groups) {
+      WeightedRatio ratio{{}, {}, 1.0 / static_cast<double>(groups.size())};
+      const auto g = static_cast<std::size_t>(std::ranges::find(all, group) - all.begin());
+      std::map<std::string, PairSums> by_cluster;
+      for (std::size_t t = 0; t < takes_.size(); ++t) add_take(t, condition, g, a, b, by_cluster);
+      for (const auto& [name, sums] : by_cluster) {
+        ratio.numerator.push_back(sums.first_m - sums.second_m);
+        ratio.denominator.push_back(static_cast<double>(sums.n));
+      }
+      difference.value.push_back(std::move(ratio));
+    }
+    return solve_contrast(difference);
+  }
+
+ private:
+  std::size_t competitor(const std::string& method) const {
+    const auto found = std::ranges::find_if(
+        layout_.competitors, [&](std::size_t m) { return plan_.methods[m].spec.name == method; });
+    TRILAT_CHECK(found != layout_.competitors.end(), "the best is one of those that compete");
+    return static_cast<std::size_t>(found - layout_.competitors.begin());
+  }
+
+  void add_take(std::size_t t, const std::string& condition, std::size_t group, std::size_t a, std::size_t b,
+                std::map<std::string, PairSums>& by_cluster) const {
+    const Take& take = plan_.takes[t].take;
+    const bool all = take.activity == condition, occluded = occluded_condition(take.activity) == condition;
+    if (takes_[t].pairs.cells.empty() || (!all && !occluded)) return;
+    PairSums& sums = by_cluster[participants_ < kFewestParticipants ? take.id : take.participant];
+    for (std::size_t j = 0; j < layout_.axes.joints; ++j) {
+      if (layout_.axes.group_of_joint[j] != group) continue;
+      const PairSums& here = takes_[t].pairs.at(all ? 0 : 1, j, a, b);
+      sums.n += here.n;
+      sums.first_m += here.first_m;
+      sums.second_m += here.second_m;
+    }
+  }
+
+  const Plan& plan_;
+  const StatisticsLayout& layout_;
+  std::size_t participants_;
+  std::span<const TakeSummary> takes_;
+};
+
+void add_best(const ParticipantErrors& errors, const PairedDifferences& pairs, ResultsSummary& summary) {
   for (const std::string& condition : summary.conditions) {
     std::vector<std::string> groups = errors.groups_of(condition);
     if (groups.size() > 1) groups.emplace_back(kAverageGroup);
@@ -195,11 +252,10 @@ void add_best(const ParticipantErrors& errors, ResultsSummary& summary) {
       BestMethod best{condition, group, cells.front()->method, {}};
       for (const SummaryCell* cell : cells) {
         if (cell == cells.front()) continue;
-        const ContrastEstimate e = solve_contrast(
-            errors.difference(cell->method, best.method, condition,
-                              group == kAverageGroup ? errors.groups_of(condition) : std::vector{group},
-                              ComparedSamples::complete));
-        if (e.low() <= 0.0) best.like_best.push_back(cell->method);
+        const ContrastEstimate e =
+            pairs.between(cell->method, best.method, condition,
+                          group == kAverageGroup ? errors.groups_of(condition) : std::vector{group});
+        if (e.clusters >= 2 && !is_told_apart(e, cells.size() - 1)) best.like_best.push_back(cell->method);
       }
       summary.best.push_back(std::move(best));
     }
@@ -329,7 +385,7 @@ ResultsSummary summarise(const Plan& plan, const RunOutcome& outcome, std::span<
   const ParticipantErrors errors(summary);
   add_family_cells(errors, summary);
   complete_differences(errors, summary);
-  add_best(errors, summary);
+  add_best(errors, PairedDifferences(plan, layout, summary.participants, takes), summary);
   watch.tell(1.0);
   return summary;
 }

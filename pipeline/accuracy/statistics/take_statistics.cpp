@@ -35,13 +35,14 @@ class TakeGatherer {
         axes_(layout.axes),
         alignments_(alignments),
         result_(empty_statistics(layout, instants)),
+        block_instants_(layout.block_instants(instants)),
         lengths_(axes_.methods * layout.bones.size()),
         by_speed_(axes_.joints * axes_.methods) {}
 
   // The instants [first, end) of the view; those around them are only looked at.
   void add(const SampleView& view, std::uint64_t first, std::uint64_t end) {
     for (std::uint64_t i = first; i < end; ++i) {
-      block_ = (view.block.first_instant + i) / layout_.block_instants;
+      block_ = (view.block.first_instant + i) / block_instants_;
       for (std::size_t j = 0; j < axes_.joints; ++j) {
         if (!view.truth(i, j).allFinite()) continue;
         add_truth(view, i, j);
@@ -235,7 +236,7 @@ class TakeGatherer {
   const Axes& axes_;
   const TakeAlignments& alignments_;
   TakeStatistics result_;
-  std::uint64_t block_ = 0;
+  std::uint64_t block_instants_, block_ = 0;
   std::vector<LengthSpread> lengths_;                              // by method and bone
   std::vector<BySpeed> by_speed_;                                  // joint * methods + method
   std::vector<Eigen::Vector3d> estimate_m_, aligned_m_, truth_m_;  // of one body
@@ -298,7 +299,8 @@ TakeSummary summarise_take(const SamplesFile& samples, const StatisticsLayout& l
     samples.read(0, from, to - from, SampleColumns::all, block);
     gatherer.add(SampleView{block, layout.axes}, first - from, end - from);
   }
-  return {gatherer.finish(), gather_distances(samples, layout.axes, alignments, errors)};
+  return {gatherer.finish(), gather_distances(samples, layout.axes, alignments, errors),
+          pair_methods(samples, layout)};
 }
 
 }  // namespace trilat

@@ -8,6 +8,7 @@
 #include "evaluators/metrics/cluster_ratios.h"
 #include "evaluators/metrics/error_statistics.h"
 #include "pipeline/accuracy/statistics/aligned_errors.h"
+#include "pipeline/accuracy/statistics/paired_methods.h"
 
 namespace trilat {
 
@@ -68,6 +69,7 @@ struct TakeStatistics {
 struct TakeSummary {
   TakeStatistics statistics;
   std::vector<std::vector<double>> distances_m;  // by cell, |error| of its answered samples
+  PairTable pairs;
 };
 
 // The layout of the samples of a take.

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// How often intervals hold the truth, and the set that is not told apart from the best the best, of 2000 made
+// campaigns each: docs/explanation/intervals.md has the counts.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "datasets/base/philox.h"
+#include "evaluators/metrics/cluster_ratios.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::uint64_t kCampaigns = 2000;
+constexpr double kTruth_m = 0.08;
+
+// One campaign's own random numbers.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t campaign) : stream_{47, Purpose::test, campaign} {}
+  double uniform() { return stream_.uniform(next_++); }
+  double normal() { return stream_.normal(next_++); }
+  // Of mean 0 and standard deviation 1; skewed: gamma of shape 2.
+  double error(bool skewed) {
+    if (!skewed) return normal();
+    return (-std::log(uniform()) - std::log(uniform()) - 2.0) / std::sqrt(2.0);
+  }
+
+ private:
+  RandomStream stream_;
+  std::uint32_t next_ = 0;
+};
+
+// A mean over clusters of unequal length, whose own errors are large beside those within.
+bool interval_holds(std::size_t clusters, bool skewed, std::uint64_t campaign) {
+  Draws draws(campaign);
+  RowMatrix sums(static_cast<Eigen::Index>(clusters), 2);
+  for (Eigen::Index c = 0; c < sums.rows(); ++c) {
+    const double count = 600.0 + std::floor(500.0 * draws.uniform());
+    const double mean_m = kTruth_m + 0.02 * draws.error(skewed) + 0.005 * draws.normal();
+    sums.row(c) << mean_m * count, count;
+  }
+  const std::vector<RatioColumns> ratios{{0, 1}};
+  const std::vector<RatioQuantity> quantities{{}};
+  const IntervalEstimate e = student_intervals(sums, ratios, quantities)[0];
+  return e.low <= kTruth_m && kTruth_m <= e.high;
+}
+
+// Of twelve methods that are equally good, whether one that was named before is not told apart from the best.
+bool set_holds_the_best(std::size_t clusters, std::uint64_t campaign) {
+  constexpr std::size_t kMethods = 12;
+  Draws draws(campaign);
+  std::vector<WeightedRatio> error_m(kMethods);
+  for (std::size_t c = 0; c < clusters; ++c) {
+    const double who = 0.02 * draws.normal();
+    for (WeightedRatio& method : error_m) {
+      method.numerator.push_back(0.05 + who + 0.008 * draws.normal());
+      method.denominator.push_back(1.0);
+    }
+  }
+  const auto mean_m = [&](std::size_t m) { return solve_contrast({{error_m[m]}, {}}).value; };
+  std::size_t best = 0;
+  for (std::size_t m = 1; m < kMethods; ++m)
+    if (mean_m(m) < mean_m(best)) best = m;
+  if (best == 0) return true;
+  WeightedRatio minus = error_m[best];
+  minus.weight = -1.0;
+  return !is_told_apart(solve_contrast({{error_m[0], minus}, {}}), kMethods - 1);
+}
+
+template <class Holds>
+double percent_of(const Holds& holds) {
+  std::uint64_t count = 0;
+  for (std::uint64_t campaign = 0; campaign < kCampaigns; ++campaign) count += holds(campaign) ? 1 : 0;
+  return 100.0 * static_cast<double>(count) / static_cast<double>(kCampaigns);
+}
+
+TEST(IntervalCoverage, OfMeansAndOfTheSetThatHoldsTheBest) {
+  std::printf("clusters  normal  skewed  set of 12 equal methods holds the best\n");
+  for (const std::size_t clusters : {2u, 3u, 4u, 8u, 16u}) {
+    const double normal = percent_of([&](std::uint64_t k) { return interval_holds(clusters, false, k); });
+    const double skewed = percent_of([&](std::uint64_t k) { return interval_holds(clusters, true, k); });
+    const double set = percent_of([&](std::uint64_t k) { return set_holds_the_best(clusters, k); });
+    std::printf("%8zu  %5.1f   %5.1f   %5.1f\n", clusters, normal, skewed, set);
+    EXPECT_GE(normal, 93.5) << clusters;
+    EXPECT_LE(normal, 96.5) << clusters;
+    EXPECT_GE(skewed, 91.0) << clusters;
+    EXPECT_GE(set, 95.0) << clusters;
+  }
+}
+
+TEST(StudentIntervals, AreThoseOfAContrastAndCountClustersWithDataAlone) {
+  RowMatrix sums(4, 2);
+  sums << 1.0, 1.0, 2.0, 1.0, 6.0, 1.0, 0.0, 0.0;
+  const std::vector<RatioColumns> ratios{{0, 1}};
+  const std::vector<RatioQuantity> quantities{{}};
+  const IntervalEstimate e = student_intervals(sums, ratios, quantities)[0];
+  const ContrastEstimate same = solve_contrast({{{{1.0, 2.0, 6.0}, {1.0, 1.0, 1.0}, 1.0}}, {}});
+  EXPECT_EQ(e.clusters, 3u);
+  EXPECT_DOUBLE_EQ(e.value, same.value);
+  EXPECT_NEAR(e.low, same.low(), 1e-12);
+  EXPECT_NEAR(e.high, same.high(), 1e-12);
+  const IntervalEstimate lone = student_intervals(sums.topRows(1), ratios, quantities)[0];
+  EXPECT_EQ(lone.value, 1.0);
+  EXPECT_TRUE(std::isnan(lone.low));
+  EXPECT_EQ(student_intervals(RowMatrix(0, 2), ratios, quantities)[0].clusters, 0u);
+}
+
+}  // namespace
+}  // namespace trilat
