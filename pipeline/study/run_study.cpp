@@ -315,7 +315,7 @@ Json manifest_of_generated(const Json& resolved) {
 ItemTally run_study(const Study& study, const fs::path& results, const StudyOptions& options) {
   make_folder(results);
   std::optional<FolderLock> lock;
-  if (options.shard.whole()) lock.emplace(results);
+  if (options.shard.whole()) lock.emplace(fs::canonical(results));
   Run run(study, results, options);
   on_threads(options.threads, [&](int) {
     if (options.shard.whole())
@@ -329,7 +329,7 @@ ItemTally run_study(const Study& study, const fs::path& results, const StudyOpti
 ItemTally run_to_files(const Study& study, const fs::path& output, const StudyOptions& options,
                        const std::string& mark, const std::function<bool(const fs::path&)>& is_earlier) {
   make_folder(output);
-  const FolderLock lock(output);
+  const FolderLock lock(fs::canonical(output));
   Run run(study, output, options);
   on_threads(options.threads, [&](int) {
     run.find_keys();

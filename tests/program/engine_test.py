@@ -151,10 +151,11 @@ class Stops(Studies):
 
     def test_two_runs_cannot_fill_one_folder(self):
         words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
+        os.symlink("results", self.folder / "link")
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while not (self.folder / "results.lock").exists() and first.poll() is None:
             time.sleep(0.001)
-        second = ended(*words)
+        second = ended(*words[:-1], f"{self.folder}/link/")  # the same folder by another name
         self.assertEqual(first.wait(), 0)
         if second.returncode == 2:
             self.assertIn("results", second.stderr)
