@@ -17,6 +17,8 @@ namespace trilat {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
+using testing::Field;
 using testing::HasSubstr;
 
 constexpr const char* kOnlyMean = R"("methods": [{"method": "mean"}])";
@@ -140,6 +142,27 @@ TEST(OddInput, TwoLostFramesAreBridgedWhateverTheSensorsDriftIs) {
                     folder / "results", {});
   for (const char* method : {"single k1", "single k2", "single k3", "single k4"})
     EXPECT_GT(find_cell(summary, method, "walking", "head", "none")->coverage(), 0.95) << method;
+}
+
+TEST(OddInput, FramesWhoseTimeDoesNotRiseAreCountedAndNamed) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(1));
+  std::int64_t ticks = 0, arrival_ns = 0;
+  change_session(campaign.takes[0], folder / "twice.h5", {[&](std::size_t s, BodyFrame& frame) {
+                   if (s == 1 && frame.stamp.sequence > 10 && frame.stamp.sequence <= 13) {
+                     frame.stamp.device_ticks = ticks;
+                     frame.stamp.arrival_ns = arrival_ns;
+                   } else if (s == 1) {
+                     ticks = frame.stamp.device_ticks;
+                     arrival_ns = frame.stamp.arrival_ns;
+                   }
+                   return true;
+                 }});
+  const ResultsSummary summary =
+      execute_study(study_of(std::string(R"("alignments": ["none"], )") + kOnlyMean), campaign,
+                    folder / "results", {});
+  EXPECT_THAT(summary.notes,
+              Contains(Field(&TakeNote::text, HasSubstr("k2: 3 frames have a time that is not after"))));
 }
 
 TEST(OddInput, WhatTheIntervalOfOneParticipantIsOfIsSaid) {

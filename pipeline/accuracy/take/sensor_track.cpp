@@ -79,7 +79,10 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
     if (stop_requested && stop_requested()) throw Interrupted();
     for (const BodyFrame& row : session.body_frames(sensor, first, std::min(kBlockRows, rows - first))) {
       SensorFrame frame{host_from_sensor(row.stamp), {}};
-      if (!frames.empty() && frame.time <= frames.back().time) continue;
+      if (!frames.empty() && frame.time <= frames.back().time) {
+        ++result.not_later;
+        continue;
+      }
       const std::vector<std::uint64_t> identity =
           identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
       for (std::size_t b = 0; b < row.bodies.size(); ++b)

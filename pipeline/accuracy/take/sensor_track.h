@@ -30,6 +30,7 @@ struct SensorBodies {
   std::vector<SensorFrame> frames;
   JointCounts out_of_reach{};  // joints that were not used
   std::uint64_t jumps = 0;     // bodies that became others under one tracking id
+  std::uint64_t not_later = 0;  // frames that were left out because their time does not rise
 };
 
 // All body frames of a sensor. Those whose time does not rise are left out. Throws Interrupted when asked to
