@@ -57,7 +57,7 @@ struct SummaryCell {
   double p90_m = kNoNumber;
   double p95_m = kNoNumber;
   double max_m = kNoNumber;
-  double mean_iterations = kNoNumber;
+  double mean_iterations = kNoNumber;  // of all that is asked, also where the limit was reached
   // 95 % interval of mae_m, participants as clusters; NaN when fewer than two answered.
   double mae_low_m = kNoNumber;
   double mae_high_m = kNoNumber;

@@ -156,7 +156,7 @@ class TakeGatherer {
 
   static void add_sums(const SampleBlock& block, std::size_t slot, const AlignedError& e, CellSums& sums) {
     sums.errors.add(e.status, e.error_m);
-    if (is_usable(e.status)) sums.iterations.add(block.iterations[slot]);
+    sums.iterations.add(block.iterations[slot]);
   }
 
   Pair pair_of(const SampleView& view, std::uint64_t i, std::size_t j, std::size_t m, std::size_t a) const {
