@@ -42,8 +42,7 @@ SummaryCell cell_of(const CellSums& sums, std::vector<double> distances_m) {
   const auto q = quantiles_of(std::move(distances_m), {0.05, 0.25, 0.5, 0.75, 0.9, 0.95});
   std::tie(result.p05_m, result.p25_m, result.median_m) = std::tie(q[0], q[1], q[2]);
   std::tie(result.p75_m, result.p90_m, result.p95_m) = std::tie(q[3], q[4], q[5]);
-  if (result.asked > 0)
-    result.mean_iterations = sums.iterations.value() / static_cast<double>(result.asked);
+  if (result.asked > 0) result.mean_iterations = sums.iterations.value() / static_cast<double>(result.asked);
   return result;
 }
 
