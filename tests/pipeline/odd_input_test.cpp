@@ -158,9 +158,8 @@ TEST(OddInput, FramesWhoseTimeDoesNotRiseAreCountedAndNamed) {
                    }
                    return true;
                  }});
-  const ResultsSummary summary =
-      execute_study(study_of(std::string(R"("alignments": ["none"], )") + kOnlyMean), campaign,
-                    folder / "results", {});
+  const ResultsSummary summary = execute_study(
+      study_of(std::string(R"("alignments": ["none"], )") + kOnlyMean), campaign, folder / "results", {});
   EXPECT_THAT(summary.notes,
               Contains(Field(&TakeNote::text, HasSubstr("k2: 3 frames have a time that is not after"))));
 }

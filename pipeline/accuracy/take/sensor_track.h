@@ -28,8 +28,8 @@ struct SensorFrame {
 // What one sensor sees in a session.
 struct SensorBodies {
   std::vector<SensorFrame> frames;
-  JointCounts out_of_reach{};  // joints that were not used
-  std::uint64_t jumps = 0;     // bodies that became others under one tracking id
+  JointCounts out_of_reach{};   // joints that were not used
+  std::uint64_t jumps = 0;      // bodies that became others under one tracking id
   std::uint64_t not_later = 0;  // frames that were left out because their time does not rise
 };
 
