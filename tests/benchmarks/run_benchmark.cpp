@@ -49,6 +49,7 @@ int run(std::uint64_t participants, double duration_s, int repeats) {
   fmt::print("{:>8} {:>8} {:>8} {:>8} {:>10} {:>8}   read, solve, write: seconds summed over threads\n",
              "total s", "read s", "solve s", "write s", "summary s", "other s");
   for (int i = 0; i < repeats; ++i) {
+    std::filesystem::remove_all(folder / "results");  // else nothing is computed again
     const auto start = std::chrono::steady_clock::now();
     execute_study(study, campaign, folder / "results", {});
     const double total_s = seconds_since(start);
