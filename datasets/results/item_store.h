@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// What computing one item of a study gave: item.json (trilat.item, version 2) in a folder with whatever files
+// The outcome of one item of a study: item.json (trilat.item, version 2) in a folder with whatever files
 // the item consists of. The key is a hash of all that decides the outcome: settings, inputs and the build of
 // the program. Items of equal key have equal outcomes and files.
 struct StoredItem {
@@ -76,7 +76,7 @@ struct ResultTake {
   TakeShape shape;
   std::filesystem::path folder;  // of its item: samples.h5, and replay.h5 when it is shown; empty: it failed
 };
-// Of finished results. InputError when an item is not there.
+// Reads the takes of finished results. InputError when the item of one is missing.
 std::vector<ResultTake> result_takes(const std::filesystem::path& results);
 SamplesFile open_samples(const ResultTake& take);
 

@@ -134,7 +134,9 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
 Campaign read_campaign(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "campaign.json" : path;
   if (!std::filesystem::exists(file) && std::filesystem::exists(path / "items"))
-    throw InputError(path.string(), "is no finished campaign; the same `trilat simulate` goes on with it");
+    throw InputError(
+        path.string(),
+        "is a campaign that is not finished; run the same `trilat simulate` again, it goes on from there");
   return parse_campaign(read_json(file), file);
 }
 

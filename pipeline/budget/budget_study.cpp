@@ -144,7 +144,7 @@ Json measure_source(const BudgetSpec& spec, ErrorSource source, const std::files
   return rows;
 }
 
-// Of all that decides the rows of a source.
+// The settings that decide the rows of every source of error.
 Json settings_json(const BudgetSpec& spec) {
   return {{"study", resolved_json(spec.study)},
           {"campaign", spec.simulation.name},

@@ -46,7 +46,7 @@ Json document(const fs::path& file, const std::string& format) {
   }
 }
 
-// What a stop left before anything was put together.
+// A stopped run has left items and nothing else.
 bool is_begun(const PlannedOutput& output) {
   std::error_code no_folder;
   const fs::directory_iterator entries(output.path, no_folder);
@@ -61,7 +61,7 @@ bool is_results(const PlannedOutput& output) {
          !document(output.path / "run.json", "trilat.run").empty();
 }
 
-// What a simulation writes: its documents, recordings with their truth, and what is not finished.
+// A simulation writes its documents, recordings with their truth, and items until it is finished.
 bool is_of_simulation(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   return name == "campaign.json" || name == "calibration.json" || name == "simulator.json" ||

@@ -21,7 +21,7 @@ struct DemoArguments {
   bool json = false;
 };
 
-constexpr std::uint64_t kParticipants = 6;  // the fewest with intervals by bootstrap
+constexpr std::uint64_t kParticipants = 6;  // the fewest without a warning that intervals are wide
 constexpr double kDuration_s = 8.0;
 // Quick, and every family once.
 constexpr const char* kStudy = R"({

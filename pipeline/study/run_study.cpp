@@ -250,11 +250,12 @@ void publish(const fs::path& made, const fs::path& output, const std::string& ma
   }
 }
 
-// Files of an earlier summary; manifest.json is of this one already.
+// The files that studies write beside their summary and that this one may lack; whatever else lies in the
+// folder stays.
 bool is_of_summary(const fs::path& path) {
   const std::string name = path.filename().string();
-  return fs::is_regular_file(path) && name != "manifest.json" && name != "hashes.json" &&
-         (path.extension() == ".json" || path.extension() == ".csv");
+  return name == "run.json" || name == "simulator.json" || name == "timings.json" ||
+         name == "tracking.json" || name == "points.csv";
 }
 
 void write_summary(const Study& study, Run& run, const fs::path& results, const StudyOptions& options,

@@ -21,7 +21,7 @@ namespace trilat {
 
 inline constexpr std::uint64_t kMostShards = 100'000;
 
-// Which share of the items of a study this process computes.
+// The share of a study's items that this process computes.
 struct Shard {
   std::uint64_t number = 1;
   std::uint64_t of = 0;  // 0: all of them, and the summary
@@ -59,7 +59,7 @@ struct Computed {
   bool failed;  // it is told in the results, and tried again by the next run
 };
 
-// What is computed and kept as one piece.
+// One piece of work: it is computed, stored and found as a whole.
 struct Item {
   // Plain names with '/' between them. Items of equal first name are computed beside each other, other names
   // one after the other; the first name is what progress is told of.
@@ -67,8 +67,8 @@ struct Item {
   double cost;  // estimated, in any unit that all items share
   // `into`: an empty folder; files that are left in it belong to the item. From any thread.
   std::function<Computed(const std::filesystem::path& into, const Watch& watch)> compute;
-  // Of all that decides the outcome, where that is not Study::settings; empty when it cannot be known. From
-  // any thread.
+  // Gives the hash of everything that decides the outcome, where Study::settings alone do not; empty when an
+  // input cannot be read. From any thread.
   std::function<std::string(const Watch& watch)> key = {};
 };
 
@@ -85,7 +85,8 @@ struct Study {
   // Writes into an empty folder what is then moved into the results; summary.json says that they are whole.
   std::function<void(const Outcomes& outcomes, const std::filesystem::path& folder, const Watch& watch)>
       reduce;
-  // What manifest.json says besides format, program and items; asked when the keys of all items are known.
+  // Gives the entries of manifest.json besides format, program and items. Called when this run's keys are
+  // known.
   std::function<Json()> manifest = {};
   std::shared_ptr<HashCache> hashes = {};  // kept with the results, where there is one
   std::function<Json()> times = {};        // that run.json lists beside its own
@@ -104,7 +105,7 @@ struct StudyOptions {
   bool fresh = false;  // items that are there are computed again
 };
 
-// What became of the items that a run was asked for, by their ids.
+// The ids of the items of one run, by what the run did with them.
 struct ItemTally {
   std::vector<std::string> computed, found;  // in the order in which they came
   std::map<std::string, Json> failed;        // their outcomes
@@ -121,9 +122,9 @@ struct ItemTally {
 // done.
 ItemTally run_study(const Study& study, const std::filesystem::path& results, const StudyOptions& options);
 
-// What a study of recordings does instead of a summary: its items are computed as by run_study(), and
-// reduce() may move them into `folder`, from where they go into `output`. `mark` is the file that says that
-// the output is whole; what `is_earlier` is replaced. No items are kept.
+// Computes the items as run_study() does, for a study that makes recordings and no summary: reduce() may move
+// them into `folder`, from where they go into `output`. `mark` is the file that says that the output is
+// whole; what `is_earlier` is replaced. No items are kept.
 ItemTally run_to_files(const Study& study, const std::filesystem::path& output, const StudyOptions& options,
                        const std::string& mark,
                        const std::function<bool(const std::filesystem::path&)>& is_earlier);

@@ -51,6 +51,8 @@ class Results:
             take["id"]: self.folder / "items" / key for take in manifest["takes"]
             if (key := manifest["items"][f"takes/{take['id']}"]) is not None}
         self.takes: tuple[str, ...] = tuple(self._items)
+        if not self.takes:
+            raise InputError(self.folder, "holds no take that could be evaluated; summary.json says why under notes")
         with self._samples(self.takes[0]) as file:
             self.methods, self.joints, self._statuses = (
                 tuple(_text(name) for name in file.attrs[key]) for key in ("methods", "joints", "status_names"))

@@ -195,7 +195,7 @@ TEST(Statistics, BlocksAreFiveSecondsOrATwelfthOfTheTake) {
   EXPECT_EQ(layout.blocks(100'000), 12u);
 }
 
-// What a pair is says the definition: both aligned on the samples that both answer.
+// By definition both methods of a pair are aligned on the samples that both answer.
 TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
   Evaluated evaluated;
   const StudySpec study = study_of(R"("alignments": ["mean"], "methods": [{"method": "nonlinear"},
@@ -232,7 +232,7 @@ TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
     }
 }
 
-// A method that errs more in every participant is told apart, one with the same estimates is not.
+// A method whose error is larger for every participant is not marked; one with equal estimates is.
 TEST(Statistics, NoMarkContradictsADifference) {
   Evaluated evaluated;
   const ResultsSummary summary =

@@ -149,6 +149,15 @@ class Stops(Studies):
                     trilat(*after, "-o", output)
                     self.assert_same(folder / "whole", output)
 
+    def test_files_of_others_in_the_folder_stay(self):
+        words, results = ["run", self.study("recording")], self.folder / "results"
+        trilat(*words, "-o", results)
+        for name in ("notes.csv", "notes.json"):
+            (results / name).write_text("ten years of work")
+        trilat(*words, "-o", results, "--fresh")
+        for name in ("notes.csv", "notes.json"):
+            self.assertEqual((results / name).read_text(), "ten years of work")
+
     def test_two_runs_cannot_fill_one_folder(self):
         words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
         os.symlink("results", self.folder / "link")
