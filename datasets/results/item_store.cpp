@@ -167,8 +167,8 @@ std::vector<ResultTake> result_takes(const fs::path& results) {
     const std::string id = take.text("id");
     const auto key = keys.find("takes/" + id);
     if (key == keys.end()) take.refuse("id", "is of a take that is none of the items");
-    takes.push_back({{id, take.count("instants"), take.text("activity")},
-                     key->second.empty() ? fs::path() : store.folder(key->second)});
+    takes.push_back(
+        {id, take.text("activity"), key->second.empty() ? fs::path() : store.folder(key->second)});
     if (!key->second.empty() && !fs::exists(takes.back().folder))
       throw InputError(takes.back().folder.string(),
                        "is missing: the item of take \"" + id + "\"; run the study again");
@@ -176,12 +176,12 @@ std::vector<ResultTake> result_takes(const fs::path& results) {
   return takes;
 }
 
-SamplesFile open_samples(const ResultTake& take) {
-  SamplesFile samples = SamplesFile::open(take.folder / "samples.h5");
-  const auto& there = samples.header().takes;
-  if (there.size() != 1 || there[0].id != take.shape.id)
-    throw InputError(samples.path().string(), "has no samples of the take \"" + take.shape.id + '"');
-  return samples;
+StoredTake open_take(const ResultTake& take) {
+  StoredTake file = StoredTake::open(take.folder / StoredTake::kName);
+  if (file.head().id != take.id)
+    throw InputError(file.path().string(),
+                     "is of the take \"" + file.head().id + "\", not \"" + take.id + '"');
+  return file;
 }
 
 }  // namespace trilat

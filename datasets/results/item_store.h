@@ -9,7 +9,7 @@
 #include <string>
 
 #include "datasets/base/described.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 
 namespace trilat {
 
@@ -73,11 +73,11 @@ std::string unfinished_results(const std::filesystem::path& results);
 
 // A take of the results of an accuracy study, in the order of the study.
 struct ResultTake {
-  TakeShape shape;
-  std::filesystem::path folder;  // of its item: samples.h5, and replay.h5 when it is shown; empty: it failed
+  std::string id, condition;     // condition: its activity
+  std::filesystem::path folder;  // of its item; empty: it failed
 };
 // Reads the takes of finished results. InputError when the item of one is missing.
 std::vector<ResultTake> result_takes(const std::filesystem::path& results);
-SamplesFile open_samples(const ResultTake& take);
+StoredTake open_take(const ResultTake& take);
 
 }  // namespace trilat

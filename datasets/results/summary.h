@@ -121,17 +121,13 @@ struct DifferenceCell {
   double percent_low = kNoNumber;           // interval of percent_of_reference
   double percent_high = kNoNumber;
   double percent_of_method = kNoNumber;  // 100 (method - reference) / method
-  // percent_of_reference over the samples that any of the two answers, and its interval by Student's t: where
-  // one is silent, the other's error stands for both. Under the study's first alignment alone.
-  double complete_percent = kNoNumber, complete_percent_low = kNoNumber, complete_percent_high = kNoNumber;
   // The interval leaves 0 out, by more than solvers that end at the same place differ.
   bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(method, condition, group, alignment, n, clusters, difference_m, low_m, high_m)
     field("significant", self.significant());
-    TRILAT_EACH(percent_of_reference, percent_low, percent_high, percent_of_method, complete_percent,
-                complete_percent_low, complete_percent_high)
+    TRILAT_EACH(percent_of_reference, percent_low, percent_high, percent_of_method)
   }
 };
 

@@ -65,31 +65,19 @@ std::string_view name_of(AlignmentStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
-void AlignmentSums::add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m) {
-  if (count_ == 0) {
-    first_estimate_m_ = estimate_m;
-    first_truth_m_ = truth_m;
-  }
-  ++count_;
-  const Eigen::Vector3d from_old_mean_m = estimate_m - mean_estimate_m_;
-  mean_estimate_m_ += from_old_mean_m / static_cast<double>(count_);
-  mean_truth_m_ += (truth_m - mean_truth_m_) / static_cast<double>(count_);
-  cross_m2_ += from_old_mean_m * (truth_m - mean_truth_m_).transpose();
-}
-
 void AlignmentSums::merge(const AlignmentSums& later) {
   if (later.count_ == 0) return;
   if (count_ == 0) {
     *this = later;
     return;
   }
-  const double share = static_cast<double>(later.count_) / static_cast<double>(count_ + later.count_);
-  const Eigen::Vector3d estimate_shift_m = later.mean_estimate_m_ - mean_estimate_m_;
-  const Eigen::Vector3d truth_shift_m = later.mean_truth_m_ - mean_truth_m_;
-  cross_m2_ +=
-      later.cross_m2_ + static_cast<double>(count_) * share * estimate_shift_m * truth_shift_m.transpose();
-  mean_estimate_m_ += share * estimate_shift_m;
-  mean_truth_m_ += share * truth_shift_m;
+  const auto n = static_cast<double>(later.count_);
+  const Eigen::Vector3d estimate_shift_m = later.first_estimate_m_ - first_estimate_m_;
+  const Eigen::Vector3d truth_shift_m = later.first_truth_m_ - first_truth_m_;
+  products_m2_ += later.products_m2_ + later.estimate_m_ * truth_shift_m.transpose() +
+                  estimate_shift_m * (later.truth_m_ + n * truth_shift_m).transpose();
+  estimate_m_ += later.estimate_m_ + n * estimate_shift_m;
+  truth_m_ += later.truth_m_ + n * truth_shift_m;
   count_ += later.count_;
 }
 

@@ -45,30 +45,45 @@ std::string_view name_of(AlignmentKind kind);
 std::optional<AlignmentKind> alignment_from_name(std::string_view name);
 std::string_view name_of(AlignmentStatus status);
 
-// All that any alignment needs to know of a stream of pairs. Deviations are taken from running means
-// (Welford), so that metres far from the origin lose nothing. The result depends on the order of the pairs
-// only by rounding; for equal bytes add and merge in a fixed order.
+// All that any alignment needs to know of a stream of pairs. Sums are taken from the first pair, so that
+// metres far from the origin lose nothing. The result depends on the order of the pairs only by rounding; for
+// equal bytes add and merge in a fixed order.
 class AlignmentSums {
  public:
-  void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m);
+  void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m) {
+    if (count_ == 0) {
+      first_estimate_m_ = estimate_m;
+      first_truth_m_ = truth_m;
+    }
+    ++count_;
+    const Eigen::Vector3d estimate = estimate_m - first_estimate_m_, truth = truth_m - first_truth_m_;
+    estimate_m_ += estimate;
+    truth_m_ += truth;
+    products_m2_ += estimate * truth.transpose();
+  }
   // As if `later` had been added after what is here.
   void merge(const AlignmentSums& later);
 
   std::int64_t count() const { return count_; }
   const Eigen::Vector3d& first_estimate_m() const { return first_estimate_m_; }
   const Eigen::Vector3d& first_truth_m() const { return first_truth_m_; }
-  const Eigen::Vector3d& mean_estimate_m() const { return mean_estimate_m_; }
-  const Eigen::Vector3d& mean_truth_m() const { return mean_truth_m_; }
+  // NaN without pairs.
+  Eigen::Vector3d mean_estimate_m() const {
+    return first_estimate_m_ + estimate_m_ / static_cast<double>(count_);
+  }
+  Eigen::Vector3d mean_truth_m() const { return first_truth_m_ + truth_m_ / static_cast<double>(count_); }
   // Sum of (estimate - mean)(truth - mean)^T.
-  const Eigen::Matrix3d& cross_m2() const { return cross_m2_; }
+  Eigen::Matrix3d cross_m2() const {
+    return products_m2_ - estimate_m_ * truth_m_.transpose() / static_cast<double>(count_);
+  }
 
  private:
   std::int64_t count_ = 0;
   Eigen::Vector3d first_estimate_m_ = Eigen::Vector3d::Constant(kNaN);
   Eigen::Vector3d first_truth_m_ = Eigen::Vector3d::Constant(kNaN);
-  Eigen::Vector3d mean_estimate_m_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d mean_truth_m_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d cross_m2_ = Eigen::Matrix3d::Zero();
+  // Of differences from the first pair.
+  Eigen::Vector3d estimate_m_ = Eigen::Vector3d::Zero(), truth_m_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products_m2_ = Eigen::Matrix3d::Zero();
 };
 
 struct Alignment {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/metrics/body_metrics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -57,50 +58,40 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
 
 }  // namespace
 
-double mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const Eigen::Vector3d> truth_m) {
-  TRILAT_CHECK(estimate_m.size() == truth_m.size(), "every joint has an estimate and a truth");
-  if (estimate_m.empty()) return kNaN;
-  double sum_m = 0.0;
-  for (std::size_t j = 0; j < estimate_m.size(); ++j) sum_m += (estimate_m[j] - truth_m[j]).norm();
-  return sum_m / static_cast<double>(estimate_m.size());
+ProcrustesTruth::ProcrustesTruth(std::span<const Eigen::Vector3d> truth_m)
+    : centred_m_(truth_m.begin(), truth_m.end()) {
+  const Eigen::Vector3d mean_m = mean_of(truth_m);
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  for (Eigen::Vector3d& t : centred_m_) {
+    t -= mean_m;
+    scatter_m2 += t * t.transpose();
+  }
+  spans_plane_ = truth_m.size() >= 3 && spans_plane(scatter_m2);
 }
 
-double pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m, std::span<const Eigen::Vector3d> truth_m) {
-  TRILAT_CHECK(estimate_m.size() == truth_m.size(), "every joint has an estimate and a truth");
-  if (estimate_m.size() < 3) return kNaN;
-  const Eigen::Vector3d estimate_mean_m = mean_of(estimate_m), truth_mean_m = mean_of(truth_m);
-  Eigen::Matrix3d cross_m2 = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d estimate_scatter_m2 = cross_m2, truth_scatter_m2 = cross_m2;
+double ProcrustesTruth::pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m) const {
+  TRILAT_CHECK(estimate_m.size() == centred_m_.size(), "every joint has an estimate and a truth");
+  if (!spans_plane_) return kNaN;
+  const Eigen::Vector3d mean_m = mean_of(estimate_m);
+  Eigen::Matrix3d cross_m2 = Eigen::Matrix3d::Zero(), scatter_m2 = cross_m2;
   for (std::size_t j = 0; j < estimate_m.size(); ++j) {
-    const Eigen::Vector3d e = estimate_m[j] - estimate_mean_m, t = truth_m[j] - truth_mean_m;
-    cross_m2 += t * e.transpose();
-    estimate_scatter_m2 += e * e.transpose();
-    truth_scatter_m2 += t * t.transpose();
+    const Eigen::Vector3d e = estimate_m[j] - mean_m;
+    cross_m2 += centred_m_[j] * e.transpose();
+    scatter_m2 += e * e.transpose();
   }
-  if (!cross_m2.allFinite() || !spans_plane(estimate_scatter_m2) || !spans_plane(truth_scatter_m2))
-    return kNaN;
+  if (!cross_m2.allFinite() || !spans_plane(scatter_m2)) return kNaN;
   const Eigen::Matrix3d rotation = nearest_rotation(cross_m2);
-  const double scale = rotation.cwiseProduct(cross_m2).sum() / estimate_scatter_m2.trace();
+  const double scale = rotation.cwiseProduct(cross_m2).sum() / scatter_m2.trace();
+  const Eigen::Matrix3d turned_and_scaled = scale * rotation;
   double sum_m = 0.0;
   for (std::size_t j = 0; j < estimate_m.size(); ++j)
-    sum_m += (scale * (rotation * (estimate_m[j] - estimate_mean_m)) - (truth_m[j] - truth_mean_m)).norm();
+    sum_m += (turned_and_scaled * (estimate_m[j] - mean_m) - centred_m_[j]).norm();
   return sum_m / static_cast<double>(estimate_m.size());
-}
-
-void LengthSpread::add(double length_m) {
-  ++count_;
-  const double off_m = length_m - mean_m_;
-  mean_m_ += off_m / static_cast<double>(count_);
-  squares_m2_ += off_m * (length_m - mean_m_);
 }
 
 double LengthSpread::standard_deviation_m() const {
-  return count_ < 2 ? kNaN : std::sqrt(squares_m2_ / static_cast<double>(count_ - 1));
-}
-
-double jerk_m_s3(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, const Eigen::Vector3d& c_m,
-                 const Eigen::Vector3d& d_m, double rate_hz) {
-  return (d_m - 3.0 * c_m + 3.0 * b_m - a_m).norm() * rate_hz * rate_hz * rate_hz;
+  const auto n = static_cast<double>(count_);
+  return count_ < 2 ? kNaN : std::sqrt(std::max(0.0, squares_m2_ - sum_m_ * sum_m_ / n) / (n - 1.0));
 }
 
 }  // namespace trilat

@@ -2,18 +2,22 @@
 #include "pipeline/accuracy/accuracy_study.h"
 
 #include <algorithm>
+#include <atomic>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
+#include "pipeline/accuracy/errors/summarise.h"
 #include "pipeline/accuracy/evaluate_take.h"
-#include "pipeline/accuracy/statistics/summarise.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/study/machine.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -28,10 +32,10 @@ struct AccuracyRun {
   Plan plan;
   bool cross_check = false;
   std::shared_ptr<HashCache> hashes;
-  std::vector<WatchedFiles> files;                    // by take, from before the plan was made
-  std::vector<std::vector<TakeInput>> inputs;         // by take, once its key was asked for
-  std::vector<std::optional<TakeSummary>> summaries;  // by take, of those that were evaluated
-  std::vector<DeclaredParameter> parameters;          // of the simulator that made the campaign
+  ErrorSettings errors;
+  std::vector<WatchedFiles> files;             // by take, from before the plan was made
+  std::vector<std::vector<TakeInput>> inputs;  // by take, once its key was asked for
+  std::vector<DeclaredParameter> parameters;   // of the simulator that made the campaign
   StageClocks clocks;
 };
 
@@ -45,6 +49,12 @@ void replace_all(std::string& text, const std::string& old, const std::string& w
 std::string place_of(const fs::path& file, const fs::path& folder) {
   const fs::path inside = file.lexically_normal().lexically_relative(folder.lexically_normal());
   return inside.empty() || *inside.begin() == ".." ? file.filename().string() : inside.string();
+}
+
+std::vector<std::string> names_of(const std::vector<Joint>& joints) {
+  std::vector<std::string> names;
+  for (const Joint joint : joints) names.emplace_back(name_of(joint));
+  return names;
 }
 
 // Results do not depend on where they were computed.
@@ -69,13 +79,11 @@ TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   for (const TakeInput& input : run.inputs[t])
     if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-  EvaluatedTake evaluated = evaluate_take(run.plan, t, run.cross_check, into, run.clocks, watch);
+  TakeResult result = evaluate_take(run.plan, t, run.errors, run.cross_check, into, run.clocks, watch);
   run.files[t].check();
-  run.summaries[t] = std::move(evaluated.summary);
-  TakeResult& result = evaluated.result;
   result.inputs = run.inputs[t];
   for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, run.plan.campaign);
-  return std::move(result);
+  return result;
 }
 
 Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
@@ -94,17 +102,66 @@ Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Wa
   }
 }
 
+// What a summary says before any error is looked at.
+ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
+  ResultsSummary summary;
+  summary.study = plan.study.name;
+  summary.campaign = plan.campaign.name;
+  summary.simulated = plan.simulated;
+  if (leaves_sensors_out(plan)) summary.truth = kLeftOutTruth;
+  summary.takes = plan.takes.size();
+  summary.takes_failed = static_cast<std::uint64_t>(std::ranges::count(outcome.evaluated, false));
+  std::set<std::string> participants;
+  for (std::size_t t = 0; t < plan.takes.size(); ++t)
+    if (outcome.evaluated[t]) participants.insert(plan.takes[t].take.participant);
+  summary.participants = participants.size();
+  for (const std::string& activity : activities_of(plan)) {
+    summary.conditions.push_back(activity);
+    if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
+  }
+  summary.groups = groups_of(names_of(plan.joints));
+  for (const Method& method : plan.methods) {
+    const MethodSpec& spec = method.spec;
+    summary.methods.push_back(spec.name);
+    if (spec.family.empty()) continue;
+    if (summary.families.empty() || summary.families.back().name != spec.family)
+      summary.families.push_back({spec.family, spec.sensors.size(), {}});
+    summary.families.back().methods.push_back(spec.name);
+  }
+  summary.reference = plan.methods[plan.reference].spec.name;
+  for (const AlignmentKind kind : plan.study.alignments) summary.alignments.emplace_back(name_of(kind));
+  summary.notes = outcome.notes;
+  summary.cross_checks = outcome.cross_checks;
+  return summary;
+}
+
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
-  std::vector<EvaluatedTake> takes;
-  for (std::size_t t = 0; t < run.plan.takes.size(); ++t) {
-    const Outcome& outcome = outcomes.at(item_of(run.plan.takes[t]));
-    takes.push_back({outcome.folder, read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")),
-                     std::exchange(run.summaries[t], {})});
+  constexpr double kTakesShare = 0.8;  // of the progress
+  std::vector<TakeResult> results;
+  std::vector<const Outcome*> of_take;
+  for (const PlannedTake& planned : run.plan.takes) {
+    const Outcome& outcome = *of_take.emplace_back(&outcomes.at(item_of(planned)));
+    results.push_back(read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")));
   }
   const Stopwatch time(run.clocks.summarise_ns);
-  const RunOutcome outcome = outcome_of(run.plan, takes, run.cross_check);
+  std::vector<TakeTable> tables(results.size());
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
+    watch.check();
+    const Take& take = run.plan.takes[t].take;
+    if (results[t].evaluated)
+      tables[t] = {take.id, take.participant, take.activity,
+                   stored_errors(ItemStore(of_take[t]->folder.parent_path().parent_path()), of_take[t]->key,
+                                 run.errors)};
+    watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
+  });
+  std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
+  const RunOutcome outcome = outcome_of(run.plan, results, run.cross_check);
   write_beside(folder, outcome.tracking);
-  write_summary(folder, summarise(run.plan, outcome, takes, watch));
+  ResultsSummary summary = summary_head(run.plan, outcome);
+  summarise(tables, names_of(run.plan.joints), summary);
+  write_summary(folder, summary);
+  watch.tell(1.0);
 }
 
 Json inputs_json(const AccuracyRun& run) {
@@ -182,7 +239,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
   run->cross_check = cross_check;
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
-  run->summaries.resize(run->plan.takes.size());
+  run->errors = error_settings(run->plan.study, run->plan.methods, run->plan.reference);
   run->parameters = read_declared_parameters(campaign.folder);
   Study study{.kind = name_of(StudyKind::accuracy),
               .settings = resolved_json(run->plan.study),

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/replay.h"
-#include "pipeline/accuracy/statistics/take_statistics.h"
+#include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -36,9 +36,9 @@ class TakeProgress {
   std::atomic<std::uint64_t> done_{0};
 };
 
-// Solves the take block by block into `samples`.
+// Solves the take block by block into `file`.
 void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                const std::vector<MethodPaths>& paths, bool cross_check, SamplesFile& samples,
+                const std::vector<MethodPaths>& paths, bool cross_check, StoredTake& file,
                 StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result) {
   SampleBlock block;
   Predictions predictions(plan, planned);
@@ -55,7 +55,7 @@ void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& da
     }
     {
       const Stopwatch time(clocks.write_ns);
-      samples.write(0, block);
+      file.write(block);
     }
     progress.advance(count);
   }
@@ -83,48 +83,31 @@ std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, 
   return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
 }
 
-TakeSummary summarised(const Plan& plan, SamplesFile& samples, StageClocks& clocks) {
-  const Stopwatch time(clocks.summarise_ns);
-  return summarise_take(samples, statistics_layout(plan), &samples);
+void write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& clocks) {
+  ErrorTable errors;
+  {
+    const Stopwatch time(clocks.summarise_ns);
+    errors = errors_of(file, settings);
+  }
+  const Stopwatch time(clocks.write_ns);
+  file.write_errors(errors);
 }
 
-}  // namespace
-
-EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
-                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
-  const PlannedTake& planned = plan.takes[take];
-  TakeProgress progress(plan, take, watch);
-  TakeData data = load(plan, planned, clocks, watch);
-  TakeResult result;
-  find_corrections(plan, planned, data);
-  result.tracking = tracking_of(plan, planned, data);
-  for (TakeNote& note : correction_notes(planned, result.tracking.corrections))
-    data.notes.push_back(std::move(note));
-  leave_out(plan, planned, data);
-  if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
-  estimate_sigmas(plan, planned, data);
-  const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
-  SamplesFile samples = SamplesFile::create(folder / "samples.h5", samples_header(plan, planned));
-  solve_take(plan, planned, data, paths, cross_check, samples, clocks, watch, progress, result);
-  TakeSummary summary = summarised(plan, samples, clocks);
-  samples.finish();
-  if (is_replayed(plan, take)) write_replay(folder, replay_of(plan, planned, data));
-  result.notes = std::move(data.notes);
-  result.evaluated = true;
-  return {folder, std::move(result), std::move(summary)};
+TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
+  TakeHead head;
+  head.id = planned.take.id;
+  head.condition = planned.take.activity;
+  head.instants = planned.instants;
+  for (const Joint joint : plan.joints) head.joints.emplace_back(name_of(joint));
+  for (const Method& method : plan.methods) head.methods.push_back(method.spec.name);
+  for (int s = 0; s < kSolveStatusCount; ++s)
+    head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+  return head;
 }
 
-bool is_replayed(const Plan& plan, std::size_t take) {
-  const auto first = std::ranges::find_if(plan.takes, [&](const PlannedTake& other) {
-    return other.ok && other.take.activity == plan.takes[take].take.activity;
-  });
-  return first == plan.takes.begin() + static_cast<std::ptrdiff_t>(take);
-}
-
-ReplayTake replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  ReplayTake replay;
-  replay.id = planned.take.id;
-  replay.condition = planned.take.activity;
+// The first part of a take as every sensor sees it, in the world.
+Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  Replay replay;
   replay.sensors = plan.rig;
   replay.world_from_sensor = planned.world_from_sensor;
   const auto most = static_cast<std::uint64_t>(kReplay_s * plan.study.rate_hz);
@@ -143,6 +126,61 @@ ReplayTake replay_of(const Plan& plan, const PlannedTake& planned, const TakeDat
       }
     }
   return replay;
+}
+
+}  // namespace
+
+TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+  const PlannedTake& planned = plan.takes[take];
+  TakeProgress progress(plan, take, watch);
+  TakeData data = load(plan, planned, clocks, watch);
+  TakeResult result;
+  find_corrections(plan, planned, data);
+  result.tracking = tracking_of(plan, planned, data);
+  for (TakeNote& note : correction_notes(planned, result.tracking.corrections))
+    data.notes.push_back(std::move(note));
+  leave_out(plan, planned, data);
+  if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
+  estimate_sigmas(plan, planned, data);
+  const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
+  StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
+  solve_take(plan, planned, data, paths, cross_check, file, clocks, watch, progress, result);
+  write_errors(file, errors, clocks);
+  if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, data));
+  file.finish();
+  result.notes = std::move(data.notes);
+  result.evaluated = true;
+  return result;
+}
+
+bool is_replayed(const Plan& plan, std::size_t take) {
+  const auto first = std::ranges::find_if(plan.takes, [&](const PlannedTake& other) {
+    return other.ok && other.take.activity == plan.takes[take].take.activity;
+  });
+  return first == plan.takes.begin() + static_cast<std::ptrdiff_t>(take);
+}
+
+ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings) {
+  const StoredTake there = StoredTake::open(store.folder(key) / StoredTake::kName);
+  ErrorTable errors = there.read_errors();
+  if (errors.settings_sha256 == settings.sha256()) return errors;
+  std::optional<StoredItem> item = store.find(key);
+  if (!item) throw InputError(store.folder(key).string(), "was removed while it was read");
+  const ItemStore::Aside aside(store);
+  make_folder(aside.path() / "item");
+  StoredTake copy = StoredTake::create(aside.path() / "item" / StoredTake::kName, there.head());
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < there.head().instants; first += kBlock) {
+    there.read(first, std::min(kBlock, there.head().instants - first), SampleColumns::all, block);
+    copy.write(block);
+  }
+  errors = errors_of(there, settings);
+  copy.write_errors(errors);
+  if (const std::optional<Replay> replay = there.read_replay()) copy.write_replay(*replay);
+  copy.finish();
+  store.put(aside.path() / "item", {item->id, item->key, item->outcome, {}});
+  return errors;
 }
 
 }  // namespace trilat

@@ -7,8 +7,9 @@
 #include <filesystem>
 #include <string>
 
-#include "datasets/results/replay.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/error_table.h"
+#include "datasets/results/item_store.h"
+#include "pipeline/accuracy/errors/take_errors.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_result.h"
@@ -32,15 +33,16 @@ class Stopwatch {
   RunningTime time_;
 };
 
-// Sends one take through every method into `folder`: samples.h5, and replay.h5 when it is replayed. Throws
-// Interrupted when asked to stop.
-EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, bool cross_check,
-                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+// Sends one take through every method and writes its take.h5 into `folder`. Throws Interrupted when asked to
+// stop.
+TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+
+// The errors of a take that is an item. Where they were made with other settings they are made again from its
+// samples, and the item is replaced. InputError when there is no such item.
+ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings);
 
 // Whether this is the first take of its condition that can be evaluated, as far as the plan knows.
 bool is_replayed(const Plan& plan, std::size_t take);
-
-// The first part of a take as every sensor sees it, in the world.
-ReplayTake replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 }  // namespace trilat

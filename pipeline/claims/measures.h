@@ -8,7 +8,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/paper_evidence.h"
 #include "evaluators/metrics/cluster_ratios.h"
-#include "pipeline/accuracy/statistics/participant_errors.h"
+#include "pipeline/accuracy/errors/participant_errors.h"
 
 namespace trilat {
 

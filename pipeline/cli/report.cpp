@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
-#include "pipeline/accuracy/statistics/participant_errors.h"
+#include "pipeline/accuracy/errors/participant_errors.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"

@@ -41,30 +41,45 @@ std::string names_of(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-void check_headers(const SamplesHeader& now, const SamplesHeader& before, const std::string& place) {
+// The takes of one night and what their samples have in common.
+struct NightSamples {
+  std::vector<ResultTake> takes;
+  TakeHead head;
+  std::string alignment;
+  explicit NightSamples(const std::filesystem::path& results) : takes(result_takes(results)) {
+    for (const ResultTake& take : takes) {
+      if (take.folder.empty() || !head.joints.empty()) continue;
+      const StoredTake file = open_take(take);
+      head = file.head();
+      alignment = file.read_errors().alignments.at(0);
+    }
+  }
+};
+
+void check_heads(const NightSamples& now, const NightSamples& before, const std::string& place) {
   const auto check = [&](const char* what, const std::string& here, const std::string& there) {
     if (here != there)
       throw InputError(place, fmt::format("holds other {}: {} here, {} there", what, there, here));
   };
-  check("joints", names_of(now.joints), names_of(before.joints));
-  check("methods", names_of(now.methods), names_of(before.methods));
+  check("joints", names_of(now.head.joints), names_of(before.head.joints));
+  check("methods", names_of(now.head.methods), names_of(before.head.methods));
   check("alignment", now.alignment, before.alignment);
   std::vector<std::string> ids, older;
-  for (const TakeShape& take : now.takes) ids.push_back(take.id);
-  for (const TakeShape& take : before.takes) older.push_back(take.id);
+  for (const ResultTake& take : now.takes) ids.push_back(take.id);
+  for (const ResultTake& take : before.takes) older.push_back(take.id);
   check("takes", names_of(ids), names_of(older));
 }
 
-PairedStudy study_of(const ResultsPair& pair, const SamplesHeader& header) {
+PairedStudy study_of(const ResultsPair& pair, const NightSamples& night) {
   PairedStudy study;
   const Json& spec = pair.now.manifest.at("study");
   study.study = pair.now.name;
-  study.methods = header.methods;
-  study.alignments = {header.alignment};
+  study.methods = night.head.methods;
+  study.alignments = {night.alignment};
   const auto kinds = spec.value("alignments", std::vector<std::string>{});
-  if (header.alignment != "none" && std::ranges::find(kinds, "none") != kinds.end())
+  if (night.alignment != "none" && std::ranges::find(kinds, "none") != kinds.end())
     study.alignments.emplace_back("none");
-  for (const std::string& name : header.joints) {
+  for (const std::string& name : night.head.joints) {
     const auto joint = joint_from_name(name);
     const std::string group = joint ? table_group(*joint) : name;
     auto found = std::ranges::find(study.groups, group);
@@ -75,7 +90,7 @@ PairedStudy study_of(const ResultsPair& pair, const SamplesHeader& header) {
   study.axes.sets = spec.value("occluded_apart", false) ? 2 : 1;
   study.axes.groups = study.groups.size();
   study.axes.methods = study.methods.size();
-  for (const TakeShape& take : header.takes)
+  for (const ResultTake& take : night.takes)
     study.takes.push_back({take.id, take.id, take.condition, {}, {}});
   for (const Json& take : pair.now.manifest.value("takes", Json::array()))
     for (PairedTake& known : study.takes)
@@ -83,40 +98,30 @@ PairedStudy study_of(const ResultsPair& pair, const SamplesHeader& header) {
   return study;
 }
 
-// One night's window of a take.
+// One night's take, and its samples as far as they are read.
 struct Night {
+  StoredTake file;
+  std::vector<AlignmentRow> laid_over;  // by joint and method, under the first alignment
   SampleBlock block;
-  std::vector<float> error_m;
-  Night(const SamplesFile& samples, std::uint64_t first, std::uint64_t instants)
-      : block(samples.read(0, first, instants, SampleColumns::positions)),
-        error_m(samples.read_errors(0, first, instants)) {}
-  bool has_truth(std::size_t place) const {
-    return std::all_of(&block.truth_m[3 * place], &block.truth_m[3 * place] + 3,
-                       [](double x) { return std::isfinite(x); });
-  }
-  PairedAnswer answer(std::size_t place, std::size_t slot) const {
-    const auto status = static_cast<SolveStatus>(block.status[slot]);
-    if (!is_usable(status)) return {{kNoNumber, kNoNumber}, status};
-    double aligned_m2 = 0.0, plain_m2 = 0.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto aligned = static_cast<double>(error_m[3 * slot + axis]);
-      const double plain = block.estimate_m[3 * slot + axis] - block.truth_m[3 * place + axis];
-      aligned_m2 += aligned * aligned;
-      plain_m2 += plain * plain;
-    }
-    return {{std::sqrt(aligned_m2), std::sqrt(plain_m2)}, status};
-  }
-};
 
-// The takes of one night and what their samples have in common.
-struct NightSamples {
-  std::vector<ResultTake> takes;
-  SamplesHeader header;
-  explicit NightSamples(const std::filesystem::path& results) : takes(result_takes(results)) {
-    for (const ResultTake& take : takes)
-      if (!take.folder.empty() && header.joints.empty()) header = open_samples(take).header();
-    header.takes.clear();
-    for (const ResultTake& take : takes) header.takes.push_back(take.shape);
+  explicit Night(const ResultTake& take) : file(open_take(take)) {
+    laid_over.resize(file.head().joints.size() * file.head().methods.size());
+    for (const AlignmentRow& row : file.read_errors().laid_over)
+      if (row.alignment == 0) laid_over[row.quantity * file.head().methods.size() + row.method] = row;
+  }
+  Eigen::Map<const Eigen::Vector3d> truth_m(std::size_t place) const {
+    return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[3 * place]);
+  }
+  // Of instant i of the block.
+  PairedAnswer answer(std::uint64_t i, std::size_t place, std::size_t slot) const {
+    const auto status = static_cast<SolveStatus>(block.status[slot]);
+    const AlignmentRow& over = laid_over[slot % laid_over.size()];
+    if (!is_usable(status) || block.first_instant + i < over.first_instant)
+      return {{kNoNumber, kNoNumber}, status};
+    const Eigen::Map<const Eigen::Vector3d> estimate_m(&block.estimate_m[3 * slot]);
+    return {{(over.aligned_m(estimate_m, block.heading_rad[i]) - truth_m(place)).norm(),
+             (estimate_m - truth_m(place)).norm()},
+            status};
   }
 };
 
@@ -128,17 +133,18 @@ struct TakeReader {
 
   // False when the instants are not the same; then nothing is filled.
   bool read(std::size_t t, PairedTake& take, std::uint64_t& truths_that_differ) const {
-    const std::uint64_t instants = now.takes[t].shape.instants;
-    if (instants != before.takes[t].shape.instants) return false;
-    PairedTakeSums sums(axes, (instants + block_instants - 1) / block_instants);
     if (now.takes[t].folder.empty() || before.takes[t].folder.empty()) {  // told as a failure
-      sums.finish(take);
+      PairedTakeSums(axes, 0).finish(take);
       return true;
     }
-    const SamplesFile of_now = open_samples(now.takes[t]), of_before = open_samples(before.takes[t]);
+    Night here(now.takes[t]), there(before.takes[t]);
+    const std::uint64_t instants = here.file.head().instants;
+    if (instants != there.file.head().instants) return false;
+    PairedTakeSums sums(axes, (instants + block_instants - 1) / block_instants);
     for (std::uint64_t first = 0; first < instants; first += kWindow) {
       const std::uint64_t count = std::min(kWindow, instants - first);
-      const Night here(of_now, first, count), there(of_before, first, count);
+      for (Night* night : {&here, &there})
+        night->file.read(first, count, SampleColumns::errors, night->block);
       if (here.block.time_ns != there.block.time_ns) return false;
       for (std::uint64_t i = 0; i < count; ++i) add_instant(here, there, first, i, sums, truths_that_differ);
     }
@@ -150,14 +156,13 @@ struct TakeReader {
                    PairedTakeSums& sums, std::uint64_t& truths_that_differ) const {
     for (std::size_t j = 0; j < axes.group_of_joint.size(); ++j) {
       const std::size_t place = i * axes.group_of_joint.size() + j;
-      if (!here.has_truth(place) || !there.has_truth(place)) continue;
-      truths_that_differ += !std::equal(&here.block.truth_m[3 * place], &here.block.truth_m[3 * place] + 3,
-                                        &there.block.truth_m[3 * place]);
+      if (!here.truth_m(place).allFinite() || !there.truth_m(place).allFinite()) continue;
+      truths_that_differ += here.truth_m(place) != there.truth_m(place);
       const std::size_t sets = axes.sets == 1 || there.block.occluded[place] == 0 ? 1 : 2;
       for (std::size_t m = 0; m < axes.methods; ++m) {
         const std::size_t slot = place * axes.methods + m;
-        sums.add((first + i) / block_instants, j, m, sets, there.answer(place, slot),
-                 here.answer(place, slot));
+        sums.add((first + i) / block_instants, j, m, sets, there.answer(i, place, slot),
+                 here.answer(i, place, slot));
       }
     }
   }
@@ -167,9 +172,9 @@ struct TakeReader {
 // they do not hold the same takes, joints and methods.
 PairedSamples read_paired_samples(const ResultsPair& pair) try {
   const NightSamples now(pair.now.folder), before(pair.before.folder);
-  check_headers(now.header, before.header, pair.before.folder.string());
+  check_heads(now, before, pair.before.folder.string());
   PairedSamples samples;
-  samples.study = study_of(pair, now.header);
+  samples.study = study_of(pair, now);
   const double rate_hz = pair.now.manifest.at("study").value("rate_hz", 30.0);
   const auto block = static_cast<std::uint64_t>(std::max(1LL, std::llround(kPairedBlock_s * rate_hz)));
   const TakeReader reader{now, before, samples.study.axes, block};
@@ -203,9 +208,9 @@ void sort_findings(std::vector<GateFinding>& findings) {
 bool same_samples(const ResultsPair& pair, const std::function<bool()>& stop_requested) {
   const auto now = result_takes(pair.now.folder), before = result_takes(pair.before.folder);
   return std::ranges::equal(now, before, [&](const ResultTake& here, const ResultTake& there) {
-    if (here.shape.id != there.shape.id || here.folder.empty() != there.folder.empty()) return false;
+    if (here.id != there.id || here.folder.empty() != there.folder.empty()) return false;
     if (here.folder.empty()) return true;
-    const auto a = here.folder / "samples.h5", b = there.folder / "samples.h5";
+    const auto a = here.folder / StoredTake::kName, b = there.folder / StoredTake::kName;
     return std::filesystem::file_size(a) == std::filesystem::file_size(b) &&
            hash_of_file(a, stop_requested) == hash_of_file(b, stop_requested);
   });

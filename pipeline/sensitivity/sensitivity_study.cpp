@@ -10,10 +10,11 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/statistics/aligned_errors.h"
+#include "pipeline/accuracy/errors/summarise.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_take.h"
@@ -78,15 +79,23 @@ std::vector<Row> rows_of(const SensitivitySummary& head) {
 }
 
 // The shares that the methods answer in the study's first condition, and their errors.
-void take_errors(const StudySpec& study, const Campaign& campaign, const std::filesystem::path& results,
-                 const ResultsSummary& summary, const Watch& watch, SensitivityPoint& point) {
+void take_errors(const std::filesystem::path& results, const ResultsSummary& summary,
+                 SensitivityPoint& point) {
   for (std::size_t m = 0; m < summary.methods.size(); ++m)
     for (const SummaryCell& cell : summary.cells)
       if (cell.group == kAverageGroup && cell.method == summary.methods[m] &&
           cell.condition == summary.conditions.front() && cell.alignment == summary.alignments.front())
         point.answered[m] = cell.coverage();
-  const StatisticsLayout layout = statistics_layout(make_plan(study, campaign, {watch.stop_requested, {}}));
-  point.paired_m = paired_errors_m(results, summary.conditions.front(), layout);
+  std::vector<TakeTable> tables;
+  std::vector<std::string> joints;
+  for (const ResultTake& take : result_takes(results)) {
+    if (take.folder.empty()) continue;
+    const StoredTake file = open_take(take);
+    joints = file.head().joints;
+    tables.push_back({take.id, take.id, take.condition, file.read_errors()});
+  }
+  if (!tables.empty())
+    point.paired_m = paired_errors_m(tables, joints, summary.methods.size(), summary.conditions.front());
 }
 
 // Rows of the space have seeds of their own, and so has each campaign as it is: the points of a row have the
@@ -121,8 +130,7 @@ void evaluate_point(const SensitivitySpec& spec, std::uint64_t seed, const std::
         execute_study(spec.study, campaign, scratch / "results", {.stop_requested = watch.stop_requested});
     for (const TakeNote& note : summary.notes)
       if (note.failed && point.problem.empty()) point.problem = note.text;
-    if (!summary.conditions.empty())
-      take_errors(spec.study, campaign, scratch / "results", summary, watch, point);
+    if (!summary.conditions.empty()) take_errors(scratch / "results", summary, point);
   }
   std::filesystem::remove_all(scratch);
 }

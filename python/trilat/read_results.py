@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 NEWEST_SUMMARY = 8
 NEWEST_MANIFEST = 2
-NEWEST_SAMPLES = 3
+NEWEST_TAKE = 1
 ANSWERS = ("converged", "closed_form", "clamped")
 AXES = "xyz"
 
@@ -53,7 +53,7 @@ class Results:
         self.takes: tuple[str, ...] = tuple(self._items)
         if not self.takes:
             raise InputError(self.folder, "holds no take that could be evaluated; summary.json says why under notes")
-        with self._samples(self.takes[0]) as file:
+        with self._take(self.takes[0]) as file:
             self.methods, self.joints, self._statuses = (
                 tuple(_text(name) for name in file.attrs[key]) for key in ("methods", "joints", "status_names"))
 
@@ -72,15 +72,15 @@ class Results:
             raise InputError(self.folder, f"is unfinished: {min(there, len(items))} of {len(items)} items are there; "
                                           "`trilat run` goes on from them")
 
-    def _samples(self, take: str) -> h5py.File:
-        return open_hdf5(self._items[take] / "samples.h5", "trilat.samples", NEWEST_SAMPLES)
+    def _take(self, take: str) -> h5py.File:
+        return open_hdf5(self._items[take] / "take.h5", "trilat.take", NEWEST_TAKE)
 
-    def _groups(self, take: str | None) -> Iterator[tuple[str, h5py.Group]]:
+    def _files(self, take: str | None) -> Iterator[tuple[str, h5py.File]]:
         if take is not None and take not in self.takes:
             raise InputError(self.folder, f'has no take "{take}"; it has {", ".join(self.takes)}')
         for name in self.takes if take is None else (take,):
-            with self._samples(name) as file:
-                yield name, file["takes/00000"]
+            with self._take(name) as file:
+                yield name, file
 
     def columns(self, take: str | None = None) -> dict[str, np.ndarray]:
         """Every sample as arrays of equal length, of one take or of all.
@@ -89,10 +89,11 @@ class Results:
         estimate_x_m to _z_m in the world, before alignment; error_x_m to _z_m and error_m (their length) after the
         study's first alignment. NaN where there is none.
         """
-        parts = [self._columns_of(name, group) for name, group in self._groups(take)]
+        parts = [self._columns_of(name, file) for name, file in self._files(take)]
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
-    def _columns_of(self, take: str, group: h5py.Group) -> dict[str, np.ndarray]:
+    def _columns_of(self, take: str, file: h5py.File) -> dict[str, np.ndarray]:
+        group = file["samples"]
         time_ns = group["time_ns"][:]
         shape = (len(time_ns), len(self.joints), len(self.methods))
 
@@ -101,8 +102,8 @@ class Results:
 
         truth_m = np.broadcast_to(group["truth_m"][:][:, :, None], (*shape, 3)).reshape(-1, 3)
         estimate_m = group["estimate_m"][:].reshape(-1, 3)
-        error_m = group["error_m"][:].reshape(-1, 3).astype(float)
-        columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(group.attrs["condition"])),
+        error_m = self._errors_of(file).reshape(-1, 3)
+        columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(file.attrs["condition"])),
                    "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
                    "method": spread(np.array(self.methods), 2),
                    "status": np.array(self._statuses)[group["status"][:].ravel()]}
@@ -110,6 +111,44 @@ class Results:
             columns.update({f"{name}_{axis}_m": values[:, i] for i, axis in enumerate(AXES)})
         columns["error_m"] = np.sqrt((error_m ** 2).sum(axis=1))
         return columns
+
+    def _errors_of(self, file: h5py.File) -> np.ndarray:
+        """estimate - truth after the first alignment, instants x joints x methods x 3; NaN where nothing is answered."""
+        group = file["samples"]
+        estimate_m = group["estimate_m"][:]
+        answered = np.isin(np.array(self._statuses)[group["status"][:]], ANSWERS)
+        aligned_m = np.full_like(estimate_m, np.nan)
+        for row in _rows(file["errors/laid_over"]):
+            if row["alignment"] != 0:
+                continue
+            j, m, first = (int(row[key]) for key in ("quantity", "method", "first_instant"))
+            turn = _turn(*(row[f"rotation_{k}"] for k in range(4)))
+            moved_m = estimate_m[first:, j, m] @ turn.T + [row[f"shift_m_{axis}"] for axis in AXES]
+            x, y, z = (row[f"offset_m_{axis}"] for axis in AXES)
+            if x or y or z:
+                cos, sin = np.cos(group["heading_rad"][first:]), np.sin(group["heading_rad"][first:])
+                moved_m -= np.stack([cos * x + sin * z, np.full(len(cos), y), cos * z - sin * x], axis=1)
+            aligned_m[first:, j, m] = np.where(answered[first:, j, m, None], moved_m, np.nan)
+        return aligned_m - group["truth_m"][:][:, :, None]
+
+    def errors(self, take: str | None = None) -> "pandas.DataFrame":
+        """The table of errors that all tables are sums of: one row a take, block of time, joint, method, alignment and
+        subset of samples (datasets/FORMATS.md), with counts by status and sums of the errors in metres."""
+        pandas = _pandas()
+        parts = []
+        for name, file in self._files(take):
+            group = file["errors/errors"]
+            table = pandas.DataFrame({**_columns(group, "counts"), **_columns(group, "sums")})
+            table = table.rename(columns={f"statuses_{k}": status for k, status in enumerate(self._statuses)})
+            table = table.drop(columns=[key for key in table if key.startswith("statuses_")])
+            for key, names in (("method", self.methods), ("quantity", self.joints)):
+                table[key] = np.array(names)[table[key]]
+            for key in ("alignment", "subset"):
+                table[key] = np.array([_text(text) for text in file["errors"].attrs[f"{key}s"]])[table[key]]
+            table.insert(0, "take", name)
+            table.insert(1, "condition", _text(file.attrs["condition"]))
+            parts.append(table.rename(columns={"quantity": "joint"}))
+        return pandas.concat(parts, ignore_index=True)
 
     def samples(self, take: str | None = None) -> "pandas.DataFrame":
         """The columns of `columns()` as a DataFrame: one row an instant, joint and method."""
@@ -161,6 +200,23 @@ def _document(path: Path) -> dict:
         raise InputError(path, "cannot be read; a folder that `trilat run` wrote is expected") from error
     except ValueError as error:
         raise InputError(path, f"is no JSON: {error}") from error
+
+
+def _columns(group: h5py.Group, part: str) -> dict[str, np.ndarray]:
+    return {_text(name): group[part][:, k] for k, name in enumerate(group.attrs[f"{part}_columns"])}
+
+
+def _rows(group: h5py.Group) -> Iterator[dict[str, float]]:
+    columns = {**_columns(group, "counts"), **_columns(group, "sums")}
+    for values in zip(*columns.values()):
+        yield dict(zip(columns, values))
+
+
+def _turn(w: float, x: float, y: float, z: float) -> np.ndarray:
+    """The rotation matrix of a unit quaternion."""
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
 def _text(value: object) -> str:

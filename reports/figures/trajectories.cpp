@@ -34,7 +34,7 @@ struct Path {
 };
 
 // Status numbers that are answers.
-std::set<std::uint8_t> usable_statuses(const SamplesHeader& header) {
+std::set<std::uint8_t> usable_statuses(const TakeHead& header) {
   std::set<std::uint8_t> usable;
   for (std::size_t k = 0; k < header.status_names.size(); ++k)
     for (const char* name : {"converged", "closed_form", "clamped"})
@@ -42,18 +42,17 @@ std::set<std::uint8_t> usable_statuses(const SamplesHeader& header) {
   return usable;
 }
 
-Path read_path(const SamplesFile& samples, std::size_t joint) {
+Path read_path(const StoredTake& samples, std::size_t joint) {
   constexpr std::uint64_t kBlock = 1024;
-  const SamplesHeader& header = samples.header();
+  const TakeHead& header = samples.head();
   const std::size_t joints = header.joints.size(), methods = header.methods.size();
   const std::set<std::uint8_t> usable = usable_statuses(header);
   Path path;
   path.estimate_m.resize(methods);
-  const std::uint64_t instants = header.takes[0].instants;
+  const std::uint64_t instants = header.instants;
   std::int64_t start_ns = 0;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    const SampleBlock block =
-        samples.read(0, first, std::min(kBlock, instants - first), SampleColumns::positions);
+    const SampleBlock block = samples.read(first, std::min(kBlock, instants - first), SampleColumns::errors);
     if (first == 0 && block.instants > 0) start_ns = block.time_ns.front();
     for (std::uint64_t i = 0; i < block.instants; ++i) {
       path.time_s.push_back(static_cast<double>(block.time_ns[i] - start_ns) * 1e-9);
@@ -68,7 +67,7 @@ Path read_path(const SamplesFile& samples, std::size_t joint) {
   return path;
 }
 
-std::vector<std::size_t> shown_methods(const SamplesHeader& header) {
+std::vector<std::size_t> shown_methods(const TakeHead& header) {
   std::vector<std::size_t> shown;
   const auto show = [&](std::size_t m) {
     if (shown.size() < kMostMethods && std::ranges::find(shown, m) == shown.end()) shown.push_back(m);
@@ -102,11 +101,11 @@ double shift_to_truth_m(const Path& path, const std::vector<double>& height_m) {
 }
 
 // The joint to be shown, of those with any truth.
-std::optional<std::size_t> shown_joint(const SamplesFile& samples, Path& path) {
-  const SamplesHeader& header = samples.header();
+std::optional<std::size_t> shown_joint(const StoredTake& samples, Path& path) {
+  const TakeHead& header = samples.head();
   std::vector<std::size_t> order;
   for (std::size_t j = 0; j < header.joints.size(); ++j)
-    if (header.joints[j] == drawn_joint(header.takes[0].condition)) order.push_back(j);
+    if (header.joints[j] == drawn_joint(header.condition)) order.push_back(j);
   for (std::size_t j = 0; j < header.joints.size(); ++j) order.push_back(j);
   for (const std::size_t j : order) {
     path = read_path(samples, j);
@@ -115,18 +114,17 @@ std::optional<std::size_t> shown_joint(const SamplesFile& samples, Path& path) {
   return std::nullopt;
 }
 
-Figure figure_of(const ResultsSummary& summary, const SamplesHeader& header, const Path& path,
+Figure figure_of(const ResultsSummary& summary, const TakeHead& header, const Path& path,
                  const std::string& joint) {
-  const TakeShape& take = header.takes[0];
   const std::vector<std::size_t> shown = shown_methods(header);
   Figure figure;
-  figure.id = usable_id(fmt::format("trajectory-{}-{}", take.condition, joint));
+  figure.id = usable_id(fmt::format("trajectory-{}-{}", header.condition, joint));
   const auto spaced = [](std::string name) {
     std::ranges::replace(name, '_', ' ');
     return name;
   };
-  figure.title = fmt::format("Height of {}, {}, take {}{}", spaced(joint), spaced(take.condition), take.id,
-                             summary.simulated ? ", simulated" : "");
+  figure.title = fmt::format("Height of {}, {}, take {}{}", spaced(joint), spaced(header.condition),
+                             header.id, summary.simulated ? ", simulated" : "");
   figure.caption = fmt::format(
       "{}The first {:g} s of the take; each method is moved by a constant so that its mean over the take is "
       "that of the truth, as in the paper's \"relative movement\". {} of the study's {} methods are drawn.",
@@ -146,13 +144,13 @@ std::vector<Figure> trajectory_figures(const std::filesystem::path& results, con
   std::vector<Figure> figures;
   std::set<std::string> shown;
   for (const ResultTake& take : result_takes(results)) {
-    if (take.folder.empty() || shown.contains(take.shape.condition)) continue;
-    const SamplesFile samples = open_samples(take);
+    if (take.folder.empty() || shown.contains(take.condition)) continue;
+    const StoredTake samples = open_take(take);
     Path path;
     const auto joint = shown_joint(samples, path);
     if (!joint) continue;
-    shown.insert(take.shape.condition);
-    figures.push_back(figure_of(summary, samples.header(), path, samples.header().joints[*joint]));
+    shown.insert(take.condition);
+    figures.push_back(figure_of(summary, samples.head(), path, samples.head().joints[*joint]));
   }
   return figures;
 }

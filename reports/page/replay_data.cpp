@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/item_store.h"
-#include "datasets/results/replay.h"
 #include "datasets/skeleton/skeleton.h"
 #include "reports/figures/figure_look.h"
 #include "reports/page/html.h"
@@ -61,22 +61,22 @@ class Packer {
   std::string bytes_;
 };
 
-bool is_usable(const SamplesHeader& header, std::uint8_t status) {
+bool is_usable(const TakeHead& header, std::uint8_t status) {
   if (status >= header.status_names.size()) return false;
   const std::string& name = header.status_names[status];
   return name == "converged" || name == "closed_form" || name == "clamped";
 }
 
-void pack_sensors(const ReplayTake& take, Packer& packer) {
-  const std::size_t row = take.sensors.size() * kJointCount;
+void pack_sensors(const Replay& replay, Packer& packer) {
+  const std::size_t row = replay.sensors.size() * kJointCount;
   for (std::size_t c = 0; c < row * 3; ++c)
-    packer.add16(take.instants,
-                 [&](std::uint64_t i) { return millimetres(double{take.joint_m[i * row * 3 + c]}); });
+    packer.add16(replay.instants,
+                 [&](std::uint64_t i) { return millimetres(double{replay.joint_m[i * row * 3 + c]}); });
 }
 
 // `shown`: methods, by their numbers in the samples.
-void pack_samples(const SamplesHeader& header, const SampleBlock& block,
-                  const std::vector<std::size_t>& shown, Packer& packer) {
+void pack_samples(const TakeHead& header, const SampleBlock& block, const std::vector<std::size_t>& shown,
+                  Packer& packer) {
   const std::size_t joints = header.joints.size(), methods = header.methods.size();
   for (std::size_t c = 0; c < joints * 3; ++c)
     packer.add16(block.instants,
@@ -90,18 +90,18 @@ void pack_samples(const SamplesHeader& header, const SampleBlock& block,
         });
 }
 
-void pack_states(const ReplayTake& take, Packer& packer) {
-  const std::size_t row = take.sensors.size() * kJointCount;
+void pack_states(const Replay& replay, Packer& packer) {
+  const std::size_t row = replay.sensors.size() * kJointCount;
   for (std::size_t c = 0; c < row; ++c)
-    packer.add8(take.instants, [&](std::uint64_t i) { return take.state[i * row + c]; });
+    packer.add8(replay.instants, [&](std::uint64_t i) { return replay.state[i * row + c]; });
 }
 
-Json sensors_json(const ReplayTake& take) {
+Json sensors_json(const Replay& replay) {
   Json sensors = Json::array();
-  for (std::size_t s = 0; s < take.sensors.size(); ++s) {
-    const Eigen::Quaterniond& q = take.world_from_sensor[s].rotation;
-    const Eigen::Vector3d& t = take.world_from_sensor[s].translation_m;
-    sensors.push_back({{"name", take.sensors[s]},
+  for (std::size_t s = 0; s < replay.sensors.size(); ++s) {
+    const Eigen::Quaterniond& q = replay.world_from_sensor[s].rotation;
+    const Eigen::Vector3d& t = replay.world_from_sensor[s].translation_m;
+    sensors.push_back({{"name", replay.sensors[s]},
                        {"quaternion", {q.x(), q.y(), q.z(), q.w()}},
                        {"position_m", {t.x(), t.y(), t.z()}}});
   }
@@ -119,35 +119,37 @@ Json skeleton_json() {
   return {{"names", names}, {"parents", parents}};
 }
 
-PackedReplay pack(const ReplayTake& take, const SamplesFile& samples, const ResultsSummary& summary,
-                  const std::string& place) {
-  const SamplesHeader& header = samples.header();
-  if (header.takes[0].id != take.id || header.takes[0].instants < take.instants)
-    throw InputError(
-        place, "is of take \"" + take.id + "\", and samples.h5 beside it of another; run the study again");
-  const SampleBlock block = samples.read(0, 0, take.instants, SampleColumns::positions);
+PackedReplay pack(const Replay& replay, const StoredTake& take, const ResultsSummary& summary) {
+  const TakeHead& head = take.head();
+  const SampleBlock block = take.read(0, replay.instants, SampleColumns::errors);
   Packer packer;
-  pack_sensors(take, packer);
-  const std::vector<std::string> leading = leading_methods(summary, take.condition);
+  pack_sensors(replay, packer);
+  const std::vector<std::string> leading = leading_methods(summary, head.condition);
   std::vector<std::size_t> shown;
   std::vector<std::string> names;
-  for (std::size_t m = 0; m < header.methods.size(); ++m)
-    if (std::ranges::find(leading, header.methods[m]) != leading.end()) {
+  for (std::size_t m = 0; m < head.methods.size(); ++m)
+    if (std::ranges::find(leading, head.methods[m]) != leading.end()) {
       shown.push_back(m);
-      names.push_back(header.methods[m]);
+      names.push_back(head.methods[m]);
     }
-  pack_samples(header, block, shown, packer);
-  pack_states(take, packer);
+  pack_samples(head, block, shown, packer);
+  pack_states(replay, packer);
   const double span_s =
-      take.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
-  const Json json{{"study", summary.study},        {"take", take.id},
-                  {"condition", take.condition},   {"simulated", summary.simulated},
-                  {"instants", take.instants},     {"span_s", span_s},
-                  {"sensors", sensors_json(take)}, {"skeleton", skeleton_json()},
-                  {"joints", header.joints},       {"methods", names},
-                  {"colours", colours_of(names)},  {"view_deg", {70.6, 60.0}},  // of a Kinect v2
+      replay.instants < 2 ? 0.0 : static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
+  const Json json{{"study", summary.study},
+                  {"take", head.id},
+                  {"condition", head.condition},
+                  {"simulated", summary.simulated},
+                  {"instants", replay.instants},
+                  {"span_s", span_s},
+                  {"sensors", sensors_json(replay)},
+                  {"skeleton", skeleton_json()},
+                  {"joints", head.joints},
+                  {"methods", names},
+                  {"colours", colours_of(names)},
+                  {"view_deg", {70.6, 60.0}},  // of a Kinect v2
                   {"range_m", {0.5, 4.5}}};
-  return {summary.study + ": " + take.condition + ", take " + take.id, json_text(json, -1),
+  return {summary.study + ": " + head.condition + ", take " + head.id, json_text(json, -1),
           packer.compressed()};
 }
 
@@ -157,9 +159,10 @@ std::vector<PackedReplay> packed_replays(const std::filesystem::path& results,
                                          const ResultsSummary& summary) {
   std::vector<PackedReplay> packed;
   for (const ResultTake& take : result_takes(results)) {
-    const auto replay = take.folder.empty() ? std::nullopt : read_replay(take.folder);
-    if (replay && replay->instants > 0)
-      packed.push_back(pack(*replay, open_samples(take), summary, (take.folder / "replay.h5").string()));
+    if (take.folder.empty()) continue;
+    const StoredTake file = open_take(take);
+    const std::optional<Replay> replay = file.read_replay();
+    if (replay && replay->instants > 0) packed.push_back(pack(*replay, file, summary));
   }
   return packed;
 }

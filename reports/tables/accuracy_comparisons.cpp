@@ -153,8 +153,6 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
        {fmt::format("% of {}", s.reference), "percent_of_reference",
         as_number(1, &R::percent_of_reference, &R::percent_low, &R::percent_high)},
        {"% of method", "percent_of_method", as_number(1, &R::percent_of_method)},
-       {"% of all answered", "complete_percent",
-        as_number(1, &R::complete_percent, &R::complete_percent_low, &R::complete_percent_high)},
        {"differs", "differs", as_text([&](const R& r) { return verdict_of(s, r); })}},
       [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
   add_notes(table, "differences", {{"reference", s.reference}});

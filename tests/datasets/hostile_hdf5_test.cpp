@@ -5,7 +5,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/hdf5/hdf5_file.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 #include "datasets/session/session_reader.h"
 #include "tests/datasets/exchanged_dataset.h"
 
@@ -205,13 +205,8 @@ TEST(HostileHdf5, AnAttributeOfManyMegabytesIsRefused) {
 
 TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
   const ScratchFolder folder;
-  SamplesHeader header;
-  header.joints = {"head"};
-  header.methods = {"linear"};
-  header.status_names = {"converged"};
-  header.takes = {{"a", 5, "walking"}};
-  SamplesFile::create(folder / "samples.h5", header).finish();
-  const hid_t file = H5Fopen((folder / "samples.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"converged"}}).finish();
+  const hid_t file = H5Fopen((folder / "take.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const hsize_t count = 4000;
   for (const char* name : {"methods", "joints"}) {
     const hid_t space = H5Screate_simple(1, &count, nullptr), type = H5Tcopy(H5T_C_S1);
@@ -225,20 +220,15 @@ TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
     H5Sclose(space);
   }
   ASSERT_GE(H5Fclose(file), 0);
-  EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "samples.h5"); }),
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5"); }),
               HasSubstr("4000 joints x 4000 methods"));
 }
 
 TEST(HostileHdf5, SamplesWithMoreRowsThanBytesAreRefused) {
   const ScratchFolder folder;
-  SamplesHeader header;
-  header.joints = {"head"};
-  header.methods = {"linear"};
-  header.status_names = {"converged"};
-  header.takes = {{"a", 5, "walking"}};
-  SamplesFile::create(folder / "samples.h5", header).finish();
-  exchange(folder / "samples.h5", "/takes/00000/time_ns", hsize_t{1} << 40, Creation());
-  EXPECT_THAT(message_of([&] { SamplesFile::open(folder / "samples.h5"); }),
+  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"converged"}}).finish();
+  exchange(folder / "take.h5", "/samples/time_ns", hsize_t{1} << 40, Creation());
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5"); }),
               AllOf(HasSubstr("time_ns"), HasSubstr("claims")));
 }
 

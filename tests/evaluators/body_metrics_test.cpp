@@ -18,10 +18,8 @@ std::vector<Vector3d> body() {
   return {{0.0, 1.7, 0.1}, {-0.2, 1.4, 0.0}, {0.2, 1.4, 0.0}, {-0.3, 1.1, 0.1}, {0.3, 1.1, -0.1}};
 }
 
-TEST(BodyMetrics, MpjpeByPencil) {
-  const std::vector<Vector3d> truth{{0, 0, 0}, {1, 0, 0}}, estimate{{0.03, 0.04, 0}, {1, 0, 0.01}};
-  EXPECT_NEAR(mpjpe_m(estimate, truth), 0.03, 1e-15);
-  EXPECT_TRUE(std::isnan(mpjpe_m({}, {})));
+double pa_mpjpe_m(const std::vector<Vector3d>& estimate_m, const std::vector<Vector3d>& truth_m) {
+  return ProcrustesTruth(truth_m).pa_mpjpe_m(estimate_m);
 }
 
 TEST(BodyMetrics, PaMpjpeForgivesRotationTranslationAndScaleAndNothingElse) {
@@ -81,7 +79,7 @@ TEST(BodyMetrics, PaMpjpeNeedsThreeJointsThatAreNotOnALine) {
   EXPECT_TRUE(std::isnan(pa_mpjpe_m(line, plane)));
   EXPECT_TRUE(std::isnan(pa_mpjpe_m(plane, line)));
   EXPECT_NEAR(pa_mpjpe_m(plane, plane), 0.0, 1e-12);
-  EXPECT_TRUE(std::isnan(pa_mpjpe_m(std::span(plane).first(2), std::span(plane).first(2))));
+  EXPECT_TRUE(std::isnan(pa_mpjpe_m({plane[0], plane[1]}, {plane[0], plane[1]})));
   const std::vector<Vector3d> point(4, Vector3d(1, 2, 3));
   EXPECT_TRUE(std::isnan(pa_mpjpe_m(point, plane)));
 }

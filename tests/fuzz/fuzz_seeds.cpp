@@ -135,8 +135,7 @@ void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
     write_file(seed("results", files[i].folder.filename().string() + "_" + files[i].name),
                std::string(1, static_cast<char>(i)) + files[i].text);
   const std::filesystem::path item = result_takes(sound / "accuracy").at(0).folder;
-  write_file(seed("samples", "accuracy"), read_file(item / "samples.h5"));
-  write_file(seed("replay", "accuracy"), read_file(item / "replay.h5"));
+  write_file(seed("take", "accuracy"), read_file(item / StoredTake::kName));
 }
 
 void write_network_seeds(const SeedPath& seed) {

@@ -13,9 +13,8 @@
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/replay.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
 #include "datasets/synthetic/simulation_spec.h"
@@ -135,20 +134,11 @@ void read_session(const fs::path& path) {
   }
 }
 
-void read_samples(const fs::path& path) {
-  const SamplesFile samples = SamplesFile::open(path);
-  for (std::size_t t = 0; t < samples.header().takes.size(); ++t) {
-    const std::uint64_t count = std::min(kSomeSamples, samples.header().takes[t].instants);
-    samples.read(t, 0, count);
-    samples.read_errors(t, 0, count);
-  }
-}
-
-void read_replay_file(const fs::path& path) {
-  static const FuzzFolder folder("replay");
-  fs::remove(folder.path() / "replay.h5");
-  fs::create_symlink(path, folder.path() / "replay.h5");
-  read_replay(folder.path());
+void read_take(const fs::path& path) {
+  const StoredTake take = StoredTake::open(path);
+  take.read(0, std::min(kSomeSamples, take.head().instants), SampleColumns::all);
+  take.read_errors();
+  take.read_replay();
 }
 
 // ---- results: the first byte chooses one of the sound files, JSON in its place follows
@@ -249,8 +239,7 @@ constexpr Fuzzer kFuzzers[] = {
     {"mocap_summary", file<inspect_mocap>},
     {"mocap", file<read_some_assets>},
     {"session", file<read_session>},
-    {"samples", file<read_samples>},
-    {"replay", file<read_replay_file>},
+    {"take", file<read_take>},
     {"results", read_results_file},
     {"wire", read_wire},
     {"keys", file<read_tls_keys>},

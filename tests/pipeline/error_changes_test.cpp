@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "pipeline/accuracy/statistics/participant_errors.h"
+#include "pipeline/accuracy/errors/participant_errors.h"
 #include "reports/tables/tables.h"
 #include "tests/support/scratch.h"
 

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"

@@ -14,6 +14,7 @@
 #include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
 #include "evaluators/solvers/point_estimate.h"
+#include "pipeline/accuracy/errors/take_errors.h"
 #include "tests/pipeline/program.h"
 
 namespace trilat {
@@ -41,20 +42,20 @@ struct MadeStudy {
 
 inline void write_made_samples(const std::filesystem::path& folder, const MadeStudy& study,
                                const Spoil& spoil) {
-  SamplesHeader header;
-  header.joints = {"head", "wrist_left", "wrist_right"};
-  header.methods = {"linear", "nonlinear"};
+  TakeHead head;
+  head.joints = {"head", "wrist_left", "wrist_right"};
+  head.methods = {"linear", "nonlinear"};
   for (int s = 0; s < kSolveStatusCount; ++s)
-    header.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
-  header.alignment = "none";
+    head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+  head.condition = "walking";
+  head.instants = study.instants;
   for (std::size_t t = 0; t < study.participants; ++t) {
-    header.takes = {{"p" + std::to_string(t) + "-walking", study.instants, "walking"}};
+    head.id = "p" + std::to_string(t) + "-walking";
     const std::filesystem::path item = ItemStore(folder).folder("key" + std::to_string(t));
     std::filesystem::create_directories(item);
-    SamplesFile samples = SamplesFile::create(item / "samples.h5", header);
+    StoredTake take = StoredTake::create(item / StoredTake::kName, head);
     SampleBlock block;
     block.reset(0, study.instants, 3, 2);
-    std::vector<float> errors(block.estimate_m.size(), std::numeric_limits<float>::quiet_NaN());
     for (std::uint64_t i = 0; i < study.instants; ++i) {
       block.time_ns[i] = static_cast<std::int64_t>(i) * 33'333'333;
       for (std::size_t j = 0; j < 3; ++j) {
@@ -68,16 +69,14 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
                                                          : sample.clamped ? SolveStatus::clamped
                                                                           : SolveStatus::converged);
           if (!sample.answered) continue;
-          for (std::size_t a = 0; a < 3; ++a) {
+          for (std::size_t a = 0; a < 3; ++a)
             block.estimate_m[slot * 3 + a] = 1.0 + (a == 0 ? sample.error_m : 0.0);
-            errors[slot * 3 + a] = a == 0 ? static_cast<float>(sample.error_m) : 0.0F;
-          }
         }
       }
     }
-    samples.write(0, block);
-    samples.write_errors(0, 0, errors);
-    samples.finish();
+    take.write(block);
+    take.write_errors(errors_of(take, {.alignments = {AlignmentKind::none}, .rate_hz = study.rate_hz}));
+    take.finish();
   }
 }
 

@@ -40,7 +40,7 @@ struct Walk {
     evaluated(change);
     return samples();
   }
-  std::string samples() { return read_file(result_takes(folder / "results")[0].folder / "samples.h5"); }
+  std::string samples() { return read_file(result_takes(folder / "results")[0].folder / StoredTake::kName); }
   Body other(std::size_t sensor, double x_m, double z_m, std::uint64_t id) {
     return body_at(poses.at(sensor), x_m, z_m, id + sensor);
   }

@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/statistics/aligned_errors.h"
+#include "pipeline/accuracy/errors/summarise.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "reports/tables/tables.h"
@@ -211,8 +211,14 @@ TEST(MethodPairs, AreTheDifferencesOfTheResults) {
   const StudySpec study = study_of(R"("alignments": ["rigid", "none"], "methods": [{"method": "mean"},
       {"method": "nonlinear", "occlusion": "corrected", "fewest_sensors": 4}, {"method": "geometric"}])");
   const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
-  const std::vector<double> paired_m = paired_errors_m(folder / "results", summary.conditions.front(),
-                                                       statistics_layout(make_plan(study, campaign, {})));
+  std::vector<TakeTable> tables;
+  std::vector<std::string> joints;
+  for (const ResultTake& take : result_takes(folder / "results")) {
+    const StoredTake stored = open_take(take);
+    joints = stored.head().joints;
+    tables.push_back({take.id, take.id, take.condition, stored.read_errors()});
+  }
+  const std::vector<double> paired_m = paired_errors_m(tables, joints, 3, summary.conditions.front());
   std::size_t compared = 0;
   for (const DifferenceCell& cell : summary.differences) {
     if (cell.group != kAverageGroup || cell.alignment != "rigid") continue;

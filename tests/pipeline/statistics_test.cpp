@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/statistics/statistics.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,8 @@
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/errors/summarise.h"
+#include "pipeline/accuracy/errors/take_errors.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
@@ -57,9 +57,6 @@ TEST(Statistics, AMethodIsNoBetterForAnsweringLess) {
     if (d.method != "sparse") continue;
     EXPECT_LT(std::abs(d.difference_m), 1e-12) << d.group << ' ' << d.alignment;
     EXPECT_FALSE(d.significant());
-    if (d.alignment == "none") {  // where it is silent, the other's error stands for both
-      EXPECT_LT(std::abs(d.complete_percent), 1e-9) << d.group;
-    }
     ++compared;
   }
   EXPECT_EQ(compared, 6 * 5);
@@ -185,14 +182,27 @@ TEST(Statistics, ATakeThatFailedIsNoParticipant) {
 }
 
 TEST(Statistics, BlocksAreFiveSecondsOrATwelfthOfTheTake) {
-  StatisticsLayout layout;
-  layout.rate_hz = 30.0;
-  EXPECT_EQ(layout.blocks(0), 0u);
-  EXPECT_EQ(layout.blocks(1), 1u);
-  EXPECT_EQ(layout.blocks(150), 1u);
-  EXPECT_EQ(layout.blocks(151), 2u);
-  EXPECT_EQ(layout.blocks(12 * 150), 12u);
-  EXPECT_EQ(layout.blocks(100'000), 12u);
+  EXPECT_EQ(block_instants(1, 30.0), 150u);
+  EXPECT_EQ(block_instants(12 * 150, 30.0), 150u);
+  EXPECT_EQ(block_instants(12 * 150 + 1, 30.0), 151u);
+  EXPECT_EQ(block_instants(120'000, 30.0), 10'000u);
+  EXPECT_EQ(block_instants(10, 0.1), 1u);
+}
+
+// Positions of a joint that one method gives, less the truth, where another method answers, too.
+std::vector<Eigen::Vector3d> errors_on_both(const SampleBlock& block, const TakeHead& head, std::size_t j,
+                                            std::size_t of, std::size_t with) {
+  std::vector<Eigen::Vector3d> errors_m;
+  for (std::uint64_t i = 0; i < block.instants; ++i) {
+    const std::size_t place = i * head.joints.size() + j, first = place * head.methods.size();
+    const Eigen::Map<const Eigen::Vector3d> truth_m(&block.truth_m[3 * place]);
+    const auto answers = [&](std::size_t m) {
+      return is_usable(static_cast<SolveStatus>(block.status[first + m]));
+    };
+    if (truth_m.allFinite() && answers(of) && answers(with))
+      errors_m.push_back(Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[3 * (first + of)]) - truth_m);
+  }
+  return errors_m;
 }
 
 // By definition both methods of a pair are aligned on the samples that both answer.
@@ -202,34 +212,40 @@ TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
       {"method": "nonlinear", "name": "sparse", "max_iterations": 5}, {"method": "mean"}])");
   const Campaign campaign = simulate_into(evaluated.folder / "campaign", walking_spec(1, 4.0));
   execute_study(study, campaign, evaluated.folder / "results", {});
-  const SamplesFile samples = open_samples(result_takes(evaluated.folder / "results").at(0));
-  const StatisticsLayout layout = statistics_layout(make_plan(study, campaign));
-  const PairTable pairs = pair_methods(samples, layout);
-  const SampleBlock block = samples.read(0, 0, samples.header().takes[0].instants);
-  const SampleView view{block, layout.axes};
-  for (std::size_t j = 0; j < layout.axes.joints; ++j)
-    for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{0, 1}, {1, 0}, {1, 2}, {0, 2}}) {
-      std::vector<Eigen::Vector3d> first_m, second_m;
-      for (std::uint64_t i = 0; i < block.instants; ++i) {
-        const std::size_t slot_a = view.slot(i, j, a), slot_b = view.slot(i, j, b);
-        if (!view.truth(i, j).allFinite() || !is_usable(view.status(slot_a)) ||
-            !is_usable(view.status(slot_b)))
-          continue;
-        first_m.push_back(view.estimate(slot_a) - view.truth(i, j));
-        second_m.push_back(view.estimate(slot_b) - view.truth(i, j));
-      }
-      const auto sum_m = [](const std::vector<Eigen::Vector3d>& error_m) {
-        Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
-        for (const auto& e : error_m) mean_m += e / static_cast<double>(error_m.size());
-        double sum = 0.0;
-        for (const auto& e : error_m) sum += (e - mean_m).norm();
-        return sum;
-      };
-      const PairSums& pair = pairs.at(0, j, a, b);
-      EXPECT_EQ(pair.n, first_m.size()) << j << a << b;
-      EXPECT_NEAR(pair.first_m, sum_m(first_m), 1e-9) << j << a << b;
-      EXPECT_NEAR(pair.second_m, sum_m(second_m), 1e-9) << j << a << b;
-    }
+  const StoredTake take = open_take(result_takes(evaluated.folder / "results").at(0));
+  const SampleBlock block = take.read(0, take.head().instants, SampleColumns::all);
+  const auto sum_m = [](const std::vector<Eigen::Vector3d>& errors_m) {
+    Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+    for (const auto& e : errors_m) mean_m += e / static_cast<double>(errors_m.size());
+    double sum = 0.0;
+    for (const auto& e : errors_m) sum += (e - mean_m).norm();
+    return sum;
+  };
+  const std::vector<PairRow> pairs = take.read_errors().pairs;
+  EXPECT_GT(pairs.size(), 2 * take.head().joints.size());  // one block of time
+  for (const PairRow& pair : pairs) {
+    const auto first_m = errors_on_both(block, take.head(), pair.quantity, pair.first, pair.second);
+    const auto second_m = errors_on_both(block, take.head(), pair.quantity, pair.second, pair.first);
+    EXPECT_EQ(pair.n, first_m.size());
+    EXPECT_NEAR(pair.first_m, sum_m(first_m), 1e-9) << pair.quantity << pair.first << pair.second;
+    EXPECT_NEAR(pair.second_m, sum_m(second_m), 1e-9) << pair.quantity << pair.first << pair.second;
+  }
+}
+
+// Of a single take its blocks tell methods apart, as they make intervals.
+TEST(Statistics, MethodsOfASingleTakeAreMarked) {
+  Evaluated evaluated;
+  const ResultsSummary summary = evaluated.of(
+      walking_spec(1, 30.0), study_of(R"("alignments": ["mean"], "reference": "mean", "methods": [
+          {"method": "mean"}, {"method": "mean", "name": "same"}, {"method": "single", "sensors": ["k2"]}])"));
+  std::size_t told_apart = 0;
+  for (const BestMethod& best : summary.best) {
+    if (best.method == "single k2") continue;
+    EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"))
+        << best.group << " " << best.method;
+    told_apart += best.like_best.size() == 1 ? 1 : 0;
+  }
+  EXPECT_GT(told_apart, 0u);
 }
 
 // A method whose error is larger for every participant is not marked; one with equal estimates is.

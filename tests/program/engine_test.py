@@ -108,11 +108,11 @@ class Stops(Studies):
         trilat(*words, "-o", results)
         before = settled(results)
         cut, other, *_ = sorted((results / "items").iterdir())
-        (cut / "samples.h5").write_bytes((cut / "samples.h5").read_bytes()[:-100])
+        (cut / "take.h5").write_bytes((cut / "take.h5").read_bytes()[:-100])
         shutil.rmtree(other)
         shutil.copytree(cut, other)
         said = trilat(*words, "-o", results)
-        self.assertIn(f"{cut.name}/samples.h5: is not whole", said)
+        self.assertIn(f"{cut.name}/take.h5: is not whole", said)
         self.assertIn(f"{other.name}/item.json /key: is another than the name of its folder", said)
         self.assertEqual(settled(results), before)
 

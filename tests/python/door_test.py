@@ -96,6 +96,17 @@ class DoorTest(unittest.TestCase):
         self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
 
     @unittest.skipIf(missing("pandas"), "pandas is not installed (Debian: python3-pandas)")
+    def test_sums_of_the_table_of_errors_are_the_numbers_of_the_tables(self):
+        errors = self.results.errors()
+        rows = errors[(errors.method == "mean") & (errors.alignment == "none") & (errors.subset == "all")
+                      & errors.joint.isin(["wrist_left", "wrist_right"])]
+        cell = next(cell for cell in self.results.summary["cells"]
+                    if (cell["method"], cell["group"], cell["alignment"]) == ("mean", "wrist", "none"))
+        self.assertAlmostEqual(rows.length_m.sum() / rows.answered.sum(), cell["mae_m"], 12)
+        self.assertEqual(rows.closed_form.sum(), cell["statuses"]["closed_form"])
+        self.assertEqual(rows.answered.sum(), cell["answered"])
+
+    @unittest.skipIf(missing("pandas"), "pandas is not installed (Debian: python3-pandas)")
     def test_tables_and_timelines(self):
         samples = self.results.samples("p01-walking")
         self.assertEqual(set(samples["take"]), {"p01-walking"})
@@ -213,15 +224,15 @@ class DoorTest(unittest.TestCase):
         with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 8"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
-        for samples in newer.glob("items/*/samples.h5"):
+        for samples in newer.glob("items/*/take.h5"):
             with h5py.File(samples, "r+") as file:
                 file.attrs["version"] = 99
-        with self.assertRaisesRegex(trilat.InputError, "samples.h5: has version 99"):
+        with self.assertRaisesRegex(trilat.InputError, "take.h5: has version 99"):
             trilat.results(newer)
         with self.assertRaisesRegex(trilat.InputError, "a folder that `trilat run` wrote"):
             trilat.results(self.folder / "camp")
-        with self.assertRaisesRegex(trilat.InputError, '"trilat.samples"; "trilat.session" is expected'):
-            trilat.session(next(self.results.folder.glob("items/*/samples.h5")))
+        with self.assertRaisesRegex(trilat.InputError, '"trilat.take"; "trilat.session" is expected'):
+            trilat.session(next(self.results.folder.glob("items/*/take.h5")))
         cut = self.folder / "cut.h5"
         cut.write_bytes((self.folder / "camp/p01-walking/session.h5").read_bytes()[:5000])
         with self.assertRaisesRegex(trilat.InputError, "cut short"):

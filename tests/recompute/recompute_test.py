@@ -18,10 +18,13 @@ import numpy as np
 import read_take
 import solve
 import tables
+import trilat
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/trilat"
 SAME_M = 1e-6  # single precision at 4 m
 SAME_RATIO = 1e-6  # of numbers that are stored in single precision
+BIN_M = 1e-3  # quantiles are of histograms
+QUANTILES = ("p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m")
 SENSORS = ["k1", "k2", "k3", "k4"]
 ALIGNMENTS = ["mean", "none", "first", "rigid"]
 REFERENCE = "nonlinear"
@@ -85,10 +88,11 @@ def require_same(what, expected, written, tolerance):
 class Samples:
     """One take's samples: arrays instants x joints x methods."""
 
-    def __init__(self, file, group):
+    def __init__(self, file):
+        group = file["samples"]
         self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
         names = np.array(file.attrs["status_names"].astype(str), object)
-        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "error_m", "iterations", "cost_m2",
+        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "iterations", "cost_m2",
                      "gdop"):
             setattr(self, name, group[name][:])
         self.status = names[group["status"][:]]
@@ -162,7 +166,7 @@ def compare_geometry(take, name, samples, m, place):
 def compare_numbers(where, expected, written):
     for key, value in expected.items():
         other = np.nan if written[key] is None else written[key]
-        tolerance = 0 if isinstance(value, int) else SAME_RATIO * max(1.0, abs(value))
+        tolerance = 0 if isinstance(value, int) else BIN_M if key in QUANTILES else SAME_RATIO * max(1.0, abs(value))
         require_same(lambda: f"{key} of {where}", np.asarray(value), np.asarray(other), tolerance)
 
 
@@ -182,51 +186,57 @@ def compare_method(takes, m, name, alignment, cells, differences):
     groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
     errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
     pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
-    all_pairs = [tables.lengths_of_any(s, m, reference, alignment) for s in takes]
     for condition, parts in (("walking", [s.asked for s in takes]),
                              ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
         computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
         computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
         against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
-        completed = tables.percent_of_average(all_pairs, {g: groups[g] for g in computed}, parts)
         computed["average"] = tables.average_of(computed.values())
         for group, numbers in computed.items():
             where = f"{condition}, alignment {alignment}, group {group}"
             compare_numbers(f"{name}, {where}", numbers, cells.pop((condition, name, alignment, group)))
             if m != reference:
-                if alignment == ALIGNMENTS[0]:
-                    against[group]["complete_percent"] = completed[group]
                 compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
                                 differences.pop((condition, name, alignment, group)))
 
 
-def compare_rows_of_takes(takes, ids, summary):
-    """by_take, and error_m of samples.h5: both under the study's first alignment."""
+def compare_rows_of_takes(takes, ids, summary, error_m):
+    """by_take, and the errors that the Python module gives: both under the study's first alignment."""
+    shapes = [s.estimate_m.shape for s in takes]
+    given_m = [part.reshape(shape) for part, shape in
+               zip(np.split(error_m, np.cumsum([np.prod(shape[:3]) for shape in shapes])[:-1]), shapes)]
     rows = {(r["take"], r["condition"], r["method"], r["joint"]): r for r in summary["by_take"]}
-    for s, take in zip(takes, ids):
+    for s, take, given in zip(takes, ids, given_m):
         reference = s.methods.index(REFERENCE)
         for m, name in enumerate(s.methods):
             errors_m = tables.errors_of(s, m, ALIGNMENTS[0], s.answered[:, :, m])
             require_same(lambda i=0, j=0, axis=0: f"error_m of {name}, take {take}, instant {i}, joint {s.joints[j]}",
-                         errors_m, s.error_m[:, :, m], SAME_M)
-            pairs = {"both": tables.lengths_on_both(s, m, reference, ALIGNMENTS[0]),
-                     "complete": tables.lengths_of_any(s, m, reference, ALIGNMENTS[0])}
+                         errors_m, given[:, :, m], SAME_M)
+            own = {k: np.linalg.norm(tables.errors_of(s, k, ALIGNMENTS[0], s.answered[:, :, k]), axis=2)
+                   for k in (m, reference)}
+            both = tables.lengths_on_both(s, m, reference, ALIGNMENTS[0])
             for condition, part in (("walking", s.asked), ("walking, occluded", s.asked & (s.occluded > 0))):
                 for j in np.flatnonzero(part.any(axis=0)):
                     row = rows.pop((take, condition, name, s.joints[j]))
                     compare_row(f"{name}, {condition}, take {take}, joint {s.joints[j]}", row, part[:, j],
                                 np.linalg.norm(errors_m[s.answered[:, j, m] & part[:, j], j], axis=1),
-                                {key: [length_m[part[:, j], j] for length_m in pair] for key, pair in pairs.items()})
+                                *([length_m[part[:, j], j] for length_m in pair]
+                                  for pair in (both, [own[m], own[reference]])))
     if rows:
         raise Different(f"summary.json also has {list(rows)}")
 
 
-def compare_row(where, row, asked, length_m, pairs):
+def compare_row(where, row, asked, length_m, both, own):
     compare_numbers(where, {"asked": int(asked.sum()), "answered": len(length_m), "mae_m": tables.mean_of(length_m)}, row)
-    for key, pair in pairs.items():
-        own_m, reference_m = (lengths[np.isfinite(lengths)] for lengths in pair)
-        compare_numbers(f"{where}, {key}", {"n": len(own_m), "mae_m": tables.mean_of(own_m),
-                                            "reference_mae_m": tables.mean_of(reference_m)}, row[key])
+    ours_m, theirs_m = (lengths[np.isfinite(lengths)] for lengths in both)
+    compare_numbers(f"{where}, both", {"n": len(ours_m), "mae_m": tables.mean_of(ours_m),
+                                       "reference_mae_m": tables.mean_of(theirs_m)}, row["both"])
+    # what one answers alone stands for both
+    own_m, reference_m = (np.nansum(lengths) for lengths in own)
+    n = len(length_m) + int(np.isfinite(own[1]).sum()) - len(ours_m)
+    compare_numbers(f"{where}, complete",
+                    {"n": n, "mae_m": (own_m + reference_m - theirs_m.sum()) / n if n else np.nan,
+                     "reference_mae_m": (own_m + reference_m - ours_m.sum()) / n if n else np.nan}, row["complete"])
 
 
 def compare_replay(take, replay):
@@ -257,18 +267,20 @@ class Results:
         items = [results / "items" / manifest["items"]["takes/" + take["id"]] for take in manifest["takes"]]
         self.samples = []
         for item in items:
-            with h5py.File(item / "samples.h5") as file:
-                self.samples.append(Samples(file, file["takes/00000"]))
+            with h5py.File(item / "take.h5") as file:
+                self.samples.append(Samples(file))
         entries = json.loads((folder / name / "campaign.json").read_text())["takes"]
         self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS) for e in entries]
-        with h5py.File(items[0] / "replay.h5") as file:
-            self.replay = {key: file["take"][key][:] for key in ("joint_m", "state")}
+        columns = trilat.results(results).columns()
+        self.error_m = np.stack([columns[f"error_{axis}_m"] for axis in "xyz"], axis=1)
+        with h5py.File(items[0] / "take.h5") as file:
+            self.replay = {key: file["replay"][key][:] for key in ("joint_m", "state")}
 
     def compare(self):
         compare_replay(self.takes[0], self.replay)
         for take, samples in zip(self.takes, self.samples):
             compare_take(take, samples)
-        compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary)
+        compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary, self.error_m)
         compare_tables(self.samples, self.summary)
 
 

@@ -64,27 +64,10 @@ def average_of(cells):
             "mae_m": np.mean([c["mae_m"] for c in cells])}
 
 
-def lengths_of_any(samples, m, reference, alignment):
-    """As lengths_on_both; where one of the two is silent, the other's own error length stands for both."""
-    pair = lengths_on_both(samples, m, reference, alignment)
-    both = samples.answered[:, :, m] & samples.answered[:, :, reference]
-    for k in (m, reference):
-        own = samples.answered[:, :, k]
-        alone = np.linalg.norm(errors_of(samples, k, alignment, own), axis=2)
-        pair = [np.where(own & ~both, alone, lengths) for lengths in pair]
-    return pair
-
-
 def lengths_on_both(samples, m, reference, alignment):
     """Error lengths of a method and the reference, each aligned on the samples that both answer; NaN elsewhere."""
     both = samples.answered[:, :, m] & samples.answered[:, :, reference]
     return [np.linalg.norm(errors_of(samples, k, alignment, both), axis=2) for k in (m, reference)]
-
-
-def percent_of_average(pairs, groups, parts):
-    """100 (method - reference) / reference by group and of the plain means over groups."""
-    numbers = differences_of(pairs, groups, parts)
-    return {group: n["percent_of_reference"] for group, n in numbers.items()}
 
 
 def differences_of(pairs, groups, parts):

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "pipeline/accuracy/take/take_data.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/results/samples.h"
+#include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/methods/over_time.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"

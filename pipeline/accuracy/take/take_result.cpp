@@ -19,17 +19,17 @@ void TakeCheck::merge(const TakeCheck& later) {
   }
 }
 
-RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check) {
+RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check) {
   RunOutcome outcome;
   const std::vector<const Method*> checked = checked_methods(plan);
   std::vector<TakeCheck> checks(checked.size());
   std::vector<TakeTracking> tracking;
-  for (const EvaluatedTake& take : takes) {
-    tracking.push_back(take.result.tracking);
-    outcome.notes.insert(outcome.notes.end(), take.result.notes.begin(), take.result.notes.end());
-    outcome.evaluated.push_back(take.result.evaluated);
-    for (std::size_t m = 0; m < std::min(checks.size(), take.result.checks.size()); ++m)
-      checks[m].merge(take.result.checks[m]);
+  for (const TakeResult& take : takes) {
+    tracking.push_back(take.tracking);
+    outcome.notes.insert(outcome.notes.end(), take.notes.begin(), take.notes.end());
+    outcome.evaluated.push_back(take.evaluated);
+    for (std::size_t m = 0; m < std::min(checks.size(), take.checks.size()); ++m)
+      checks[m].merge(take.checks[m]);
   }
   outcome.tracking = sum_tracking(plan, tracking);
   for (std::size_t m = 0; cross_check && m < checks.size(); ++m) {

@@ -11,7 +11,6 @@
 #include "datasets/base/described.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
-#include "pipeline/accuracy/statistics/take_statistics.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/tracking_check.h"
 
@@ -36,7 +35,7 @@ struct TakeCheck {
   TRILAT_FIELDS(samples, disagreements, worst_m, worst_at, disagreed_at)
 };
 
-// All that evaluating one take gives besides its samples and its replay.
+// All that evaluating one take gives besides its file.
 struct TakeResult {
   std::vector<TakeInput> inputs;
   std::vector<TakeNote> notes;    // places are given from the campaign's folder
@@ -47,14 +46,6 @@ struct TakeResult {
   TRILAT_FIELDS(evaluated, inputs, notes, checks, tracking)
 };
 
-// Where the samples of a take are: `folder`/samples.h5 and, when it is shown, `folder`/replay.h5, under its
-// id.
-struct EvaluatedTake {
-  std::filesystem::path folder;
-  TakeResult result;
-  std::optional<TakeSummary> summary;  // of one that was evaluated by this process
-};
-
 // What the takes of a plan say together.
 struct RunOutcome {
   std::vector<TakeNote> notes;  // in the order of the takes
@@ -62,6 +53,6 @@ struct RunOutcome {
   std::vector<CrossCheck> cross_checks;
   TrackingSummary tracking;
 };
-RunOutcome outcome_of(const Plan& plan, std::span<const EvaluatedTake> takes, bool cross_check);
+RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check);
 
 }  // namespace trilat

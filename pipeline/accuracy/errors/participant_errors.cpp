@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/statistics/participant_errors.h"
+#include "pipeline/accuracy/errors/participant_errors.h"
 
 #include <algorithm>
 #include <cmath>

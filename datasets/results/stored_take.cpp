@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/stored_take.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/version.h"
+#include "datasets/hdf5/hdf5_file.h"
+#include "datasets/skeleton/skeleton.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kTakeFormat = "trilat.take";
+constexpr std::int64_t kTakeVersion = 1;
+constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
+constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
+constexpr std::uint64_t kPoseNumbers = 7;                // quaternion w, x, y, z and position x, y, z
+constexpr std::uint64_t kMaxReplayInstants = 1u << 20;   // far beyond what is ever written
+constexpr std::size_t kMaxSensors = 64;
+
+struct SampleTables {
+  H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, status, iterations, cost_m2, gdop;
+};
+
+// Makes or opens one table of a take.
+template <class Table>
+SampleTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table& table) {
+  return {table("time_ns", H5Type::i64, {}),
+          table("heading_rad", H5Type::f32, {}),
+          table("truth_m", H5Type::f64, {joints, 3}),
+          table("ranges", H5Type::u8, {joints}),
+          table("occluded", H5Type::u8, {joints}),
+          table("estimate_m", H5Type::f64, {joints, methods, 3}),
+          table("status", H5Type::u8, {joints, methods}),
+          table("iterations", H5Type::u32, {joints, methods}),
+          table("cost_m2", H5Type::f64, {joints, methods}),
+          table("gdop", H5Type::f32, {joints, methods})};
+}
+
+using Shape = std::vector<std::uint64_t>;
+
+void check_block(const SampleBlock& block, const SampleTables& t, std::size_t statuses) {
+  const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
+  if (first != block.time_ns.end() && (*first < -kMostNs || *last > kMostNs))
+    throw InputError(t.time_ns.place(), "holds a time beyond 73 years, which no clock shows");
+  const auto status = std::ranges::max_element(block.status);
+  if (status != block.status.end() && *status >= statuses)
+    throw InputError(t.status.place(), fmt::format("holds the status {}, which has no name", *status));
+}
+
+// The numbers of a row: those that count, as u32, and those that measure, as f64. A list of three is along x,
+// y and z, any other is numbered.
+struct RowColumns {
+  struct Column {
+    std::string name;
+    std::size_t offset;
+  };
+  std::vector<Column> counts, sums;
+
+  template <class Row>
+  static RowColumns of() {
+    RowColumns columns;
+    const Row row;
+    Row::fields(row, [&](const char* name, const auto& member) {
+      const auto offset = static_cast<std::size_t>(reinterpret_cast<const char*>(&member) -
+                                                   reinterpret_cast<const char*>(&row));
+      columns.add(name, member, offset);
+    });
+    return columns;
+  }
+
+ private:
+  void add(const std::string& name, std::uint32_t, std::size_t offset) { counts.push_back({name, offset}); }
+  void add(const std::string& name, double, std::size_t offset) { sums.push_back({name, offset}); }
+  template <class T, std::size_t n>
+  void add(const std::string& name, const std::array<T, n>& list, std::size_t offset) {
+    for (std::size_t k = 0; k < n; ++k)
+      add(fmt::format("{}_{}", name, n == 3 ? std::string(1, "xyz"[k]) : std::to_string(k)), list[k],
+          offset + k * sizeof(T));
+  }
+};
+
+std::vector<std::string> names_of(const std::vector<RowColumns::Column>& columns) {
+  std::vector<std::string> names;
+  for (const RowColumns::Column& column : columns) names.push_back(column.name);
+  return names;
+}
+
+// A table of such rows is a group of two: `counts` and `sums`, whose columns are named by its attributes.
+template <class Row>
+void write_rows(H5Node& parent, const char* name, const std::vector<Row>& rows) {
+  const RowColumns columns = RowColumns::of<Row>();
+  H5Node node = parent.create_group(name);
+  const auto write = [&](const char* part, const std::vector<RowColumns::Column>& of, auto number) {
+    node.set_texts(std::string(part) + "_columns", names_of(of));
+    std::vector<decltype(number)> values;
+    values.reserve(rows.size() * of.size());
+    for (const Row& row : rows)
+      for (const RowColumns::Column& column : of) {
+        std::memcpy(&number, reinterpret_cast<const char*>(&row) + column.offset, sizeof(number));
+        values.push_back(number);
+      }
+    H5Table table = node.create_table(part, h5_type_of<decltype(number)>(), {of.size()}, {}, rows.size());
+    if (!rows.empty()) table.write(0, std::span<const decltype(number)>(values));
+  };
+  write("counts", columns.counts, std::uint32_t{0});
+  if (!columns.sums.empty()) write("sums", columns.sums, 0.0);
+}
+
+template <class Row>
+std::vector<Row> read_rows(const H5Node& parent, const char* name) {
+  const RowColumns columns = RowColumns::of<Row>();
+  const H5Node node = parent.group(name);
+  std::vector<Row> rows;
+  const auto read = [&](const char* part, const std::vector<RowColumns::Column>& of, auto number) {
+    const H5Table table = node.table(part, h5_type_of<decltype(number)>(), {of.size()});
+    if (part == std::string("counts")) rows.resize(table.rows());
+    if (rows.size() != table.rows()) throw InputError(node.place(), "counts and sums differ in length");
+    std::vector<decltype(number)> values(rows.size() * of.size());
+    if (!values.empty()) table.read(0, std::span<decltype(number)>(values));
+    auto value = values.begin();
+    for (Row& row : rows)
+      for (const RowColumns::Column& column : of) {
+        std::memcpy(reinterpret_cast<char*>(&row) + column.offset, &*value, sizeof(number));
+        ++value;
+      }
+  };
+  read("counts", columns.counts, std::uint32_t{0});
+  if (!columns.sums.empty()) read("sums", columns.sums, 0.0);
+  return rows;
+}
+
+// Refuses rows that name what the take does not have: readers use the numbers as places.
+void check_places(const ErrorTable& t, const TakeHead& head, const std::string& place) {
+  const auto all = [&](const auto& rows, const auto& is_right, const char* what) {
+    if (!std::ranges::all_of(rows, is_right))
+      throw InputError(place + "/" + what, "has a row of a joint, method or alignment that the take has not");
+  };
+  const auto is_of = [&](std::uint32_t quantity, std::uint32_t method, std::uint32_t alignment) {
+    return quantity < head.joints.size() && method < head.methods.size() && alignment < t.alignments.size();
+  };
+  const auto is_cell = [&](const auto& row) {
+    return is_of(row.quantity, row.method, row.alignment) && row.subset < kSubsetNames.size();
+  };
+  all(
+      t.laid_over, [&](const AlignmentRow& r) { return is_of(r.quantity, r.method, r.alignment); },
+      "laid_over");
+  all(t.errors, is_cell, "errors");
+  all(
+      t.histogram, [&](const HistogramRow& r) { return is_cell(r) && r.bin <= kLastBin; }, "histogram");
+  all(
+      t.pairs,
+      [&](const PairRow& r) {
+        return is_of(r.quantity, r.first, r.alignment) && r.second < head.methods.size() &&
+               r.subset < kSubsetNames.size();
+      },
+      "pairs");
+  all(
+      t.bodies,
+      [&](const BodyRow& r) { return r.method < head.methods.size() && r.with < head.methods.size(); },
+      "bodies");
+  all(
+      t.shapes, [&](const ShapeRow& r) { return r.method < head.methods.size(); }, "shapes");
+  all(
+      t.truth, [&](const TruthRow& r) { return r.quantity < head.joints.size(); }, "truth");
+  if (t.body_alignment >= t.alignments.size()) throw InputError(place, "has no body alignment");
+}
+
+std::vector<double> pose_numbers(const std::vector<RigidTransform>& poses) {
+  std::vector<double> numbers;
+  for (const RigidTransform& pose : poses) {
+    const Eigen::Quaterniond& q = pose.rotation;
+    const Eigen::Vector3d& t = pose.translation_m;
+    numbers.insert(numbers.end(), {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+  }
+  return numbers;
+}
+
+RigidTransform pose_of(const double* n, const std::string& place) {
+  RigidTransform pose{{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
+  const bool unit = std::abs(pose.rotation.norm() - 1.0) < 1e-6;
+  if (!unit || !pose.translation_m.allFinite()) throw InputError(place, "world_from_sensor is no pose");
+  return pose;
+}
+
+}  // namespace
+
+void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  first_instant = first;
+  instants = count;
+  time_ns.assign(count, 0);
+  heading_rad.assign(count, std::numeric_limits<float>::quiet_NaN());
+  truth_m.assign(count * joints * 3, kNaN);
+  ranges.assign(count * joints, 0);
+  occluded.assign(count * joints, 0);
+  estimate_m.assign(count * joints * methods * 3, kNaN);
+  status.assign(count * joints * methods, 0);
+  iterations.assign(count * joints * methods, 0);
+  cost_m2.assign(count * joints * methods, kNaN);
+  gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
+}
+
+void Replay::reset(std::uint64_t count, std::size_t sensor_count) {
+  instants = count;
+  joint_m.assign(count * sensor_count * kJointCount * 3, std::numeric_limits<float>::quiet_NaN());
+  state.assign(count * sensor_count * kJointCount, static_cast<std::uint8_t>(TrackingState::not_tracked));
+}
+
+struct StoredTake::State {
+  std::filesystem::path path;
+  H5File file;
+  TakeHead head;
+  std::optional<SampleTables> samples;
+};
+
+StoredTake::StoredTake() : state_(std::make_unique<State>()) {}
+StoredTake::~StoredTake() = default;
+StoredTake::StoredTake(StoredTake&&) noexcept = default;
+
+StoredTake StoredTake::create(const std::filesystem::path& path, const TakeHead& head) {
+  StoredTake take;
+  State& s = *take.state_;
+  s.path = path;
+  s.head = head;
+  s.file = H5File::create(path);
+  s.file.set_text("format", kTakeFormat);
+  s.file.set_integer("version", kTakeVersion);
+  s.file.set_text("created_by", kProgramVersion);
+  s.file.set_text("id", head.id);
+  s.file.set_text("condition", head.condition);
+  s.file.set_texts("joints", head.joints);
+  s.file.set_texts("methods", head.methods);
+  s.file.set_texts("status_names", head.status_names);
+  H5Node samples = s.file.create_group("samples");
+  s.samples = tables_of(head.joints.size(), head.methods.size(),
+                        [&](const char* name, H5Type type, const Shape& shape) {
+                          return samples.create_table(name, type, shape, {}, head.instants);
+                        });
+  return take;
+}
+
+StoredTake StoredTake::open(const std::filesystem::path& path) {
+  StoredTake take;
+  State& s = *take.state_;
+  s.path = path;
+  s.file = H5File::open(path);
+  if (!s.file.has_attribute("format") || s.file.text("format") != kTakeFormat)
+    throw InputError(path.string(), "is not a file of a take's results");
+  if (s.file.integer("version") != kTakeVersion)
+    throw InputError(path.string(),
+                     fmt::format("is another version; this program reads version {}", kTakeVersion));
+  s.head.id = s.file.text("id");
+  s.head.condition = s.file.text("condition");
+  s.head.joints = s.file.texts("joints");
+  s.head.methods = s.file.texts("methods");
+  s.head.status_names = s.file.texts("status_names");
+  if (s.head.joints.size() * s.head.methods.size() > kMaxEstimates)
+    throw InputError(path.string(), fmt::format("has {} joints x {} methods, more than the {} allowed",
+                                                s.head.joints.size(), s.head.methods.size(), kMaxEstimates));
+  const H5Node samples = s.file.group("samples");
+  s.samples = tables_of(
+      s.head.joints.size(), s.head.methods.size(),
+      [&](const char* name, H5Type type, const Shape& shape) { return samples.table(name, type, shape); });
+  s.head.instants = s.samples->time_ns.rows();
+  return take;
+}
+
+void StoredTake::finish() {
+  state_->samples.reset();
+  state_->file.close();
+  sync_file(state_->path);
+}
+
+const std::filesystem::path& StoredTake::path() const { return state_->path; }
+const TakeHead& StoredTake::head() const { return state_->head; }
+
+void StoredTake::write(const SampleBlock& b) {
+  SampleTables& t = *state_->samples;
+  const auto put = [&](H5Table& table, const auto& values) {
+    table.write(b.first_instant, std::span(values.data(), values.size()));
+  };
+  put(t.time_ns, b.time_ns);
+  put(t.heading_rad, b.heading_rad);
+  put(t.truth_m, b.truth_m);
+  put(t.ranges, b.ranges);
+  put(t.occluded, b.occluded);
+  put(t.estimate_m, b.estimate_m);
+  put(t.status, b.status);
+  put(t.iterations, b.iterations);
+  put(t.cost_m2, b.cost_m2);
+  put(t.gdop, b.gdop);
+}
+
+SampleBlock StoredTake::read(std::uint64_t first_instant, std::uint64_t instants,
+                             SampleColumns columns) const {
+  SampleBlock block;
+  read(first_instant, instants, columns, block);
+  return block;
+}
+
+void StoredTake::read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
+                      SampleBlock& b) const {
+  const SampleTables& t = *state_->samples;
+  const bool all = columns == SampleColumns::all;
+  b.first_instant = first_instant;
+  b.instants = instants;
+  const auto get = [&](const H5Table& table, auto& values, bool wanted = true) {
+    values.resize(wanted ? instants * table.row_elements() : 0);
+    if (wanted) table.read(first_instant, std::span(values.data(), values.size()));
+  };
+  get(t.time_ns, b.time_ns);
+  get(t.heading_rad, b.heading_rad);
+  get(t.truth_m, b.truth_m);
+  get(t.estimate_m, b.estimate_m);
+  get(t.status, b.status);
+  get(t.iterations, b.iterations);
+  get(t.occluded, b.occluded);
+  check_block(b, t, state_->head.status_names.size());
+  get(t.ranges, b.ranges, all);
+  get(t.cost_m2, b.cost_m2, all);
+  get(t.gdop, b.gdop, all);
+}
+
+void StoredTake::write_errors(const ErrorTable& table) {
+  H5Node node = state_->file.create_group("errors");
+  node.set_text("settings_sha256", table.settings_sha256);
+  node.set_texts("alignments", table.alignments);
+  node.set_texts("subsets", {kSubsetNames.begin(), kSubsetNames.end()});
+  node.set_integer("body_alignment", table.body_alignment);
+  write_rows(node, "laid_over", table.laid_over);
+  write_rows(node, "errors", table.errors);
+  write_rows(node, "pairs", table.pairs);
+  write_rows(node, "histogram", table.histogram);
+  write_rows(node, "bodies", table.bodies);
+  write_rows(node, "shapes", table.shapes);
+  write_rows(node, "truth", table.truth);
+}
+
+ErrorTable StoredTake::read_errors() const {
+  const H5Node node = state_->file.group("errors");
+  ErrorTable table;
+  table.settings_sha256 = node.text("settings_sha256");
+  table.alignments = node.texts("alignments");
+  table.body_alignment = static_cast<std::uint32_t>(node.integer("body_alignment"));
+  table.laid_over = read_rows<AlignmentRow>(node, "laid_over");
+  table.errors = read_rows<ErrorRow>(node, "errors");
+  table.pairs = read_rows<PairRow>(node, "pairs");
+  table.histogram = read_rows<HistogramRow>(node, "histogram");
+  table.bodies = read_rows<BodyRow>(node, "bodies");
+  table.shapes = read_rows<ShapeRow>(node, "shapes");
+  table.truth = read_rows<TruthRow>(node, "truth");
+  check_places(table, state_->head, node.place());
+  return table;
+}
+
+void StoredTake::write_replay(const Replay& replay) {
+  H5Node node = state_->file.create_group("replay");
+  node.set_texts("sensors", replay.sensors);
+  const std::uint64_t sensors = replay.sensors.size();
+  const std::vector<double> poses = pose_numbers(replay.world_from_sensor);
+  node.create_table("world_from_sensor", H5Type::f64, {kPoseNumbers}, {}, sensors)
+      .write(0, std::span<const double>(poses));
+  node.create_table("joint_m", H5Type::f32, {sensors, kJointCount, 3}, {}, replay.instants)
+      .write(0, std::span<const float>(replay.joint_m));
+  node.create_table("state", H5Type::u8, {sensors, kJointCount}, {}, replay.instants)
+      .write(0, std::span<const std::uint8_t>(replay.state));
+}
+
+std::optional<Replay> StoredTake::read_replay() const {
+  if (!state_->file.has("replay")) return std::nullopt;
+  const H5Node node = state_->file.group("replay");
+  Replay replay;
+  replay.sensors = node.texts("sensors");
+  const std::size_t sensors = replay.sensors.size();
+  const H5Table poses = node.table("world_from_sensor", H5Type::f64, {kPoseNumbers});
+  if (sensors == 0 || sensors > kMaxSensors || poses.rows() != sensors)
+    throw InputError(node.place(), "must have a pose for each of 1 to 64 sensors");
+  std::vector<double> numbers(sensors * kPoseNumbers);
+  poses.read(0, std::span<double>(numbers));
+  for (std::size_t s = 0; s < sensors; ++s)
+    replay.world_from_sensor.push_back(pose_of(&numbers[s * kPoseNumbers], node.place()));
+  const H5Table joints = node.table("joint_m", H5Type::f32, {sensors, kJointCount, 3});
+  const H5Table states = node.table("state", H5Type::u8, {sensors, kJointCount});
+  if (joints.rows() != states.rows() || joints.rows() > std::min(kMaxReplayInstants, state_->head.instants))
+    throw InputError(node.place(), "joint_m and state differ in length, or are longer than the take");
+  replay.reset(joints.rows(), sensors);
+  joints.read(0, std::span<float>(replay.joint_m));
+  states.read(0, std::span<std::uint8_t>(replay.state));
+  return replay;
+}
+
+}  // namespace trilat

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/geometry/rigid_transform.h"
+#include "datasets/results/error_table.h"
+
+namespace trilat {
+
+// What the samples of a take are of: every instant has a slot for every joint and method, whether answered or
+// not.
+struct TakeHead {
+  std::string id, condition;  // condition: the take's activity
+  std::uint64_t instants = 0;
+  std::vector<std::string> joints, methods;
+  std::vector<std::string> status_names;  // status number -> name
+};
+
+// Rows [first_instant, first_instant + instants) of a take. Per instant: time_ns and heading_rad; per instant
+// and joint: truth (x, y, z); per instant, joint and method: everything else, joints before methods.
+struct SampleBlock {
+  std::uint64_t first_instant = 0;
+  std::uint64_t instants = 0;
+  std::vector<std::int64_t> time_ns;  // host clock
+  std::vector<float> heading_rad;     // of the person, from world +z towards +x; NaN when not known
+  std::vector<double> truth_m;        // NaN where there is none
+  std::vector<double> estimate_m;     // x, y, z; NaN where there is none
+  std::vector<std::uint8_t> status;
+  std::vector<std::uint32_t> iterations;
+  std::vector<double> cost_m2;
+  std::vector<float> gdop;
+  std::vector<std::uint8_t> ranges;  // how many sensors saw the joint (per instant and joint)
+  // How many of them saw it occluded: inferred, or crossed by a limb in front (per instant and joint).
+  std::vector<std::uint8_t> occluded;
+
+  // Sizes every column and fills it with what says "nothing happened": NaN, zero, status 0.
+  void reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods);
+};
+
+// Which columns of a block to read; errors: without ranges, cost and GDOP, which are empty then.
+enum class SampleColumns { errors, all };
+
+// What a replay shows at most of one take.
+inline constexpr double kReplay_s = 35.0;
+
+// What the sensors saw during the first part of a take.
+struct Replay {
+  std::vector<std::string> sensors;
+  std::vector<RigidTransform> world_from_sensor;
+  std::uint64_t instants = 0;
+  // x, y, z in the world of every instant, sensor and Kinect joint; NaN where the sensor does not have it.
+  // Exchanges of left and right that the study undoes are undone.
+  std::vector<float> joint_m;
+  std::vector<std::uint8_t> state;  // TrackingState of the same
+
+  // Takes up the shape and says "not seen" everywhere.
+  void reset(std::uint64_t instants, std::size_t sensors);
+};
+
+// take.h5 (version 1), the item of a take: its samples, their errors, and what the page replays. Equal takes
+// give equal bytes. Samples are written slot by slot: blocks may come in any order and from any thread. All
+// space is laid out when the file is made; what is never written must be written empty.
+class StoredTake {
+ public:
+  static constexpr const char* kName = "take.h5";
+
+  static StoredTake create(const std::filesystem::path& path, const TakeHead& head);
+  static StoredTake open(const std::filesystem::path& path);
+  StoredTake(StoredTake&&) noexcept;
+  ~StoredTake();
+
+  const std::filesystem::path& path() const;
+  const TakeHead& head() const;
+
+  void write(const SampleBlock& block);
+  SampleBlock read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns) const;
+  // The same into the memory of an earlier block.
+  void read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
+            SampleBlock& block) const;
+
+  void write_errors(const ErrorTable& table);
+  ErrorTable read_errors() const;
+
+  void write_replay(const Replay& replay);
+  std::optional<Replay> read_replay() const;  // nothing: it is not replayed
+
+  // Closes a file that was created, with all of it on the disk; OutputError when that cannot be.
+  void finish();
+
+ private:
+  StoredTake();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trilat

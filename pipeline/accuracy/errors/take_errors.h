@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "datasets/results/stored_take.h"
+#include "evaluators/alignment/alignment.h"
+#include "pipeline/accuracy/methods/method.h"
+
+namespace trilat {
+
+// What decides the errors of a take, beside its samples.
+struct ErrorSettings {
+  std::vector<AlignmentKind> alignments;
+  double training_share = 0.0;  // of a take's instants, at its start: what trained alignments learn from
+  bool occluded_apart = false;  // whether samples that a sensor sees occluded are a subset of their own
+  double rate_hz = 30.0;        // of the instants
+  // Methods, by number, that are compared on the samples that both answer; first < second.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs = {};
+
+  // The place of the alignment that whole bodies are measured under: none when the study has it, else the
+  // first.
+  std::uint32_t body_alignment() const;
+  std::string sha256() const;
+};
+
+// Every two methods are compared; but a set of sensors only with its method on all sensors and on the sets
+// that it contains, and with `mean`, `nonlinear` and the study's reference.
+ErrorSettings error_settings(const StudySpec& study, const std::vector<Method>& methods,
+                             std::size_t reference);
+
+// All but sets of sensors that an entry of the study has several of.
+bool competes(const std::vector<Method>& methods, std::size_t method);
+
+// The instants of a block of time: five seconds; a twelfth of the take where that is longer.
+std::uint64_t block_instants(std::uint64_t instants, double rate_hz);
+
+// The errors of a take's samples. Both methods of a pair are aligned on the samples that both answer: one
+// that answers less would else be fitted to just these, and look better for it. Reads the file three times,
+// from memory where its samples are below 64 MB.
+ErrorTable errors_of(const StoredTake& take, const ErrorSettings& settings);
+
+}  // namespace trilat

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/stored_take.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/files.h"
+#include "datasets/hdf5/hdf5_file.h"
+#include "datasets/results/summary.h"
+#include "datasets/skeleton/skeleton.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+// File names and asset names come from outside and need not be UTF-8.
+TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
+  const ScratchFolder folder;
+  ResultsSummary summary;
+  summary.alignments = {"mean"};
+  summary.notes = {{"a", true, "a.csv", "it holds marker:T\xeate"}};
+  write_summary(folder.path(), summary);
+  EXPECT_THAT(read_summary(folder.path()).notes.at(0).text, HasSubstr("marker:T"));
+}
+
+TakeHead small_head() {
+  return {"one", "walking", 10, {"head", "neck"}, {"mean", "nonlinear", "linear"}, {"a", "b"}};
+}
+
+SampleBlock block_of(std::uint64_t first, std::uint64_t count) {
+  SampleBlock block;
+  block.reset(first, count, 2, 3);
+  for (std::uint64_t i = 0; i < count; ++i) block.time_ns[i] = static_cast<std::int64_t>(first + i);
+  for (std::size_t i = 0; i < block.estimate_m.size(); ++i)
+    block.estimate_m[i] = static_cast<double>(first * 18 + i) / 7.0;
+  for (std::size_t i = 0; i < block.status.size(); ++i) block.status[i] = static_cast<std::uint8_t>(i % 2);
+  return block;
+}
+
+// A row of which every number is another.
+template <class Row>
+Row filled_row() {
+  Row row;
+  std::uint32_t count = 0;
+  double sum = 0.5;
+  const auto fill = [&](auto& number) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(number)>, double>)
+      number = sum++;
+    else
+      number = ++count;
+  };
+  Row::fields(row, [&](const char*, auto& member) {
+    if constexpr (requires { member.size(); })
+      for (auto& number : member) fill(number);
+    else
+      fill(member);
+  });
+  return row;
+}
+
+// The places that a row names are those of small_head().
+template <class Row>
+Row placed_row() {
+  Row row = filled_row<Row>();
+  if constexpr (requires { row.quantity; }) row.quantity = 1;
+  if constexpr (requires { row.method; }) row.method = 2;
+  if constexpr (requires { row.alignment; }) row.alignment = 0;
+  if constexpr (requires { row.subset; }) row.subset = 1;
+  if constexpr (requires { row.second; }) row.first = 0, row.second = 2;
+  if constexpr (requires { row.with; }) row.with = 1;
+  return row;
+}
+
+ErrorTable small_table() {
+  ErrorTable table;
+  table.settings_sha256 = "00ff";
+  table.alignments = {"mean"};
+  table.laid_over = {placed_row<AlignmentRow>(), {}};
+  table.errors = {placed_row<ErrorRow>()};
+  table.pairs = {placed_row<PairRow>()};
+  table.histogram = {placed_row<HistogramRow>()};
+  table.bodies = {placed_row<BodyRow>()};
+  table.shapes = {placed_row<ShapeRow>()};
+  table.truth = {};  // an empty table comes back empty
+  return table;
+}
+
+Replay small_replay() {
+  Replay replay;
+  replay.sensors = {"k1", "k2"};
+  replay.world_from_sensor = {{}, {{std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0}, {1.0, 2.0, 3.0}}};
+  replay.reset(4, 2);
+  replay.joint_m[0] = 0.25f;
+  replay.state[0] = static_cast<std::uint8_t>(TrackingState::inferred);
+  return replay;
+}
+
+void write_all(const std::filesystem::path& path, const std::vector<std::uint64_t>& order,
+               const ErrorTable& table = small_table(), const Replay& replay = small_replay()) {
+  StoredTake take = StoredTake::create(path, small_head());
+  for (std::uint64_t first : order) take.write(block_of(first, 2));
+  take.write_errors(table);
+  take.write_replay(replay);
+  take.finish();
+}
+
+template <class Row>
+std::string text_of(const std::vector<Row>& rows) {
+  return json_of(rows).dump();
+}
+
+TEST(StoredTake, WhatIsWrittenIsReadBack) {
+  const ScratchFolder folder;
+  write_all(folder / "take.h5", {0, 2, 4, 6, 8});
+  const StoredTake take = StoredTake::open(folder / "take.h5");
+  EXPECT_EQ(take.head().joints, small_head().joints);
+  EXPECT_EQ(take.head().methods, small_head().methods);
+  EXPECT_EQ(take.head().condition, "walking");
+  EXPECT_EQ(take.head().instants, 10u);
+  const SampleBlock block = take.read(3, 4, SampleColumns::all);
+  EXPECT_EQ(block.time_ns, (std::vector<std::int64_t>{3, 4, 5, 6}));
+  EXPECT_EQ(block.estimate_m[18], block_of(4, 2).estimate_m[0]);
+  EXPECT_TRUE(std::isnan(block.truth_m[0]));
+  const ErrorTable there = take.read_errors(), wanted = small_table();
+  EXPECT_EQ(there.settings_sha256, wanted.settings_sha256);
+  EXPECT_EQ(there.alignments, wanted.alignments);
+  EXPECT_EQ(text_of(there.laid_over), text_of(wanted.laid_over));
+  EXPECT_EQ(text_of(there.errors), text_of(wanted.errors));
+  EXPECT_EQ(text_of(there.pairs), text_of(wanted.pairs));
+  EXPECT_EQ(text_of(there.histogram), text_of(wanted.histogram));
+  EXPECT_EQ(text_of(there.bodies), text_of(wanted.bodies));
+  EXPECT_EQ(text_of(there.shapes), text_of(wanted.shapes));
+  EXPECT_TRUE(there.truth.empty());
+  const std::optional<Replay> replay = take.read_replay();
+  ASSERT_TRUE(replay);
+  EXPECT_EQ(replay->sensors, small_replay().sensors);
+  EXPECT_EQ(replay->instants, 4u);
+  EXPECT_NEAR(
+      (replay->world_from_sensor[1] * Eigen::Vector3d::UnitX() - Eigen::Vector3d(1.0, 2.0, 2.0)).norm(), 0.0,
+      1e-12);
+  EXPECT_EQ(replay->joint_m[0], 0.25f);
+  EXPECT_TRUE(std::isnan(replay->joint_m[1]));
+  EXPECT_EQ(replay->state, small_replay().state);
+}
+
+TEST(StoredTake, TimesAndStatusesThatNobodyWritesAreRefused) {
+  const ScratchFolder folder;
+  SampleBlock block = block_of(0, 5);
+  block.time_ns[3] = std::numeric_limits<std::int64_t>::min();
+  StoredTake take = StoredTake::create(folder / "take.h5", small_head());
+  take.write(block);
+  const auto read = [&] { take.read(0, 5, SampleColumns::errors); };
+  EXPECT_THAT(message_of(read), HasSubstr("time_ns: holds a time beyond 73 years"));
+  block.time_ns[3] = 3;
+  block.status[2] = 7;
+  take.write(block);
+  EXPECT_THAT(message_of(read), HasSubstr("status: holds the status 7"));
+}
+
+TEST(StoredTake, RowsOfWhatTheTakeHasNotAreRefused) {
+  const ScratchFolder folder;
+  ErrorTable table = small_table();
+  table.pairs[0].second = 3;
+  write_all(folder / "pairs.h5", {0}, table);
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "pairs.h5").read_errors(); }), HasSubstr("pairs"));
+  table = small_table();
+  table.histogram[0].bin = kLastBin + 1;
+  write_all(folder / "bins.h5", {0}, table);
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "bins.h5").read_errors(); }),
+              HasSubstr("histogram"));
+}
+
+TEST(StoredTake, TheOrderOfWritingDoesNotChangeAByte) {
+  const ScratchFolder folder;
+  write_all(folder / "forward.h5", {0, 2, 4, 6, 8});
+  write_all(folder / "shuffled.h5", {6, 0, 8, 2, 4});
+  EXPECT_TRUE(read_file(folder / "forward.h5") == read_file(folder / "shuffled.h5"));
+}
+
+TEST(StoredTake, WithoutAReplayThereIsNone) {
+  const ScratchFolder folder;
+  StoredTake::create(folder / "take.h5", small_head()).finish();
+  EXPECT_FALSE(StoredTake::open(folder / "take.h5").read_replay());
+}
+
+TEST(StoredTake, AMatrixThatIsNoPoseIsRefused) {
+  const ScratchFolder folder;
+  Replay replay = small_replay();
+  replay.world_from_sensor[0].rotation.coeffs().setZero();
+  write_all(folder / "take.h5", {0}, small_table(), replay);
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5").read_replay(); }),
+              HasSubstr("world_from_sensor is no pose"));
+}
+
+TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
+  const ScratchFolder folder;
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "absent.h5"); }), HasSubstr("absent.h5"));
+  write_file(folder / "text.h5", "not HDF5");
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "text.h5"); }), HasSubstr("text.h5"));
+  H5File file = H5File::create(folder / "newer.h5");
+  file.set_text("format", "trilat.take");
+  file.set_integer("version", 99);
+  file.close();
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "newer.h5"); }),
+              HasSubstr("newer.h5: is another version; this program reads version 1"));
+  write_all(folder / "whole.h5", {0, 2, 4, 6, 8});
+  const std::string bytes = read_file(folder / "whole.h5");
+  for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 23) {
+    write_file(folder / "cut.h5", bytes.substr(0, size));
+    EXPECT_THAT(message_of([&] {
+                  const StoredTake take = StoredTake::open(folder / "cut.h5");
+                  take.read(0, 10, SampleColumns::all);
+                  take.read_errors();
+                }),
+                HasSubstr("cut.h5"));
+  }
+}
+
+}  // namespace
+}  // namespace trilat
