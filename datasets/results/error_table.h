@@ -50,13 +50,18 @@ struct PairRow {
   TRILAT_FIELDS(block, quantity, first, second, alignment, subset, n, first_m, second_m)
 };
 
-// Lengths of errors between bin and bin + 1 millimetres, over the whole take, of all samples and of the
-// occluded; the last bin holds all that are longer.
+// Lengths of errors over the whole take, of all samples and of the occluded: the next `bins` bins of the
+// table are this row's.
 struct HistogramRow {
-  std::uint32_t quantity = 0, method = 0, alignment = 0, subset = 0, bin = 0;
-  std::uint32_t n = 0;
+  std::uint32_t quantity = 0, method = 0, alignment = 0, subset = 0, bins = 0;
 
-  TRILAT_FIELDS(quantity, method, alignment, subset, bin, n)
+  TRILAT_FIELDS(quantity, method, alignment, subset, bins)
+};
+// So many between bin and bin + 1 millimetres; the last bin holds all that are longer.
+struct BinRow {
+  std::uint32_t bin = 0, n = 0;
+
+  TRILAT_FIELDS(bin, n)
 };
 inline constexpr double kBin_m = 0.001;
 inline constexpr std::uint32_t kLastBin = 2000;
@@ -117,7 +122,8 @@ struct ErrorTable {
   std::vector<AlignmentRow> laid_over;
   std::vector<ErrorRow> errors;
   std::vector<PairRow> pairs;  // first < second
-  std::vector<HistogramRow> histogram;
+  std::vector<HistogramRow> histograms;
+  std::vector<BinRow> bins;
   std::vector<BodyRow> bodies;
   std::vector<ShapeRow> shapes;
   std::vector<TruthRow> truth;

@@ -40,7 +40,7 @@ SampleTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table&
           table("estimate_m", H5Type::f64, {joints, methods, 3}),
           table("status", H5Type::u8, {joints, methods}),
           table("iterations", H5Type::u32, {joints, methods}),
-          table("cost_m2", H5Type::f64, {joints, methods}),
+          table("cost_m2", H5Type::f32, {joints, methods}),
           table("gdop", H5Type::f32, {joints, methods})};
 }
 
@@ -153,8 +153,12 @@ void check_places(const ErrorTable& t, const TakeHead& head, const std::string& 
       t.laid_over, [&](const AlignmentRow& r) { return is_of(r.quantity, r.method, r.alignment); },
       "laid_over");
   all(t.errors, is_cell, "errors");
+  all(t.histograms, is_cell, "histograms");
   all(
-      t.histogram, [&](const HistogramRow& r) { return is_cell(r) && r.bin <= kLastBin; }, "histogram");
+      t.bins, [&](const BinRow& r) { return r.bin <= kLastBin; }, "bins");
+  std::uint64_t bins = 0;
+  for (const HistogramRow& row : t.histograms) bins += row.bins;
+  if (bins != t.bins.size()) throw InputError(place + "/bins", "are not as many as the histograms have");
   all(
       t.pairs,
       [&](const PairRow& r) {
@@ -204,7 +208,7 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   estimate_m.assign(count * joints * methods * 3, kNaN);
   status.assign(count * joints * methods, 0);
   iterations.assign(count * joints * methods, 0);
-  cost_m2.assign(count * joints * methods, kNaN);
+  cost_m2.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
   gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
 }
 
@@ -338,7 +342,8 @@ void StoredTake::write_errors(const ErrorTable& table) {
   write_rows(node, "laid_over", table.laid_over);
   write_rows(node, "errors", table.errors);
   write_rows(node, "pairs", table.pairs);
-  write_rows(node, "histogram", table.histogram);
+  write_rows(node, "histograms", table.histograms);
+  write_rows(node, "bins", table.bins);
   write_rows(node, "bodies", table.bodies);
   write_rows(node, "shapes", table.shapes);
   write_rows(node, "truth", table.truth);
@@ -353,7 +358,8 @@ ErrorTable StoredTake::read_errors() const {
   table.laid_over = read_rows<AlignmentRow>(node, "laid_over");
   table.errors = read_rows<ErrorRow>(node, "errors");
   table.pairs = read_rows<PairRow>(node, "pairs");
-  table.histogram = read_rows<HistogramRow>(node, "histogram");
+  table.histograms = read_rows<HistogramRow>(node, "histograms");
+  table.bins = read_rows<BinRow>(node, "bins");
   table.bodies = read_rows<BodyRow>(node, "bodies");
   table.shapes = read_rows<ShapeRow>(node, "shapes");
   table.truth = read_rows<TruthRow>(node, "truth");

@@ -34,7 +34,7 @@ struct SampleBlock {
   std::vector<double> estimate_m;     // x, y, z; NaN where there is none
   std::vector<std::uint8_t> status;
   std::vector<std::uint32_t> iterations;
-  std::vector<double> cost_m2;
+  std::vector<float> cost_m2;
   std::vector<float> gdop;
   std::vector<std::uint8_t> ranges;  // how many sensors saw the joint (per instant and joint)
   // How many of them saw it occluded: inferred, or crossed by a limb in front (per instant and joint).

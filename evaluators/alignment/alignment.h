@@ -50,7 +50,8 @@ std::string_view name_of(AlignmentStatus status);
 // equal bytes add and merge in a fixed order.
 class AlignmentSums {
  public:
-  void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m) {
+  // Without `products` what is added says nothing of a rotation.
+  void add(const Eigen::Vector3d& estimate_m, const Eigen::Vector3d& truth_m, bool products = true) {
     if (count_ == 0) {
       first_estimate_m_ = estimate_m;
       first_truth_m_ = truth_m;
@@ -59,7 +60,7 @@ class AlignmentSums {
     const Eigen::Vector3d estimate = estimate_m - first_estimate_m_, truth = truth_m - first_truth_m_;
     estimate_m_ += estimate;
     truth_m_ += truth;
-    products_m2_ += estimate * truth.transpose();
+    if (products) products_m2_ += estimate * truth.transpose();
   }
   // As if `later` had been added after what is here.
   void merge(const AlignmentSums& later);

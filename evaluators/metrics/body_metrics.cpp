@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
@@ -28,6 +30,13 @@ bool spans_plane(const Eigen::Matrix3d& scatter_m2) {
   return sum > 0.0 && pairs > kLeast * sum * sum;
 }
 
+bool spans_plane(std::span<const Eigen::Vector3d> points_m) {
+  const Eigen::Vector3d mean_m = mean_of(points_m);
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points_m) scatter_m2 += (p - mean_m) * (p - mean_m).transpose();
+  return points_m.size() >= 3 && spans_plane(scatter_m2);
+}
+
 // The rotation R with the largest trace(R^T m), from the singular values.
 Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -36,57 +45,65 @@ Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& m) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-// The same; where m has full rank and turns no left hand into a right one it is the factor of m's polar
-// decomposition, which Newton's iteration finds in a tenth of the time (Higham 1986).
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {
+// The same, where it is well determined, else nothing, by Markley's fast optimal attitude matrix (1993): the
+// largest root of the characteristic polynomial is the sum of m's singular values, the last with the sign of
+// its determinant.
+std::optional<Eigen::Matrix3d> quick_rotation(const Eigen::Matrix3d& m) {
   constexpr int kMost = 30;
-  constexpr double kFullRank = 1e-7, kNear = 0.1, kSettled = 1e-12;
-  const double size = m.norm();
-  if (!(m.determinant() > kFullRank * size * size * size)) return rotation_by_svd(m);
-  Eigen::Matrix3d x = m / size;
-  double step = 1.0;
+  constexpr double kSettled = 1e-14, kWell = 1e-3;
+  const double squares = m.squaredNorm(), determinant = m.determinant();
+  Eigen::Matrix3d cofactors;
+  cofactors << m.row(1).cross(m.row(2)), m.row(2).cross(m.row(0)), m.row(0).cross(m.row(1));
+  const double last = squares * squares - 4.0 * cofactors.squaredNorm();
+  double sum = std::sqrt(3.0 * squares);  // no smaller than the root, so that Newton's steps only fall
   for (int i = 0; i < kMost; ++i) {
-    const Eigen::Matrix3d inverse = x.inverse();
-    const double scale = step < kNear ? 1.0 : std::sqrt(inverse.norm() / x.norm());
-    const Eigen::Matrix3d next = 0.5 * (scale * x + inverse.transpose() / scale);
-    step = (next - x).norm();
-    x = next;
-    if (step < kSettled) return x;
+    const double value = ((sum * sum - 2.0 * squares) * sum - 8.0 * determinant) * sum + last;
+    const double step = value / (4.0 * (sum * sum - squares) * sum - 8.0 * determinant);
+    sum -= step;
+    if (!(step > kSettled * sum)) break;
   }
-  return rotation_by_svd(m);
+  const double half = 0.5 * (sum * sum - squares), product = half * sum - determinant;
+  if (!(product > kWell * squares * std::sqrt(squares))) return std::nullopt;
+  return Eigen::Matrix3d(((half + squares) * m + sum * cofactors - m * (m.transpose() * m)) / product);
 }
 
 }  // namespace
 
 ProcrustesTruth::ProcrustesTruth(std::span<const Eigen::Vector3d> truth_m)
-    : centred_m_(truth_m.begin(), truth_m.end()) {
+    : centred_m_(truth_m.begin(), truth_m.end()), spans_plane_(spans_plane(truth_m)) {
   const Eigen::Vector3d mean_m = mean_of(truth_m);
-  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
-  for (Eigen::Vector3d& t : centred_m_) {
-    t -= mean_m;
-    scatter_m2 += t * t.transpose();
-  }
-  spans_plane_ = truth_m.size() >= 3 && spans_plane(scatter_m2);
+  for (Eigen::Vector3d& t : centred_m_) t -= mean_m;
 }
 
 double ProcrustesTruth::pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m) const {
   TRILAT_CHECK(estimate_m.size() == centred_m_.size(), "every joint has an estimate and a truth");
   if (!spans_plane_) return kNaN;
-  const Eigen::Vector3d mean_m = mean_of(estimate_m);
-  Eigen::Matrix3d cross_m2 = Eigen::Matrix3d::Zero(), scatter_m2 = cross_m2;
+  const auto n = static_cast<double>(estimate_m.size());
+  // The truths' sum is 0, so that their products with estimates need no mean of these.
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), x = sum, y = sum, z = sum;
+  double squares_m2 = 0.0;
   for (std::size_t j = 0; j < estimate_m.size(); ++j) {
-    const Eigen::Vector3d e = estimate_m[j] - mean_m;
-    cross_m2 += centred_m_[j] * e.transpose();
-    scatter_m2 += e * e.transpose();
+    const Eigen::Vector3d e = estimate_m[j] - estimate_m[0];
+    sum += e;
+    squares_m2 += e.squaredNorm();
+    x += e.x() * centred_m_[j];
+    y += e.y() * centred_m_[j];
+    z += e.z() * centred_m_[j];
   }
-  if (!cross_m2.allFinite() || !spans_plane(scatter_m2)) return kNaN;
-  const Eigen::Matrix3d rotation = nearest_rotation(cross_m2);
-  const double scale = rotation.cwiseProduct(cross_m2).sum() / scatter_m2.trace();
-  const Eigen::Matrix3d turned_and_scaled = scale * rotation;
+  const Eigen::Matrix3d cross_m2 = (Eigen::Matrix3d() << x, y, z).finished();
+  if (!cross_m2.allFinite()) return kNaN;
+  std::optional<Eigen::Matrix3d> rotation = quick_rotation(cross_m2);
+  if (!rotation) {
+    if (!spans_plane(estimate_m)) return kNaN;
+    rotation = rotation_by_svd(cross_m2);
+  }
+  const double scale = rotation->cwiseProduct(cross_m2).sum() / (squares_m2 - sum.squaredNorm() / n);
+  const Eigen::Matrix3d turned_and_scaled = scale * *rotation;
+  const Eigen::Vector3d shift_m = turned_and_scaled * (estimate_m[0] + sum / n);
   double sum_m = 0.0;
   for (std::size_t j = 0; j < estimate_m.size(); ++j)
-    sum_m += (turned_and_scaled * (estimate_m[j] - mean_m) - centred_m_[j]).norm();
-  return sum_m / static_cast<double>(estimate_m.size());
+    sum_m += (turned_and_scaled * estimate_m[j] - shift_m - centred_m_[j]).norm();
+  return sum_m / n;
 }
 
 double LengthSpread::standard_deviation_m() const {

@@ -33,9 +33,10 @@ struct AccuracyRun {
   bool cross_check = false;
   std::shared_ptr<HashCache> hashes;
   ErrorSettings errors;
-  std::vector<WatchedFiles> files;             // by take, from before the plan was made
-  std::vector<std::vector<TakeInput>> inputs;  // by take, once its key was asked for
-  std::vector<DeclaredParameter> parameters;   // of the simulator that made the campaign
+  std::vector<WatchedFiles> files;                // by take, from before the plan was made
+  std::vector<std::vector<TakeInput>> inputs;     // by take, once its key was asked for
+  std::vector<std::optional<ErrorTable>> tables;  // by take, of those that were evaluated
+  std::vector<DeclaredParameter> parameters;      // of the simulator that made the campaign
   StageClocks clocks;
 };
 
@@ -79,11 +80,12 @@ TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   for (const TakeInput& input : run.inputs[t])
     if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-  TakeResult result = evaluate_take(run.plan, t, run.errors, run.cross_check, into, run.clocks, watch);
+  auto [result, table] = evaluate_take(run.plan, t, run.errors, run.cross_check, into, run.clocks, watch);
   run.files[t].check();
+  run.tables[t] = std::move(table);
   result.inputs = run.inputs[t];
   for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, run.plan.campaign);
-  return result;
+  return std::move(result);
 }
 
 Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
@@ -135,6 +137,12 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   return summary;
 }
 
+// Of a take that was evaluated, now or by an earlier run.
+ErrorTable errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcome) {
+  if (run.tables[t]) return std::move(*std::exchange(run.tables[t], {}));
+  return stored_errors(ItemStore(outcome.folder.parent_path().parent_path()), outcome.key, run.errors);
+}
+
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
   constexpr double kTakesShare = 0.8;  // of the progress
   std::vector<TakeResult> results;
@@ -150,9 +158,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     watch.check();
     const Take& take = run.plan.takes[t].take;
     if (results[t].evaluated)
-      tables[t] = {take.id, take.participant, take.activity,
-                   stored_errors(ItemStore(of_take[t]->folder.parent_path().parent_path()), of_take[t]->key,
-                                 run.errors)};
+      tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t])};
     watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
   });
   std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
@@ -239,6 +245,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
   run->cross_check = cross_check;
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
+  run->tables.resize(run->plan.takes.size());
   run->errors = error_settings(run->plan.study, run->plan.methods, run->plan.reference);
   run->parameters = read_declared_parameters(campaign.folder);
   Study study{.kind = name_of(StudyKind::accuracy),

@@ -83,7 +83,7 @@ std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, 
   return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
 }
 
-void write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& clocks) {
+ErrorTable write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& clocks) {
   ErrorTable errors;
   {
     const Stopwatch time(clocks.summarise_ns);
@@ -91,6 +91,7 @@ void write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& 
   }
   const Stopwatch time(clocks.write_ns);
   file.write_errors(errors);
+  return errors;
 }
 
 TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
@@ -130,8 +131,8 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
 
 }  // namespace
 
-TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
   TakeProgress progress(plan, take, watch);
   TakeData data = load(plan, planned, clocks, watch);
@@ -146,12 +147,12 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings
   const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
   solve_take(plan, planned, data, paths, cross_check, file, clocks, watch, progress, result);
-  write_errors(file, errors, clocks);
+  ErrorTable table = write_errors(file, errors, clocks);
   if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, data));
   file.finish();
   result.notes = std::move(data.notes);
   result.evaluated = true;
-  return result;
+  return {std::move(result), std::move(table)};
 }
 
 bool is_replayed(const Plan& plan, std::size_t take) {

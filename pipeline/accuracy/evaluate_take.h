@@ -33,10 +33,15 @@ class Stopwatch {
   RunningTime time_;
 };
 
+struct EvaluatedTake {
+  TakeResult result;
+  ErrorTable errors;
+};
+
 // Sends one take through every method and writes its take.h5 into `folder`. Throws Interrupted when asked to
 // stop.
-TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                         const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
 
 // The errors of a take that is an item. Where they were made with other settings they are made again from its
 // samples, and the item is replaced. InputError when there is no such item.

@@ -81,7 +81,8 @@ ErrorTable small_table() {
   table.laid_over = {placed_row<AlignmentRow>(), {}};
   table.errors = {placed_row<ErrorRow>()};
   table.pairs = {placed_row<PairRow>()};
-  table.histogram = {placed_row<HistogramRow>()};
+  table.histograms = {placed_row<HistogramRow>()};
+  table.bins.resize(table.histograms[0].bins, placed_row<BinRow>());
   table.bodies = {placed_row<BodyRow>()};
   table.shapes = {placed_row<ShapeRow>()};
   table.truth = {};  // an empty table comes back empty
@@ -130,7 +131,8 @@ TEST(StoredTake, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(text_of(there.laid_over), text_of(wanted.laid_over));
   EXPECT_EQ(text_of(there.errors), text_of(wanted.errors));
   EXPECT_EQ(text_of(there.pairs), text_of(wanted.pairs));
-  EXPECT_EQ(text_of(there.histogram), text_of(wanted.histogram));
+  EXPECT_EQ(text_of(there.histograms), text_of(wanted.histograms));
+  EXPECT_EQ(text_of(there.bins), text_of(wanted.bins));
   EXPECT_EQ(text_of(there.bodies), text_of(wanted.bodies));
   EXPECT_EQ(text_of(there.shapes), text_of(wanted.shapes));
   EXPECT_TRUE(there.truth.empty());
@@ -167,10 +169,9 @@ TEST(StoredTake, RowsOfWhatTheTakeHasNotAreRefused) {
   write_all(folder / "pairs.h5", {0}, table);
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "pairs.h5").read_errors(); }), HasSubstr("pairs"));
   table = small_table();
-  table.histogram[0].bin = kLastBin + 1;
+  table.bins[0].bin = kLastBin + 1;
   write_all(folder / "bins.h5", {0}, table);
-  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "bins.h5").read_errors(); }),
-              HasSubstr("histogram"));
+  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "bins.h5").read_errors(); }), HasSubstr("bins"));
 }
 
 TEST(StoredTake, TheOrderOfWritingDoesNotChangeAByte) {

@@ -55,9 +55,9 @@ struct CellSums {
     for (std::size_t axis = 0; axis < 3; ++axis) absolute_m[axis] += row.absolute_m[axis];
     length_m.add(cluster, row.length_m, row.answered);
   }
-  void add(const HistogramRow& row) {
+  void add(std::span<const BinRow> bins) {
     histogram.resize(kLastBin + 1);
-    histogram[row.bin] += row.n;
+    for (const BinRow& row : bins) histogram[row.bin] += row.n;
   }
   // The length that so many are shorter than, when the samples of a bin are spread evenly over it.
   double length_at(std::uint64_t place) const {
@@ -205,8 +205,11 @@ class ConditionErrors {
     const auto cluster_of = [&](const auto& row) { return by_block ? row.block : cluster; };
     for (const ErrorRow& row : table.errors)
       if (is_of(row)) cell_of(row).add(row, cluster_of(row));
-    for (const HistogramRow& row : table.histogram)
-      if (is_of(row)) cell_of(row).add(row);
+    std::span<const BinRow> bins(table.bins);
+    for (const HistogramRow& row : table.histograms) {
+      if (is_of(row)) cell_of(row).add(bins.first(row.bins));
+      bins = bins.subspan(row.bins);
+    }
     for (const PairRow& row : table.pairs) {
       if (!is_of(row)) continue;
       const std::size_t g = axes_.group_of_joint[row.quantity];

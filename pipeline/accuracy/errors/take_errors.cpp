@@ -20,8 +20,10 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kInMemoryBytes = 64'000'000;
-constexpr std::uint64_t kWindow = 512;  // instants that are read together
+constexpr std::uint64_t kRead = 512;    // instants that are read together
 constexpr std::uint64_t kMargin = 2;    // and on either side, for differences in time
+constexpr std::uint64_t kFewest = 16;   // instants that are looked at together
+constexpr std::size_t kNear = 1 << 16;  // bytes of estimates that stay in the cache
 
 // Joints at instants, one bit each.
 class SampleSet {
@@ -66,6 +68,9 @@ class Windows {
     const TakeHead& head = take.head();
     if (head.instants * head.joints.size() * head.methods.size() * sizeof(double) * 4 <= kInMemoryBytes)
       whole_ = take.read(0, head.instants, SampleColumns::errors);
+    const std::size_t bytes =
+        std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(double);
+    together_ = whole_ ? std::max<std::uint64_t>(kFewest, kNear / bytes) : kRead;
   }
   // Calls visit(window) in the order of time, and end_block(number) behind each block of time.
   template <class Visit, class EndBlock>
@@ -75,7 +80,7 @@ class Windows {
     std::uint32_t block = 0;
     for (std::uint64_t first = 0; first < head.instants;) {
       const std::uint64_t end_of_block = std::min(head.instants, (block + 1) * of_block_);
-      const std::uint64_t end = std::min(end_of_block, first + kWindow);
+      const std::uint64_t end = std::min(end_of_block, first + together_);
       if (!whole_) {
         const std::uint64_t from = first - std::min(first, kMargin);
         take_.read(from, std::min(end + kMargin, head.instants) - from, SampleColumns::errors, part);
@@ -92,7 +97,7 @@ class Windows {
 
  private:
   const StoredTake& take_;
-  std::uint64_t of_block_;
+  std::uint64_t of_block_, together_;
   std::optional<SampleBlock> whole_;
 };
 
@@ -159,6 +164,7 @@ class TakeErrors {
         windows_(take, block_instants(head_.instants, settings.rate_hz)),
         marks_(joints_ * head_.instants) {
     TRILAT_CHECK(head_.status_names.size() <= kMostStatuses, "every status has its column");
+    turns_ = std::ranges::find(settings.alignments, AlignmentKind::rigid) != settings.alignments.end();
     if (std::ranges::any_of(settings.alignments, is_trained))
       training_end_ = static_cast<std::uint64_t>(
           std::llround(settings.training_share * static_cast<double>(head_.instants)));
@@ -283,9 +289,9 @@ class TakeErrors {
     for (std::uint64_t i = w.first; i < w.end; ++i) {
       if (!column.samples.has(mark(i, j))) continue;
       const auto estimate_m = w.estimate_m(w.slot(i, j, column.method));
-      sums.whole.add(estimate_m, w.truth_m(i, j));
-      const double heading_rad = w.block.heading_rad[i - w.begins()];
-      if (i < training_end_ && std::isfinite(heading_rad))
+      sums.whole.add(estimate_m, w.truth_m(i, j), turns_);
+      if (i >= training_end_) continue;
+      if (const double heading_rad = w.block.heading_rad[i - w.begins()]; std::isfinite(heading_rad))
         sums.trained.add(estimate_m, w.truth_m(i, j), heading_rad);
     }
   }
@@ -428,20 +434,25 @@ class TakeErrors {
     return i >= alignment(settings_.body_alignment(), 0, 0).first_instant;
   }
 
+  // Of four answers in a row, at the second.
   void add_jerks(const Window& w, std::size_t j, std::size_t m) {
     ShapeRow& row = table_.shapes[m];
-    for (std::uint64_t i = std::max<std::uint64_t>(w.first, 1); i < w.end && i + 2 < w.ends(); ++i) {
-      if (!(marks_[mark(i, j)] & Mark::asked) || !is_body_asked(i)) continue;
-      std::array<std::size_t, 4> slots{};
-      bool usable = true;
-      for (std::size_t k = 0; k < slots.size(); ++k) {
-        slots[k] = w.slot(i + k - 1, j, m);
-        usable = usable && is_usable(w.status(slots[k]));
+    Eigen::Vector3d a_m, b_m, c_m, d_m;
+    int answers = 0;
+    const std::uint64_t from = w.first - std::min<std::uint64_t>(w.first, 1);
+    for (std::uint64_t i = from; i < std::min(w.end + 2, w.ends()); ++i) {
+      const std::size_t slot = w.slot(i, j, m);
+      if (!is_usable(w.status(slot))) {
+        answers = 0;
+        continue;
       }
-      if (!usable) continue;
+      a_m = b_m;
+      b_m = c_m;
+      c_m = d_m;
+      d_m = w.estimate_m(slot);
+      if (++answers < 4 || !(marks_[mark(i - 2, j)] & Mark::asked) || !is_body_asked(i - 2)) continue;
       ++row.jerks;
-      row.jerk_m_s3 += jerk_m_s3(w.estimate_m(slots[0]), w.estimate_m(slots[1]), w.estimate_m(slots[2]),
-                                 w.estimate_m(slots[3]), settings_.rate_hz);
+      row.jerk_m_s3 += jerk_m_s3(a_m, b_m, c_m, d_m, settings_.rate_hz);
     }
   }
 
@@ -597,14 +608,16 @@ class TakeErrors {
     const auto& parts = bins_[cell(j, m, a)];
     std::size_t size = 0;
     for (const auto& bins : parts) size = std::max(size, bins.size());
-    for (std::size_t bin = 0; bin < size; ++bin) {
+    HistogramRow row{j, m, a, static_cast<std::uint32_t>(subset)};
+    for (std::uint32_t bin = 0; bin < size; ++bin) {
       std::uint32_t n = 0;
       for (std::size_t part = 0; part < kParts; ++part)
         if (is_part_of(part, subset) && bin < parts[part].size()) n += parts[part][bin];
-      if (n > 0)
-        table_.histogram.push_back(
-            {j, m, a, static_cast<std::uint32_t>(subset), static_cast<std::uint32_t>(bin), n});
+      if (n == 0) continue;
+      table_.bins.push_back({bin, n});
+      ++row.bins;
     }
+    if (row.bins > 0) table_.histograms.push_back(row);
   }
 
   const TakeHead& head_;
@@ -612,6 +625,7 @@ class TakeErrors {
   const std::size_t joints_, methods_, alignments_;
   const Windows windows_;
   std::uint64_t training_end_ = 0;
+  bool turns_ = false;               // an alignment has a rotation
   std::vector<std::uint8_t> marks_;  // by joint and instant
   std::vector<SampleSet> answered_;  // by method
   std::vector<Column> columns_;

@@ -51,7 +51,7 @@ void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) 
     block.estimate_m[slot * 3 + static_cast<std::size_t>(axis)] = estimate.position_m[axis];
   block.status[slot] = static_cast<std::uint8_t>(estimate.status);
   block.iterations[slot] = static_cast<std::uint32_t>(std::max(0, estimate.iterations));
-  block.cost_m2[slot] = estimate.cost_m2;
+  block.cost_m2[slot] = static_cast<float>(estimate.cost_m2);
   block.gdop[slot] = static_cast<float>(estimate.gdop);
 }
 
