@@ -151,47 +151,29 @@ std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, bool pre
   return stretch.frozen ? stretch.frames : 0;
 }
 
-FrozenFilter::FrozenFilter(MocapReader& reader, FrozenOptions options)
-    : reader_(reader),
-      options_(options),
-      poses_(reader.header(), options),
-      removed_(reader.header().assets.size()) {}
-
-// A stretch through the oldest frame has by now either ended or become long enough.
-bool FrozenFilter::is_decided() const {
-  return ended_ || (static_cast<std::int64_t>(held_.size()) >= options_.min_frames &&
-                    held_.back().time - held_.front().time >= duration_from_s(options_.min_s));
-}
-
-bool FrozenFilter::read_one() {
-  if (!reader_.next(frame_)) return false;
-  held_.push_back(frame_);
-  for (std::size_t i = 0; i < removed_.size(); ++i) {
-    const bool at_origin = frame_.poses[i].position_m.isZero(0.0);
-    if (at_origin) {
-      held_.back().poses[i] = MocapPose();
-      ++removed_[i].at_origin;
+MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t>& assets, MocapTime until) {
+  reader.read_only(assets);
+  MocapPositions result;
+  result.header = reader.header();
+  result.position_m.resize(result.header.assets.size());
+  FrozenPoses poses(result.header);
+  MocapFrame frame;
+  while ((result.time.empty() || result.time.back() < until) && reader.next(frame)) {
+    result.time.push_back(frame.time);
+    for (const std::size_t asset : assets) {
+      const MocapPose& pose = frame.poses[asset];
+      std::vector<Eigen::Vector3d>& position_m = result.position_m[asset];
+      const bool at_origin = pose.position_m.isZero(0.0);
+      position_m.push_back(at_origin ? MocapPose().position_m : pose.position_m);
+      result.removed.at_origin += at_origin ? 1 : 0;
+      const bool present = !at_origin && pose.is_present(result.header.assets[asset]);
+      const std::int64_t frozen = poses.add(asset, pose, present, frame.time);
+      std::fill(position_m.end() - frozen, position_m.end(), MocapPose().position_m);
+      result.removed.frozen += frozen;
     }
-    const bool present = !at_origin && frame_.poses[i].is_present(reader_.header().assets[i]);
-    const std::int64_t count = poses_.add(i, frame_.poses[i], present, frame_.time);
-    // Only frames that are still held can be taken back: a stretch that becomes certain later, when the file
-    // shows a finer step, stays as it was up to there.
-    const std::int64_t back_to = std::min(count, static_cast<std::int64_t>(held_.size()));
-    removed_[i].frozen += back_to;
-    for (std::int64_t back = 1; back <= back_to; ++back)
-      held_[held_.size() - static_cast<std::size_t>(back)].poses[i] = MocapPose();
   }
-  return true;
-}
-
-bool FrozenFilter::next(MocapFrame& frame) {
-  while (held_.empty() || !is_decided()) {
-    if (ended_) return false;
-    ended_ = !read_one();
-  }
-  std::swap(frame, held_.front());
-  held_.pop_front();
-  return true;
+  result.anomalies = reader.anomalies();
+  return result;
 }
 
 }  // namespace trilat

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -26,7 +26,7 @@ bool begins_as_mocap(const std::filesystem::path& path);
 // to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC files; the content says which.
 // Poses come out right-handed in metres: units are converted, Euler angles become quaternions, and a
 // left-handed file is mirrored in z. Lost bodies that an export writes as a frozen pose or a sentinel are
-// delivered as they stand; the summary and the frozen filter find them.
+// delivered as they stand; the summary and read_positions() find them.
 class MocapReader {
  public:
   // Reads the header. InputError when the file cannot be opened or is in none of these formats.
@@ -87,32 +87,25 @@ class FrozenPoses {
   double finest_step_m_;            // so far, of all assets
 };
 
-// Poses of one asset that are no measurement.
+// Poses that are no measurement.
 struct RemovedPoses {
   std::int64_t frozen = 0;
   std::int64_t at_origin = 0;  // exactly (0, 0, 0), which some exports write for "missing"
 };
 
-// The frames of a reader in which every frozen pose is missing, from its first frame on, and so is one
-// exactly at the origin. Reads ahead, and holds, no more than one shortest stretch.
-class FrozenFilter {
- public:
-  explicit FrozenFilter(MocapReader& reader, FrozenOptions options = {});
-  bool next(MocapFrame& frame);
-  // Poses taken out so far, for each asset of the header; a little ahead of the frames given.
-  const std::vector<RemovedPoses>& removed() const { return removed_; }
-
- private:
-  bool is_decided() const;
-  bool read_one();
-
-  MocapReader& reader_;
-  FrozenOptions options_;
-  FrozenPoses poses_;
-  std::vector<RemovedPoses> removed_;
-  std::deque<MocapFrame> held_;
-  MocapFrame frame_;
-  bool ended_ = false;
+// The positions of some assets over a motion capture, by asset of the header and frame. NaN where an asset is
+// missing, where it is frozen (the whole stretch, from its first frame on), and where it is exactly at the
+// origin; assets that were not asked for have none.
+struct MocapPositions {
+  MocapHeader header;
+  std::vector<MocapTime> time;  // of the frames
+  std::vector<std::vector<Eigen::Vector3d>> position_m;
+  RemovedPoses removed;
+  MocapAnomalies anomalies;
 };
+
+// Reads to the end, or through the first frame at `until`.
+MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t>& assets,
+                              MocapTime until = {std::numeric_limits<std::int64_t>::max()});
 
 }  // namespace trilat

@@ -21,8 +21,9 @@ inline constexpr std::array kSubsetNames{"all", "occluded", "fast"};
 inline constexpr std::size_t kMostStatuses = 16;
 
 // The errors of one method in one block of time (five seconds; a twelfth of the take where that is longer):
-// sums over samples. Quantities are joints. All numbers of a row are u32 or f64; blocks, quantities, methods,
-// alignments and statuses are meant by their places in the take's lists.
+// sums over samples. Quantities are the joints of the first track, then those of the next. All numbers of a
+// row are u32 or f64; blocks, quantities, methods, alignments and statuses are meant by their places in the
+// take's lists.
 struct ErrorRow {
   std::uint32_t block = 0, quantity = 0, method = 0, alignment = 0, subset = 0;
   std::uint32_t answered = 0;

@@ -144,7 +144,8 @@ void check_places(const ErrorTable& t, const TakeHead& head, const std::string& 
       throw InputError(place + "/" + what, "has a row of a joint, method or alignment that the take has not");
   };
   const auto is_of = [&](std::uint32_t quantity, std::uint32_t method, std::uint32_t alignment) {
-    return quantity < head.joints.size() && method < head.methods.size() && alignment < t.alignments.size();
+    return quantity < head.tracks.size() * head.joints.size() && method < head.methods.size() &&
+           alignment < t.alignments.size();
   };
   const auto is_cell = [&](const auto& row) {
     return is_of(row.quantity, row.method, row.alignment) && row.subset < kSubsetNames.size();
@@ -173,7 +174,8 @@ void check_places(const ErrorTable& t, const TakeHead& head, const std::string& 
   all(
       t.shapes, [&](const ShapeRow& r) { return r.method < head.methods.size(); }, "shapes");
   all(
-      t.truth, [&](const TruthRow& r) { return r.quantity < head.joints.size(); }, "truth");
+      t.truth, [&](const TruthRow& r) { return r.quantity < head.tracks.size() * head.joints.size(); },
+      "truth");
   if (t.body_alignment >= t.alignments.size()) throw InputError(place, "has no body alignment");
 }
 
@@ -222,7 +224,7 @@ struct StoredTake::State {
   std::filesystem::path path;
   H5File file;
   TakeHead head;
-  std::optional<SampleTables> samples;
+  std::vector<SampleTables> tracks;
 };
 
 StoredTake::StoredTake() : state_(std::make_unique<State>()) {}
@@ -243,11 +245,15 @@ StoredTake StoredTake::create(const std::filesystem::path& path, const TakeHead&
   s.file.set_texts("joints", head.joints);
   s.file.set_texts("methods", head.methods);
   s.file.set_texts("status_names", head.status_names);
+  s.file.set_texts("tracks", head.tracks);
   H5Node samples = s.file.create_group("samples");
-  s.samples = tables_of(head.joints.size(), head.methods.size(),
-                        [&](const char* name, H5Type type, const Shape& shape) {
-                          return samples.create_table(name, type, shape, {}, head.instants);
-                        });
+  for (std::size_t t = 0; t < head.tracks.size(); ++t) {
+    H5Node track = samples.create_group(std::to_string(t));
+    s.tracks.push_back(tables_of(head.joints.size(), head.methods.size(),
+                                 [&](const char* name, H5Type type, const Shape& shape) {
+                                   return track.create_table(name, type, shape, {}, head.instants);
+                                 }));
+  }
   return take;
 }
 
@@ -269,16 +275,24 @@ StoredTake StoredTake::open(const std::filesystem::path& path) {
   if (s.head.joints.size() * s.head.methods.size() > kMaxEstimates)
     throw InputError(path.string(), fmt::format("has {} joints x {} methods, more than the {} allowed",
                                                 s.head.joints.size(), s.head.methods.size(), kMaxEstimates));
+  s.head.tracks = s.file.texts("tracks");
   const H5Node samples = s.file.group("samples");
-  s.samples = tables_of(
-      s.head.joints.size(), s.head.methods.size(),
-      [&](const char* name, H5Type type, const Shape& shape) { return samples.table(name, type, shape); });
-  s.head.instants = s.samples->time_ns.rows();
+  if (s.head.tracks.empty() || s.head.tracks.size() > kMaxSensors)
+    throw InputError(samples.place(), "must have 1 to 64 tracks");
+  for (std::size_t t = 0; t < s.head.tracks.size(); ++t) {
+    const H5Node track = samples.group(std::to_string(t));
+    s.tracks.push_back(tables_of(
+        s.head.joints.size(), s.head.methods.size(),
+        [&](const char* name, H5Type type, const Shape& shape) { return track.table(name, type, shape); }));
+    if (s.tracks[t].time_ns.rows() != s.tracks[0].time_ns.rows())
+      throw InputError(track.place(), "is of another length than the first track");
+  }
+  s.head.instants = s.tracks[0].time_ns.rows();
   return take;
 }
 
 void StoredTake::finish() {
-  state_->samples.reset();
+  state_->tracks.clear();
   state_->file.close();
   sync_file(state_->path);
 }
@@ -286,8 +300,8 @@ void StoredTake::finish() {
 const std::filesystem::path& StoredTake::path() const { return state_->path; }
 const TakeHead& StoredTake::head() const { return state_->head; }
 
-void StoredTake::write(const SampleBlock& b) {
-  SampleTables& t = *state_->samples;
+void StoredTake::write(std::size_t track, const SampleBlock& b) {
+  SampleTables& t = state_->tracks.at(track);
   const auto put = [&](H5Table& table, const auto& values) {
     table.write(b.first_instant, std::span(values.data(), values.size()));
   };
@@ -303,16 +317,16 @@ void StoredTake::write(const SampleBlock& b) {
   put(t.gdop, b.gdop);
 }
 
-SampleBlock StoredTake::read(std::uint64_t first_instant, std::uint64_t instants,
+SampleBlock StoredTake::read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants,
                              SampleColumns columns) const {
   SampleBlock block;
-  read(first_instant, instants, columns, block);
+  read(track, first_instant, instants, columns, block);
   return block;
 }
 
-void StoredTake::read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
-                      SampleBlock& b) const {
-  const SampleTables& t = *state_->samples;
+void StoredTake::read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants,
+                      SampleColumns columns, SampleBlock& b) const {
+  const SampleTables& t = state_->tracks.at(track);
   const bool all = columns == SampleColumns::all;
   b.first_instant = first_instant;
   b.instants = instants;

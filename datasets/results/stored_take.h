@@ -15,16 +15,16 @@
 namespace trilat {
 
 // What the samples of a take are of: every instant has a slot for every joint and method, whether answered or
-// not.
+// not, in each track. A track is what estimates are held against: the mocap, or a sensor that is left out.
 struct TakeHead {
   std::string id, condition;  // condition: the take's activity
   std::uint64_t instants = 0;
-  std::vector<std::string> joints, methods;
+  std::vector<std::string> joints, methods, tracks;
   std::vector<std::string> status_names;  // status number -> name
 };
 
-// Rows [first_instant, first_instant + instants) of a take. Per instant: time_ns and heading_rad; per instant
-// and joint: truth (x, y, z); per instant, joint and method: everything else, joints before methods.
+// Rows [first_instant, first_instant + instants) of a track. Per instant: time_ns and heading_rad; per
+// instant and joint: truth (x, y, z); per instant, joint and method: everything else, joints before methods.
 struct SampleBlock {
   std::uint64_t first_instant = 0;
   std::uint64_t instants = 0;
@@ -79,10 +79,11 @@ class StoredTake {
   const std::filesystem::path& path() const;
   const TakeHead& head() const;
 
-  void write(const SampleBlock& block);
-  SampleBlock read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns) const;
+  void write(std::size_t track, const SampleBlock& block);
+  SampleBlock read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants,
+                   SampleColumns columns) const;
   // The same into the memory of an earlier block.
-  void read(std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
+  void read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
             SampleBlock& block) const;
 
   void write_errors(const ErrorTable& table);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/mocap_reader.h"
@@ -36,9 +37,10 @@ std::vector<MappedJoint> resolve(const MocapHeader& header, const std::filesyste
   return joints;
 }
 
-Eigen::Vector3d mean_of(const MocapFrame& frame, const std::vector<std::size_t>& assets) {
+Eigen::Vector3d mean_of(const MocapPositions& mocap, std::size_t frame,
+                        const std::vector<std::size_t>& assets) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t asset : assets) sum += frame.poses[asset].position_m;  // NaN when one is missing
+  for (std::size_t asset : assets) sum += mocap.position_m[asset][frame];  // NaN when one is missing
   return sum / static_cast<double>(assets.size());
 }
 
@@ -65,12 +67,14 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const st
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double points = 0.0;
   StandingAxis standing;
-  FrozenFilter frames(reader);
-  for (MocapFrame frame; frames.next(frame);) {
-    const double t = frame.time.ns * 1e-9;
+  std::set<std::size_t> wanted;
+  for (const MappedJoint& mapped : joints) wanted.insert(mapped.assets.begin(), mapped.assets.end());
+  const MocapPositions positions = read_positions(reader, {wanted.begin(), wanted.end()});
+  for (std::size_t frame = 0; frame < positions.time.size(); ++frame) {
+    const double t = positions.time[frame].ns * 1e-9;
     result.duration_s = t;
     for (std::size_t j = 0; j < joints.size(); ++j) {
-      const Eigen::Vector3d point = mean_of(frame, joints[j].assets);
+      const Eigen::Vector3d point = mean_of(positions, frame, joints[j].assets);
       if (!point.allFinite()) continue;
       (*tracks)[j].time_s.push_back(t);
       (*tracks)[j].point_m.push_back(point);

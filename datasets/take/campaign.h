@@ -77,9 +77,6 @@ struct Take {
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
   UpAxis up_axis = UpAxis::automatic;  // of the mocap's world
-  // The sensor whose tracked joints stand for the truth, and which no method sees; empty when mocap is the
-  // truth. Not of a file: a study makes such takes.
-  std::string left_out{};
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.

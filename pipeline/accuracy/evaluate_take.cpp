@@ -2,6 +2,8 @@
 #include "pipeline/accuracy/evaluate_take.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -24,8 +26,9 @@ constexpr std::uint64_t kWindowedWork = 5;
 
 class TakeProgress {
  public:
-  TakeProgress(const Plan& plan, std::size_t take, const Watch& watch)
-      : watch_(watch), total_(plan.takes[take].instants * (1 + kWindowedWork * windowed_methods(plan))) {}
+  TakeProgress(const Plan& plan, std::size_t take, std::size_t tracks, const Watch& watch)
+      : watch_(watch),
+        total_(plan.takes[take].instants * tracks * (1 + kWindowedWork * windowed_methods(plan))) {}
   void advance(std::uint64_t work) {
     watch_.tell(static_cast<double>(done_ += work) / static_cast<double>(total_));
   }
@@ -36,51 +39,101 @@ class TakeProgress {
   std::atomic<std::uint64_t> done_{0};
 };
 
-// Solves the take block by block into `file`.
-void solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                const std::vector<MethodPaths>& paths, bool cross_check, StoredTake& file,
-                StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result) {
-  SampleBlock block;
-  Predictions predictions(plan, planned);
-  for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
-    watch.check();
-    const std::uint64_t count = std::min(kBlock, planned.instants - first);
-    block.reset(first, count, plan.joints.size(), plan.methods.size());
-    {
-      const Stopwatch time(clocks.solve_ns);
-      const auto checks = solve_block(plan, planned, data, paths, cross_check, block);
-      result.checks.resize(checks.size());
-      for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
-      predictions.add(block);
-    }
-    {
-      const Stopwatch time(clocks.write_ns);
-      file.write(block);
-    }
-    progress.advance(count);
-  }
-  result.tracking.predictions = predictions.sums();
+void append(std::vector<TakeNote>& notes, std::vector<TakeNote> more) {
+  std::ranges::move(more, std::back_inserter(notes));
 }
 
-// What the sensors say with none left out; of takes that differ in that alone the first says it for all.
+// What estimates are held against: the mocap, or each sensor in turn.
+std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned) {
+  return planned.truth == TakeTruth::left_out_sensor ? plan.rig : std::vector<std::string>{"mocap"};
+}
+
+// Solves one track of a take, block by block, into `file`.
+class TrackSolver {
+ public:
+  TrackSolver(const Plan& plan, const PlannedTake& planned, bool cross_check, StoredTake& file,
+              StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result)
+      : plan_(plan),
+        planned_(planned),
+        cross_check_(cross_check),
+        file_(file),
+        clocks_(clocks),
+        watch_(watch),
+        progress_(progress),
+        result_(result) {}
+
+  void solve(std::size_t track, const TakeData& data) const {
+    const std::vector<MethodPaths> paths = paths_of(data);
+    SampleBlock block;
+    std::optional<Predictions> predictions;
+    if (planned_.truth == TakeTruth::left_out_sensor) predictions.emplace(plan_, planned_, track);
+    for (std::uint64_t first = 0; first < planned_.instants; first += kBlock) {
+      watch_.check();
+      const std::uint64_t count = std::min(kBlock, planned_.instants - first);
+      block.reset(first, count, plan_.joints.size(), plan_.methods.size());
+      solve(data, paths, block);
+      if (predictions) predictions->add(block);
+      const Stopwatch time(clocks_.write_ns);
+      file_.write(track, block);
+      progress_.advance(count);
+    }
+    if (!predictions) return;
+    std::vector<PredictionSums>& all = result_.tracking.predictions;
+    for (PredictionSums& sums : predictions->sums()) all.push_back(std::move(sums));
+  }
+
+ private:
+  std::vector<MethodPaths> paths_of(const TakeData& data) const {
+    const Stopwatch time(clocks_.solve_ns);
+    const auto advanced = [&](std::size_t instants) { progress_.advance(kWindowedWork * instants); };
+    return solve_over_time(plan_, planned_, data, {advanced, [&] { return watch_.stopped(); }});
+  }
+  void solve(const TakeData& data, const std::vector<MethodPaths>& paths, SampleBlock& block) const {
+    const Stopwatch time(clocks_.solve_ns);
+    const auto checks = solve_block(plan_, planned_, data, paths, cross_check_, block);
+    result_.checks.resize(checks.size());
+    for (std::size_t m = 0; m < checks.size(); ++m) result_.checks[m].merge(checks[m]);
+  }
+
+  const Plan& plan_;
+  const PlannedTake& planned_;
+  bool cross_check_;
+  StoredTake& file_;
+  StageClocks& clocks_;
+  const Watch& watch_;
+  TakeProgress& progress_;
+  TakeResult& result_;
+};
+
+RecordedTake read(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch) {
+  const Stopwatch time(clocks.read_ns);
+  return read_take(plan, planned, watch.stop_requested);
+}
+
+// What the sensors say with none left out.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  if (!speaks_for_take(plan, planned)) return {};
   TakeTracking tracking = check_tracking(plan, planned, data);
   tracking.rays = rays_of(plan, planned, data);
   tracking.corrections = correction_rows(plan, planned, data);
   return tracking;
 }
 
-TakeData load(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch) {
-  const Stopwatch time(clocks.read_ns);
-  return load_take(plan, planned, watch.stop_requested);
-}
-
-std::vector<MethodPaths> paths_of(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  StageClocks& clocks, const Watch& watch, TakeProgress& progress) {
-  const Stopwatch time(clocks.solve_ns);
-  const auto advanced = [&](std::size_t instants) { progress.advance(kWindowedWork * instants); };
-  return solve_over_time(plan, planned, data, {advanced, [&] { return watch.stopped(); }});
+// Of sensors that are no truth, since they track nothing that is asked for. InputError when all are such.
+std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  std::vector<TakeNote> notes;
+  for (std::size_t s = 0; s < plan.rig.size(); ++s) {
+    bool tracks = false;
+    for (std::size_t i = 0; i < data.time.size(); ++i)
+      for (const Joint joint : plan.joints)
+        tracks |= data.bodies.at(i, s).state[static_cast<std::size_t>(joint)] == TrackingState::tracked;
+    if (!tracks)
+      notes.push_back({planned.take.id, false, planned.take.session.string(),
+                       "sensor \"" + plan.rig[s] +
+                           "\" never tracks a joint that is asked for, so that nothing is predicted of it"});
+  }
+  if (notes.size() == plan.rig.size())
+    throw InputError(planned.take.session.string(), "no sensor ever tracks a joint that is asked for");
+  return notes;
 }
 
 ErrorTable write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& clocks) {
@@ -101,6 +154,7 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
   head.instants = planned.instants;
   for (const Joint joint : plan.joints) head.joints.emplace_back(name_of(joint));
   for (const Method& method : plan.methods) head.methods.push_back(method.spec.name);
+  head.tracks = tracks_of(plan, planned);
   for (int s = 0; s < kSolveStatusCount; ++s)
     head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   return head;
@@ -134,25 +188,30 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
                             const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
-  TakeProgress progress(plan, take, watch);
-  TakeData data = load(plan, planned, clocks, watch);
-  TakeResult result;
-  find_corrections(plan, planned, data);
-  result.tracking = tracking_of(plan, planned, data);
-  for (TakeNote& note : correction_notes(planned, result.tracking.corrections))
-    data.notes.push_back(std::move(note));
-  leave_out(plan, planned, data);
-  if (!planned.take.left_out.empty()) find_corrections(plan, planned, data);  // without the sensor
-  estimate_sigmas(plan, planned, data);
-  const std::vector<MethodPaths> paths = paths_of(plan, planned, data, clocks, watch, progress);
+  const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
+  EvaluatedTake evaluated;
+  TakeResult& result = evaluated.result;
+  RecordedTake recorded = read(plan, planned, clocks, watch);
+  TakeData followed = follow_person(plan, planned, recorded, watch.stop_requested);
+  const TakeData all = see_take(plan, planned, leaves_out ? followed : std::move(followed),
+                                recorded.truth.get(), std::nullopt, watch.stop_requested);
+  result.tracking = tracking_of(plan, planned, all);
+  result.notes = all.notes;
+  append(result.notes, correction_notes(planned, result.tracking.corrections));
+  if (leaves_out) append(result.notes, notes_on_silent(plan, planned, all));
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
-  solve_take(plan, planned, data, paths, cross_check, file, clocks, watch, progress, result);
-  ErrorTable table = write_errors(file, errors, clocks);
-  if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, data));
+  TakeProgress progress(plan, take, file.head().tracks.size(), watch);
+  const TrackSolver solver(plan, planned, cross_check, file, clocks, watch, progress, result);
+  for (std::size_t track = 0; track < file.head().tracks.size(); ++track)
+    if (leaves_out)
+      solver.solve(track, see_take(plan, planned, followed, nullptr, track, watch.stop_requested));
+    else
+      solver.solve(track, all);
+  evaluated.errors = write_errors(file, errors, clocks);
+  if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, all));
   file.finish();
-  result.notes = std::move(data.notes);
   result.evaluated = true;
-  return {std::move(result), std::move(table)};
+  return evaluated;
 }
 
 bool is_replayed(const Plan& plan, std::size_t take) {
@@ -172,10 +231,11 @@ ErrorTable stored_errors(const ItemStore& store, const std::string& key, const E
   make_folder(aside.path() / "item");
   StoredTake copy = StoredTake::create(aside.path() / "item" / StoredTake::kName, there.head());
   SampleBlock block;
-  for (std::uint64_t first = 0; first < there.head().instants; first += kBlock) {
-    there.read(first, std::min(kBlock, there.head().instants - first), SampleColumns::all, block);
-    copy.write(block);
-  }
+  for (std::size_t track = 0; track < there.head().tracks.size(); ++track)
+    for (std::uint64_t first = 0; first < there.head().instants; first += kBlock) {
+      there.read(track, first, std::min(kBlock, there.head().instants - first), SampleColumns::all, block);
+      copy.write(track, block);
+    }
   errors = errors_of(there, settings);
   copy.write_errors(errors);
   if (const std::optional<Replay> replay = there.read_replay()) copy.write_replay(*replay);

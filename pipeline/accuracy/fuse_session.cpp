@@ -83,9 +83,7 @@ void solve_paths(const Plan& plan, const TakeData& data, const Watch& watch, Fus
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
                           const MethodSpec& method, double rate_hz, const Watch& watch) {
   const Plan plan = plan_of(session, calibration, method, rate_hz);
-  TakeData data = load_take(plan, plan.takes[0], watch.stop_requested);
-  find_corrections(plan, plan.takes[0], data);
-  estimate_sigmas(plan, plan.takes[0], data);
+  const TakeData data = load_take(plan, plan.takes[0], watch.stop_requested);
   FusedSession fused{.rate_hz = rate_hz,
                      .start_host_ns = data.time.front().ns,
                      .joints = plan.joints,
@@ -114,8 +112,7 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   JsonObject object(method, "range_bearing", "");
   const Plan plan = plan_of(session, calibration, read_method(object), 30.0);
   const PlannedTake& planned = plan.takes[0];
-  TakeData data = load_take(plan, planned, watch.stop_requested);
-  find_corrections(plan, planned, data);
+  const TakeData data = load_take(plan, planned, watch.stop_requested);
   if (!data.shown.problem.empty())
     throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
   CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data),

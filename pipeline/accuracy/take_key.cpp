@@ -19,14 +19,13 @@ constexpr const char* kOfTheSummary[] = {"name",       "conditions",     "occlud
 // Everything that a take is; its files by their content.
 Json json_of(const Take& take, std::span<const TakeInput> inputs) {
   // A field that is added to a take stops this line, so that none is forgotten below.
-  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns, up_axis,
-               left_out] = take;
+  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns,
+               up_axis] = take;
   Json json{{"id", id},
             {"participant", participant},
             {"activity", activity},
             {"mocap_start_host_ns", mocap_start_host_ns},
-            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis))},
-            {"left_out", left_out}};
+            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis))}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
   return json;
 }

@@ -101,21 +101,23 @@ PairedStudy study_of(const ResultsPair& pair, const NightSamples& night) {
 // One night's take, and its samples as far as they are read.
 struct Night {
   StoredTake file;
-  std::vector<AlignmentRow> laid_over;  // by joint and method, under the first alignment
+  std::vector<AlignmentRow> laid_over;  // by track, joint and method, under the first alignment
   SampleBlock block;
 
   explicit Night(const ResultTake& take) : file(open_take(take)) {
-    laid_over.resize(file.head().joints.size() * file.head().methods.size());
+    const TakeHead& head = file.head();
+    laid_over.resize(head.tracks.size() * head.joints.size() * head.methods.size());
     for (const AlignmentRow& row : file.read_errors().laid_over)
-      if (row.alignment == 0) laid_over[row.quantity * file.head().methods.size() + row.method] = row;
+      if (row.alignment == 0) laid_over[row.quantity * head.methods.size() + row.method] = row;
   }
   Eigen::Map<const Eigen::Vector3d> truth_m(std::size_t place) const {
     return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[3 * place]);
   }
-  // Of instant i of the block.
-  PairedAnswer answer(std::uint64_t i, std::size_t place, std::size_t slot) const {
+  // Of instant i of the block, which is of that track.
+  PairedAnswer answer(std::size_t track, std::uint64_t i, std::size_t place, std::size_t slot) const {
     const auto status = static_cast<SolveStatus>(block.status[slot]);
-    const AlignmentRow& over = laid_over[slot % laid_over.size()];
+    const std::size_t of_track = laid_over.size() / file.head().tracks.size();
+    const AlignmentRow& over = laid_over[track * of_track + slot % of_track];
     if (!is_usable(status) || block.first_instant + i < over.first_instant)
       return {{kNoNumber, kNoNumber}, status};
     const Eigen::Map<const Eigen::Vector3d> estimate_m(&block.estimate_m[3 * slot]);
@@ -139,21 +141,24 @@ struct TakeReader {
     }
     Night here(now.takes[t]), there(before.takes[t]);
     const std::uint64_t instants = here.file.head().instants;
-    if (instants != there.file.head().instants) return false;
+    const std::size_t tracks = here.file.head().tracks.size();
+    if (instants != there.file.head().instants || tracks != there.file.head().tracks.size()) return false;
     PairedTakeSums sums(axes, (instants + block_instants - 1) / block_instants);
-    for (std::uint64_t first = 0; first < instants; first += kWindow) {
-      const std::uint64_t count = std::min(kWindow, instants - first);
-      for (Night* night : {&here, &there})
-        night->file.read(first, count, SampleColumns::errors, night->block);
-      if (here.block.time_ns != there.block.time_ns) return false;
-      for (std::uint64_t i = 0; i < count; ++i) add_instant(here, there, first, i, sums, truths_that_differ);
-    }
+    for (std::size_t track = 0; track < tracks; ++track)
+      for (std::uint64_t first = 0; first < instants; first += kWindow) {
+        const std::uint64_t count = std::min(kWindow, instants - first);
+        for (Night* night : {&here, &there})
+          night->file.read(track, first, count, SampleColumns::errors, night->block);
+        if (here.block.time_ns != there.block.time_ns) return false;
+        for (std::uint64_t i = 0; i < count; ++i)
+          add_instant(here, there, track, first, i, sums, truths_that_differ);
+      }
     sums.finish(take);
     return true;
   }
 
-  void add_instant(const Night& here, const Night& there, std::uint64_t first, std::uint64_t i,
-                   PairedTakeSums& sums, std::uint64_t& truths_that_differ) const {
+  void add_instant(const Night& here, const Night& there, std::size_t track, std::uint64_t first,
+                   std::uint64_t i, PairedTakeSums& sums, std::uint64_t& truths_that_differ) const {
     for (std::size_t j = 0; j < axes.group_of_joint.size(); ++j) {
       const std::size_t place = i * axes.group_of_joint.size() + j;
       if (!here.truth_m(place).allFinite() || !there.truth_m(place).allFinite()) continue;
@@ -161,8 +166,8 @@ struct TakeReader {
       const std::size_t sets = axes.sets == 1 || there.block.occluded[place] == 0 ? 1 : 2;
       for (std::size_t m = 0; m < axes.methods; ++m) {
         const std::size_t slot = place * axes.methods + m;
-        sums.add((first + i) / block_instants, j, m, sets, there.answer(i, place, slot),
-                 here.answer(i, place, slot));
+        sums.add((first + i) / block_instants, j, m, sets, there.answer(track, i, place, slot),
+                 here.answer(track, i, place, slot));
       }
     }
   }

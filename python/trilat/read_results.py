@@ -85,15 +85,17 @@ class Results:
     def columns(self, take: str | None = None) -> dict[str, np.ndarray]:
         """Every sample as arrays of equal length, of one take or of all.
 
-        take, condition, time_s (since the take's first instant), joint, method, status; truth_x_m to _z_m and
+        take, condition, track ("mocap", or the sensor that is left out and stands for the truth), time_s (since the take's
+        first instant), joint, method, status; truth_x_m to _z_m and
         estimate_x_m to _z_m in the world, before alignment; error_x_m to _z_m and error_m (their length) after the
         study's first alignment. NaN where there is none.
         """
-        parts = [self._columns_of(name, file) for name, file in self._files(take)]
+        parts = [self._columns_of(name, file, track) for name, file in self._files(take)
+                 for track in range(len(file.attrs["tracks"]))]
         return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
 
-    def _columns_of(self, take: str, file: h5py.File) -> dict[str, np.ndarray]:
-        group = file["samples"]
+    def _columns_of(self, take: str, file: h5py.File, track: int) -> dict[str, np.ndarray]:
+        group = file[f"samples/{track}"]
         time_ns = group["time_ns"][:]
         shape = (len(time_ns), len(self.joints), len(self.methods))
 
@@ -102,9 +104,9 @@ class Results:
 
         truth_m = np.broadcast_to(group["truth_m"][:][:, :, None], (*shape, 3)).reshape(-1, 3)
         estimate_m = group["estimate_m"][:].reshape(-1, 3)
-        error_m = self._errors_of(file).reshape(-1, 3)
+        error_m = self._errors_of(file, track).reshape(-1, 3)
         columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(file.attrs["condition"])),
-                   "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
+                   "track": np.full(len(truth_m), _text(file.attrs["tracks"][track])), "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
                    "method": spread(np.array(self.methods), 2),
                    "status": np.array(self._statuses)[group["status"][:].ravel()]}
         for name, values in (("truth", truth_m), ("estimate", estimate_m), ("error", error_m)):
@@ -112,16 +114,17 @@ class Results:
         columns["error_m"] = np.sqrt((error_m ** 2).sum(axis=1))
         return columns
 
-    def _errors_of(self, file: h5py.File) -> np.ndarray:
+    def _errors_of(self, file: h5py.File, track: int) -> np.ndarray:
         """estimate - truth after the first alignment, instants x joints x methods x 3; NaN where nothing is answered."""
-        group = file["samples"]
+        group = file[f"samples/{track}"]
         estimate_m = group["estimate_m"][:]
         answered = np.isin(np.array(self._statuses)[group["status"][:]], ANSWERS)
         aligned_m = np.full_like(estimate_m, np.nan)
         for row in _rows(file["errors/laid_over"]):
-            if row["alignment"] != 0:
+            of_track, j = divmod(int(row["quantity"]), len(self.joints))
+            if row["alignment"] != 0 or of_track != track:
                 continue
-            j, m, first = (int(row[key]) for key in ("quantity", "method", "first_instant"))
+            m, first = int(row["method"]), int(row["first_instant"])
             turn = _turn(*(row[f"rotation_{k}"] for k in range(4)))
             moved_m = estimate_m[first:, j, m] @ turn.T + [row[f"shift_m_{axis}"] for axis in AXES]
             x, y, z = (row[f"offset_m_{axis}"] for axis in AXES)
@@ -132,8 +135,8 @@ class Results:
         return aligned_m - group["truth_m"][:][:, :, None]
 
     def errors(self, take: str | None = None) -> "pandas.DataFrame":
-        """The table of errors that all tables are sums of: one row a take, block of time, joint, method, alignment and
-        subset of samples (datasets/FORMATS.md), with counts by status and sums of the errors in metres."""
+        """The table of errors that all tables are sums of: one row a take, track, block of time, joint, method,
+        alignment and subset of samples (datasets/FORMATS.md), with counts by status and sums of the errors in metres."""
         pandas = _pandas()
         parts = []
         for name, file in self._files(take):
@@ -141,6 +144,9 @@ class Results:
             table = pandas.DataFrame({**_columns(group, "counts"), **_columns(group, "sums")})
             table = table.rename(columns={f"statuses_{k}": status for k, status in enumerate(self._statuses)})
             table = table.drop(columns=[key for key in table if key.startswith("statuses_")])
+            tracks = np.array([_text(text) for text in file.attrs["tracks"]])
+            table.insert(0, "track", tracks[table["quantity"] // len(self.joints)])
+            table["quantity"] %= len(self.joints)
             for key, names in (("method", self.methods), ("quantity", self.joints)):
                 table[key] = np.array(names)[table[key]]
             for key in ("alignment", "subset"):

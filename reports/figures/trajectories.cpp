@@ -52,7 +52,8 @@ Path read_path(const StoredTake& samples, std::size_t joint) {
   const std::uint64_t instants = header.instants;
   std::int64_t start_ns = 0;
   for (std::uint64_t first = 0; first < instants; first += kBlock) {
-    const SampleBlock block = samples.read(first, std::min(kBlock, instants - first), SampleColumns::errors);
+    const SampleBlock block =
+        samples.read(0, first, std::min(kBlock, instants - first), SampleColumns::errors);
     if (first == 0 && block.instants > 0) start_ns = block.time_ns.front();
     for (std::uint64_t i = 0; i < block.instants; ++i) {
       path.time_s.push_back(static_cast<double>(block.time_ns[i] - start_ns) * 1e-9);

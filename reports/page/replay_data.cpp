@@ -121,7 +121,7 @@ Json skeleton_json() {
 
 PackedReplay pack(const Replay& replay, const StoredTake& take, const ResultsSummary& summary) {
   const TakeHead& head = take.head();
-  const SampleBlock block = take.read(0, replay.instants, SampleColumns::errors);
+  const SampleBlock block = take.read(0, 0, replay.instants, SampleColumns::errors);
   Packer packer;
   pack_sensors(replay, packer);
   const std::vector<std::string> leading = leading_methods(summary, head.condition);

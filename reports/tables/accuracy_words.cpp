@@ -25,7 +25,7 @@ std::string about(const ResultsSummary& s, const std::string& condition, const s
 std::string truth_note(const ResultsSummary& s) {
   if (!s.left_out()) return {};
   return "There is no ground truth. Each sensor in turn is left out, and its tracked joints are held against "
-         "what the others say; each take counts once for every sensor. What all sensors have in common, such "
+         "what the others say. What all sensors have in common, such "
          "as a bias of the body model, cannot be seen. The sensor's own error is in every number: compare "
          "methods by these numbers, and do not quote them as their error. A method has one sensor fewer here "
          "than the rig.";

@@ -205,7 +205,8 @@ TEST(HostileHdf5, AnAttributeOfManyMegabytesIsRefused) {
 
 TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
   const ScratchFolder folder;
-  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"converged"}}).finish();
+  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"mocap"}, {"converged"}})
+      .finish();
   const hid_t file = H5Fopen((folder / "take.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   const hsize_t count = 4000;
   for (const char* name : {"methods", "joints"}) {
@@ -226,8 +227,9 @@ TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {
 
 TEST(HostileHdf5, SamplesWithMoreRowsThanBytesAreRefused) {
   const ScratchFolder folder;
-  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"converged"}}).finish();
-  exchange(folder / "take.h5", "/samples/time_ns", hsize_t{1} << 40, Creation());
+  StoredTake::create(folder / "take.h5", {"a", "walking", 5, {"head"}, {"linear"}, {"mocap"}, {"converged"}})
+      .finish();
+  exchange(folder / "take.h5", "/samples/0/time_ns", hsize_t{1} << 40, Creation());
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5"); }),
               AllOf(HasSubstr("time_ns"), HasSubstr("claims")));
 }

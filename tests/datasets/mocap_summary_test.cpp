@@ -193,43 +193,53 @@ TEST(MocapSummary, AMarkerExactlyAtTheOriginIsASentinel) {
   EXPECT_EQ(asset_summary({marker, lost, lost, marker}).sentinels, 2);
 }
 
-std::vector<int> filtered(const std::vector<int>& x_mm, FrozenOptions options = {}) {
+std::vector<int> filtered(const std::vector<int>& x_mm) {
   const TemporaryFile file(take_of(x_mm));
   MocapReader reader(file.path());
-  FrozenFilter filter(reader, options);
+  const MocapPositions positions = read_positions(reader, {0, 1});
   std::vector<int> result;
-  for (MocapFrame frame; filter.next(frame);) {
-    EXPECT_EQ(frame.index, static_cast<std::int64_t>(result.size()));
-    EXPECT_TRUE(frame.poses[1].has_position());
-    result.push_back(frame.poses[0].has_position()
-                         ? static_cast<int>(std::lround(frame.poses[0].position_m.x() * 1e3))
-                         : -1);
-  }
+  for (const Eigen::Vector3d& position_m : positions.position_m[0])
+    result.push_back(position_m.allFinite() ? static_cast<int>(std::lround(position_m.x() * 1e3)) : -1);
+  EXPECT_EQ(positions.time.size(), x_mm.size());
+  EXPECT_TRUE(std::ranges::all_of(positions.position_m[1], [](const auto& p) { return p.allFinite(); }));
+  EXPECT_EQ(positions.removed.frozen, std::ranges::count(result, -1));
   return result;
 }
 
-TEST(FrozenFilter, TakesOutTheWholeStretchFromItsFirstFrameOn) {
-  const FrozenOptions options{.min_s = 0.02, .min_frames = 3};
-  EXPECT_EQ(filtered({1, 2, 7, 7, 7, 7, 7, 3, 4}, options),
-            (std::vector<int>{1, 2, -1, -1, -1, -1, -1, 3, 4}));
-  EXPECT_EQ(filtered({7, 7, 7}, options), (std::vector<int>{7, 7, 7}));  // it has not moved before
-  EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}, options), (std::vector<int>{1, 7, 7, 2, 8, 8}));
-  EXPECT_EQ(filtered({1}, options), (std::vector<int>{1}));
-  EXPECT_EQ(filtered({}, options), (std::vector<int>{}));
+TEST(Positions, OfAFrozenStretchAreMissingFromItsFirstFrameOn) {
+  std::vector<int> moving{1, 2}, still(12, 7), expected{1, 2};
+  moving.insert(moving.end(), still.begin(), still.end());
+  moving.insert(moving.end(), {3, 4});
+  expected.insert(expected.end(), still.size(), -1);
+  expected.insert(expected.end(), {3, 4});
+  EXPECT_EQ(filtered(moving), expected);
+  EXPECT_EQ(filtered(still), still);  // it has not moved before
+  EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}), (std::vector<int>{1, 7, 7, 2, 8, 8}));
+  EXPECT_EQ(filtered({1}), (std::vector<int>{1}));
+  EXPECT_EQ(filtered({}), (std::vector<int>{}));
 }
 
-TEST(FrozenFilter, TakesOutAMarkerExactlyAtTheOriginAtOnce) {
+TEST(Positions, ExactlyAtTheOriginAreMissing) {
   std::string text = take_of(std::vector<int>{1, 2, 3, 4});
   const auto row = text.find("\n2,") + 1;
   text.replace(row, text.find('\n', row) - row, "2,0.02,0,0,0,2,5,0");
   const TemporaryFile file(text);
   MocapReader reader(file.path());
-  FrozenFilter filter(reader);
+  const MocapPositions positions = read_positions(reader, {0});
   std::vector<bool> present;
-  for (MocapFrame frame; filter.next(frame);) present.push_back(frame.poses[0].has_position());
+  for (const Eigen::Vector3d& position_m : positions.position_m[0]) present.push_back(position_m.allFinite());
   EXPECT_EQ(present, (std::vector<bool>{true, true, false, true}));
-  EXPECT_EQ(filter.removed()[0].at_origin, 1);
-  EXPECT_EQ(filter.removed()[0].frozen, 0);
+  EXPECT_EQ(positions.removed.at_origin, 1);
+  EXPECT_EQ(positions.removed.frozen, 0);
+}
+
+TEST(Positions, AreReadAsFarAsIsAskedFor) {
+  const TemporaryFile file(take_of(std::vector<int>{1, 2, 3, 4, 5}));
+  MocapReader reader(file.path());
+  const MocapPositions positions = read_positions(reader, {1}, MocapTime{20'000'000});
+  EXPECT_EQ(positions.time.size(), 3u);  // one frame in 10 ms
+  EXPECT_TRUE(positions.position_m[0].empty());
+  EXPECT_EQ(positions.position_m[1].size(), 3u);
 }
 
 // Rest of a still asset: noise of 0.02 mm that is smoothed over 20 frames (AR(1), 0.95), written in such
@@ -250,26 +260,24 @@ std::vector<double> resting_mm(double step_mm) {
 std::int64_t frozen_in(const std::string& text) {
   const TemporaryFile file(text);
   MocapReader reader(file.path());
-  FrozenFilter filter(reader);
-  for (MocapFrame frame; filter.next(frame);) continue;
-  return filter.removed()[0].frozen;
+  return read_positions(reader, {0, 1}).removed.frozen;
 }
 
-TEST(FrozenFilter, KeepsWhatRestsInACoarseFile) {
+TEST(Positions, OfWhatRestsInACoarseFileStay) {
   for (const double step_mm : {0.1, 1.0})
     for (const char* type : {"Marker", "Rigid Body", "Bone"})
       EXPECT_EQ(frozen_in(take_of(resting_mm(step_mm), type, step_mm)), 0)
           << type << " in steps of " << step_mm;
 }
 
-TEST(FrozenFilter, KeepsAMarkerThatStandsStillToTheLastDigit) {
+TEST(Positions, OfAMarkerThatStandsStillToTheLastDigitStay) {
   std::vector<double> x_mm(50, 3.0);
   for (int i = 0; i < 10; ++i) x_mm[static_cast<std::size_t>(i)] = i;
   EXPECT_EQ(frozen_in(take_of(x_mm, "Marker")), 0);
   EXPECT_EQ(frozen_in(take_of(x_mm, "Rigid Body")), 40);
 }
 
-TEST(FrozenFilter, TakesOutWhatTheSummaryCounts) {
+TEST(Positions, AsManyAreFrozenAsTheSummaryCounts) {
   std::vector<int> x_mm;
   for (int i = 0; i < 400; ++i) x_mm.push_back(i % 37 < 20 ? i / 37 : i);
   const auto result = filtered(x_mm);

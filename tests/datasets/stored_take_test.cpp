@@ -27,7 +27,7 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
 }
 
 TakeHead small_head() {
-  return {"one", "walking", 10, {"head", "neck"}, {"mean", "nonlinear", "linear"}, {"a", "b"}};
+  return {"one", "walking", 10, {"head", "neck"}, {"mean", "nonlinear", "linear"}, {"k1", "k2"}, {"a", "b"}};
 }
 
 SampleBlock block_of(std::uint64_t first, std::uint64_t count) {
@@ -65,7 +65,7 @@ Row filled_row() {
 template <class Row>
 Row placed_row() {
   Row row = filled_row<Row>();
-  if constexpr (requires { row.quantity; }) row.quantity = 1;
+  if constexpr (requires { row.quantity; }) row.quantity = 3;
   if constexpr (requires { row.method; }) row.method = 2;
   if constexpr (requires { row.alignment; }) row.alignment = 0;
   if constexpr (requires { row.subset; }) row.subset = 1;
@@ -102,7 +102,8 @@ Replay small_replay() {
 void write_all(const std::filesystem::path& path, const std::vector<std::uint64_t>& order,
                const ErrorTable& table = small_table(), const Replay& replay = small_replay()) {
   StoredTake take = StoredTake::create(path, small_head());
-  for (std::uint64_t first : order) take.write(block_of(first, 2));
+  for (std::uint64_t first : order)
+    for (std::size_t track = 0; track < 2; ++track) take.write(track, block_of(first, 2));
   take.write_errors(table);
   take.write_replay(replay);
   take.finish();
@@ -121,7 +122,7 @@ TEST(StoredTake, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(take.head().methods, small_head().methods);
   EXPECT_EQ(take.head().condition, "walking");
   EXPECT_EQ(take.head().instants, 10u);
-  const SampleBlock block = take.read(3, 4, SampleColumns::all);
+  const SampleBlock block = take.read(0, 3, 4, SampleColumns::all);
   EXPECT_EQ(block.time_ns, (std::vector<std::int64_t>{3, 4, 5, 6}));
   EXPECT_EQ(block.estimate_m[18], block_of(4, 2).estimate_m[0]);
   EXPECT_TRUE(std::isnan(block.truth_m[0]));
@@ -153,12 +154,12 @@ TEST(StoredTake, TimesAndStatusesThatNobodyWritesAreRefused) {
   SampleBlock block = block_of(0, 5);
   block.time_ns[3] = std::numeric_limits<std::int64_t>::min();
   StoredTake take = StoredTake::create(folder / "take.h5", small_head());
-  take.write(block);
-  const auto read = [&] { take.read(0, 5, SampleColumns::errors); };
+  take.write(1, block);
+  const auto read = [&] { take.read(1, 0, 5, SampleColumns::errors); };
   EXPECT_THAT(message_of(read), HasSubstr("time_ns: holds a time beyond 73 years"));
   block.time_ns[3] = 3;
   block.status[2] = 7;
-  take.write(block);
+  take.write(1, block);
   EXPECT_THAT(message_of(read), HasSubstr("status: holds the status 7"));
 }
 
@@ -213,7 +214,7 @@ TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
     write_file(folder / "cut.h5", bytes.substr(0, size));
     EXPECT_THAT(message_of([&] {
                   const StoredTake take = StoredTake::open(folder / "cut.h5");
-                  take.read(0, 10, SampleColumns::all);
+                  take.read(1, 0, 10, SampleColumns::all);
                   take.read_errors();
                 }),
                 HasSubstr("cut.h5"));

@@ -136,7 +136,8 @@ void read_session(const fs::path& path) {
 
 void read_take(const fs::path& path) {
   const StoredTake take = StoredTake::open(path);
-  take.read(0, std::min(kSomeSamples, take.head().instants), SampleColumns::all);
+  for (std::size_t track = 0; track < take.head().tracks.size(); ++track)
+    take.read(track, 0, std::min(kSomeSamples, take.head().instants), SampleColumns::all);
   take.read_errors();
   take.read_replay();
 }

@@ -45,6 +45,7 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
   TakeHead head;
   head.joints = {"head", "wrist_left", "wrist_right"};
   head.methods = {"linear", "nonlinear"};
+  head.tracks = {"mocap"};
   for (int s = 0; s < kSolveStatusCount; ++s)
     head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   head.condition = "walking";
@@ -74,7 +75,7 @@ inline void write_made_samples(const std::filesystem::path& folder, const MadeSt
         }
       }
     }
-    take.write(block);
+    take.write(0, block);
     take.write_errors(errors_of(take, {.alignments = {AlignmentKind::none}, .rate_hz = study.rate_hz}));
     take.finish();
   }

@@ -213,7 +213,7 @@ TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
   const Campaign campaign = simulate_into(evaluated.folder / "campaign", walking_spec(1, 4.0));
   execute_study(study, campaign, evaluated.folder / "results", {});
   const StoredTake take = open_take(result_takes(evaluated.folder / "results").at(0));
-  const SampleBlock block = take.read(0, take.head().instants, SampleColumns::all);
+  const SampleBlock block = take.read(0, 0, take.head().instants, SampleColumns::all);
   const auto sum_m = [](const std::vector<Eigen::Vector3d>& errors_m) {
     Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
     for (const auto& e : errors_m) mean_m += e / static_cast<double>(errors_m.size());

@@ -89,7 +89,7 @@ class Samples:
     """One take's samples: arrays instants x joints x methods."""
 
     def __init__(self, file):
-        group = file["samples"]
+        group = file["samples/0"]
         self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
         names = np.array(file.attrs["status_names"].astype(str), object)
         for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "iterations", "cost_m2",

@@ -94,13 +94,17 @@ struct Axes {
   std::vector<std::size_t> group_of_joint;
   std::size_t groups = 0, methods = 0, alignments = 0;
 
+  // Of whatever track.
+  std::size_t joint_of(const auto& row) const { return row.quantity % group_of_joint.size(); }
+  std::size_t group_of(const auto& row) const { return group_of_joint[joint_of(row)]; }
+
   Axes(const std::vector<std::string>& joints, std::size_t methods_, std::size_t alignments_)
       : methods(methods_), alignments(alignments_) {
     const std::vector<std::string> names = groups_of(joints);
     groups = names.size();
     for (const std::string& joint : joints)
       group_of_joint.push_back(
-          static_cast<std::size_t>(std::ranges::find(names, group_of(joint)) - names.begin()));
+          static_cast<std::size_t>(std::ranges::find(names, trilat::group_of(joint)) - names.begin()));
   }
 };
 
@@ -193,8 +197,7 @@ class ConditionErrors {
     return std::span(cells_).subspan(group * count, count);
   }
   CellSums& cell_of(const auto& row) {
-    return cells_[(axes_.group_of_joint[row.quantity] * axes_.methods + row.method) * axes_.alignments +
-                  row.alignment];
+    return cells_[(axes_.group_of(row) * axes_.methods + row.method) * axes_.alignments + row.alignment];
   }
   std::size_t pair(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const {
     return ((group * axes_.methods + first) * axes_.methods + second) * axes_.alignments + alignment;
@@ -212,7 +215,7 @@ class ConditionErrors {
     }
     for (const PairRow& row : table.pairs) {
       if (!is_of(row)) continue;
-      const std::size_t g = axes_.group_of_joint[row.quantity];
+      const std::size_t g = axes_.group_of(row);
       add(pairs_[pair(g, row.first, row.second, row.alignment)], row, row.first_m, row.second_m,
           cluster_of(row));
       add(pairs_[pair(g, row.second, row.first, row.alignment)], row, row.second_m, row.first_m,
@@ -412,12 +415,14 @@ class Summary {
     std::uint64_t bones = 0, jerks = 0, truth_jerks = 0;
     for (const TakeTable* take : errors.takes()) {
       alignment = take->errors.body_alignment;
-      const ShapeRow& shape = take->errors.shapes[m];
-      cell.bones = std::max<std::uint64_t>(cell.bones, shape.bones);
-      bones += shape.bones;
-      bone_sd_m += shape.bone_sd_m;
-      jerks += shape.jerks;
-      jerk_m_s3 += shape.jerk_m_s3;
+      for (const ShapeRow& shape : take->errors.shapes) {
+        if (shape.method != m) continue;
+        cell.bones = std::max<std::uint64_t>(cell.bones, shape.bones);
+        bones += shape.bones;
+        bone_sd_m += shape.bone_sd_m;
+        jerks += shape.jerks;
+        jerk_m_s3 += shape.jerk_m_s3;
+      }
       for (const TruthRow& truth : take->errors.truth) {
         truth_jerks += truth.jerks;
         truth_jerk_m_s3 += truth.jerk_m_s3;
@@ -453,7 +458,7 @@ class Summary {
     std::uint64_t n = 0;
     for (const TakeTable* take : errors.takes())
       for (const TruthRow& row : take->errors.truth)
-        if (axes_.group_of_joint[row.quantity] == group) {
+        if (axes_.group_of(row) == group) {
           speed_m_s += row.speed_m_s;
           n += row.speeds;
         }
@@ -469,7 +474,7 @@ class Summary {
     std::vector<OfJoint> sums(joints_.size() * axes_.methods);
     for (const ErrorRow& row : table.errors) {
       if (row.subset != static_cast<std::uint32_t>(subset) || row.alignment != 0) continue;
-      OfJoint& of = sums[row.quantity * axes_.methods + row.method];
+      OfJoint& of = sums[axes_.joint_of(row) * axes_.methods + row.method];
       of.asked += row.asked();
       of.answered += row.answered;
       of.length_m += row.length_m;
@@ -483,7 +488,8 @@ class Summary {
       const bool is_second = row.second == reference_;
       if (row.subset != static_cast<std::uint32_t>(subset) || row.alignment != 0) continue;
       if (!is_second && row.first != reference_) continue;
-      auto& [own, reference] = sums[row.quantity * axes_.methods + (is_second ? row.first : row.second)];
+      auto& [own, reference] =
+          sums[axes_.joint_of(row) * axes_.methods + (is_second ? row.first : row.second)];
       own.answered += row.n;
       own.length_m += is_second ? row.first_m : row.second_m;
       reference.length_m += is_second ? row.second_m : row.first_m;

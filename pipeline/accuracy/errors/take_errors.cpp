@@ -64,10 +64,11 @@ struct Window {
 // The windows of a take, as often as it takes.
 class Windows {
  public:
-  Windows(const StoredTake& take, std::uint64_t of_block) : take_(take), of_block_(of_block) {
+  Windows(const StoredTake& take, std::size_t track, std::uint64_t of_block)
+      : take_(take), track_(track), of_block_(of_block) {
     const TakeHead& head = take.head();
     if (head.instants * head.joints.size() * head.methods.size() * sizeof(double) * 4 <= kInMemoryBytes)
-      whole_ = take.read(0, head.instants, SampleColumns::errors);
+      whole_ = take.read(track, 0, head.instants, SampleColumns::errors);
     const std::size_t bytes =
         std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(double);
     together_ = whole_ ? std::max<std::uint64_t>(kFewest, kNear / bytes) : kRead;
@@ -83,7 +84,7 @@ class Windows {
       const std::uint64_t end = std::min(end_of_block, first + together_);
       if (!whole_) {
         const std::uint64_t from = first - std::min(first, kMargin);
-        take_.read(from, std::min(end + kMargin, head.instants) - from, SampleColumns::errors, part);
+        take_.read(track_, from, std::min(end + kMargin, head.instants) - from, SampleColumns::errors, part);
       }
       visit(Window{whole_ ? *whole_ : part, first, end, head.joints.size(), head.methods.size()});
       first = end;
@@ -97,6 +98,7 @@ class Windows {
 
  private:
   const StoredTake& take_;
+  std::size_t track_;
   std::uint64_t of_block_, together_;
   std::optional<SampleBlock> whole_;
 };
@@ -153,15 +155,16 @@ struct LengthSum {
   double length_m = 0.0;
 };
 
-class TakeErrors {
+// Of one track; quantities are its joints.
+class TrackErrors {
  public:
-  TakeErrors(const StoredTake& take, const ErrorSettings& settings)
+  TrackErrors(const StoredTake& take, std::size_t track, const ErrorSettings& settings)
       : head_(take.head()),
         settings_(settings),
         joints_(head_.joints.size()),
         methods_(head_.methods.size()),
         alignments_(settings.alignments.size()),
-        windows_(take, block_instants(head_.instants, settings.rate_hz)),
+        windows_(take, track, block_instants(head_.instants, settings.rate_hz)),
         marks_(joints_ * head_.instants) {
     TRILAT_CHECK(head_.status_names.size() <= kMostStatuses, "every status has its column");
     turns_ = std::ranges::find(settings.alignments, AlignmentKind::rigid) != settings.alignments.end();
@@ -706,7 +709,29 @@ std::uint64_t block_instants(std::uint64_t instants, double rate_hz) {
 }
 
 ErrorTable errors_of(const StoredTake& take, const ErrorSettings& settings) {
-  return TakeErrors(take, settings).table();
+  ErrorTable all;
+  for (std::size_t track = 0; track < take.head().tracks.size(); ++track) {
+    ErrorTable table = TrackErrors(take, track, settings).table();
+    const auto first = static_cast<std::uint32_t>(track * take.head().joints.size());
+    const auto add = [&](auto ErrorTable::*rows) {
+      for (auto& row : table.*rows) {
+        if constexpr (requires { row.quantity; }) row.quantity += first;
+        (all.*rows).push_back(row);
+      }
+    };
+    all.settings_sha256 = table.settings_sha256;
+    all.alignments = table.alignments;
+    all.body_alignment = table.body_alignment;
+    add(&ErrorTable::laid_over);
+    add(&ErrorTable::errors);
+    add(&ErrorTable::pairs);
+    add(&ErrorTable::histograms);
+    add(&ErrorTable::bins);
+    add(&ErrorTable::bodies);
+    add(&ErrorTable::shapes);
+    add(&ErrorTable::truth);
+  }
+  return all;
 }
 
 }  // namespace trilat

@@ -10,11 +10,6 @@
 namespace trilat {
 namespace {
 
-// By rig sensor.
-std::size_t left_out_sensor(const Plan& plan, const PlannedTake& planned) {
-  return static_cast<std::size_t>(std::ranges::find(plan.rig, planned.take.left_out) - plan.rig.begin());
-}
-
 Eigen::Vector3d point_at(const std::vector<double>& coordinates, std::size_t k) {
   return Eigen::Map<const Eigen::Vector3d>(coordinates.data() + 3 * k);
 }
@@ -51,30 +46,8 @@ Estimate mean_of(const std::vector<const PredictionSums*>& entries, double Predi
 
 }  // namespace
 
-void leave_out(const Plan& plan, const PlannedTake& planned, TakeData& data) {
-  if (planned.take.left_out.empty()) return;
-  const std::size_t s = left_out_sensor(plan, planned);
-  data.truth_m.assign(data.time.size() * plan.joints.size(), Eigen::Vector3d::Constant(kNaN));
-  bool any = false;
-  for (std::size_t i = 0; i < data.time.size(); ++i) {
-    ObservedBody& body = data.bodies.at(i, s);
-    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      const Joint joint = plan.joints[j];
-      if (body.state[static_cast<std::size_t>(joint)] != TrackingState::tracked) continue;
-      data.truth_m[i * plan.joints.size() + j] = planned.world_from_sensor[s] * body.at(joint);
-      any = true;
-    }
-    body = {};
-  }
-  if (!any)
-    throw InputError(planned.take.session.string(),
-                     "sensor \"" + planned.take.left_out +
-                         "\" never tracks a joint that is asked for, so that there is nothing to predict");
-}
-
-Predictions::Predictions(const Plan& plan, const PlannedTake& planned) : plan_(plan) {
-  if (planned.take.left_out.empty()) return;
-  sensor_from_world_ = planned.world_from_sensor[left_out_sensor(plan, planned)].inverse();
+Predictions::Predictions(const Plan& plan, const PlannedTake& planned, std::size_t left_out)
+    : plan_(plan), sensor_from_world_(planned.world_from_sensor[left_out].inverse()) {
   Track track;
   track.last_m.resize(plan.joints.size());
   for (auto& last_m : track.last_m) last_m.fill(Eigen::Vector3d::Constant(kNaN));

@@ -27,17 +27,12 @@ struct PredictionSums {
                 jerk_m_s3)
 };
 
-// Of a take whose sensor is left out, after which no method sees that sensor: its tracked joints become the
-// truth. Inferred ones are the tracker's guess and do not. Does nothing to other takes. InputError when that
-// sensor never tracks a joint that is asked for.
-void leave_out(const Plan& plan, const PlannedTake& planned, TakeData& data);
-
-// Adds up a take's blocks, which come in the order of time.
+// Adds up a take's blocks, which come in the order of time, for one sensor of the rig that is left out.
 class Predictions {
  public:
-  Predictions(const Plan& plan, const PlannedTake& planned);
+  Predictions(const Plan& plan, const PlannedTake& planned, std::size_t left_out);
   void add(const SampleBlock& block);
-  // An entry for every method of the plan; none for takes with mocap.
+  // An entry for every method of the plan.
   std::vector<PredictionSums> sums() const;
 
  private:

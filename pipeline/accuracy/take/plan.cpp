@@ -21,8 +21,8 @@ namespace {
 
 // Instants of the truth that show which axis points up: so many with a joint, or more until one does, of at
 // most so many.
-constexpr double kProbe_s = 0.1;
-constexpr std::size_t kProbes = 10, kMostProbes = 300;
+constexpr double kProbe_s = 0.1, kFirst_s = 1.5, kMost_s = 30.0;
+constexpr std::size_t kProbes = 10, kMostBodies = 300;
 constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
 
 struct HostSpan {
@@ -82,28 +82,34 @@ JointMapping every_joint() {
   return mapping;
 }
 
-constexpr const char* kWithout = ".without.";  // between a take's id and the sensor that is left out
+// How the person stands in the mocap's first seconds.
+std::optional<UpAxis> axis_in_mocap(const PlannedTake& planned, const std::vector<Joint>& joints,
+                                    double until_s) {
+  const TruthTrack truth(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(until_s));
+  StandingAxis standing;
+  std::vector<Eigen::Vector3d> points(joints.size());
+  std::size_t seen = 0;
+  for (double t_s = 0.0; t_s <= until_s && (seen < kProbes || !standing.axis()); t_s += kProbe_s) {
+    truth.at(MocapTime{} + duration_from_s(t_s), points);
+    for (std::size_t j = 0; j < joints.size(); ++j) standing.add(joints[j], points[j]);
+    seen += std::ranges::any_of(points, [](const auto& point) { return point.allFinite(); }) ? 1 : 0;
+  }
+  return seen < kProbes && until_s < kMost_s ? std::nullopt : standing.axis();
+}
 
 // Whether the truth's world has z up and the sensors' has not: by how the person stands at the start.
 bool stands_along_z(const PlannedTake& planned, const SessionReader& session,
                     const std::vector<Joint>& joints) {
-  TruthTrack truth(planned, joints, duration_from_s(kProbe_s));  // its assets exist
+  std::optional<UpAxis> of_truth_axis = axis_in_mocap(planned, joints, kFirst_s);  // its assets exist
   if (planned.take.up_axis != UpAxis::automatic) return planned.take.up_axis == UpAxis::z;
   if (!planned.level) return false;
-  StandingAxis of_truth, of_sensors;
-  std::vector<Eigen::Vector3d> points(joints.size());
-  std::size_t seen = 0;
-  for (std::size_t k = 0; k < kMostProbes && (seen < kProbes || !of_truth.axis()); ++k) {
-    truth.at(MocapTime{} + duration_from_s(static_cast<double>(k) * kProbe_s), points);
-    for (std::size_t j = 0; j < joints.size(); ++j) of_truth.add(joints[j], points[j]);
-    seen += std::ranges::any_of(points, [](const auto& point) { return point.allFinite(); }) ? 1 : 0;
-  }
-  const std::optional<UpAxis> of_truth_axis = of_truth.axis();
+  if (!of_truth_axis) of_truth_axis = axis_in_mocap(planned, joints, kMost_s);
   if (!of_truth_axis) throw InputError(planned.take.mocap.string(), kUnclearUp);
   if (of_truth_axis != UpAxis::z) return false;
+  StandingAxis of_sensors;
   for (std::size_t s = 0; s < planned.session_sensor.size(); ++s) {
     const std::size_t sensor = planned.session_sensor[s];
-    const std::uint64_t frames = std::min<std::uint64_t>(session.counts(sensor).body_frames, kMostProbes);
+    const std::uint64_t frames = std::min<std::uint64_t>(session.counts(sensor).body_frames, kMostBodies);
     for (const BodyFrame& frame : session.body_frames(sensor, 0, frames))
       for (const Body& body : frame.bodies)
         for (std::size_t j = 0; j < kJointCount; ++j)
@@ -126,14 +132,14 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
 }
 
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
-  if (planned.take.mocap.empty() && planned.take.left_out.empty() && study.truth != TruthSource::nothing)
+  if (planned.take.mocap.empty() && planned.truth == TakeTruth::mocap)
     throw InputError(
         "take \"" + planned.take.id + '"',
         "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a take by "
         "its own sensors, with \"left_out_sensor\" every take");
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
-  const bool has_truth = has_mocap_truth(planned.take);
+  const bool has_truth = planned.truth == TakeTruth::mocap;
   planned.mapping = planned.take.mapping.empty() ? every_joint() : read_mapping(planned.take.mapping);
   const Calibration calibration = read_calibration(planned.take.calibration);
   if (has_truth) check_world(calibration, study, planned.take.calibration.string());
@@ -221,55 +227,40 @@ void keep_conditions(const StudySpec& study, Campaign& campaign) {
   });
 }
 
-// Each take that is not judged by its mocap once for every sensor of the rig, which is left out then. Beside
-// takes with mocap they are a condition of their own: a difference from a sensor is no error.
-void leave_each_out(const StudySpec& study, Campaign& campaign, bool with_mocap) {
-  const auto is_predicted = [&](const Take& take) { return with_mocap || take.mocap.empty(); };
-  if (std::ranges::none_of(campaign.takes, is_predicted)) return;
-  const bool is_mixed = !std::ranges::all_of(campaign.takes, is_predicted);
-  const std::vector<std::string> rig = rig_of(study, campaign);
-  if (rig.size() < 2)
+TakeTruth truth_of(const StudySpec& study, const Take& take) {
+  if (study.truth == TruthSource::nothing) return TakeTruth::nothing;
+  const bool is_left_out = study.truth == TruthSource::left_out_sensor ||
+                           (study.truth == TruthSource::automatic && take.mocap.empty());
+  return is_left_out ? TakeTruth::left_out_sensor : TakeTruth::mocap;
+}
+
+// Says what each take is held against. Takes that are held against sensors beside takes with mocap are a
+// condition of their own.
+void plan_truths(Plan& plan) {
+  const auto is_left_out = [](const PlannedTake& planned) {
+    return planned.truth == TakeTruth::left_out_sensor;
+  };
+  for (PlannedTake& planned : plan.takes) planned.truth = truth_of(plan.study, planned.take);
+  if (std::ranges::none_of(plan.takes, is_left_out)) return;
+  if (plan.rig.size() < 2)
     throw InputError(
-        "study \"" + study.name + '"',
+        "study \"" + plan.study.name + '"',
         "has takes without \"mocap\" and one sensor: left out, it leaves nothing to predict what it sees");
-  std::vector<Take> takes;
-  for (const Take& take : campaign.takes) {
-    if (!is_predicted(take)) {
-      takes.push_back(take);
-      continue;
-    }
-    for (const std::string& sensor : rig) {
-      takes.push_back(take);
-      takes.back().id += kWithout + sensor;
-      takes.back().left_out = sensor;
-      if (is_mixed) takes.back().activity += kPredicted;
-    }
-  }
-  campaign.takes = std::move(takes);
+  if (std::ranges::all_of(plan.takes, is_left_out)) return;
+  for (PlannedTake& planned : plan.takes)
+    if (is_left_out(planned)) planned.take.activity += kPredicted;
 }
 
 }  // namespace
 
 Campaign takes_of(const StudySpec& study, Campaign campaign) {
   keep_conditions(study, campaign);
-  if (study.truth == TruthSource::left_out_sensor) leave_each_out(study, campaign, true);
-  if (study.truth == TruthSource::automatic) leave_each_out(study, campaign, false);
   return campaign;
 }
 
-bool has_mocap_truth(const Take& take) { return !take.mocap.empty() && take.left_out.empty(); }
-
-std::string recorded_id(const Take& take) {
-  if (take.left_out.empty()) return take.id;
-  return take.id.substr(0, take.id.size() - std::string(kWithout).size() - take.left_out.size());
-}
-
 bool leaves_sensors_out(const Plan& plan) {
-  return std::ranges::all_of(plan.campaign.takes, [](const Take& take) { return !take.left_out.empty(); });
-}
-
-bool speaks_for_take(const Plan& plan, const PlannedTake& planned) {
-  return planned.take.left_out.empty() || planned.take.left_out == plan.rig.front();
+  return std::ranges::all_of(
+      plan.takes, [](const PlannedTake& planned) { return planned.truth == TakeTruth::left_out_sensor; });
 }
 
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods) {
@@ -290,12 +281,12 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   plan.rig = rig_of(study, plan.campaign);
   plan.methods = resolve_methods(study, plan.rig);
   plan.reference = reference_of(study, plan.methods);
-  plan.takes.resize(plan.campaign.takes.size());
+  for (const Take& take : plan.campaign.takes) plan.takes.emplace_back().take = take;
+  plan_truths(plan);
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
     watch.check();
     PlannedTake& planned = plan.takes[t];
-    planned.take = plan.campaign.takes[t];
     try {
       look_into(planned, plan.rig, study);
     } catch (const InputError& error) {

@@ -18,11 +18,16 @@
 
 namespace trilat {
 
+// What the estimates of one take are held against: its mocap; what each sensor sees, left out in turn; or
+// nothing.
+enum class TakeTruth : std::uint8_t { mocap, left_out_sensor, nothing };
+
 // One take, looked into: which sensor of its session is which of the rig, where they stand, how their clocks
 // run, and the instants to evaluate: start + i / rate_hz for i < instants, from the first to the last body
 // frame of any sensor of the rig. A take that cannot be evaluated says why.
 struct PlannedTake {
   Take take;
+  TakeTruth truth = TakeTruth::mocap;
   bool ok = false;
   std::string place, problem;
   bool simulated = false;
@@ -58,25 +63,16 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
-// Behind the activity of a take without mocap in a campaign in which others have one.
+// Behind the activity of a take without mocap in a campaign in which others have one: a difference from a
+// sensor is no error.
 inline constexpr const char* kPredicted = ", against a left-out sensor";
-
-// The takes of the conditions that the study asks for, each once for every sensor of the rig when sensors are
-// left out; InputError when it asks for a condition that no take is.
-Campaign takes_of(const StudySpec& study, Campaign campaign);
-
-// Whether the take is judged by its mocap.
-bool has_mocap_truth(const Take& take);
-
-// The id in the campaign, which takes with different sensors left out share.
-std::string recorded_id(const Take& take);
 
 // Whether the truth of every take is what sensors see that are left out, and not mocap.
 bool leaves_sensors_out(const Plan& plan);
 
-// Whether notes and tables of the recording as a whole come from this take: from each, and of those that
-// differ in the sensor that is left out from the first.
-bool speaks_for_take(const Plan& plan, const PlannedTake& planned);
+// The takes of the conditions that the study asks for; InputError when it asks for a condition that no take
+// is.
+Campaign takes_of(const StudySpec& study, Campaign campaign);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
 // study that fits no rig, no joint mapped.

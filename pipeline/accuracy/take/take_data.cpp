@@ -16,6 +16,7 @@
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/sensor_track.h"
+#include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
 
@@ -33,18 +34,19 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
   if (i % kStopPeriod == 0 && stop_requested && stop_requested()) throw Interrupted();
 }
 
-[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth) {
+[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
+                                       const TruthTrack& truth) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
   throw InputError(
       planned.take.mocap.string(),
       fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session runs "
                   "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {})",
                   start_s, start_s + plan.instant(planned.instants - 1).seconds(),
-                  static_cast<double>(truth.read_to_end().ns) * 1e-9, planned.take.mocap_start_host_ns));
+                  static_cast<double>(truth.end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
 
 // Fills in the truth and returns what there is to know of it.
-std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, TruthTrack& truth,
+std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, const TruthTrack& truth,
                                  const std::function<bool()>& stop_requested, TakeData& data) {
   const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
   const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
@@ -154,7 +156,8 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 // With "clock": "motion" the stated start may be seconds off, and by it another person can be nearest to the
 // truth: puts the truth at the offset by which one of several persons moves as it does.
 void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                           TruthTrack& truth, const std::function<bool()>& stop_requested, TakeData& data) {
+                           const TruthTrack& truth, const std::function<bool()>& stop_requested,
+                           TakeData& data) {
   const std::vector<PersonChoice> candidates = candidates_of(planned, seen);
   if (candidates.size() < 2) return;
   double best_peak = -1.0;
@@ -172,17 +175,13 @@ void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const R
   read_truth(plan, planned, truth, stop_requested, data);
 }
 
-void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionReader& session,
-                 TruthTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
-  const std::size_t sensors = plan.rig.size();
-  RigBodies seen;
-  for (std::size_t s = 0; s < sensors; ++s)
-    seen.push_back(
-        read_sensor_bodies(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
+// Chooses the person and takes their bodies at the instants.
+void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
+                   const TruthTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
   const auto add_notes = [&](const std::vector<TakeNote>& notes) {
     data.notes.insert(data.notes.end(), notes.begin(), notes.end());
   };
-  if (speaks_for_take(plan, planned)) add_notes(notes_on_streams(plan, planned, seen));
+  add_notes(notes_on_streams(plan, planned, seen));
   if (truth && plan.study.clock == ClockSource::motion)
     place_truth_by_motion(plan, planned, seen, *truth, stop_requested, data);
   auto person = choose_person(plan, planned, seen, data);
@@ -195,10 +194,10 @@ void read_bodies(const Plan& plan, const PlannedTake& planned, const SessionRead
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
   if (!findings.checked) findings = check_sensors(plan, planned, data.bodies);
-  if (speaks_for_take(plan, planned)) add_notes(findings.notes);
+  add_notes(findings.notes);
   bool any_seen = false;
   for (std::size_t i = 0; i < data.time.size(); ++i)
-    for (std::size_t s = 0; s < sensors; ++s)
+    for (std::size_t s = 0; s < seen.size(); ++s)
       for (const Joint joint : plan.joints) any_seen |= data.bodies.at(i, s).has(joint);
   if (!any_seen)
     throw InputError(planned.take.session.string(),
@@ -224,8 +223,8 @@ void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& p
   }
 }
 
-// A sensor that is left out is the truth: it and its predictors are put right each without the other.
-void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
+void repair(const Plan& plan, const PlannedTake& planned, std::optional<std::size_t> left_out,
+            TakeData& data) {
   const std::size_t rig = plan.rig.size();
   data.exchanges = {rig, std::vector<std::uint8_t>(data.time.size() * rig, 0),
                     std::vector<std::size_t>(rig, 0)};
@@ -235,15 +234,30 @@ void repair(const Plan& plan, const PlannedTake& planned, TakeData& data) {
          "has a world that is not level, so exchanges of left and right are not looked for"});
     return;
   }
-  std::vector<std::size_t> truth, others;
-  for (std::size_t s = 0; s < rig; ++s) (plan.rig[s] == planned.take.left_out ? truth : others).push_back(s);
+  std::vector<std::size_t> others;
+  for (std::size_t s = 0; s < rig; ++s)
+    if (s != left_out) others.push_back(s);
   find_exchanges_among(others, plan, planned, data.bodies, data.exchanges);
-  find_exchanges_among(truth, plan, planned, data.bodies, data.exchanges);
+  if (left_out) find_exchanges_among({*left_out}, plan, planned, data.bodies, data.exchanges);
   if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
 }
 
+// Makes what a sensor tracks the truth, and takes its bodies away.
+void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor, TakeData& data) {
+  data.truth_m.assign(data.time.size() * plan.joints.size(), Eigen::Vector3d::Constant(kNaN));
+  for (std::size_t i = 0; i < data.time.size(); ++i) {
+    ObservedBody& body = data.bodies.at(i, sensor);
+    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+      const Joint joint = plan.joints[j];
+      if (body.state[static_cast<std::size_t>(joint)] != TrackingState::tracked) continue;
+      data.truth_m[i * plan.joints.size() + j] = planned.world_from_sensor[sensor] * body.at(joint);
+    }
+    body = {};
+  }
+}
+
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
-void check_clock(const Plan& plan, const PlannedTake& planned, TruthTrack& truth,
+void check_clock(const Plan& plan, const PlannedTake& planned, const TruthTrack& truth,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth, stop_requested);
@@ -302,37 +316,63 @@ void find_occlusions(const Plan& plan, TakeData& data) {
 
 }  // namespace
 
-TakeData load_take(const Plan& plan, const PlannedTake& planned,
-                   const std::function<bool()>& stop_requested) {
+RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
+                       const std::function<bool()>& stop_requested) {
   const SessionReader session(planned.take.session);
+  RecordedTake recorded;
+  recorded.is_closed = session.complete();
+  for (std::size_t s = 0; s < plan.rig.size(); ++s)
+    recorded.bodies.push_back(
+        read_sensor_bodies(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
+  if (planned.truth == TakeTruth::mocap)
+    recorded.truth =
+        std::make_shared<TruthTrack>(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
+  return recorded;
+}
+
+TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded,
+                       const std::function<bool()>& stop_requested) {
   TakeData data;
   data.time.reserve(planned.instants);
   for (std::uint64_t i = 0; i < planned.instants; ++i) data.time.push_back(planned.start + plan.instant(i));
-  if (!planned.span_note.empty())
-    data.notes.push_back({planned.take.id, false, planned.take.session.string(), planned.span_note});
-  if (!session.complete())
-    data.notes.push_back(
-        {planned.take.id, false, planned.take.session.string(), "was not closed by its recorder"});
-  if (speaks_for_take(plan, planned) && planned.take.activity.ends_with(kPredicted))
-    data.notes.push_back({planned.take.id, false, planned.take.session.string(),
-                          "has no motion capture: each sensor is predicted from the others, and the "
-                          "differences stand under \"" +
-                              planned.take.activity + '"'});
-  std::optional<TruthTrack> truth;
-  if (has_mocap_truth(planned.take))
-    truth.emplace(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
-  if (truth)
-    for (TakeNote& note : read_truth(plan, planned, *truth, stop_requested, data))
-      data.notes.push_back(std::move(note));
-  read_bodies(plan, planned, session, truth ? &*truth : nullptr, stop_requested, data);
-  repair(plan, planned, data);
+  const auto note = [&](std::string text) {
+    data.notes.push_back({planned.take.id, false, planned.take.session.string(), std::move(text)});
+  };
+  if (!planned.span_note.empty()) note(planned.span_note);
+  if (!recorded.is_closed) note("was not closed by its recorder");
+  if (planned.take.activity.ends_with(kPredicted))
+    note(
+        "has no motion capture: each sensor is predicted from the others, and the differences stand under "
+        "\"" +
+        planned.take.activity + '"');
+  if (recorded.truth)
+    for (TakeNote& odd : read_truth(plan, planned, *recorded.truth, stop_requested, data))
+      data.notes.push_back(std::move(odd));
+  const RigBodies bodies = std::exchange(recorded.bodies, {});
+  follow_bodies(plan, planned, bodies, recorded.truth.get(), stop_requested, data);
+  return data;
+}
+
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, const TruthTrack* truth,
+                  std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested) {
+  repair(plan, planned, left_out, data);
   if (truth) {
     check_clock(plan, planned, *truth, stop_requested, data);
     for (TakeNote& note : check_truth(plan, planned, data)) data.notes.push_back(std::move(note));
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
+  if (left_out) leave_out(plan, planned, *left_out, data);
   find_occlusions(plan, data);
+  find_corrections(plan, planned, data);
+  estimate_sigmas(plan, planned, data);
   return data;
+}
+
+TakeData load_take(const Plan& plan, const PlannedTake& planned,
+                   const std::function<bool()>& stop_requested) {
+  RecordedTake recorded = read_take(plan, planned, stop_requested);
+  TakeData followed = follow_person(plan, planned, recorded, stop_requested);
+  return see_take(plan, planned, std::move(followed), recorded.truth.get(), std::nullopt, stop_requested);
 }
 
 void observe_joint(const TakeData& data, std::size_t instant, Joint joint,

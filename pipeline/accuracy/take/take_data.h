@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "datasets/results/studies/tracking_summary.h"
@@ -13,6 +15,7 @@
 #include "evaluators/fusion/range_bearing.h"
 #include "evaluators/fusion/self_calibration.h"
 #include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/sensor_track.h"
 
 namespace trilat {
 
@@ -57,9 +60,32 @@ struct TakeData {
   }
 };
 
-// Reads one take; one that mocap does not judge has no truth yet. InputError when it cannot be evaluated at
-// all: no ground truth for its time, no sensor that ever sees a joint that is asked for. Throws Interrupted
-// when asked to stop.
+class TruthTrack;
+
+// A take as it was recorded, read whole.
+struct RecordedTake {
+  std::vector<SensorBodies> bodies;   // by rig sensor
+  std::shared_ptr<TruthTrack> truth;  // of a take that mocap judges
+  bool is_closed = true;              // by its recorder
+};
+RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
+                       const std::function<bool()>& stop_requested);
+
+// One person's bodies at the instants, as the sensors give them, and the truth of the mocap at its stated
+// start; notes say what is odd about the streams, the sensors and the mocap. Takes the bodies out of
+// `recorded`. InputError when the take cannot be evaluated at all: no ground truth for its time, no sensor
+// that ever sees a joint that is asked for. This and what follows throw Interrupted when asked to stop.
+TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded,
+                       const std::function<bool()>& stop_requested);
+
+// What methods see of it: exchanges of left and right undone, the mocap's clock checked, occlusions counted,
+// and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked joints are
+// the truth, which has none where it does not track (inferred ones are the tracker's guess); it and its
+// predictors are put right each without the other.
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed, const TruthTrack* truth,
+                  std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested);
+
+// All of the three: a take as methods see it that leaves no sensor out.
 TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested);
 
 // One joint at one instant as every sensor sees it.

@@ -80,7 +80,7 @@ RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& dat
   const Rows rows = rows_of(planned, data, plan.joints, 0, data.time.size(), false);
   const RaySigmaEstimate rays =
       estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster);
-  RayRow row{.take = recorded_id(planned.take), .rows = rays.instants, .problem = rays.problem};
+  RayRow row{.take = planned.take.id, .rows = rays.instants, .problem = rays.problem};
   if (!row.problem.empty()) return row;
   row.range_m = rays.sigma.range_m;
   row.bearing_m = rays.sigma.bearing_m;
@@ -115,9 +115,9 @@ std::vector<CorrectionRow> correction_rows(const Plan& plan, const PlannedTake& 
   std::vector<CorrectionRow> rows;
   for (std::size_t s = 0; s < data.shown.of_sensor.size(); ++s) {
     const CorrectionMagnitudes m = magnitudes_of(data.shown, s);
-    rows.push_back({recorded_id(planned.take), plan.rig[s], data.shown.problem, m.turn_rad.value,
-                    m.turn_rad.low, m.turn_rad.high, m.shift_m.value, m.shift_m.low, m.shift_m.high,
-                    m.range_m.value, m.range_m.low, m.range_m.high, planned.poses[s].rotation_sigma_rad,
+    rows.push_back({planned.take.id, plan.rig[s], data.shown.problem, m.turn_rad.value, m.turn_rad.low,
+                    m.turn_rad.high, m.shift_m.value, m.shift_m.low, m.shift_m.high, m.range_m.value,
+                    m.range_m.low, m.range_m.high, planned.poses[s].rotation_sigma_rad,
                     planned.poses[s].position_sigma_m});
   }
   return rows;

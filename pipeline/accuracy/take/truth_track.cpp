@@ -37,7 +37,7 @@ std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& plan
 }
 
 std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  double margin_s, TruthTrack& truth,
+                                  double margin_s, const TruthTrack& truth,
                                   const std::function<bool()>& stop_requested) {
   std::vector<PointPath> paths(plan.joints.size());
   std::vector<Eigen::Vector3d> joints(plan.joints.size());
@@ -85,118 +85,71 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 
 }  // namespace
 
-struct TruthTrack::State {
-  struct Samples {
-    std::vector<MocapTime> time;
-    std::vector<Eigen::Vector3d> position_m;
-  };
-  MocapReader reader;
-  FrozenFilter frames;
-  Duration longest_gap;
-  std::vector<std::vector<std::size_t>> assets_of_joint;
-  std::vector<std::size_t> assets;  // that are read
-  std::vector<Samples> samples;     // by asset of the export
-  MocapFrame frame, before;         // the last two that were read
-  bool ended = false;
-  bool has_z_up;
-  double frames_read = 0.0, frames_repeated = 0.0;
-
-  State(const PlannedTake& planned, Duration gap)
-      : reader(planned.take.mocap),
-        frames(reader),
-        longest_gap(gap),
-        samples(reader.header().assets.size()),
-        has_z_up(planned.truth_has_z_up) {}
-
-  // Whether there is any position of the joints, and none that differs.
-  bool repeats() const {
-    bool any = false;
-    for (const std::size_t asset : assets) {
-      if (!frame.poses[asset].has_position()) continue;
-      if (frame.poses[asset].position_m != before.poses[asset].position_m) return false;
-      any = true;
-    }
-    return any;
-  }
-
-  void read_to(MocapTime t) {
-    while (!ended && (frames_read == 0.0 || frame.time < t)) {
-      std::swap(frame, before);
-      if (!frames.next(frame)) {
-        std::swap(frame, before);
-        ended = true;
-        break;
-      }
-      if (frames_read++ > 0.0 && repeats()) ++frames_repeated;
-      for (const std::size_t asset : assets) {
-        if (!frame.poses[asset].has_position()) continue;
-        samples[asset].time.push_back(frame.time);
-        samples[asset].position_m.push_back(frame.poses[asset].position_m);
-      }
-    }
-  }
-
-  Eigen::Vector3d asset_at(std::size_t asset, MocapTime t) const {
-    const auto& [time, position_m] = samples[asset];
-    const auto after = static_cast<std::size_t>(
-        std::ranges::lower_bound(time, t, [](MocapTime a, MocapTime b) { return a < b; }) - time.begin());
-    if (after < time.size() && time[after] == t) return position_m[after];
-    if (after == 0 || after == time.size()) return Eigen::Vector3d::Constant(kNaN);
-    return interpolate(t, time[after - 1], position_m[after - 1], time[after], position_m[after], longest_gap)
-        .value_or(Eigen::Vector3d::Constant(kNaN));
-  }
-};
-
-TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap)
-    : state_(std::make_unique<State>(planned, longest_gap)) {
+TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
+                       MocapTime until)
+    : longest_gap_(longest_gap), has_z_up_(planned.truth_has_z_up) {
+  MocapReader reader(planned.take.mocap);
   std::set<std::size_t> wanted;
-  for (Joint joint : joints) {
+  for (const Joint joint : joints) {
     std::vector<std::size_t> assets;
     for (const auto& entry : planned.mapping.joints)
       if (entry.joint == joint)
-        assets = assets_of_joint(state_->reader.header(), entry.assets,
+        assets = assets_of_joint(reader.header(), entry.assets,
                                  planned.take.mapping.string() + " /joints/" + std::string(name_of(joint)));
     wanted.insert(assets.begin(), assets.end());
-    state_->assets_of_joint.push_back(std::move(assets));
+    assets_of_joint_.push_back(std::move(assets));
   }
-  state_->assets.assign(wanted.begin(), wanted.end());
-  state_->reader.read_only(state_->assets);
+  mocap_ = read_positions(reader, {wanted.begin(), wanted.end()}, until);
 }
 
-TruthTrack::~TruthTrack() = default;
-TruthTrack::TruthTrack(TruthTrack&&) noexcept = default;
+// Where `after` is the first frame that is not before t.
+Eigen::Vector3d TruthTrack::asset_at(std::size_t asset, std::size_t after, MocapTime t) const {
+  const std::vector<Eigen::Vector3d>& position_m = mocap_.position_m[asset];
+  const auto is_near = [&](std::size_t frame) {
+    const Duration off = mocap_.time[frame] < t ? t - mocap_.time[frame] : mocap_.time[frame] - t;
+    return off <= longest_gap_;
+  };
+  const auto is_there = [&](std::size_t frame) { return position_m[frame].x() == position_m[frame].x(); };
+  while (after < position_m.size() && !is_there(after) && is_near(after)) ++after;
+  if (after == position_m.size() || !is_there(after)) return Eigen::Vector3d::Constant(kNaN);
+  if (mocap_.time[after] == t) return position_m[after];
+  std::size_t before = after;
+  while (before > 0 && (!(mocap_.time[before] < t) || (!is_there(before) && is_near(before)))) --before;
+  if (!(mocap_.time[before] < t) || !is_there(before)) return Eigen::Vector3d::Constant(kNaN);
+  return interpolate(t, mocap_.time[before], position_m[before], mocap_.time[after], position_m[after],
+                     longest_gap_)
+      .value_or(Eigen::Vector3d::Constant(kNaN));
+}
 
-void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) {
-  state_->read_to(t + state_->longest_gap);
+void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) const {
+  const auto earlier = [](MocapTime a, MocapTime b) { return a < b; };
+  const auto after =
+      static_cast<std::size_t>(std::ranges::lower_bound(mocap_.time, t, earlier) - mocap_.time.begin());
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const auto& assets = state_->assets_of_joint[j];
+    const std::vector<std::size_t>& assets = assets_of_joint_[j];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t asset : assets) sum += state_->asset_at(asset, t);
+    for (const std::size_t asset : assets) sum += asset_at(asset, after, t);
     joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaN)
                                : Eigen::Vector3d(sum / static_cast<double>(assets.size()));
-    if (state_->has_z_up) joints[j] = y_up_from_z_up(joints[j]);
+    if (has_z_up_) joints[j] = y_up_from_z_up(joints[j]);
   }
 }
 
-MocapTime TruthTrack::read_to_end() {
-  while (!state_->ended) state_->read_to(state_->frame.time + state_->longest_gap);
-  return state_->frame.time;
-}
-
-RemovedPoses TruthTrack::removed() const {
-  RemovedPoses sum;
-  for (const RemovedPoses& removed : state_->frames.removed()) {
-    sum.frozen += removed.frozen;
-    sum.at_origin += removed.at_origin;
-  }
-  return sum;
-}
+MocapTime TruthTrack::end() const { return mocap_.time.empty() ? MocapTime{} : mocap_.time.back(); }
 
 double TruthTrack::repeated_share() const {
-  return state_->frames_repeated / std::max(1.0, state_->frames_read);
+  double repeated = 0.0;
+  for (std::size_t frame = 1; frame < mocap_.time.size(); ++frame) {
+    bool any = false, same = true;
+    for (const std::vector<Eigen::Vector3d>& position_m : mocap_.position_m) {
+      if (position_m.empty() || !position_m[frame].allFinite()) continue;
+      any = true;
+      same = same && position_m[frame] == position_m[frame - 1];
+    }
+    repeated += any && same ? 1.0 : 0.0;
+  }
+  return repeated / std::max(1.0, static_cast<double>(mocap_.time.size()));
 }
-
-const MocapAnomalies& TruthTrack::anomalies() const { return state_->reader.anomalies(); }
 
 std::string cause_of(const std::string& status) {
   const auto is = [&](ClockOffsetStatus one) { return status == name_of(one); };
@@ -213,7 +166,7 @@ std::string cause_of(const std::string& status) {
 }
 
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            TruthTrack& truth, const std::function<bool()>& stop_requested) {
+                            const TruthTrack& truth, const std::function<bool()>& stop_requested) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
