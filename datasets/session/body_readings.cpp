@@ -17,7 +17,8 @@ constexpr std::size_t kFewestJoints = 3;  // that both frames see
 constexpr std::size_t kMostEarlier = 16;  // bodies of one tracking id that are remembered
 
 double distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return std::hypot(double{a[0]} - double{b[0]}, double{a[1]} - double{b[1]}, double{a[2]} - double{b[2]});
+  const double x = double{a[0]} - double{b[0]}, y = double{a[1]} - double{b[1]}, z = double{a[2]} - double{b[2]};
+  return std::sqrt(x * x + y * y + z * z);
 }
 
 // Median distance of the joints that both bodies show; nothing for too few.
@@ -30,6 +31,12 @@ std::optional<double> moved_m(const Body& from, const Body& to) {
   const auto middle = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2);
   std::ranges::nth_element(moved, middle);
   return *middle;
+}
+
+bool shows_enough(const Body& body) {
+  std::size_t seen = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) seen += reading_of(body, j) == JointReading::seen ? 1 : 0;
+  return seen >= kFewestJoints;
 }
 
 }  // namespace
@@ -82,7 +89,7 @@ std::vector<std::uint64_t> BodyIdentities::of(std::span<const Body> bodies, doub
     const bool is_alone = std::ranges::count(bodies, body.tracking_id, &Body::tracking_id) == 1;
     if (!is_new && latest->second != nearest->identity && is_alone) ++jumps_;
     latest->second = nearest->identity;
-    if (moved_m(body, body)) {  // shows enough to be compared with
+    if (shows_enough(body)) {  // to be compared with
       nearest->last = body;
       nearest->time_s = time_s;
     }
