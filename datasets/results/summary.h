@@ -285,6 +285,8 @@ struct ErrorChange {
   std::string condition, group, method;
   double before_m = kNoNumber, after_m = kNoNumber;
   double difference_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // after - before
+  double standard_error_m = kNoNumber, chance = kNoNumber;  // two-sided, of so much without any change
+  std::size_t clusters = 0;
   bool is_real() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
 };
 

@@ -17,7 +17,8 @@ constexpr std::size_t kFewestJoints = 3;  // that both frames see
 constexpr std::size_t kMostEarlier = 16;  // bodies of one tracking id that are remembered
 
 double distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  const double x = double{a[0]} - double{b[0]}, y = double{a[1]} - double{b[1]}, z = double{a[2]} - double{b[2]};
+  const double x = double{a[0]} - double{b[0]}, y = double{a[1]} - double{b[1]},
+               z = double{a[2]} - double{b[2]};
   return std::sqrt(x * x + y * y + z * z);
 }
 

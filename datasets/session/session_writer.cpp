@@ -163,7 +163,8 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHea
   H5File& file = state_->file;
   file.set_text("format", layout::kFormat);
   file.set_integer("version", layout::kVersion);
-  file.set_text("created_by", kProgramVersion);
+  // Equal simulations are equal bytes, whatever the version.
+  file.set_text("created_by", header.simulated ? "trilat" : kProgramVersion);
   file.set_integer("simulated", header.simulated);
   file.set_integer("complete", 0);
   file.set_text("started_utc", header.started_utc);

@@ -14,7 +14,6 @@
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/night_history.h"
-#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {
@@ -25,8 +24,7 @@ struct GateArguments {
   double smallest_percent = 1.0;
   std::string method;                        // whose cells are listed instead of the verdict
   std::optional<std::string> accept_reason;  // the results become the baseline
-  int threads = 0;
-  bool force = false;  // may replace what others wrote
+  bool force = false;                        // may replace what others wrote
   bool json = false;
 };
 
@@ -36,6 +34,8 @@ std::string time_now() {
 }
 
 int accept(const GateArguments& arguments, const std::string& time) {
+  std::optional<FolderLock> lock;
+  if (!arguments.history.empty()) lock.emplace(arguments.history);
   // read first: a history that cannot be read must not be found out behind a new baseline
   if (!arguments.history.empty()) read_history(arguments.history);
   const std::vector<std::string> left_behind = studies_left_behind(arguments.results, arguments.baseline);
@@ -52,7 +52,7 @@ int accept(const GateArguments& arguments, const std::string& time) {
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text({{"format", "trilat.gate"},
-                                  {"version", 1},
+                                  {"version", 2},
                                   {"time", time},
                                   {"verdict", "accepted"},
                                   {"baseline", arguments.baseline.string()},
@@ -97,10 +97,9 @@ int exit_code_of(Verdict verdict) {
 int compare(const GateArguments& arguments, const std::string& time) {
   GateLimits limits;
   limits.smallest_percent = arguments.smallest_percent;
-  GateReport report;
-  on_threads(arguments.threads, [&](int) {
-    report = compare_results(arguments.results, arguments.baseline, {limits, stop_requested});
-  });
+  std::optional<FolderLock> lock;  // from reading the history to adding to it
+  if (!arguments.history.empty()) lock.emplace(arguments.history);
+  GateReport report = compare_results(arguments.results, arguments.baseline, limits);
   report.time = time;
   HistoryEntry tonight;
   tonight.time = time;
@@ -139,24 +138,28 @@ int gate(const GateArguments& arguments) {
 }  // namespace
 
 void add_gate(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<GateArguments>(
-      app, code, "gate", "nightly: is anything worse than the baseline, beyond noise", gate);
+  auto [verb, a] =
+      add_verb<GateArguments>(app, code, "gate", "nightly: is anything worse than the baseline", gate);
   verb.add_option("results", a.results, "a results folder, or a folder that holds several")->required();
   verb.add_option("--baseline", a.baseline, "what to compare with: a folder of the same shape")->required();
   verb.add_option("--history", a.history, "history.jsonl: says since when, and gets one line more");
-  verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are not told")
+  verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are no alarm")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb.add_option("--junit", a.junit, "also write the verdict as JUnit XML to this file");
   verb.add_option("--method", a.method, "list every cell of this method that is not identical");
   verb.add_option("--accept", a.accept_reason,
                   "make these results the baseline, for the reason given, and compare nothing");
-  add_threads(verb, a.threads);
   add_force(verb, a.force);
   add_json(verb, a.json);
   verb.footer(
-      "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: too "
-      "few participants to tell a change from chance.");
+      "Of the same recordings an alarm is a mean error that grew by more than the smallest effect and 0.1 "
+      "mm, "
+      "answers that fell by more than 0.5 %, or a take that lost a tenth of them. Other recordings are "
+      "judged "
+      "by Student's t between eight participants or more.\n\n"
+      "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: other "
+      "recordings of too few participants to tell a change from chance.");
 }
 
 }  // namespace trilat

@@ -28,11 +28,19 @@ std::string content_of(const fs::path& folder) {
   return hash_of_text(list);
 }
 
-void copy_folder(const fs::path& from, const fs::path& to) {
+void copy_to(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy(from, to, fs::copy_options::recursive, error);
   if (error)
     throw OutputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
+}
+
+// The files that a gate and a report compare: all but the items, and what is known of the hashes of files.
+void copy_results(const fs::path& from, const fs::path& to) {
+  make_folder(to);
+  for (const fs::directory_entry& entry : fs::directory_iterator(from))
+    if (entry.is_regular_file() && entry.path().filename() != "hashes.json")
+      copy_to(entry.path(), to / entry.path().filename());
 }
 
 // A folder that is filled beside the baseline and takes its place at the end.
@@ -96,16 +104,17 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
   const NewBaseline folder(baseline);
   const fs::path& partial = folder.partial();
   if (keeps_others) {
-    copy_folder(baseline, partial);
+    fs::remove_all(partial);
+    copy_to(baseline, partial);
     std::string name = set.results[0].name;
     for (const FoundResults& other : find_results(baseline).results)
       if (other.study == set.results[0].study) name = other.name;
     fs::remove_all(partial / name);
-    copy_folder(set.results[0].folder, partial / name);
+    copy_results(set.results[0].folder, partial / name);
   } else if (set.single) {
-    copy_folder(set.results[0].folder, partial);
+    copy_results(set.results[0].folder, partial);
   } else {
-    for (const FoundResults& found : set.results) copy_folder(found.folder, partial / found.name);
+    for (const FoundResults& found : set.results) copy_results(found.folder, partial / found.name);
   }
   accepted.sha256 = content_of(partial);
   write_beside(partial, accepted);

@@ -13,7 +13,8 @@ namespace trilat {
 std::vector<std::string> studies_left_behind(const std::filesystem::path& results,
                                              const std::filesystem::path& baseline);
 
-// Makes the results of `results` the baseline, with accepted.json beside them: copied aside, then exchanged
+// Makes the results of `results` the baseline, with accepted.json beside them and without their items: copied
+// aside, then exchanged
 // in one step, so that there is always one whole baseline. A single results folder replaces just its study
 // where the baseline holds several. InputError when the reason is empty, the results are not what
 // find_results() takes, or `baseline` is a folder of something else.

@@ -2,270 +2,273 @@
 #include "pipeline/gate/compare_results.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
+#include <map>
 #include <set>
-#include <string>
-#include <vector>
+#include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/item_store.h"
-#include "datasets/results/summary.h"
-#include "datasets/skeleton/skeleton.h"
-#include "evaluators/solvers/point_estimate.h"
+#include "evaluators/metrics/student.h"
+#include "pipeline/accuracy/errors/participant_errors.h"
 #include "pipeline/gate/found_results.h"
-#include "pipeline/gate/gate_report.h"
-#include "pipeline/gate/judge_cells.h"
-#include "pipeline/gate/paired_cells.h"
-#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
 
-struct PairedSamples {
-  PairedStudy study;
-  std::uint64_t takes_with_other_instants = 0;  // cannot be paired and are left out
-  std::string first_with_other_instants;
-  std::uint64_t truths_that_differ = 0;  // samples, of those that both nights have a truth for
-};
+constexpr std::uint64_t kFewestLost = 15;  // samples of a take: the loss of fewer says nothing
+constexpr std::size_t kMostNumbers = 100;  // of a study that are listed
+constexpr double kSame = 1e-9;             // relative: what is nearer is equal
 
-constexpr std::uint64_t kWindow = 512;  // instants that are read together
-
-std::string names_of(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
+bool is_same(double a, double b) {
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) == std::isnan(b);
+  return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b));
 }
 
-// The takes of one night and what their samples have in common.
-struct NightSamples {
-  std::vector<ResultTake> takes;
-  TakeHead head;
-  std::string alignment;
-  explicit NightSamples(const std::filesystem::path& results) : takes(result_takes(results)) {
-    for (const ResultTake& take : takes) {
-      if (take.folder.empty() || !head.joints.empty()) continue;
-      const StoredTake file = open_take(take);
-      head = file.head();
-      alignment = file.read_errors().alignments.at(0);
-    }
+double percent_of(double now, double before) {
+  return before == 0.0 ? kNoNumber : 100.0 * (now - before) / std::abs(before);
+}
+
+// Whether a length grew or fell by more than is to be told.
+bool is_change(double now_m, double before_m, const GateLimits& limits) {
+  const double off_m = std::abs(now_m - before_m);
+  return off_m > limits.smallest_m && 100.0 * off_m > limits.smallest_percent * std::abs(before_m);
+}
+
+// What one cell, or one take of it, sums up to in both results.
+struct BothSums {
+  std::uint64_t answered_before = 0, answered_now = 0;
+  double length_before_m = 0.0, length_now_m = 0.0;
+
+  void add(const TakeJointRow& before, const TakeJointRow& now) {
+    answered_before += before.answered;
+    answered_now += now.answered;
+    if (before.answered > 0) length_before_m += static_cast<double>(before.answered) * before.mae_m;
+    if (now.answered > 0) length_now_m += static_cast<double>(now.answered) * now.mae_m;
+  }
+  double before_m() const {
+    return answered_before == 0 ? kNoNumber : length_before_m / static_cast<double>(answered_before);
+  }
+  double now_m() const {
+    return answered_now == 0 ? kNoNumber : length_now_m / static_cast<double>(answered_now);
   }
 };
 
-void check_heads(const NightSamples& now, const NightSamples& before, const std::string& place) {
-  const auto check = [&](const char* what, const std::string& here, const std::string& there) {
-    if (here != there)
-      throw InputError(place, fmt::format("holds other {}: {} here, {} there", what, there, here));
+// The rows of both results that are of the same take, condition, joint and method.
+class SameTakes {
+ public:
+  SameTakes(const ResultsSummary& before, const ResultsSummary& now, const std::vector<std::string>& same) {
+    std::map<std::tuple<std::string, std::string, std::string, std::string>, const TakeJointRow*> known;
+    for (const TakeJointRow& row : before.by_take)
+      known[{row.take, row.condition, row.joint, row.method}] = &row;
+    const std::set<std::string> wanted(same.begin(), same.end());
+    for (const TakeJointRow& row : now.by_take) {
+      const auto found = known.find({row.take, row.condition, row.joint, row.method});
+      if (found == known.end() || !wanted.contains(row.take)) continue;
+      const CellKey key{row.condition, row.method, row.group};
+      if (!cells_.contains(key)) order_.push_back(key);
+      cells_[key].add(*found->second, row);
+      takes_[key][row.take].add(*found->second, row);
+    }
+  }
+  struct CellKey {
+    std::string condition, method, group;
+    auto operator<=>(const CellKey&) const = default;
   };
-  check("joints", names_of(now.head.joints), names_of(before.head.joints));
-  check("methods", names_of(now.head.methods), names_of(before.head.methods));
-  check("alignment", now.alignment, before.alignment);
-  std::vector<std::string> ids, older;
-  for (const ResultTake& take : now.takes) ids.push_back(take.id);
-  for (const ResultTake& take : before.takes) older.push_back(take.id);
-  check("takes", names_of(ids), names_of(older));
-}
+  const std::vector<CellKey>& order() const { return order_; }
+  const BothSums& cell(const CellKey& key) const { return cells_.at(key); }
+  const std::map<std::string, BothSums>& takes(const CellKey& key) const { return takes_.at(key); }
 
-PairedStudy study_of(const ResultsPair& pair, const NightSamples& night) {
-  PairedStudy study;
-  const Json& spec = pair.now.manifest.at("study");
-  study.study = pair.now.name;
-  study.methods = night.head.methods;
-  study.alignments = {night.alignment};
-  const auto kinds = spec.value("alignments", std::vector<std::string>{});
-  if (night.alignment != "none" && std::ranges::find(kinds, "none") != kinds.end())
-    study.alignments.emplace_back("none");
-  for (const std::string& name : night.head.joints) {
-    const auto joint = joint_from_name(name);
-    const std::string group = joint ? table_group(*joint) : name;
-    auto found = std::ranges::find(study.groups, group);
-    if (found == study.groups.end()) found = study.groups.insert(study.groups.end(), group);
-    study.axes.group_of_joint.push_back(static_cast<std::size_t>(found - study.groups.begin()));
-  }
-  study.axes.alignments = study.alignments.size();
-  study.axes.sets = spec.value("occluded_apart", false) ? 2 : 1;
-  study.axes.groups = study.groups.size();
-  study.axes.methods = study.methods.size();
-  for (const ResultTake& take : night.takes)
-    study.takes.push_back({take.id, take.id, take.condition, {}, {}});
-  for (const Json& take : pair.now.manifest.value("takes", Json::array()))
-    for (PairedTake& known : study.takes)
-      if (known.id == take.value("id", "")) known.participant = take.value("participant", known.participant);
-  return study;
-}
-
-// One night's take, and its samples as far as they are read.
-struct Night {
-  StoredTake file;
-  std::vector<AlignmentRow> laid_over;  // by track, joint and method, under the first alignment
-  SampleBlock block;
-
-  explicit Night(const ResultTake& take) : file(open_take(take)) {
-    const TakeHead& head = file.head();
-    laid_over.resize(head.tracks.size() * head.joints.size() * head.methods.size());
-    for (const AlignmentRow& row : file.read_errors().laid_over)
-      if (row.alignment == 0) laid_over[row.quantity * head.methods.size() + row.method] = row;
-  }
-  Eigen::Map<const Eigen::Vector3d> truth_m(std::size_t place) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[3 * place]);
-  }
-  // Of instant i of the block, which is of that track.
-  PairedAnswer answer(std::size_t track, std::uint64_t i, std::size_t place, std::size_t slot) const {
-    const auto status = static_cast<SolveStatus>(block.status[slot]);
-    const std::size_t of_track = laid_over.size() / file.head().tracks.size();
-    const AlignmentRow& over = laid_over[track * of_track + slot % of_track];
-    if (!is_usable(status) || block.first_instant + i < over.first_instant)
-      return {{kNoNumber, kNoNumber}, status};
-    const Eigen::Map<const Eigen::Vector3d> estimate_m(&block.estimate_m[3 * slot]);
-    return {{(over.aligned_m(estimate_m, block.heading_rad[i]) - truth_m(place)).norm(),
-             (estimate_m - truth_m(place)).norm()},
-            status};
-  }
+ private:
+  std::vector<CellKey> order_;
+  std::map<CellKey, BothSums> cells_;
+  std::map<CellKey, std::map<std::string, BothSums>> takes_;
 };
 
-struct TakeReader {
-  const NightSamples& now;
-  const NightSamples& before;
-  const PairedAxes& axes;
-  std::uint64_t block_instants;
-
-  // False when the instants are not the same; then nothing is filled.
-  bool read(std::size_t t, PairedTake& take, std::uint64_t& truths_that_differ) const {
-    if (now.takes[t].folder.empty() || before.takes[t].folder.empty()) {  // told as a failure
-      PairedTakeSums(axes, 0).finish(take);
-      return true;
-    }
-    Night here(now.takes[t]), there(before.takes[t]);
-    const std::uint64_t instants = here.file.head().instants;
-    const std::size_t tracks = here.file.head().tracks.size();
-    if (instants != there.file.head().instants || tracks != there.file.head().tracks.size()) return false;
-    PairedTakeSums sums(axes, (instants + block_instants - 1) / block_instants);
-    for (std::size_t track = 0; track < tracks; ++track)
-      for (std::uint64_t first = 0; first < instants; first += kWindow) {
-        const std::uint64_t count = std::min(kWindow, instants - first);
-        for (Night* night : {&here, &there})
-          night->file.read(track, first, count, SampleColumns::errors, night->block);
-        if (here.block.time_ns != there.block.time_ns) return false;
-        for (std::uint64_t i = 0; i < count; ++i)
-          add_instant(here, there, track, first, i, sums, truths_that_differ);
-      }
-    sums.finish(take);
-    return true;
-  }
-
-  void add_instant(const Night& here, const Night& there, std::size_t track, std::uint64_t first,
-                   std::uint64_t i, PairedTakeSums& sums, std::uint64_t& truths_that_differ) const {
-    for (std::size_t j = 0; j < axes.group_of_joint.size(); ++j) {
-      const std::size_t place = i * axes.group_of_joint.size() + j;
-      if (!here.truth_m(place).allFinite() || !there.truth_m(place).allFinite()) continue;
-      truths_that_differ += here.truth_m(place) != there.truth_m(place);
-      const std::size_t sets = axes.sets == 1 || there.block.occluded[place] == 0 ? 1 : 2;
-      for (std::size_t m = 0; m < axes.methods; ++m) {
-        const std::size_t slot = place * axes.methods + m;
-        sums.add((first + i) / block_instants, j, m, sets, there.answer(track, i, place, slot),
-                 here.answer(track, i, place, slot));
-      }
-    }
-  }
-};
-
-// Streams both nights' samples side by side: the same take, instant, joint and method. InputError when
-// they do not hold the same takes, joints and methods.
-PairedSamples read_paired_samples(const ResultsPair& pair) try {
-  const NightSamples now(pair.now.folder), before(pair.before.folder);
-  check_heads(now, before, pair.before.folder.string());
-  PairedSamples samples;
-  samples.study = study_of(pair, now);
-  const double rate_hz = pair.now.manifest.at("study").value("rate_hz", 30.0);
-  const auto block = static_cast<std::uint64_t>(std::max(1LL, std::llround(kPairedBlock_s * rate_hz)));
-  const TakeReader reader{now, before, samples.study.axes, block};
-  std::vector<PairedTake>& takes = samples.study.takes;
-  std::vector<std::uint8_t> paired(takes.size());
-  std::vector<std::uint64_t> other_truths(takes.size());
-  parallel_for_index(takes.size(), 1,
-                     [&](std::size_t t) { paired[t] = reader.read(t, takes[t], other_truths[t]); });
-  for (std::size_t t = 0; t < takes.size(); ++t) {
-    samples.truths_that_differ += other_truths[t];
-    if (paired[t]) continue;
-    if (samples.takes_with_other_instants++ == 0) samples.first_with_other_instants = takes[t].id;
-  }
-  return samples;
-} catch (const Json::exception& error) {
-  throw InputError((pair.now.folder / "manifest.json").string(), error.what());
+GateFinding finding_of(const CellName& cell, FindingKind kind, Direction direction, bool alarm) {
+  GateFinding finding;
+  static_cast<CellName&>(finding) = cell;
+  finding.kind = kind;
+  finding.direction = direction;
+  finding.alarm = alarm;
+  return finding;
 }
 
-// Alarms before the rest, the worst of a study first; otherwise as they were.
+void add_accuracy(const ComparedCell& cell, const GateLimits& limits, GateReport& report) {
+  if (is_same(cell.before_m, cell.now_m)) return;
+  const bool counts = is_change(cell.now_m, cell.before_m, limits);
+  const Direction direction = !counts                      ? Direction::changed
+                              : cell.now_m > cell.before_m ? Direction::worse
+                                                           : Direction::better;
+  GateFinding finding = finding_of(cell, FindingKind::accuracy, direction, direction == Direction::worse);
+  finding.what = "mean absolute error";
+  finding.unit = "m";
+  finding.before = cell.before_m;
+  finding.now = cell.now_m;
+  finding.percent = cell.percent;
+  report.findings.push_back(std::move(finding));
+}
+
+// The take that lost the largest share of its answers; nothing when none lost enough.
+const std::pair<const std::string, BothSums>* worst_take(const std::map<std::string, BothSums>& takes,
+                                                         const GateLimits& limits) {
+  const auto share = [](const BothSums& sums) {
+    return sums.answered_before == 0
+               ? 0.0
+               : 1.0 - static_cast<double>(sums.answered_now) / static_cast<double>(sums.answered_before);
+  };
+  const auto worst = std::ranges::max_element(
+      takes, [&](const auto& a, const auto& b) { return share(a.second) < share(b.second); });
+  if (worst == takes.end()) return nullptr;
+  const BothSums& sums = worst->second;
+  const bool enough = sums.answered_before >= sums.answered_now + kFewestLost;
+  return enough && 100.0 * share(sums) >= limits.take_loss_percent ? &*worst : nullptr;
+}
+
+void add_coverage(const CellName& name, const BothSums& cell, const std::map<std::string, BothSums>& takes,
+                  const GateLimits& limits, GateReport& report) {
+  const auto* worst = worst_take(takes, limits);
+  if (cell.answered_before == cell.answered_now && !worst) return;
+  const double percent =
+      percent_of(static_cast<double>(cell.answered_now), static_cast<double>(cell.answered_before));
+  const bool fell = worst || percent < -limits.smallest_loss_percent;
+  const bool rose = !fell && (std::isnan(percent) || percent > limits.smallest_loss_percent);
+  GateFinding finding = finding_of(name, FindingKind::coverage,
+                                   fell   ? Direction::worse
+                                   : rose ? Direction::better
+                                          : Direction::changed,
+                                   fell);
+  finding.what = "samples answered";
+  finding.before = static_cast<double>(cell.answered_before);
+  finding.now = static_cast<double>(cell.answered_now);
+  finding.percent = percent;
+  if (worst)
+    finding.note = fmt::format("take {}: {} of {} left", worst->first, worst->second.answered_now,
+                               worst->second.answered_before);
+  report.findings.push_back(std::move(finding));
+}
+
+// Keys whose change is no news: bounds of intervals, and bookkeeping.
+bool is_news(const std::string& key) {
+  static const std::set<std::string> kNoNews{"mean_iterations", "p05_m",   "p25_m",      "p75_m",  "clusters",
+                                             "significant",     "program", "created_by", "version"};
+  return !kNoNews.contains(key) && key.find("_low") == std::string::npos &&
+         key.find("_high") == std::string::npos && !key.starts_with("low") && !key.starts_with("high");
+}
+
+Json value_at(const Json& document, const Json::json_pointer& place) {
+  return document.contains(place) ? document.at(place) : Json();
+}
+
+// The pointer, with the texts of the entry that it leads into: "/cells/0/mae_m (linear, standing)".
+std::string named(const Json& document, Json::json_pointer place) {
+  const std::string pointer = place.to_string();
+  while (!place.empty()) {
+    place.pop_back();
+    std::string name;
+    if (const Json entry = value_at(document, place); !place.empty() && entry.is_object())
+      for (const auto& [key, value] : entry.items())
+        if (value.is_string()) name += (name.empty() ? "" : ", ") + value.get<std::string>();
+    if (!name.empty()) return fmt::format("{} ({})", pointer, name);
+  }
+  return pointer;
+}
+
+// The largest first; what has no size in percent before all others.
 void sort_findings(std::vector<GateFinding>& findings) {
   const auto size = [](const GateFinding& f) {
-    return std::isnan(f.change.percent) ? 0.0 : std::abs(f.change.percent);
+    return std::isnan(f.percent) ? HUGE_VAL : std::abs(f.percent);
   };
   std::ranges::stable_sort(findings, [&](const GateFinding& a, const GateFinding& b) {
-    if (a.alarm != b.alarm) return a.alarm;
-    if (a.study != b.study || a.kind != b.kind) return false;
-    return size(a) > size(b);
+    return std::pair(!a.alarm, -size(a)) < std::pair(!b.alarm, -size(b));
   });
 }
 
-bool same_samples(const ResultsPair& pair, const std::function<bool()>& stop_requested) {
-  const auto now = result_takes(pair.now.folder), before = result_takes(pair.before.folder);
-  return std::ranges::equal(now, before, [&](const ResultTake& here, const ResultTake& there) {
-    if (here.id != there.id || here.folder.empty() != there.folder.empty()) return false;
-    if (here.folder.empty()) return true;
-    const auto a = here.folder / StoredTake::kName, b = there.folder / StoredTake::kName;
-    return std::filesystem::file_size(a) == std::filesystem::file_size(b) &&
-           hash_of_file(a, stop_requested) == hash_of_file(b, stop_requested);
-  });
-}
-
-// What the paired samples do not judge: how far the worst errors go, iterations, GDOP, whole bodies.
+// Of an accuracy summary, what the takes' errors do not judge.
 Json told_numbers(const Json& summary) {
   Json told = Json::object();
   for (const char* part : {"cells", "bodies"})
     if (summary.contains(part)) told[part] = summary.at(part);
   if (!told.contains("cells") || !told["cells"].is_array()) return told;
   for (Json& cell : told["cells"])
-    for (const char* judged : {"mae_m", "axis_mae_m", "answered", "asked", "statuses"})
+    for (const char* judged : {"mae_m", "answered", "asked", "coverage"})
       if (cell.is_object()) cell.erase(judged);
   return told;
 }
 
+// Alarms, where both are not the same.
+void add_failure(const std::string& study, const std::string& what, double before, double now,
+                 const std::string& note, GateReport& report) {
+  GateFinding finding = finding_of({study, "", "", ""}, FindingKind::failure, Direction::worse, true);
+  finding.what = what;
+  finding.before = before;
+  finding.now = now;
+  finding.note = note;
+  report.findings.push_back(std::move(finding));
+}
+
+void compare_failures(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                      GateReport& report) {
+  std::set<std::string> known;
+  for (const TakeNote& note : before.notes)
+    if (note.failed) known.insert(note.take);
+  std::string fresh;
+  for (const TakeNote& note : now.notes)
+    if (note.failed && !known.contains(note.take))
+      fresh += (fresh.empty() ? "" : "; ") + note.take + " (" + note.place + ": " + note.text + ")";
+  if (!fresh.empty() || now.takes_failed > before.takes_failed)
+    add_failure(study, "takes that could not be evaluated", static_cast<double>(before.takes_failed),
+                static_cast<double>(now.takes_failed), fresh, report);
+  for (const CrossCheck& check : now.cross_checks) {
+    const auto earlier = std::ranges::find(before.cross_checks, check.method, &CrossCheck::method);
+    const bool was_there = earlier != before.cross_checks.end();
+    if (check.passed() || (was_there && !earlier->passed())) continue;
+    add_failure(study, "the cross-check of " + check.method + " with Ceres fails",
+                was_there ? earlier->worst_m : kNoNumber, check.worst_m,
+                check.samples == 0 ? "nothing was compared" : "worst at " + check.worst_at, report);
+  }
+}
+
 class Comparison {
  public:
-  explicit Comparison(const CompareOptions& options) : options_(options) {}
+  explicit Comparison(const GateLimits& limits) : limits_(limits) {}
 
   void compare(const ResultsPair& pair) {
-    check_same_configuration(pair);
-    StudyVerdict verdict{pair.now.name, name_of(pair.now.kind), StudyState::compared, ""};
-    if (same_inputs(pair.now.manifest, pair.before.manifest))
-      same_inputs_.push_back(pair.now.name);
-    else
-      verdict.note = "the simulated recordings themselves are others than the baseline's";
-    if (pair.now.kind == StudyKind::accuracy)
-      compare_accuracy(pair, verdict);
-    else
-      compare_numbers(pair, verdict);
-    report_.studies.push_back(verdict);
+    StudyVerdict verdict{pair.now.name, name_of(pair.now.kind), StudyState::compared, {}, "", 0};
+    if (pair.now.kind != pair.before.kind) {
+      add_failure(pair.now.name, "is a study of another kind", kNoNumber, kNoNumber,
+                  name_of(pair.before.kind) + " before, " + name_of(pair.now.kind) + " now", report_);
+    } else if (pair.now.summary == pair.before.summary) {
+      verdict.state = StudyState::identical;
+      report_.looked_at += pair.now.summary.size();
+    } else {
+      verdict.settings = settings_that_differ(pair);
+      if (pair.now.kind == StudyKind::accuracy)
+        compare_accuracy(pair, verdict);
+      else
+        compare_numbers(pair.now.name, pair.before.summary, pair.now.summary, true, limits_, report_);
+    }
+    report_.studies.push_back(std::move(verdict));
   }
 
   void add_one_sided(const PairedSet& set, bool all_expected) {
     for (const std::string& name : set.only_now)
-      report_.studies.push_back({name, "", StudyState::only_now, ""});
+      report_.studies.push_back({name, "", StudyState::only_now, {}, "", 0});
     for (const std::string& name : set.only_before) {
-      report_.studies.push_back({name, "", StudyState::only_before, ""});
-      if (all_expected) add_failure(name, "the study is in the baseline and not in these results", 1, 0);
+      report_.studies.push_back({name, "", StudyState::only_before, {}, "", 0});
+      if (all_expected)
+        add_failure(name, "the study is in the baseline and not in these results", 1, 0, "", report_);
     }
   }
 
   GateReport finish(const PairedSet& set) {
-    report_.looked_at += report_.cells.size();
-    auto judged = judge_cells(report_.cells, options_.limits, same_inputs_);
-    std::move(judged.begin(), judged.end(), std::back_inserter(report_.findings));
-    for (GateFinding& f : report_.findings) f.command = command_of(set, f);
+    judge_chances(limits_, report_);
     sort_findings(report_.findings);
+    for (GateFinding& f : report_.findings) f.command = command_of(set, f);
     return std::move(report_);
   }
 
@@ -273,120 +276,212 @@ class Comparison {
   static std::string command_of(const PairedSet& set, const GateFinding& f) {
     for (const ResultsPair& pair : set.pairs) {
       if (pair.now.name != f.study) continue;
-      std::string command = "trilat gate " + shell_word(pair.now.folder.string()) + " --baseline " +
-                            shell_word(pair.before.folder.string());
+      const std::string command = "trilat gate " + shell_word(pair.now.folder.string()) + " --baseline " +
+                                  shell_word(pair.before.folder.string());
       return command + (f.method.empty() ? " --json" : " --method " + shell_word(f.method));
     }
     return "";
   }
 
-  void add_failure(const std::string& study, const std::string& what, double before, double now,
-                   const std::string& note = "") {
-    GateFinding finding;
-    finding.kind = FindingKind::failure;
-    finding.direction = Direction::worse;
-    finding.alarm = true;
-    finding.study = study;
-    finding.what = what;
-    finding.before = before;
-    finding.now = now;
-    finding.note = note;
-    report_.findings.push_back(finding);
-  }
-
-  void compare_failures(const ResultsPair& pair) {
-    const ResultsSummary now = read_summary(pair.now.folder), before = read_summary(pair.before.folder);
-    std::set<std::string> known;
-    for (const TakeNote& note : before.notes)
-      if (note.failed) known.insert(note.take);
-    std::string fresh;
-    for (const TakeNote& note : now.notes)
-      if (note.failed && !known.contains(note.take))
-        fresh += (fresh.empty() ? "" : "; ") + note.take + " (" + note.place + ": " + note.text + ")";
-    if (!fresh.empty() || now.takes_failed > before.takes_failed)
-      add_failure(pair.now.name, "takes that could not be evaluated",
-                  static_cast<double>(before.takes_failed), static_cast<double>(now.takes_failed), fresh);
-    for (const CrossCheck& check : now.cross_checks) {
-      const auto earlier = std::ranges::find(before.cross_checks, check.method, &CrossCheck::method);
-      const bool was_there = earlier != before.cross_checks.end();
-      if (check.passed() || (was_there && !earlier->passed())) continue;
-      add_failure(pair.now.name, "the cross-check of " + check.method + " with Ceres fails",
-                  was_there ? earlier->worst_m : kNoNumber, check.worst_m,
-                  check.samples == 0 ? "nothing was compared" : "worst at " + check.worst_at);
-    }
-  }
-
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
-    compare_failures(pair);
-    report_.looked_at += pair.now.summary.value("cells", Json::array()).size();
-    if (same_samples(pair, options_.stop_requested)) {
-      verdict.state = StudyState::identical;
-      compare_numbers(pair, verdict);
+    const ResultsSummary now = read_summary(pair.now.folder), before = read_summary(pair.before.folder);
+    compare_failures(pair.now.name, before, now, report_);
+    if (now.alignments.front() != before.alignments.front() || now.truth != before.truth) {
+      add_failure(pair.now.name, "errors are measured in another way", kNoNumber, kNoNumber,
+                  fmt::format("alignment {} against {} before, {} against {} now", before.alignments.front(),
+                              before.truth, now.alignments.front(), now.truth),
+                  report_);
       return;
     }
-    if (options_.stop_requested && options_.stop_requested()) throw Interrupted();
-    const PairedSamples samples = read_paired_samples(pair);
-    if (samples.takes_with_other_instants > 0)
-      add_failure(pair.now.name, "takes with other instants, which cannot be paired", 0.0,
-                  static_cast<double>(samples.takes_with_other_instants),
-                  "the first is " + samples.first_with_other_instants);
-    if (samples.truths_that_differ > 0)
-      verdict.note += fmt::format("{}the truth itself differs in {} samples",
-                                  verdict.note.empty() ? "" : "; ", samples.truths_that_differ);
-    const bool same = same_inputs(pair.now.manifest, pair.before.manifest);
-    auto cells = compared_cells(samples.study, {same});
-    if (cells.empty() && samples.takes_with_other_instants == 0) verdict.state = StudyState::same_values;
-    if (!same) check_participants(cells, verdict);
-    std::move(cells.begin(), cells.end(), std::back_inserter(report_.cells));
-    tell_numbers(pair);
-  }
-
-  // Other recordings of few people differ by chance as much as a regression would.
-  static void check_participants(const std::vector<ComparedCell>& cells, StudyVerdict& verdict) {
-    const auto fewest =
-        std::ranges::min_element(cells, [](const auto& a, const auto& b) { return a.clusters < b.clusters; });
-    if (fewest == cells.end() || fewest->clusters >= kFewestJudged) return;
-    verdict.state = StudyState::not_judged;
-    verdict.participants = fewest->clusters;
-    verdict.note += fmt::format("; the fewest that can be judged with other recordings are {} participants",
-                                kFewestJudged);
-  }
-
-  // Told without an alarm: single numbers have no chance to be held against.
-  void tell_numbers(const ResultsPair& pair) {
-    auto told = judge_numbers(pair.now.name, told_numbers(pair.now.summary),
-                              told_numbers(pair.before.summary), options_.limits);
-    for (GateFinding& f : told.findings) {
-      f.alarm = false;
-      report_.findings.push_back(std::move(f));
-    }
-  }
-
-  void compare_numbers(const ResultsPair& pair, StudyVerdict& verdict) {
-    if (pair.now.summary == pair.before.summary) {
-      verdict.state = StudyState::identical;
+    add_one_sided_methods(before, now, verdict);
+    const TakesOfBoth takes = takes_of_both(pair);
+    const auto add_note = [&](const std::string& text) {
+      verdict.note += (verdict.note.empty() ? "" : "; ") + text;
+    };
+    if (!takes.other.empty())
+      add_note(fmt::format("other recordings of {} take{}{}", takes.other.size(),
+                           takes.other.size() == 1 ? "" : "s",
+                           takes.same.empty() ? "" : ", which are left out: " + takes.other.front()));
+    if (!takes.one_sided.empty())
+      add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
+                           takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
+    if (!takes.same.empty()) {
+      compare_takes(pair.now.name, before, now, takes.same, limits_, report_);
+      compare_numbers(pair.now.name, told_numbers(pair.before.summary), told_numbers(pair.now.summary), false,
+                      limits_, report_);
       return;
     }
-    verdict.state = StudyState::compared;
-    NumberChanges changes =
-        judge_numbers(pair.now.name, pair.now.summary, pair.before.summary, options_.limits);
-    report_.looked_at += changes.differing;
-    verdict.note += fmt::format("{}{} values differ, the largest change is {:.2g} %",
-                                verdict.note.empty() ? "" : "; ", changes.differing, changes.largest_percent);
-    if (changes.findings.size() == kMostNumbers)
-      verdict.note += fmt::format("; the {} largest are listed", kMostNumbers);
-    std::move(changes.findings.begin(), changes.findings.end(), std::back_inserter(report_.findings));
+    const std::uint64_t participants = std::min(before.participants, now.participants);
+    if (participants < kFewestJudged) {
+      verdict.state = StudyState::not_judged;
+      verdict.participants = participants;
+      add_note(fmt::format("the fewest that can be judged with other recordings are {} participants",
+                           kFewestJudged));
+      return;
+    }
+    const double found_percent = compare_people(pair.now.name, before, now, limits_, report_);
+    if (std::isfinite(found_percent))
+      add_note(
+          fmt::format("judged between {} participants: a method's average that is {:.0f} % worse would "
+                      "be found in 95 of 100 nights",
+                      participants, std::ceil(found_percent)));
   }
 
-  const CompareOptions& options_;
+  static void add_one_sided_methods(const ResultsSummary& before, const ResultsSummary& now,
+                                    StudyVerdict& verdict) {
+    const auto only = [&](const std::vector<std::string>& here, const std::vector<std::string>& there,
+                          const char* where) {
+      std::vector<std::string> names;
+      std::ranges::copy_if(here, std::back_inserter(names), [&](const std::string& name) {
+        return std::ranges::find(there, name) == there.end();
+      });
+      if (!names.empty())
+        verdict.settings.push_back(fmt::format("methods {} alone: {}", where, fmt::join(names, ", ")));
+    };
+    only(now.methods, before.methods, "of these results");
+    only(before.methods, now.methods, "of the baseline");
+  }
+
+  const GateLimits& limits_;
   GateReport report_;
-  std::vector<std::string> same_inputs_;  // studies
 };
 
 }  // namespace
 
+void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report) {
+  const SameTakes both(before, now, same);
+  struct Average {
+    double before_m = 0.0, now_m = 0.0, groups = 0.0;
+    BothSums sums;
+  };
+  std::map<std::pair<std::string, std::string>, Average> averages;  // by condition and method
+  const auto compare_cell = [&](const SameTakes::CellKey& key, double before_m, double now_m,
+                                const BothSums& sums) {
+    ++report.looked_at;
+    ComparedCell cell;
+    static_cast<CellName&>(cell) = {study, key.method, key.condition, key.group};
+    cell.before_m = before_m;
+    cell.now_m = now_m;
+    cell.percent = percent_of(now_m, before_m);
+    cell.answered_before = sums.answered_before;
+    cell.answered_now = sums.answered_now;
+    add_accuracy(cell, limits, report);
+    if (!is_same(before_m, now_m) || sums.answered_before != sums.answered_now) report.cells.push_back(cell);
+  };
+  for (const SameTakes::CellKey& key : both.order()) {
+    const BothSums& sums = both.cell(key);
+    compare_cell(key, sums.before_m(), sums.now_m(), sums);
+    add_coverage({study, key.method, key.condition, key.group}, sums, both.takes(key), limits, report);
+    Average& average = averages[{key.condition, key.method}];
+    average.before_m += sums.before_m();
+    average.now_m += sums.now_m();
+    average.groups += 1.0;
+    average.sums.answered_before += sums.answered_before;
+    average.sums.answered_now += sums.answered_now;
+  }
+  for (const auto& [key, average] : averages)
+    if (average.groups > 1.0)
+      compare_cell({key.first, key.second, kAverageGroup}, average.before_m / average.groups,
+                   average.now_m / average.groups, average.sums);
+}
+
+double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                      const GateLimits& limits, GateReport& report) {
+  constexpr double kPower = 0.95;
+  const std::optional<ErrorChanges> changes = changes_between(before, now);
+  if (!changes) return kNoNumber;
+  std::vector<double> found_percent;
+  const double level = limits.chance / static_cast<double>(changes->rows.size());
+  for (const ErrorChange& row : changes->rows) {
+    ++report.looked_at;
+    if (is_same(row.before_m, row.after_m) || !std::isfinite(row.difference_m)) continue;
+    ComparedCell cell;
+    static_cast<CellName&>(cell) = {study, row.method, row.condition, row.group};
+    cell.before_m = row.before_m;
+    cell.now_m = row.after_m;
+    cell.percent = percent_of(row.after_m, row.before_m);
+    cell.low = 100.0 * row.low_m / row.before_m;
+    cell.high = 100.0 * row.high_m / row.before_m;
+    report.cells.push_back(cell);
+    if (row.clusters < 2) continue;
+    const std::size_t degrees = row.clusters - 1;
+    const double reach = student_quantile(degrees, level) + student_quantile(degrees, 2.0 * (1.0 - kPower));
+    if (row.group == kAverageGroup)
+      found_percent.push_back(100.0 * reach * row.standard_error_m / row.before_m);
+    GateFinding finding = finding_of(cell, FindingKind::accuracy,
+                                     row.difference_m > 0.0 ? Direction::worse : Direction::better, false);
+    finding.what = "mean absolute error";
+    finding.unit = "m";
+    finding.before = row.before_m;
+    finding.now = row.after_m;
+    finding.percent = cell.percent;
+    finding.low = cell.low;
+    finding.high = cell.high;
+    finding.chance = row.chance;
+    finding.clusters = row.clusters;
+    report.findings.push_back(std::move(finding));
+  }
+  if (found_percent.empty()) return kNoNumber;
+  std::ranges::sort(found_percent);
+  return found_percent[found_percent.size() / 2];
+}
+
+void judge_chances(const GateLimits& limits, GateReport& report) {
+  std::vector<double> chances;
+  for (const GateFinding& f : report.findings) chances.push_back(f.chance);
+  const std::vector<double> adjusted = holm_adjusted(chances);
+  for (std::size_t k = 0; k < chances.size(); ++k) {
+    GateFinding& f = report.findings[k];
+    if (std::isnan(f.chance)) continue;
+    f.chance = adjusted[k];
+    f.alarm =
+        f.direction == Direction::worse && adjusted[k] <= limits.chance && is_change(f.now, f.before, limits);
+  }
+  std::erase_if(report.findings, [&](const GateFinding& f) {
+    return !std::isnan(f.chance) && !(f.chance <= limits.chance && is_change(f.now, f.before, limits));
+  });
+}
+
+void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,
+                     const GateLimits& limits, GateReport& report) {
+  std::vector<GateFinding> findings;
+  for (const Json& step : Json::diff(before, now)) {
+    const Json::json_pointer place(step.at("path").get<std::string>());
+    // "/list/-" is where a new entry is appended
+    const Json here = step.value("value", Json()), there = value_at(before, place);
+    ++report.looked_at;
+    const std::string& key = place.back();
+    if (!is_news(key)) continue;
+    GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, alarm);
+    finding.what = named(now, place);
+    if (here.is_number()) finding.now = here.get<double>();
+    if (there.is_number()) finding.before = there.get<double>();
+    if (here.is_number() && there.is_number()) {
+      if (is_same(finding.now, finding.before)) continue;
+      const double least = key.ends_with("_m") ? limits.smallest_m : limits.smallest_number;
+      const double off = std::abs(finding.now - finding.before);
+      finding.percent = percent_of(finding.now, finding.before);
+      if (std::abs(finding.before) <= least) finding.percent = kNoNumber;  // of nothing there is no share
+      const bool counts = off > least && 100.0 * off > limits.smallest_percent * std::abs(finding.before);
+      finding.alarm = alarm && counts;
+      if (!counts && !alarm) continue;
+    } else {
+      finding.note = fmt::format("{} before, {} now", shortened(there), shortened(here));
+    }
+    findings.push_back(std::move(finding));
+  }
+  sort_findings(findings);
+  if (findings.size() > kMostNumbers) {
+    report.notes.push_back(fmt::format("{}: {} numbers differ, of which the {} largest are listed", study,
+                                       findings.size(), kMostNumbers));
+    findings.resize(kMostNumbers);
+  }
+  std::ranges::move(findings, std::back_inserter(report.findings));
+}
+
 GateReport compare_results(const std::filesystem::path& results, const std::filesystem::path& baseline,
-                           const CompareOptions& options) {
+                           const GateLimits& limits) {
   if (!std::filesystem::exists(baseline))
     throw InputError(baseline.string(),
                      "is not there; to begin with these results: --accept \"first baseline\"");
@@ -395,13 +490,13 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
   const PairedSet set = pair_results(std::move(now), std::move(before));
   if (set.pairs.empty())
     throw InputError(baseline.string(), fmt::format("and {} have no study in common", results.string()));
-  Comparison comparison(options);
+  Comparison comparison(limits);
   for (const ResultsPair& pair : set.pairs) comparison.compare(pair);
   comparison.add_one_sided(set, all_expected);
   GateReport report = comparison.finish(set);
   report.results = results.string();
   report.baseline = baseline.string();
-  report.smallest_percent = options.limits.smallest_percent;
+  report.smallest_percent = limits.smallest_percent;
   if (const auto accepted = read_beside<AcceptedBaseline>(baseline)) {
     report.baseline_time = accepted->time;
     report.baseline_reason = accepted->reason;

@@ -2,21 +2,39 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 
 #include "pipeline/gate/gate_report.h"
-#include "pipeline/gate/judge_cells.h"
 
 namespace trilat {
 
-struct CompareOptions {
-  GateLimits limits;
-  std::function<bool()> stop_requested = {};
-};
-
-// Everything of a gate but the history: finds both nights' results, refuses what cannot be compared
-// (InputError), compares each study exactly first and in numbers where it differs, and judges all together.
+// Compares each study that both folders have. Where takes have the same recordings, computing is
+// deterministic and there is no chance: an alarm is a mean error that grew, answers that fell, or a take that
+// lost a tenth of its answers, each by more than its limit; all other numbers that changed are told. Of other
+// recordings a mean error is judged by Student's t between participants, of eight at least, with the
+// probability of chance by Holm over all studies. Numbers of other kinds of study are an alarm when they
+// change, since nobody says whether more is better. Settings that differ are named, and the numbers are
+// compared all the same. InputError when a side holds no results, or they have no study in common.
 GateReport compare_results(const std::filesystem::path& results, const std::filesystem::path& baseline,
-                           const CompareOptions& options);
+                           const GateLimits& limits = {});
+
+// With fewer participants than this other recordings are not judged.
+inline constexpr std::size_t kFewestJudged = 8;
+
+// Compares the errors of two accuracy results by take; `same`: the ids of the takes whose recordings are the
+// same. Adds cells and findings to the report.
+void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report);
+
+// Compares the errors of two accuracy results of other recordings. The chances of the findings are not yet
+// corrected, and no finding is an alarm: see judge_chances(). Gives what can be found, in percent of an
+// average over the joint groups; NaN where nothing was compared.
+double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                      const GateLimits& limits, GateReport& report);
+// Corrects the chances of all findings that have one, and keeps those that are more than chance.
+void judge_chances(const GateLimits& limits, GateReport& report);
+
+// Numbers that differ between two documents of one deterministic study: alarms, or told.
+void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,
+                     const GateLimits& limits, GateReport& report);
 
 }  // namespace trilat

@@ -2,7 +2,7 @@
 #include "pipeline/gate/found_results.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -39,21 +39,57 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   return found;
 }
 
-// "/seed is 2 here and 1 there; …"; empty when the documents are equal.
-std::string differences_of(const Json& now, const Json& before) {
+// "/seed is 2 here and 1 there", one of each difference.
+std::vector<std::string> differences_of(const Json& now, const Json& before) {
   constexpr std::size_t kMostTold = 5;
   const Json steps = Json::diff(before, now);
-  std::string text;
+  std::vector<std::string> texts;
   for (std::size_t i = 0; i < std::min(steps.size(), kMostTold); ++i) {
     const Json::json_pointer place(steps[i].at("path").get<std::string>());
     const auto value = [&](const Json& document) {
       return document.contains(place) ? shortened(document.at(place)) : "nothing";
     };
-    text += fmt::format("{}{} is {} here and {} there", i == 0 ? "" : "; ", place.to_string(), value(now),
-                        value(before));
+    texts.push_back(fmt::format("{} is {} here and {} there", place.to_string(), value(now), value(before)));
   }
-  if (steps.size() > kMostTold) text += fmt::format("; and {} more", steps.size() - kMostTold);
-  return text;
+  if (steps.size() > kMostTold) texts.push_back(fmt::format("and {} more", steps.size() - kMostTold));
+  return texts;
+}
+
+// Of a manifest, what is set and not made.
+Json settings_of(const Json& manifest) {
+  constexpr std::size_t kHash = 12;  // characters that tell two apart
+  Json settings = Json::object();
+  for (const char* key : {"study", "campaign", "rig", "methods", "joints"})
+    if (manifest.contains(key)) settings[key] = manifest.at(key);
+  const bool simulated = manifest.value("simulated", Json(false)) == true;
+  Json takes = Json::object();
+  for (Json take : manifest.value("takes", Json::array())) {
+    if (!take.is_object()) continue;
+    const std::string id = text_of(take, "id");
+    take.erase("instants");
+    take.erase("id");
+    if (simulated) take.erase("mocap_start_host_ns");  // its clock is drawn
+    takes[id] = take;
+  }
+  for (const Json& input : manifest.value("inputs", Json::array())) {
+    const std::string role = text_of(input, "role"), take = text_of(input, "take");
+    if (role == "calibration" || role == "mapping")
+      takes[take][role] = text_of(input, "sha256").substr(0, kHash);
+  }
+  settings["takes"] = takes;
+  return settings;
+}
+
+// The hashes of what was recorded, by take; a take of which a file could not be read has none.
+std::map<std::string, std::map<std::string, std::string>> recordings_of(const Json& manifest) {
+  std::map<std::string, std::map<std::string, std::string>> recordings;
+  for (const Json& take : manifest.value("takes", Json::array())) recordings[text_of(take, "id")];
+  for (const Json& input : manifest.value("inputs", Json::array())) {
+    const std::string role = text_of(input, "role");
+    if (role == "session" || role == "mocap")
+      recordings[text_of(input, "take")][role] = text_of(input, "sha256");
+  }
+  return recordings;
 }
 
 }  // namespace
@@ -113,40 +149,25 @@ PairedSet pair_results(ResultsSet now, ResultsSet before) {
   return set;
 }
 
-Json configuration_of(const Json& manifest) {
-  static const std::set<std::string> kOfTheCode{"program", "study_sha256", "simulator_sha256",
-                                                "inputs",  "items",        "instants",
-                                                "samples", "cells",        "skipped"};
-  Json configuration = Json::object();
-  for (const auto& [key, value] : manifest.items())
-    if (!kOfTheCode.contains(key)) configuration[key] = value;
-  if (configuration.contains("takes") && configuration["takes"].is_array())
-    for (Json& take : configuration["takes"])
-      if (take.is_object()) take.erase("instants");
-  return configuration;
+std::vector<std::string> settings_that_differ(const ResultsPair& pair) {
+  return differences_of(settings_of(pair.now.manifest), settings_of(pair.before.manifest));
 }
 
-bool same_inputs(const Json& now, const Json& before) {
-  return now.value("inputs", Json::array()) == before.value("inputs", Json::array());
-}
-
-void check_same_configuration(const ResultsPair& pair) {
-  const std::string place = (pair.before.folder / "manifest.json").string();
-  if (pair.now.kind != pair.before.kind)
-    throw InputError(place, fmt::format("is of kind {}, and {} of kind {}", name_of(pair.before.kind),
-                                        pair.now.folder.string(), name_of(pair.now.kind)));
-  std::string differences =
-      differences_of(configuration_of(pair.now.manifest), configuration_of(pair.before.manifest));
-  if (!differences.empty())
-    throw InputError(place, fmt::format("is a baseline of another configuration than {}: {}. Compare like "
-                                        "with like, or make tonight the baseline with --accept",
-                                        pair.now.folder.string(), differences));
-  if (pair.now.manifest.value("simulated", Json(false)) == true) return;
-  differences = differences_of({{"inputs", pair.now.manifest.value("inputs", Json::array())}},
-                               {{"inputs", pair.before.manifest.value("inputs", Json::array())}});
-  if (!differences.empty())
-    throw InputError(place, fmt::format("is a baseline of other recordings than {}: {}",
-                                        pair.now.folder.string(), differences));
+TakesOfBoth takes_of_both(const ResultsPair& pair) {
+  const auto now = recordings_of(pair.now.manifest), before = recordings_of(pair.before.manifest);
+  TakesOfBoth takes;
+  for (const auto& [id, files] : now) {
+    const auto found = before.find(id);
+    if (found == before.end())
+      takes.one_sided.push_back(id);
+    else if (!files.empty() && files == found->second)
+      takes.same.push_back(id);
+    else
+      takes.other.push_back(id);
+  }
+  for (const auto& [id, files] : before)
+    if (!now.contains(id)) takes.one_sided.push_back(id);
+  return takes;
 }
 
 }  // namespace trilat

@@ -45,15 +45,15 @@ PairedSet pair_results(ResultsSet now, ResultsSet before);
 // A single value as it is, of a list or object as much as a message has room for.
 std::string shortened(const Json& value);
 
-// What may differ between two runs of one configuration: the program's version, hashes that follow from the
-// study, and what the code under test makes of the inputs. What is left must be equal.
-Json configuration_of(const Json& manifest);
+// What differs between the settings of both, each with both values: those of the study, the campaign, and the
+// calibration and mapping of each take. What the code makes of them is none, nor is what a simulated clock
+// wrote.
+std::vector<std::string> settings_that_differ(const ResultsPair& pair);
 
-// InputError that names the places and both values when the configurations differ, or the recorded inputs do.
-// A simulation's recordings are results of the code and may differ.
-void check_same_configuration(const ResultsPair& pair);
-
-// Whether every input has the same content; true when there are none.
-bool same_inputs(const Json& now, const Json& before);
+// The ids of the takes of an accuracy study, by whether session and motion capture have the same content.
+struct TakesOfBoth {
+  std::vector<std::string> same, other, one_sided;
+};
+TakesOfBoth takes_of_both(const ResultsPair& pair);
 
 }  // namespace trilat

@@ -4,79 +4,137 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 namespace trilat {
+namespace {
 
-const char* name_of(StudyState state) {
-  constexpr std::array<const char*, 6> kNames{"identical",  "same_values", "compared",
-                                              "not_judged", "only_now",    "only_before"};
-  return kNames.at(static_cast<std::size_t>(state));
+constexpr std::size_t kMostPlaces = 4;    // of one method or study that are told in full
+constexpr std::size_t kMostMethods = 12;  // entries of a list
+
+std::string value_text(const GateFinding& f, double value) {
+  if (std::isnan(value)) return "nothing";
+  if (f.unit == "m") return fmt::format("{:.2f} cm", 100.0 * value);
+  return fmt::format("{:.6g}", value);
 }
 
-std::uint64_t GateReport::alarms() const {
-  return static_cast<std::uint64_t>(
-      std::ranges::count_if(findings, [](const GateFinding& f) { return f.alarm; }));
-}
-
-const char* name_of(Verdict verdict) {
-  constexpr std::array<const char*, 3> kNames{"quiet", "regression", "not_judged"};
-  return kNames.at(static_cast<std::size_t>(verdict));
-}
-
-Verdict GateReport::verdict() const {
-  if (alarms() > 0) return Verdict::regression;
-  return not_judged_text(*this).empty() ? Verdict::quiet : Verdict::not_judged;
-}
-
-std::string not_judged_text(const GateReport& report) {
+// "+7.7 % (+3.1 to +12.3), 4.10 cm -> 4.42 cm, chance 0.0004"
+std::string size_text(const GateFinding& f) {
   std::string text;
-  for (const StudyVerdict& s : report.studies)
-    if (s.state == StudyState::not_judged)
-      text += fmt::format("{}{} participant{} in {}", text.empty() ? "" : ", ", s.participants,
-                          s.participants == 1 ? "" : "s", s.study);
+  if (!std::isnan(f.percent)) text = fmt::format("{:+.1f} %", f.percent);
+  if (!std::isnan(f.low)) text += fmt::format(" ({:+.1f} to {:+.1f})", f.low, f.high);
+  if (!std::isnan(f.before) || !std::isnan(f.now))
+    text +=
+        fmt::format("{}{} -> {}", text.empty() ? "" : ", ", value_text(f, f.before), value_text(f, f.now));
+  if (!std::isnan(f.chance))
+    text += f.chance < 1e-6 ? ", chance below 1 in a million" : fmt::format(", chance {:.1g}", f.chance);
   return text;
 }
 
-Json gate_json(const GateReport& report) {
-  return {{"format", "trilat.gate"},
-          {"version", 1},
-          {"time", report.time},
-          {"verdict", name_of(report.verdict())},
-          {"alarms", report.alarms()},
-          {"results", report.results},
-          {"baseline", report.baseline},
-          {"baseline_accepted", report.baseline_time},
-          {"baseline_reason", report.baseline_reason},
-          {"smallest_effect_percent", report.smallest_percent},
-          {"looked_at", report.looked_at},
-          {"studies", json_of(report.studies)},
-          {"findings", json_of(report.findings)},
-          {"cells", json_of(report.cells)},
-          {"notes", report.notes}};
+std::string what_text(const GateFinding& f) {
+  switch (f.kind) {
+    case FindingKind::accuracy:
+      return f.direction == Direction::worse    ? "larger errors"
+             : f.direction == Direction::better ? "smaller errors"
+                                                : "errors differ little";
+    case FindingKind::coverage:
+      return f.direction == Direction::worse    ? "answers less often"
+             : f.direction == Direction::better ? "answers more often"
+                                                : "answers differ little";
+    case FindingKind::failure:
+      return "fails";
+    case FindingKind::number:
+      return "numbers changed";
+  }
+  return "";
 }
 
-std::string shell_word(const std::string& text) {
-  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
+// "walking, head: +2.0 %, …"
+std::string line_of(const GateFinding& f) {
+  std::string text = f.method.empty() ? f.what : f.condition + (f.group.empty() ? "" : ", " + f.group);
+  const std::string size = size_text(f);
+  text += (text.empty() || size.empty() ? "" : ": ") + size;
+  if (!f.note.empty()) text += (text.empty() ? "" : "; ") + f.note;
+  return text;
 }
 
-const char* name_of(FindingKind kind) {
-  constexpr std::array<const char*, 5> kNames{"accuracy", "coverage", "status", "failure", "number"};
-  return kNames.at(static_cast<std::size_t>(kind));
+std::string heading_of(const GateFinding& f) {
+  return fmt::format("{}{}{}: {}", f.study, f.method.empty() ? "" : ", ", f.method, what_text(f));
 }
 
-const char* name_of(Direction direction) {
-  constexpr std::array<const char*, 3> kNames{"worse", "better", "changed"};
-  return kNames.at(static_cast<std::size_t>(direction));
+// Findings of one study, method and kind belong together: several places, one cause.
+std::vector<std::vector<const GateFinding*>> together(const std::vector<GateFinding>& findings, bool alarms) {
+  std::vector<std::vector<const GateFinding*>> lists;
+  std::map<std::string, std::size_t> known;
+  for (const GateFinding& f : findings) {
+    if (f.alarm != alarms) continue;
+    const auto [place, is_new] = known.try_emplace(heading_of(f), lists.size());
+    if (is_new) lists.emplace_back();
+    lists[place->second].push_back(&f);
+  }
+  return lists;
 }
 
-namespace {
+void add_list(const GateReport& report, bool alarms, std::string& text) {
+  const auto lists = together(report.findings, alarms);
+  for (std::size_t l = 0; l < std::min(lists.size(), kMostMethods); ++l) {
+    const GateFinding& first = *lists[l].front();
+    text += fmt::format("\n{}\n", heading_of(first));
+    for (std::size_t i = 0; i < std::min(lists[l].size(), kMostPlaces); ++i)
+      text += fmt::format("  {}\n", line_of(*lists[l][i]));
+    if (lists[l].size() > kMostPlaces)
+      text += fmt::format("  and {} places more\n", lists[l].size() - kMostPlaces);
+    if (!first.since.empty()) text += fmt::format("  since {}\n", first.since);
+    if (!first.command.empty()) text += fmt::format("  see: {}\n", first.command);
+  }
+  if (lists.size() > kMostMethods)
+    text += fmt::format("\nand {} more; --json lists all\n", lists.size() - kMostMethods);
+}
+
+std::string studies_text(const GateReport& report) {
+  constexpr std::array<const char*, 5> kWhat{"every number the same", "numbers differ",
+                                             "numbers differ, not judged", "new, not in the baseline",
+                                             "only in the baseline"};
+  std::string text;
+  for (std::size_t state = 0; state < kWhat.size(); ++state) {
+    std::vector<std::string> names;
+    for (const StudyVerdict& s : report.studies)
+      if (s.state == static_cast<StudyState>(state)) names.push_back(s.study);
+    if (!names.empty()) text += fmt::format("{}: {}\n", kWhat[state], fmt::join(names, ", "));
+  }
+  return text;
+}
+
+// "table3, nonlinear, walking, elbow: larger errors, +7.7 %, …"
+std::string worst_text(const GateReport& report) {
+  const GateFinding& worst = report.findings.front();
+  std::string text = worst.study;
+  for (const std::string* part : {&worst.method, &worst.condition, &worst.group})
+    if (!part->empty()) text += ", " + *part;
+  text += ": " + (worst.method.empty() ? worst.what : what_text(worst));
+  const std::string size = size_text(worst);
+  if (!size.empty()) text += ", " + size;
+  if (report.alarms() > 1) text += fmt::format("; and {} more", report.alarms() - 1);
+  return text;
+}
+
+std::string headline_of(const GateReport& report) {
+  const std::string not_judged = not_judged_text(report);
+  switch (report.verdict()) {
+    case Verdict::quiet:
+      return "QUIET: nothing is worse than the baseline";
+    case Verdict::not_judged:
+      return fmt::format("NOT JUDGED: {}, of which nobody can say whether it is worse than the baseline",
+                         not_judged);
+    case Verdict::regression:
+      break;
+  }
+  return "REGRESSION: " + worst_text(report) + (not_judged.empty() ? "" : "; not judged: " + not_judged);
+}
 
 // Text as XML: markup escaped, what XML 1.0 cannot hold replaced, bytes that are not UTF-8 too.
 std::string xml(const std::string& text) {
@@ -101,27 +159,7 @@ std::string xml(const std::string& text) {
   return result;
 }
 
-std::string name_of_case(const GateFinding& f) {
-  std::string name = name_of(f.kind);
-  for (const std::string* part : {&f.method, &f.condition, &f.group, &f.alignment})
-    if (!part->empty()) name += " / " + *part;
-  if (f.method.empty() && !f.what.empty()) name += " / " + f.what;
-  return name;
-}
-
-std::string failure_text(const GateFinding& f) {
-  const auto number = [](double x) { return std::isnan(x) ? "nothing" : fmt::format("{:.6g}", x); };
-  std::string text = f.what;
-  const Change& c = f.change;
-  if (!std::isnan(c.percent)) text += fmt::format(" {:+.2f} %", c.percent);
-  if (!std::isnan(c.low)) text += fmt::format(" ({:+.2f} to {:+.2f})", c.low, c.high);
-  if (!std::isnan(f.before) || !std::isnan(f.now)) text += ": " + number(f.before) + " -> " + number(f.now);
-  if (!f.note.empty()) text += "; " + f.note;
-  if (!f.since.empty()) text += "; since " + f.since;
-  return text;
-}
-
-std::string suite_of(std::size_t tests, std::uint64_t failures, std::size_t errors, std::size_t skipped,
+std::string suite_of(std::size_t tests, std::size_t failures, std::size_t errors, std::size_t skipped,
                      const std::string& time, const std::string& cases) {
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{0}\" failures=\"{1}\" "
@@ -129,6 +167,19 @@ std::string suite_of(std::size_t tests, std::uint64_t failures, std::size_t erro
       "  <testsuite name=\"trilat gate\" timestamp=\"{4}\" tests=\"{0}\" failures=\"{1}\" errors=\"{2}\" "
       "skipped=\"{3}\">\n{5}  </testsuite>\n</testsuites>\n",
       tests, failures, errors, skipped, xml(time), cases);
+}
+
+// The alarms of one study, the worst first, in a few words.
+std::string failure_text(const GateReport& report, const std::string& study) {
+  std::string text;
+  std::size_t alarms = 0;
+  for (const GateFinding& f : report.findings) {
+    if (!f.alarm || f.study != study) continue;
+    if (alarms++ >= kMostPlaces) continue;
+    text += (text.empty() ? "" : "; ") + (f.method.empty() ? "" : f.method + ", ") + what_text(f) + ", " +
+            line_of(f);
+  }
+  return text + (alarms > kMostPlaces ? fmt::format("; and {} more", alarms - kMostPlaces) : "");
 }
 
 // Why a study was not compared or not judged; empty when it was.
@@ -142,6 +193,109 @@ std::string why_skipped(const StudyVerdict& s) {
 
 }  // namespace
 
+const char* name_of(StudyState state) {
+  constexpr std::array<const char*, 5> kNames{"identical", "compared", "not_judged", "only_now",
+                                              "only_before"};
+  return kNames.at(static_cast<std::size_t>(state));
+}
+
+const char* name_of(FindingKind kind) {
+  constexpr std::array<const char*, 4> kNames{"accuracy", "coverage", "failure", "number"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+const char* name_of(Direction direction) {
+  constexpr std::array<const char*, 3> kNames{"worse", "better", "changed"};
+  return kNames.at(static_cast<std::size_t>(direction));
+}
+
+const char* name_of(Verdict verdict) {
+  constexpr std::array<const char*, 3> kNames{"quiet", "regression", "not_judged"};
+  return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+std::uint64_t GateReport::alarms() const {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(findings, [](const GateFinding& f) { return f.alarm; }));
+}
+
+Verdict GateReport::verdict() const {
+  if (alarms() > 0) return Verdict::regression;
+  return not_judged_text(*this).empty() ? Verdict::quiet : Verdict::not_judged;
+}
+
+std::string not_judged_text(const GateReport& report) {
+  std::string text;
+  for (const StudyVerdict& s : report.studies)
+    if (s.state == StudyState::not_judged)
+      text += fmt::format("{}{} participant{} in {}", text.empty() ? "" : ", ", s.participants,
+                          s.participants == 1 ? "" : "s", s.study);
+  return text;
+}
+
+std::string morning_text(const GateReport& report) {
+  std::string text = headline_of(report);
+  text += fmt::format(" ({}", report.baseline);
+  if (!report.baseline_time.empty()) text += ", of " + report.baseline_time;
+  text += ")\n";
+  for (const StudyVerdict& s : report.studies)
+    if (!s.settings.empty())
+      text += fmt::format("{}, other settings: {}\n", s.study, fmt::join(s.settings, "; "));
+  add_list(report, true, text);
+  if (!together(report.findings, false).empty()) {
+    text += "\nBetter, or to be known; no alarm:\n";
+    add_list(report, false, text);
+  }
+  text += "\n" + studies_text(report);
+  for (const StudyVerdict& s : report.studies)
+    if (!s.note.empty()) text += fmt::format("{}: {}\n", s.study, s.note);
+  for (const std::string& note : report.notes) text += note + "\n";
+  if (report.verdict() != Verdict::quiet)
+    text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{} --accept \"why\"\n",
+                        shell_word(report.results), shell_word(report.baseline),
+                        report.history.empty() ? "" : " --history " + shell_word(report.history));
+  return text;
+}
+
+std::string cell_table(const GateReport& report, const std::string& method) {
+  std::string text =
+      fmt::format("{:<20} {:<22} {:<10} {:>9} {:>9} {:>8} {:>18} {:>15}\n", "study", "condition", "group",
+                  "before cm", "now cm", "change %", "95 % interval", "answered");
+  bool any = false;
+  for (const ComparedCell& c : report.cells) {
+    if (c.method != method) continue;
+    any = true;
+    const auto number = [](const char* how, double x) {
+      return std::isnan(x) ? "-" : fmt::format(fmt::runtime(how), x);
+    };
+    const bool is_counted = c.answered_before + c.answered_now > 0;
+    text += fmt::format("{:<20} {:<22} {:<10} {:>9} {:>9} {:>8} {:>18} {:>15}\n", c.study, c.condition,
+                        c.group, number("{:.3f}", 100.0 * c.before_m), number("{:.3f}", 100.0 * c.now_m),
+                        number("{:+.2f}", c.percent),
+                        std::isnan(c.low) ? "-" : fmt::format("{:+.2f} to {:+.2f}", c.low, c.high),
+                        is_counted ? fmt::format("{} -> {}", c.answered_before, c.answered_now) : "-");
+  }
+  return any ? text : fmt::format("no cell of the method \"{}\" differs from the baseline\n", method);
+}
+
+Json gate_json(const GateReport& report) {
+  return {{"format", "trilat.gate"},
+          {"version", 2},
+          {"time", report.time},
+          {"verdict", name_of(report.verdict())},
+          {"alarms", report.alarms()},
+          {"results", report.results},
+          {"baseline", report.baseline},
+          {"baseline_accepted", report.baseline_time},
+          {"baseline_reason", report.baseline_reason},
+          {"smallest_effect_percent", report.smallest_percent},
+          {"looked_at", report.looked_at},
+          {"studies", json_of(report.studies)},
+          {"findings", json_of(report.findings)},
+          {"cells", json_of(report.cells)},
+          {"notes", report.notes}};
+}
+
 std::string gate_junit_of_error(const std::string& time, const std::string& message) {
   return suite_of(1, 0, 1, 0, time,
                   fmt::format("    <testcase classname=\"trilat.gate\" name=\"compared with the baseline\">\n"
@@ -150,26 +304,43 @@ std::string gate_junit_of_error(const std::string& time, const std::string& mess
 }
 
 std::string gate_junit(const GateReport& report) {
+  constexpr std::size_t kMostCases = 16;  // of three lines
   std::string cases;
-  std::size_t tests = 0, skipped = 0;
+  std::size_t tests = 0, failures = 0, skipped = 0;
+  std::string others;  // studies that fail and are not listed by themselves
   for (const StudyVerdict& s : report.studies) {
-    const std::string why = why_skipped(s);
+    const std::string why = why_skipped(s), failure = failure_text(report, s.study);
+    ++tests;
+    failures += failure.empty() ? 0 : 1;
+    skipped += failure.empty() && !why.empty() ? 1 : 0;
+    if (tests > kMostCases) {
+      if (!failure.empty()) others += (others.empty() ? "" : ", ") + s.study;
+      continue;
+    }
     cases += fmt::format("    <testcase classname=\"trilat.gate.{}\" name=\"compared with the baseline\"",
                          xml(s.study));
-    cases +=
-        why.empty() ? "/>\n" : fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n", xml(why));
-    ++tests;
-    skipped += !why.empty();
+    if (failure.empty() && why.empty())
+      cases += "/>\n";
+    else if (failure.empty())
+      cases += fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n", xml(why));
+    else
+      cases +=
+          fmt::format(">\n      <failure type=\"worse\" message=\"{}\"/>\n    </testcase>\n", xml(failure));
   }
-  for (const GateFinding& f : report.findings) {
-    if (!f.alarm) continue;
+  if (!others.empty())
     cases += fmt::format(
-        "    <testcase classname=\"trilat.gate.{}\" name=\"{}\">\n      <failure type=\"{}\" "
-        "message=\"{}\">{}</failure>\n    </testcase>\n",
-        xml(f.study), xml(name_of_case(f)), name_of(f.direction), xml(failure_text(f)), xml(f.command));
-    ++tests;
-  }
-  return suite_of(tests, report.alarms(), 0, skipped, report.time, cases);
+        "    <testcase classname=\"trilat.gate\" name=\"other studies\">\n"
+        "      <failure type=\"worse\" message=\"{}\"/>\n    </testcase>\n",
+        xml(others));
+  return suite_of(tests, failures, 0, skipped, report.time, cases);
+}
+
+std::string shell_word(const std::string& text) {
+  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
 }
 
 }  // namespace trilat

@@ -10,27 +10,30 @@
 
 namespace trilat {
 
+struct GateLimits {
+  double smallest_percent = 1.0;       // of an error or a number; less is no alarm
+  double smallest_m = 1e-4;            // and of an error or a length at least so much
+  double smallest_number = 1e-6;       // and of any other number
+  double smallest_loss_percent = 0.5;  // of the samples answered before
+  double take_loss_percent = 10.0;     // of one take's
+  double chance = 0.01;                // of a false alarm in the whole night, of other recordings
+};
+
 // What is looked at.
 enum class FindingKind : std::uint8_t {
-  accuracy,  // mean absolute error of a cell, on the samples that both nights answered
+  accuracy,  // mean absolute error of a cell
   coverage,  // how many samples of a cell are answered
-  status,    // how a cell's answers ended
-  failure,   // takes that could not be evaluated, cross-checks that fail
-  number,    // a number of a deterministic study
+  failure,   // takes that could not be evaluated, cross-checks that fail, studies that are gone
+  number,    // any other number
 };
 const char* name_of(FindingKind kind);
 
 enum class Direction : std::uint8_t { worse, better, changed };
 const char* name_of(Direction direction);
 
-// Percent, its 95 % interval, and the probability that so much is chance; NaN where nobody can say.
-struct Change {
-  double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
-};
-
 // A cell of a study's table; of a number of a deterministic study only the study.
 struct CellName {
-  std::string study, method, condition, group, alignment;
+  std::string study, method, condition, group;
 };
 
 // A difference. Numbers that there are not are NaN.
@@ -38,59 +41,48 @@ struct GateFinding : CellName {
   FindingKind kind = FindingKind::number;
   Direction direction = Direction::changed;
   bool alarm = false;
-  std::string what;  // what was measured, with its unit: "mean absolute error (m)"; of a number its place
+  std::string what;  // what was measured; of a number its place
   double before = kNoNumber, now = kNoNumber;
-  std::string unit;  // of before and now, when `what` names none they can be told in: "m" is told in cm
-  Change change;     // of before; the chance is corrected for all that was looked at
-  std::uint64_t n = 0, clusters = 0;
-  std::string note;   // a sentence more: exact counts, which take
+  std::string unit;  // of before and now: "m" is told in centimetres
+  // Of before; NaN where before is nothing. With its 95 % interval and the probability that so much is
+  // chance, corrected for all that was looked at, where recordings differ.
+  double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
+  std::uint64_t clusters = 0;  // participants behind the interval
+  std::string note;            // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
   std::string command;
 
   static void fields(auto& self, auto&& field) {
     field("kind", name_of(self.kind));
     field("direction", name_of(self.direction));
-    TRILAT_EACH(alarm, study, method, condition, group, alignment, what, unit, before, now)
-    field("change_percent", self.change.percent);
-    field("change_low_percent", self.change.low);
-    field("change_high_percent", self.change.high);
-    field("chance", self.change.chance);
-    TRILAT_EACH(n, clusters, note, since, command)
+    TRILAT_EACH(alarm, study, method, condition, group, what, unit, before, now)
+    field("change_percent", self.percent);
+    field("change_low_percent", self.low);
+    field("change_high_percent", self.high);
+    TRILAT_EACH(chance, clusters, note, since, command)
   }
 };
 
 // One cell that was compared and is not identical, whether or not it is a finding.
 struct ComparedCell : CellName {
-  double before_m = kNoNumber, now_m = kNoNumber;  // on the samples that both answered
-  Change error;    // of before_m. Chances are of the cell by itself, not corrected
-  Change lost;     // 100 (lost - gained) / asked
-  Change clamped;  // 100 (clamped now - clamped before) / both
-  std::uint64_t both = 0, clusters = 0;
-  std::uint64_t asked = 0, answered_before = 0, answered_now = 0, lost_samples = 0, gained_samples = 0;
-  // The take that lost the largest share of its answers.
-  std::string worst_take;
-  std::uint64_t worst_take_answered_before = 0, worst_take_answered_now = 0;
-  double moved_percent = 0.0;  // of the samples asked: how many must have another status, at least
-  std::string status_changes;  // "converged 3000 -> 0, clamped 0 -> 3000"; empty when there are none
+  double before_m = kNoNumber, now_m = kNoNumber, percent = kNoNumber;
+  double low = kNoNumber, high = kNoNumber;  // percent, of other recordings
+  std::uint64_t answered_before = 0, answered_now = 0;
 
   static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(study, method, condition, group, alignment, before_m, now_m)
-    field("change_percent", self.error.percent);
-    field("change_low_percent", self.error.low);
-    field("change_high_percent", self.error.high);
-    field("n", self.both);
-    TRILAT_EACH(clusters, asked, answered_before, answered_now)
-    field("lost", self.lost_samples);
-    field("gained", self.gained_samples);
+    TRILAT_EACH(study, method, condition, group, before_m, now_m)
+    field("change_percent", self.percent);
+    field("change_low_percent", self.low);
+    field("change_high_percent", self.high);
+    TRILAT_EACH(answered_before, answered_now)
   }
 };
 
 // How one study stands against the baseline.
 enum class StudyState : std::uint8_t {
-  identical,    // equal to the byte
-  same_values,  // other bytes, the same numbers
+  identical,    // every number is the same
   compared,     // numbers differ and were judged
-  not_judged,   // numbers differ, and too few participants to tell a change from chance
+  not_judged,   // other recordings of too few participants to tell a change from chance
   only_now,     // not in the baseline
   only_before,  // in the baseline alone
 };
@@ -99,13 +91,14 @@ const char* name_of(StudyState state);
 struct StudyVerdict {
   std::string study, kind;
   StudyState state = StudyState::compared;
-  std::string note;              // what else is to be known of the comparison
-  std::size_t participants = 0;  // of a study that is not judged
+  std::vector<std::string> settings;  // each that differs, with both values
+  std::string note;                   // what else is to be known of the comparison
+  std::size_t participants = 0;       // of a study that is not judged
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(study, kind)
     field("state", name_of(self.state));
-    TRILAT_EACH(note)
+    TRILAT_EACH(settings, note)
   }
 };
 
@@ -121,15 +114,15 @@ struct GateReport {
   double smallest_percent = 0.0;
   std::vector<StudyVerdict> studies;
   std::vector<ComparedCell> cells;    // that are not identical
-  std::vector<GateFinding> findings;  // alarms first
+  std::vector<GateFinding> findings;  // alarms first, the largest first
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
   std::vector<std::string> notes;
   Verdict verdict() const;
   std::uint64_t alarms() const;
 };
 
-// What somebody reads in the morning: a verdict, then each alarm in a few lines, then what is better or to be
-// known. Ends with a newline.
+// What somebody reads in the morning: a verdict with the worst alarm, settings that differ, each alarm in a
+// few lines, then what is better or to be known. Ends with a newline.
 std::string morning_text(const GateReport& report);
 
 // Every compared cell of the methods whose name is `method`, as a plain table.
@@ -140,8 +133,8 @@ Json gate_json(const GateReport& report);
 // "2 participants in table3": what was not judged and why; empty when all was.
 std::string not_judged_text(const GateReport& report);
 
-// JUnit XML as CI services read it: one test case a study and one a finding that is an alarm. A study that
-// was not judged is skipped, with the reason.
+// JUnit XML as CI services read it, one test case a study, at most 60 lines. A study that was not judged is
+// skipped, with the reason.
 std::string gate_junit(const GateReport& report);
 // Of a gate that could not be done: one test case that is an error, with the message.
 std::string gate_junit_of_error(const std::string& time, const std::string& message);

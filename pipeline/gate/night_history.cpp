@@ -35,10 +35,8 @@ void add_series(const ResultsSet& results, HistoryEntry& entry) {
 }
 
 std::string key_of(const GateFinding& f) {
-  std::string key = std::string(name_of(f.kind)) + " | " +
-                    series_of(f.study, f.method, f.condition, f.group) + " | " + f.alignment;
-  if (f.kind == FindingKind::number || f.kind == FindingKind::failure || f.kind == FindingKind::status)
-    key += " | " + f.what;
+  std::string key = std::string(name_of(f.kind)) + " | " + series_of(f.study, f.method, f.condition, f.group);
+  if (f.kind == FindingKind::number || f.kind == FindingKind::failure) key += " | " + f.what;
   return key;
 }
 

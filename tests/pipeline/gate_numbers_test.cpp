@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/gate/judge_cells.h"
+#include "pipeline/gate/compare_results.h"
 
 namespace trilat {
 namespace {
@@ -17,22 +19,45 @@ Json document_with(double mae_m, double digits) {
             {{"method", "b"}, {"mae_m", 0.1}, {"mean_digits", digits}}}}};
 }
 
+std::vector<GateFinding> changes(const Json& before, const Json& now) {
+  GateReport report;
+  compare_numbers("sweep", before, now, true, {}, report);
+  return report.findings;
+}
+
 TEST(GateNumbers, WhatDiffersByMoreThanTheSmallestEffectIsAnAlarm) {
-  NumberChanges changes = judge_numbers("sweep", document_with(0.11, 9.0), document_with(0.1, 9.0), {});
-  EXPECT_EQ(changes.differing, 1u);
-  ASSERT_THAT(changes.findings, SizeIs(1));
-  EXPECT_TRUE(changes.findings[0].alarm);
-  EXPECT_NEAR(changes.findings[0].change.percent, 10.0, 1e-9);
-  EXPECT_EQ(changes.findings[0].what, "/cells/0/mae_m (a)");
-  changes = judge_numbers("sweep", document_with(0.09, 8.0), document_with(0.1, 9.0), {});
-  ASSERT_THAT(changes.findings, SizeIs(2));  // in either direction, the smaller change last
-  EXPECT_TRUE(changes.findings[0].alarm && changes.findings[1].alarm);
-  EXPECT_EQ(changes.findings[1].what, "/cells/0/mae_m (a)");
-  EXPECT_NEAR(changes.largest_percent, 100.0 / 9.0, 1e-9);
-  changes = judge_numbers("sweep", document_with(0.1005, 9.0), document_with(0.1, 9.0), {});
-  EXPECT_EQ(changes.differing, 1u);
-  EXPECT_NEAR(changes.largest_percent, 0.5, 1e-9);
-  EXPECT_THAT(changes.findings, IsEmpty());
+  std::vector<GateFinding> found = changes(document_with(0.1, 9.0), document_with(0.11, 9.0));
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_TRUE(found[0].alarm);
+  EXPECT_NEAR(found[0].percent, 10.0, 1e-9);
+  EXPECT_EQ(found[0].what, "/cells/0/mae_m (a)");
+  found = changes(document_with(0.1, 9.0), document_with(0.09, 8.0));
+  ASSERT_THAT(found, SizeIs(2));  // in either direction, the smaller change last
+  EXPECT_NEAR(found[0].percent, -100.0 / 9.0, 1e-9);
+  EXPECT_EQ(found[1].what, "/cells/0/mae_m (a)");
+  EXPECT_NEAR(found[1].percent, -10.0, 1e-9);
+  found = changes(document_with(0.1, 9.0), document_with(0.1005, 9.0));
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_FALSE(found[0].alarm);
+  EXPECT_NEAR(found[0].percent, 0.5, 1e-9);
+}
+
+// Of nothing there is no share: 0 to 1e-18 is no change, and 0 to a length is one without a percentage.
+TEST(GateNumbers, NearZeroAChangeIsAbsolute) {
+  const auto found = changes(document_with(0.0, 0.0), document_with(1e-18, 1e-18));
+  for (const GateFinding& f : found) EXPECT_FALSE(f.alarm) << f.what;
+  const auto larger = changes(document_with(0.0, 9.0), document_with(0.02, 9.0));
+  ASSERT_THAT(larger, SizeIs(1));
+  EXPECT_TRUE(larger[0].alarm);
+  EXPECT_TRUE(std::isnan(larger[0].percent));
+}
+
+TEST(GateNumbers, BoundsAndBookkeepingAreNoNews) {
+  const Json before{
+      {"mae_m", 0.1}, {"mae_low_m", 0.05}, {"mae_high_m", 0.2}, {"mean_iterations", 4.0}, {"p05_m", 0.01}};
+  const Json now{
+      {"mae_m", 0.1}, {"mae_low_m", 0.01}, {"mae_high_m", 0.4}, {"mean_iterations", 9.0}, {"p05_m", 0.05}};
+  EXPECT_THAT(changes(before, now), IsEmpty());
 }
 
 TEST(GateNumbers, AValueThatIsNotThereAnyMoreOrIsAnotherKindIsAnAlarm) {
@@ -40,11 +65,9 @@ TEST(GateNumbers, AValueThatIsNotThereAnyMoreOrIsAnotherKindIsAnAlarm) {
   now["cells"][0]["mae_m"] = nullptr;
   now["cells"][1].erase("mean_digits");
   now["study"] = "other";
-  const NumberChanges changes = judge_numbers("sweep", now, document_with(0.1, 9.0), {});
-  ASSERT_THAT(changes.findings, SizeIs(3));
-  for (const GateFinding& finding : changes.findings) EXPECT_TRUE(finding.alarm) << finding.what;
-  EXPECT_EQ(changes.findings[0].note, R"("sweep" before, "other" now)");
-  EXPECT_EQ(changes.findings[1].note, "0.1 before, nothing now");
+  const auto found = changes(document_with(0.1, 9.0), now);
+  ASSERT_THAT(found, SizeIs(3));
+  for (const GateFinding& finding : found) EXPECT_TRUE(finding.alarm) << finding.what;
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -11,10 +11,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
 #include "datasets/base/strict_json.h"
-#include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
-#include "evaluators/solvers/point_estimate.h"
-#include "pipeline/accuracy/errors/take_errors.h"
 #include "tests/pipeline/program.h"
 
 namespace trilat {
@@ -25,7 +22,6 @@ struct MadeSample {
   std::uint64_t instant = 0;
   double error_m = 0.0;
   bool answered = true;
-  bool clamped = false;
 };
 using Spoil = std::function<void(MadeSample&)>;
 
@@ -40,45 +36,31 @@ struct MadeStudy {
   std::uint64_t takes_failed = 0;
 };
 
-inline void write_made_samples(const std::filesystem::path& folder, const MadeStudy& study,
-                               const Spoil& spoil) {
-  TakeHead head;
-  head.joints = {"head", "wrist_left", "wrist_right"};
-  head.methods = {"linear", "nonlinear"};
-  head.tracks = {"mocap"};
-  for (int s = 0; s < kSolveStatusCount; ++s)
-    head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
-  head.condition = "walking";
-  head.instants = study.instants;
-  for (std::size_t t = 0; t < study.participants; ++t) {
-    head.id = "p" + std::to_string(t) + "-walking";
-    const std::filesystem::path item = ItemStore(folder).folder("key" + std::to_string(t));
-    std::filesystem::create_directories(item);
-    StoredTake take = StoredTake::create(item / StoredTake::kName, head);
-    SampleBlock block;
-    block.reset(0, study.instants, 3, 2);
-    for (std::uint64_t i = 0; i < study.instants; ++i) {
-      block.time_ns[i] = static_cast<std::int64_t>(i) * 33'333'333;
-      for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t a = 0; a < 3; ++a) block.truth_m[(i * 3 + j) * 3 + a] = 1.0;
-        for (std::size_t m = 0; m < 2; ++m) {
-          const RandomStream random{study.seed, Purpose::test, t * 3 + j};
+// The rows of all takes, joints and methods.
+inline std::vector<TakeJointRow> made_rows(const MadeStudy& study, const Spoil& spoil) {
+  constexpr std::array kJoints{"head", "wrist_left", "wrist_right"};
+  constexpr std::array kMethods{"linear", "nonlinear"};
+  std::vector<TakeJointRow> rows;
+  for (std::size_t t = 0; t < study.participants; ++t)
+    for (std::size_t j = 0; j < kJoints.size(); ++j)
+      for (std::size_t m = 0; m < kMethods.size(); ++m) {
+        const std::string person = "p" + std::to_string(t);
+        TakeJointRow row{person + "-walking",       person,     "walking",
+                         j == 0 ? "head" : "wrist", kJoints[j], kMethods[m]};
+        const RandomStream random{study.seed, Purpose::test, t * 3 + j};
+        double sum_m = 0.0;
+        for (std::uint64_t i = 0; i < study.instants; ++i) {
           MadeSample sample{t, j, m, i, 0.05 + 0.01 * random.uniform(static_cast<std::uint32_t>(i))};
           if (spoil) spoil(sample);
-          const std::size_t slot = (i * 3 + j) * 2 + m;
-          block.status[slot] = static_cast<std::uint8_t>(!sample.answered ? SolveStatus::iteration_limit
-                                                         : sample.clamped ? SolveStatus::clamped
-                                                                          : SolveStatus::converged);
+          ++row.asked;
           if (!sample.answered) continue;
-          for (std::size_t a = 0; a < 3; ++a)
-            block.estimate_m[slot * 3 + a] = 1.0 + (a == 0 ? sample.error_m : 0.0);
+          ++row.answered;
+          sum_m += sample.error_m;
         }
+        if (row.answered > 0) row.mae_m = sum_m / static_cast<double>(row.answered);
+        rows.push_back(row);
       }
-    }
-    take.write(0, block);
-    take.write_errors(errors_of(take, {.alignments = {AlignmentKind::none}, .rate_hz = study.rate_hz}));
-    take.finish();
-  }
+  return rows;
 }
 
 inline void write_made_manifest(const std::filesystem::path& folder, const MadeStudy& study) {
@@ -106,16 +88,17 @@ inline void write_made_manifest(const std::filesystem::path& folder, const MadeS
   write_file(folder / "manifest.json", json_text(json, 1) + "\n");
 }
 
-// A results folder of an accuracy study. Its summary has one cell only: the gate reads samples.
+// A results folder of an accuracy study without its items. Its summary has one cell only.
 inline void write_made_results(const std::filesystem::path& folder, const MadeStudy& study = {},
                                const Spoil& spoil = {}) {
   std::filesystem::create_directories(folder);
   write_made_manifest(folder, study);
-  write_made_samples(folder, study, spoil);
   ResultsSummary summary;
   summary.study = study.name;
   summary.takes = study.participants;
   summary.takes_failed = study.takes_failed;
+  summary.participants = study.participants;
+  summary.by_take = made_rows(study, spoil);
   summary.methods = {"linear", "nonlinear"};
   summary.reference = "linear";
   summary.conditions = {"walking"};

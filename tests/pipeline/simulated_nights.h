@@ -7,25 +7,18 @@
 #include <vector>
 
 #include "datasets/base/philox.h"
-#include "pipeline/gate/paired_cells.h"
+#include "datasets/results/summary.h"
 
 namespace trilat {
 
-// How two nights differ when nothing is wrong, and what goes wrong when something does. All of it is
-// simulated: persons with errors of their own (3 cm an axis, fixed) and an own unrest, errors that wander
-// with 1 s (1.5 cm an axis) and jitter (3 mm), shared by the methods but for a quarter of their own.
+// How two nights differ. All of it is simulated: persons with errors of their own (3 cm an axis, fixed) and
+// an own unrest, errors that wander with 1 s (1.5 cm an axis) and jitter (3 mm), shared by the methods but
+// for a quarter of their own.
 struct NightModel {
   std::size_t participants = 16;
   double duration_s = 35.0;
-  // How much of what wanders is drawn anew: 0.1 for code that takes other decisions in the same recordings, 1
-  // for other recordings of the same persons.
-  double redrawn = 0.1;
-  bool same_inputs = true;
-  double worse = 0.0;           // relative growth of the errors of method 0 in group 0
-  double lost_share = 0.0;      // of the answers of method 0 in group 0
-  double flipped_share = 1e-3;  // of all answers, either way
-  double clamped_share = 0.02;  // of all answers
-  double more_clamped = 0.0;    // of those of method 0 in group 0, tonight
+  bool same_recordings = true;  // else the same persons walk again
+  double worse = 0.0;           // relative growth of the errors of method 0
 };
 
 class SimulatedNights {
@@ -35,17 +28,27 @@ class SimulatedNights {
 
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
+  struct Night {
+    ResultsSummary before, now;
+    std::vector<std::string> takes;
+  };
   // `number`: which recordings, baseline and run of the code on them.
-  PairedStudy night(std::uint64_t number, const NightModel& model) const {
-    PairedStudy study;
-    study.study = "simulated";
-    study.axes = {1, 1, kGroups, kMethods, {0, 1, 2, 3}};
-    study.alignments = {"none"};
-    study.groups = {"head", "shoulder", "elbow", "wrist"};
-    study.methods = {"nonlinear", "linear", "mean", "rts", "window"};
-    for (std::size_t p = 0; p < model.participants; ++p)
-      study.takes.push_back(take(number, p, model, study.axes));
-    return study;
+  Night night(std::uint64_t number, const NightModel& model) const {
+    Night night;
+    for (ResultsSummary* s : {&night.before, &night.now}) {
+      s->study = "simulated";
+      s->conditions = {"walking"};
+      s->alignments = {"none"};
+      s->groups = {"head", "shoulder", "elbow", "wrist"};
+      s->methods = {"nonlinear", "linear", "mean", "rts", "window"};
+      s->reference = "nonlinear";
+      s->participants = model.participants;
+    }
+    for (std::size_t p = 0; p < model.participants; ++p) {
+      night.takes.push_back("p" + std::to_string(p));
+      add_take(number, p, model, night);
+    }
+    return night;
   }
 
  private:
@@ -79,25 +82,8 @@ class SimulatedNights {
     return std::sqrt(squared);
   }
 
-  static PairedAnswer answer(bool none, double error_m, bool clamped) {
-    if (none) return {{kNoNumber, kNoNumber}, SolveStatus::iteration_limit};
-    return {{error_m, kNoNumber}, clamped ? SolveStatus::clamped : SolveStatus::converged};
-  }
-
-  static Wander mixed(const Wander& old, const Wander& fresh, double redrawn) {
-    Wander result;
-    for (std::size_t m = 0; m <= kMethods; ++m)
-      for (std::size_t a = 0; a < kAxes; ++a)
-        result.value[m][a] =
-            std::sqrt(1.0 - redrawn * redrawn) * old.value[m][a] + redrawn * fresh.value[m][a];
-    return result;
-  }
-
-  PairedTake take(std::uint64_t number, std::size_t p, const NightModel& model,
-                  const PairedAxes& axes) const {
-    PairedTake result{"p" + std::to_string(p), "p" + std::to_string(p), "walking", {}, {}};
+  void add_take(std::uint64_t number, std::size_t p, const NightModel& model, Night& night) const {
     const auto instants = static_cast<std::uint64_t>(model.duration_s * kRate_hz);
-    PairedTakeSums sums(axes, (instants + 9) / 10);
     const double keep = std::exp(-1.0 / (kRate_hz * kWander_s));
     for (std::size_t g = 0; g < kGroups; ++g) {
       const RandomStream random{seed_, Purpose::test, (number * 64 + p) * kGroups + g};
@@ -109,29 +95,27 @@ class SimulatedNights {
       Wander old, fresh;
       old.step(random, draw, 0.0);
       fresh.step(again, draw_again, 0.0);
+      std::array<double, kMethods> before_m{}, now_m{};
       for (std::uint64_t i = 0; i < instants; ++i) {
         old.step(random, draw, keep);
         fresh.step(again, draw_again, keep);
-        const Wander now = mixed(old, fresh, model.redrawn);
         const double jitter = random.normal(draw++);
         for (std::size_t m = 0; m < kMethods; ++m) {
-          const bool bad = m == 0 && g == 0;
-          const double before_m = length_of(bias, old, m, scale, jitter);
-          const double now_m = length_of(bias, now, m, scale, jitter) * (bad ? 1.0 + model.worse : 1.0);
-          const bool no_before = random.uniform(draw++) < model.flipped_share / 2.0;
-          const bool no_now =
-              again.uniform(draw_again++) < model.flipped_share / 2.0 + (bad ? model.lost_share : 0.0);
-          const double v = random.uniform(draw++);
-          const bool clamped_before = v < model.clamped_share;
-          const bool flips = again.uniform(draw_again++) < model.flipped_share;
-          const bool clamped_now = (v < model.clamped_share + (bad ? model.more_clamped : 0.0)) != flips;
-          sums.add(i / 10, g, m, 1, answer(no_before, before_m, clamped_before),
-                   answer(no_now, now_m, clamped_now));
+          before_m[m] += length_of(bias, old, m, scale, jitter);
+          now_m[m] += length_of(bias, model.same_recordings ? old : fresh, m, scale, jitter) *
+                      (m == 0 ? 1.0 + model.worse : 1.0);
         }
       }
+      for (std::size_t m = 0; m < kMethods; ++m) {
+        const std::string& group = night.now.groups[g];
+        TakeJointRow row{night.takes[p], night.takes[p], "walking", group, group, night.now.methods[m]};
+        row.asked = row.answered = instants;
+        row.mae_m = before_m[m] / static_cast<double>(instants);
+        night.before.by_take.push_back(row);
+        row.mae_m = now_m[m] / static_cast<double>(instants);
+        night.now.by_take.push_back(row);
+      }
     }
-    sums.finish(result);
-    return result;
   }
 
   std::uint64_t seed_;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "datasets/results/results_file.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 namespace {
@@ -219,36 +220,58 @@ void pad(std::vector<WeightedRatio>& ratios, std::size_t before, std::size_t beh
 
 }  // namespace
 
-std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::path>& results) {
-  if (results.size() != 2) return std::nullopt;
-  for (const auto& path : results)
-    if (results_kind(path) != StudyKind::accuracy) return std::nullopt;
-  const ResultsSummary before = read_summary(results[0]), after = read_summary(results[1]);
+std::optional<ErrorChanges> changes_between(const ResultsSummary& before, const ResultsSummary& after) {
   if (before.alignments.front() != after.alignments.front() || before.truth != after.truth)
     return std::nullopt;
   const std::vector<std::string> then = participants_of(before), now = participants_of(after);
-  ErrorChanges changes{
-      results[0].string(), results[1].string(), then == now, std::min(then.size(), now.size()), {}};
+  ErrorChanges changes{"", "", then == now, std::min(then.size(), now.size()), {}};
   const ParticipantErrors errors_before(before), errors_after(after);
+  const auto add = [&](const std::string& condition, const std::string& method,
+                       const std::vector<std::string>& groups) {
+    std::vector<WeightedRatio> value = mean_error(errors_after, method, condition, groups, 1.0),
+                               minus = mean_error(errors_before, method, condition, groups, -1.0);
+    ErrorChange row{condition, groups.size() > 1 ? kAverageGroup : groups.front(), method};
+    row.after_m = solve_contrast({value, {}}).value;
+    row.before_m = -solve_contrast({minus, {}}).value;
+    if (!changes.paired) {
+      pad(value, 0, then.size());
+      pad(minus, now.size(), 0);
+    }
+    value.insert(value.end(), minus.begin(), minus.end());
+    const ContrastEstimate difference = solve_contrast({std::move(value), {}});
+    row.difference_m = difference.value;
+    row.low_m = difference.low();
+    row.high_m = difference.high();
+    row.standard_error_m = difference.standard_error;
+    row.clusters = difference.clusters;
+    if (difference.clusters >= 2)
+      row.chance = student_two_sided(difference.value / difference.standard_error, difference.clusters - 1);
+    changes.rows.push_back(std::move(row));
+  };
   for (const std::string& condition : after.conditions) {
     const std::vector<std::string> groups = errors_after.groups_of(condition);
     if (groups.empty() || errors_before.groups_of(condition) != groups) continue;
     for (const std::string& method : after.methods) {
       if (!errors_before.knows(method)) continue;
-      std::vector<WeightedRatio> value = mean_error(errors_after, method, condition, groups, 1.0),
-                                 minus = mean_error(errors_before, method, condition, groups, -1.0);
-      const double after_m = solve_contrast({value, {}}).value, before_m = -solve_contrast({minus, {}}).value;
-      if (!changes.paired) {
-        pad(value, 0, then.size());
-        pad(minus, now.size(), 0);
-      }
-      value.insert(value.end(), minus.begin(), minus.end());
-      const ContrastEstimate difference = solve_contrast({std::move(value), {}});
-      changes.rows.push_back({condition, groups.size() > 1 ? kAverageGroup : groups.front(), method, before_m,
-                              after_m, difference.value, difference.low(), difference.high()});
+      if (groups.size() > 1) add(condition, method, groups);
+      for (const std::string& group : groups) add(condition, method, {group});
     }
   }
   if (changes.rows.empty()) return std::nullopt;
+  return changes;
+}
+
+std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::path>& results) {
+  if (results.size() != 2) return std::nullopt;
+  for (const auto& path : results)
+    if (results_kind(path) != StudyKind::accuracy) return std::nullopt;
+  const ResultsSummary after = read_summary(results[1]);
+  std::optional<ErrorChanges> changes = changes_between(read_summary(results[0]), after);
+  if (!changes) return changes;
+  changes->before = results[0].string();
+  changes->after = results[1].string();
+  if (after.groups.size() > 1)  // one row a method is shown
+    std::erase_if(changes->rows, [](const ErrorChange& row) { return row.group != kAverageGroup; });
   return changes;
 }
 
