@@ -169,7 +169,7 @@ RunOutcome run_bodies(const CalibrationSpec& spec, std::uint64_t run,
 }
 
 // How right what the poses of one method state of themselves is, over all runs.
-void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, RigRow& row) {
+void add_misfits(const std::vector<RunOutcome>& outcomes, RigRow& row) {
   std::vector<double> covered, asked;  // of each run that states something
   double position_z2 = 0.0, rotation_z2 = 0.0, mahalanobis2 = 0.0, poses = 0.0;
   double chi2 = 0.0, runs_with_chi2 = 0.0;
@@ -194,14 +194,14 @@ void add_misfits(const std::vector<RunOutcome>& outcomes, std::uint64_t seed, Ri
   if (asked.empty()) return;
   row.coverage_share =
       std::accumulate(covered.begin(), covered.end(), 0.0) / std::accumulate(asked.begin(), asked.end(), 0.0);
-  std::tie(row.coverage_low, row.coverage_high) = bootstrap_mean(covered, asked, seed);
+  std::tie(row.coverage_low, row.coverage_high) = share_interval(covered, asked);
   row.position_z_rms = std::sqrt(position_z2 / poses);
   row.rotation_z_rms = std::sqrt(rotation_z2 / poses);
   row.mahalanobis2_mean = mahalanobis2 / poses;
   row.reduced_chi2_mean = chi2 / runs_with_chi2;
 }
 
-RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std::uint64_t seed) {
+RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes) {
   RigRow row;
   row.method = method.name;
   row.runs = outcomes.size();
@@ -221,10 +221,10 @@ RigRow row_of(const Method& method, const std::vector<RunOutcome>& outcomes, std
               e.rotation_rad <= (bodies ? kGoodBodies_rad : kGoodRotation_rad);
     }
   }
-  row.position = spread_of(errors, seed);
+  row.position = spread_of(errors);
   if (placed > 0.0) row.rotation_mean_rad = rotation_sum / placed;
   if (sensors > 0.0) row.within_limits_share = good / sensors;
-  add_misfits(outcomes, seed, row);
+  add_misfits(outcomes, row);
   return row;
 }
 
@@ -285,7 +285,7 @@ std::vector<RigRow> read_rigs(const CalibrationSpec& spec, const Outcomes& outco
   }
   for (std::size_t m = 0; m < all.size(); ++m)
     if (all[m].kind != Method::Kind::bodies || spec.bodies_s > 0.0)
-      rows.push_back(row_of(all[m], outcomes[m], spec.seed));
+      rows.push_back(row_of(all[m], outcomes[m]));
   return rows;
 }
 

@@ -286,15 +286,15 @@ WandSampleResults read_wand(const CalibrationSpec& spec, const Outcomes& outcome
              results, errors);
   }
   for (std::size_t row = 0; row < results.rows.size(); ++row) {
-    results.rows[row].all = spread_of(errors[row].all, spec.seed);
-    results.rows[row].recommended = spread_of(errors[row].recommended, spec.seed);
-    results.rows[row].recommended_distance = spread_of(errors[row].recommended_distance, spec.seed);
-    results.rows[row].near = spread_of(errors[row].near, spec.seed);
+    results.rows[row].all = spread_of(errors[row].all);
+    results.rows[row].recommended = spread_of(errors[row].recommended);
+    results.rows[row].recommended_distance = spread_of(errors[row].recommended_distance);
+    results.rows[row].near = spread_of(errors[row].near);
   }
   return results;
 }
 
-ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed) {
+ErrorSpread spread_of(const std::vector<ClusteredError>& errors) {
   ErrorSpread spread;
   std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count
   std::vector<double> answered;
@@ -322,7 +322,8 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t s
     sums.push_back(s.first);
     counts.push_back(s.second);
   }
-  std::tie(spread.mean_low_m, spread.mean_high_m) = bootstrap_mean(sums, counts, seed);
+  std::tie(spread.mean_low_m, spread.mean_high_m) = mean_interval(sums, counts);
+  if (spread.mean_low_m < 0.0) spread.mean_low_m = 0.0;  // NaN stays
   return spread;
 }
 

@@ -29,8 +29,7 @@ struct ClusteredError {
   double error_m = ErrorSpread::kNone;  // NaN: no answer
 };
 
-// Mean, spread and quantiles, with an interval of the mean by bootstrap over clusters (none with fewer than
-// four). `seed` makes the resampling; equal inputs give equal results.
-ErrorSpread spread_of(const std::vector<ClusteredError>& errors, std::uint64_t seed);
+// Mean, spread and quantiles, with a 95 % interval of the mean by Student's t between clusters.
+ErrorSpread spread_of(const std::vector<ClusteredError>& errors);
 
 }  // namespace trilat

@@ -89,8 +89,7 @@ ClockUnit count_errors(const std::vector<double>& errors_s) {
   return unit;
 }
 
-ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std::size_t method,
-                     const std::vector<TrialErrors>& trials) {
+ClockErrorRow row_of(const NetworkSpec& network, std::size_t method, const std::vector<TrialErrors>& trials) {
   ClockErrorRow row;
   row.network = network.name;
   row.method = clock_method_names()[method];
@@ -106,12 +105,12 @@ ClockErrorRow row_of(const RecordingSpec& spec, const NetworkSpec& network, std:
   row.error = spread_times(std::move(all_s));
   if (row.error.n == 0) return row;
   row.below_2ms = static_cast<double>(row.error.bins[0]) / static_cast<double>(row.error.n);
-  std::tie(row.below_2ms_low, row.below_2ms_high) = bootstrap_mean(good, answered, spec.seed);
+  std::tie(row.below_2ms_low, row.below_2ms_high) = share_interval(good, answered);
   return row;
 }
 
-QueueRow queue_row_of(const RecordingSpec& spec, const NetworkSpec& network, std::size_t method,
-                      std::size_t way, const std::vector<TrialErrors>& trials) {
+QueueRow queue_row_of(const NetworkSpec& network, std::size_t method, std::size_t way,
+                      const std::vector<TrialErrors>& trials) {
   QueueRow row{network.name, clock_method_names()[method], kServerWays[way].name, {}};
   std::vector<double> taken, came;
   for (const TrialErrors& trial : trials) {
@@ -124,7 +123,7 @@ QueueRow queue_row_of(const RecordingSpec& spec, const NetworkSpec& network, std
     taken.push_back(static_cast<double>(counts.taken));
     came.push_back(static_cast<double>(counts.came));
   }
-  std::tie(row.taken_low, row.taken_high) = bootstrap_mean(taken, came, spec.seed);
+  std::tie(row.taken_low, row.taken_high) = share_interval(taken, came);
   return row;
 }
 
@@ -157,10 +156,10 @@ Json measure_network(const RecordingSpec& spec, const NetworkSpec& network, cons
   Json json{
       {"rows", Json::array()}, {"fit", json_of(fit_row_of(network, trials))}, {"queues", Json::array()}};
   for (std::size_t m = 0; m < clock_method_names().size(); ++m)
-    json["rows"].push_back(json_of(row_of(spec, network, m, trials)));
+    json["rows"].push_back(json_of(row_of(network, m, trials)));
   for (std::size_t m = 0; m < kQueueMethods; ++m)
     for (std::size_t way = 0; way < kServerWays.size(); ++way)
-      json["queues"].push_back(json_of(queue_row_of(spec, network, m, way, trials)));
+      json["queues"].push_back(json_of(queue_row_of(network, m, way, trials)));
   return json;
 }
 

@@ -94,7 +94,7 @@ int run(const std::filesystem::path& file, std::size_t campaigns) {
       const Agreement& a = agreements[c][k];
       double agreeing = 0.0, pairs = 0.0;
       for (std::size_t i = 0; i < a.pairs.size(); ++i) agreeing += a.agreeing[i], pairs += a.pairs[i];
-      const auto [low, high] = bootstrap_mean(a.agreeing, a.pairs, 1);
+      const auto [low, high] = share_interval(a.agreeing, a.pairs);
       fmt::print(
           "  pairs that differ by more than {:.0f} %: {:.1f} % ordered rightly ({:.1f} to {:.1f}), of "
           "{:.0f}\n",

@@ -37,16 +37,15 @@ class Draws {
 // A mean over clusters of unequal length, whose own errors are large beside those within.
 bool interval_holds(std::size_t clusters, bool skewed, std::uint64_t campaign) {
   Draws draws(campaign);
-  RowMatrix sums(static_cast<Eigen::Index>(clusters), 2);
-  for (Eigen::Index c = 0; c < sums.rows(); ++c) {
+  WeightedRatio mean;
+  for (std::size_t c = 0; c < clusters; ++c) {
     const double count = 600.0 + std::floor(500.0 * draws.uniform());
     const double mean_m = kTruth_m + 0.02 * draws.error(skewed) + 0.005 * draws.normal();
-    sums.row(c) << mean_m * count, count;
+    mean.numerator.push_back(mean_m * count);
+    mean.denominator.push_back(count);
   }
-  const std::vector<RatioColumns> ratios{{0, 1}};
-  const std::vector<RatioQuantity> quantities{{}};
-  const IntervalEstimate e = student_intervals(sums, ratios, quantities)[0];
-  return e.low <= kTruth_m && kTruth_m <= e.high;
+  const ContrastEstimate e = solve_contrast({{mean}, {}});
+  return e.low() <= kTruth_m && kTruth_m <= e.high();
 }
 
 // Of twelve methods that are equally good, whether one that was named before is not told apart from the best.
@@ -92,21 +91,12 @@ TEST(IntervalCoverage, OfMeansAndOfTheSetThatHoldsTheBest) {
   }
 }
 
-TEST(StudentIntervals, AreThoseOfAContrastAndCountClustersWithDataAlone) {
-  RowMatrix sums(4, 2);
-  sums << 1.0, 1.0, 2.0, 1.0, 6.0, 1.0, 0.0, 0.0;
-  const std::vector<RatioColumns> ratios{{0, 1}};
-  const std::vector<RatioQuantity> quantities{{}};
-  const IntervalEstimate e = student_intervals(sums, ratios, quantities)[0];
-  const ContrastEstimate same = solve_contrast({{{{1.0, 2.0, 6.0}, {1.0, 1.0, 1.0}, 1.0}}, {}});
-  EXPECT_EQ(e.clusters, 3u);
-  EXPECT_DOUBLE_EQ(e.value, same.value);
-  EXPECT_NEAR(e.low, same.low(), 1e-12);
-  EXPECT_NEAR(e.high, same.high(), 1e-12);
-  const IntervalEstimate lone = student_intervals(sums.topRows(1), ratios, quantities)[0];
-  EXPECT_EQ(lone.value, 1.0);
-  EXPECT_TRUE(std::isnan(lone.low));
-  EXPECT_EQ(student_intervals(RowMatrix(0, 2), ratios, quantities)[0].clusters, 0u);
+TEST(Intervals, CountClustersWithDataAlone) {
+  const auto [low, high] = mean_interval({1.0, 2.0, 6.0, 0.0}, {1.0, 1.0, 1.0, 0.0});
+  EXPECT_NEAR(low, 3.0 - 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);  // Student's t of two degrees
+  EXPECT_NEAR(high, 3.0 + 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);
+  EXPECT_TRUE(std::isnan(mean_interval({1.0}, {1.0}).first));
+  EXPECT_EQ(share_interval({9.0, 10.0, 10.0}, {10.0, 10.0, 10.0}).second, 1.0);
 }
 
 }  // namespace

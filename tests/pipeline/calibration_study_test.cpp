@@ -40,7 +40,7 @@ TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
   for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
   errors.push_back({1, ErrorSpread::kNone});
-  const ErrorSpread spread = spread_of(errors, 1);
+  const ErrorSpread spread = spread_of(errors);
   EXPECT_EQ(spread.asked, 6u);
   EXPECT_EQ(spread.answered, 5u);
   EXPECT_NEAR(spread.mean_m, 0.003, 1e-15);
@@ -52,40 +52,31 @@ TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
 }
 
 TEST(ErrorSpread, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
-  const ErrorSpread nothing = spread_of({}, 1), none = spread_of({{0, ErrorSpread::kNone}}, 1);
+  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, ErrorSpread::kNone}});
   EXPECT_EQ(nothing.asked, 0u);
   EXPECT_EQ(none.asked, 1u);
   for (const ErrorSpread& spread : {nothing, none}) {
     EXPECT_EQ(spread.answered, 0u);
     EXPECT_TRUE(std::isnan(spread.mean_m) && std::isnan(spread.sd_m) && std::isnan(spread.max_m));
   }
-  const ErrorSpread one = spread_of({{0, 0.25}}, 1);
+  const ErrorSpread one = spread_of({{0, 0.25}});
   EXPECT_EQ(one.mean_m, 0.25);
   EXPECT_EQ(one.p95_m, 0.25);
   EXPECT_TRUE(std::isnan(one.sd_m));
 }
 
-TEST(ErrorSpread, AnIntervalNeedsFourClustersAndResamplesThemWhole) {
+TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
   const auto clusters = [](std::size_t count) {
     std::vector<ClusteredError> errors;
     for (std::size_t c = 0; c < count; ++c)
       for (int i = 0; i < 100; ++i) errors.push_back({c, 1e-3 * static_cast<double>(c + 1)});
     return errors;
   };
-  EXPECT_TRUE(std::isnan(spread_of(clusters(3), 1).mean_low_m));
-  const ErrorSpread spread = spread_of(clusters(4), 1);
-  // One of the 256 ways to draw four clusters gives all four the same one: the interval ends between the
-  // extremes, and is far wider than 400 independent errors would have it (0.11 mm to each side).
-  EXPECT_GE(spread.mean_low_m, 0.001);
-  EXPECT_LE(spread.mean_low_m, 0.0018);
-  EXPECT_GE(spread.mean_high_m, 0.0032);
-  EXPECT_LE(spread.mean_high_m, 0.004);
-  EXPECT_EQ(spread_of(clusters(4), 1).mean_low_m, spread.mean_low_m);
-  // Clusters that all agree leave nothing uncertain.
-  std::vector<ClusteredError> equal;
-  for (std::size_t c = 0; c < 4; ++c) equal.push_back({c, 0.5});
-  EXPECT_EQ(spread_of(equal, 1).mean_low_m, 0.5);
-  EXPECT_EQ(spread_of(equal, 1).mean_high_m, 0.5);
+  EXPECT_TRUE(std::isnan(spread_of(clusters(1)).mean_low_m));
+  // 1 to 4 mm: Student's t of three degrees, and a standard error of sqrt(5 / 3) / 2 mm
+  const ErrorSpread spread = spread_of(clusters(4));
+  EXPECT_NEAR(spread.mean_low_m, 0.0025 - 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
+  EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }
 
 // Sigmas of 1, 2, 1 rad and 1, 3, 2 m: errors of 1, 1, 2 and 0, 1, 2 of them, of which two are beyond 1.96.
