@@ -234,11 +234,16 @@ void repair(const Plan& plan, const PlannedTake& planned, std::optional<std::siz
          "has a world that is not level, so exchanges of left and right are not looked for"});
     return;
   }
-  std::vector<std::size_t> others;
-  for (std::size_t s = 0; s < rig; ++s)
-    if (s != left_out) others.push_back(s);
-  find_exchanges_among(others, plan, planned, data.bodies, data.exchanges);
-  if (left_out) find_exchanges_among({*left_out}, plan, planned, data.bodies, data.exchanges);
+  if (left_out) {
+    std::vector<std::size_t> others;
+    for (std::size_t s = 0; s < rig; ++s)
+      if (s != left_out) others.push_back(s);
+    find_exchanges_among(others, plan, planned, data.bodies, data.exchanges);
+    find_exchanges_among({*left_out}, plan, planned, data.bodies, data.exchanges);
+  } else {
+    data.exchanges =
+        find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
+  }
   if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
 }
 
