@@ -279,6 +279,7 @@ H5Table H5Node::create_table(const std::string& name, H5Type type,
     chunk.insert(chunk.end(), row_shape.begin(), row_shape.end());
     H5Pset_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data());
     const std::size_t element_bytes = H5Tget_size(type_of(type));
+    if (layout.shuffle) H5Pset_shuffle(list.id());
     if (!set_compression(list.id(), layout.compression, element_bytes,
                          layout.chunk_rows * table.row_elements_ * element_bytes))
       refuse(table.place_, "cannot use the compression filter");

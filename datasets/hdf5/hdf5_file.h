@@ -59,7 +59,8 @@ constexpr H5Type h5_type_of() {
 struct H5Layout {
   std::size_t chunk_rows = 0;                             // 0: contiguous and of fixed size
   bool checksum = false;                                  // fletcher32 behind every chunk
-  ChunkCompression compression = ChunkCompression::none;  // in front of it; for append_filtered_row()
+  ChunkCompression compression = ChunkCompression::none;  // in front of it
+  bool shuffle = false;  // the bytes of numbers, in front of that; not for append_filtered_row()
 };
 
 // Rows of one shape and type. Shape and storage are checked when a table is opened (check_stored_rows()), so

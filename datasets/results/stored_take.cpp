@@ -24,10 +24,21 @@ constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: block
 constexpr std::uint64_t kPoseNumbers = 7;                // quaternion w, x, y, z and position x, y, z
 constexpr std::uint64_t kMaxReplayInstants = 1u << 20;   // far beyond what is ever written
 constexpr std::size_t kMaxSensors = 64;
+constexpr std::uint64_t kTogether = 256;        // instants whose samples are compressed together
+constexpr std::uint64_t kRowsTogether = 16384;  // rows of a table
 
 struct SampleTables {
   H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, status, iterations, cost_m2, gdop;
 };
+
+// Rows that are compressed together, of so many bytes each.
+H5Layout compressed(std::uint64_t row_bytes, std::uint64_t rows, std::uint64_t together) {
+  constexpr std::uint64_t kChunkBytes = 4 << 20;
+  const std::uint64_t most = std::max<std::uint64_t>(1, std::min(together, kChunkBytes / row_bytes));
+  return {.chunk_rows = static_cast<std::size_t>(std::clamp<std::uint64_t>(rows, 1, most)),
+          .compression = ChunkCompression::deflate,
+          .shuffle = true};
+}
 
 // Makes or opens one table of a take.
 template <class Table>
@@ -45,6 +56,14 @@ SampleTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table&
 }
 
 using Shape = std::vector<std::uint64_t>;
+
+// Positions and times are noise in their last digits, and stored as they are.
+H5Layout layout_of(const std::string& table, const Shape& row_shape, const TakeHead& head) {
+  if (table == "estimate_m" || table == "truth_m" || table == "time_ns") return {};
+  std::uint64_t elements = 1;
+  for (const std::uint64_t extent : row_shape) elements *= extent;
+  return compressed(std::max<std::uint64_t>(1, elements * sizeof(float)), head.instants, kTogether);
+}
 
 void check_block(const SampleBlock& block, const SampleTables& t, std::size_t statuses) {
   const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
@@ -107,7 +126,9 @@ void write_rows(H5Node& parent, const char* name, const std::vector<Row>& rows) 
         std::memcpy(&number, reinterpret_cast<const char*>(&row) + column.offset, sizeof(number));
         values.push_back(number);
       }
-    H5Table table = node.create_table(part, h5_type_of<decltype(number)>(), {of.size()}, {}, rows.size());
+    const H5Layout layout =
+        rows.empty() ? H5Layout{} : compressed(of.size() * sizeof(number), rows.size(), kRowsTogether);
+    H5Table table = node.create_table(part, h5_type_of<decltype(number)>(), {of.size()}, layout, rows.size());
     if (!rows.empty()) table.write(0, std::span<const decltype(number)>(values));
   };
   write("counts", columns.counts, std::uint32_t{0});
@@ -249,10 +270,10 @@ StoredTake StoredTake::create(const std::filesystem::path& path, const TakeHead&
   H5Node samples = s.file.create_group("samples");
   for (std::size_t t = 0; t < head.tracks.size(); ++t) {
     H5Node track = samples.create_group(std::to_string(t));
-    s.tracks.push_back(tables_of(head.joints.size(), head.methods.size(),
-                                 [&](const char* name, H5Type type, const Shape& shape) {
-                                   return track.create_table(name, type, shape, {}, head.instants);
-                                 }));
+    s.tracks.push_back(tables_of(
+        head.joints.size(), head.methods.size(), [&](const char* name, H5Type type, const Shape& shape) {
+          return track.create_table(name, type, shape, layout_of(name, shape, head), head.instants);
+        }));
   }
   return take;
 }

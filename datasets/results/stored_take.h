@@ -65,8 +65,8 @@ struct Replay {
 };
 
 // take.h5 (version 1), the item of a take: its samples, their errors, and what the page replays. Equal takes
-// give equal bytes. Samples are written slot by slot: blocks may come in any order and from any thread. All
-// space is laid out when the file is made; what is never written must be written empty.
+// give equal bytes. The blocks of a track are written in the order of time; what is never written must be
+// written empty.
 class StoredTake {
  public:
   static constexpr const char* kName = "take.h5";
