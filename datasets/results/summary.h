@@ -254,7 +254,7 @@ struct ResultsSummary {
   std::string truth = kMocapTruth;
   std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
 
-  // The truth is what a sensor sees that is left out; a take counts once for each.
+  // The truth is what each sensor sees, left out in turn.
   bool left_out() const { return truth == kLeftOutTruth; }
   // All methods that were compared with Ceres agree with it, and some were.
   bool cross_check_passed() const {

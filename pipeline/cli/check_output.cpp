@@ -213,11 +213,8 @@ std::map<std::pair<std::string, std::string>, std::string> hashes_of(const Json&
 bool has_equal_input(const Campaign& campaign, const Json& manifest) {
   const auto hashes = hashes_of(manifest);
   const auto is_equal = [&](const Take& take, const char* role, const fs::path& file) {
-    // A take that sensors are left out of stands there once for each.
-    for (const auto& [input, sha256] : hashes)
-      if (input.second == role && (input.first == take.id || input.first.starts_with(take.id + ".without.")))
-        return fs::is_regular_file(file) && hash_of_file(file) == sha256;
-    return false;
+    const auto known = hashes.find({take.id, role});
+    return known != hashes.end() && fs::is_regular_file(file) && hash_of_file(file) == known->second;
   };
   for (const auto& [role, member] : {std::pair{"mapping", &Take::mapping},
                                      {"calibration", &Take::calibration},
