@@ -42,6 +42,7 @@ struct ReproduceArguments {
 // How much of each study is run; a study that asks for less stays as it is.
 struct Scale {
   std::string name, takes;                                 // how long, on two processors
+  std::string writes;                                      // how much; empty: not measured
   std::uint64_t participants;                              // of Tables II and III
   std::uint64_t sensor_participants, budget_participants;  // of the other campaigns
   std::uint64_t search_trials;                             // a cell
@@ -52,9 +53,9 @@ struct Scale {
 };
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 const std::vector<Scale> kScales{
-    {"quick", "a minute", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3},
-    {"paper", "two minutes", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4},
-    {"full", "half an hour", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
+    {"quick", "a minute", "0.3 GB", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3},
+    {"paper", "two minutes", "0.7 GB", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4},
+    {"full", "half an hour", "", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
      kAll, kAll, kAll}};
 
 // Every results folder, in the order of the report.
@@ -161,6 +162,7 @@ class Reproduction {
   }
 
   const std::string& takes() const { return scale_.takes; }
+  const std::string& writes() const { return scale_.writes; }
 
   bool passed() const { return takes_failed_ == 0 && points_failed_ == 0 && table3_.cross_check_passed(); }
 
@@ -273,8 +275,9 @@ std::vector<std::string> reproduction_scales() {
 int reproduce(const ReproduceArguments& arguments) {
   Reproduction reproduction(arguments);
   reproduction.check_outputs();
-  fmt::print(stderr, "reproducing the paper into {} ({} scale, seed {}): {} on two processors\n",
-             arguments.output.string(), arguments.scale, arguments.seed, reproduction.takes());
+  fmt::print(stderr, "reproducing the paper into {} ({} scale, seed {}): {} on two processors{}\n",
+             arguments.output.string(), arguments.scale, arguments.seed, reproduction.takes(),
+             reproduction.writes().empty() ? "" : ", writes " + reproduction.writes());
   for (std::size_t k = 0; k < std::size(kStages); ++k) {
     const auto start = std::chrono::steady_clock::now();
     on_threads(arguments.threads, [&](int) { (reproduction.*kStages[k].second)(); });
