@@ -14,8 +14,8 @@
 
 namespace trilat {
 
-// What the samples of a take are of: every instant has a slot for every joint and method, whether answered or
-// not, in each track. A track is what estimates are held against: the mocap, or a sensor that is left out.
+// Names the axes of a take's samples. Each track holds one slot for every instant, joint and method, whether
+// the method answered or not. A track is what estimates are held against: the mocap, or a left-out sensor.
 struct TakeHead {
   std::string id, condition;  // condition: the take's activity
   std::uint64_t instants = 0;
@@ -50,7 +50,7 @@ enum class SampleColumns { errors, all };
 // What a replay shows at most of one take.
 inline constexpr double kReplay_s = 35.0;
 
-// What the sensors saw during the first part of a take.
+// The joint positions that each sensor saw during the first part of a take.
 struct Replay {
   std::vector<std::string> sensors;
   std::vector<RigidTransform> world_from_sensor;

@@ -137,7 +137,7 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   return summary;
 }
 
-// Of a take that was evaluated, now or by an earlier run.
+// Gives the error table of a take, which this run computed or an earlier one stored.
 ErrorTable errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcome) {
   if (run.tables[t]) return std::move(*std::exchange(run.tables[t], {}));
   return stored_errors(ItemStore(outcome.folder.parent_path().parent_path()), outcome.key, run.errors);

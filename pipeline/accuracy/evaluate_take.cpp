@@ -118,7 +118,8 @@ TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const Tak
   return tracking;
 }
 
-// Of sensors that are no truth, since they track nothing that is asked for. InputError when all are such.
+// Names the sensors that cannot be the truth because they track no joint that is asked for. InputError when
+// none can.
 std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   std::vector<TakeNote> notes;
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {

@@ -39,7 +39,7 @@ bool is_change(double now_m, double before_m, const GateLimits& limits) {
   return off_m > limits.smallest_m && 100.0 * off_m > limits.smallest_percent * std::abs(before_m);
 }
 
-// What one cell, or one take of it, sums up to in both results.
+// The answers (samples) and summed error lengths (m) of one cell, or of one take in it, in both results.
 struct BothSums {
   std::uint64_t answered_before = 0, answered_now = 0;
   double length_before_m = 0.0, length_now_m = 0.0;

@@ -9,8 +9,8 @@ namespace trilat {
 
 // Compares each study that both folders have. Where takes have the same recordings, computing is
 // deterministic and there is no chance: an alarm is a mean error that grew, answers that fell, or a take that
-// lost a tenth of its answers, each by more than its limit; all other numbers that changed are told. Of other
-// recordings a mean error is judged by Student's t between participants, of eight at least, with the
+// lost a tenth of its answers, each by more than its limit; all other numbers that changed are told. Where
+// recordings differ, a mean error is judged by Student's t between participants, of eight at least, with the
 // probability of chance by Holm over all studies. Numbers of other kinds of study are an alarm when they
 // change, since nobody says whether more is better. Settings that differ are named, and the numbers are
 // compared all the same. InputError when a side holds no results, or they have no study in common.

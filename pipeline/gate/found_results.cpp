@@ -55,7 +55,7 @@ std::vector<std::string> differences_of(const Json& now, const Json& before) {
   return texts;
 }
 
-// Of a manifest, what is set and not made.
+// Gives the entries of a manifest that the user sets, without those the program makes.
 Json settings_of(const Json& manifest) {
   constexpr std::size_t kHash = 12;  // characters that tell two apart
   Json settings = Json::object();

@@ -44,8 +44,8 @@ struct GateFinding : CellName {
   std::string what;  // what was measured; of a number its place
   double before = kNoNumber, now = kNoNumber;
   std::string unit;  // of before and now: "m" is told in centimetres
-  // Of before; NaN where before is nothing. With its 95 % interval and the probability that so much is
-  // chance, corrected for all that was looked at, where recordings differ.
+  // percent: the change as a share of `before`, NaN where `before` is zero. Where recordings differ, low and
+  // high bound its 95 % interval, and chance is its probability by chance, corrected for all comparisons.
   double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
   std::uint64_t clusters = 0;  // participants behind the interval
   std::string note;            // a sentence more: exact counts, which take

@@ -106,7 +106,8 @@ class Results:
         estimate_m = group["estimate_m"][:].reshape(-1, 3)
         error_m = self._errors_of(file, track).reshape(-1, 3)
         columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(file.attrs["condition"])),
-                   "track": np.full(len(truth_m), _text(file.attrs["tracks"][track])), "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
+                   "track": np.full(len(truth_m), _text(file.attrs["tracks"][track])),
+                   "time_s": spread(1e-9 * (time_ns - time_ns[:1]), 0), "joint": spread(np.array(self.joints), 1),
                    "method": spread(np.array(self.methods), 2),
                    "status": np.array(self._statuses)[group["status"][:].ravel()]}
         for name, values in (("truth", truth_m), ("estimate", estimate_m), ("error", error_m)):
@@ -183,17 +184,23 @@ class Results:
         table = cells.pivot(index="method", columns="group", values=statistic)
         return table.reindex(index=cells["method"].unique(), columns=cells["group"].unique())
 
-    def timeline(self, take: str, joint: str) -> "pandas.DataFrame":
-        """Error in metres over time, a column a method; the index is time_s. NaN where a method has no answer."""
+    def timeline(self, take: str, joint: str, track: str | None = None) -> "pandas.DataFrame":
+        """Error in metres over time, a column a method; the index is time_s. NaN where a method has no answer.
+
+        The errors are those against one track: the take's first unless another is named (see `columns()`).
+        """
         if joint not in self.joints:
             raise InputError(self.folder, f'has no joint "{joint}"; it has {", ".join(self.joints)}')
         samples = self.samples(take)
-        samples = samples[samples["joint"] == joint]
+        tracks = list(samples["track"].unique())
+        if track is not None and track not in tracks:
+            raise InputError(self.folder, f'has no track "{track}"; it has {", ".join(tracks)}')
+        samples = samples[(samples["joint"] == joint) & (samples["track"] == (track or tracks[0]))]
         return samples.pivot(index="time_s", columns="method", values="error_m").reindex(columns=list(self.methods))
 
-    def plot(self, take: str, joint: str) -> "matplotlib.axes.Axes":
+    def plot(self, take: str, joint: str, track: str | None = None) -> "matplotlib.axes.Axes":
         """Draws `timeline()` in centimetres and gives the axes; needs matplotlib."""
-        axes = (100.0 * self.timeline(take, joint)).plot(linewidth=0.8)
+        axes = (100.0 * self.timeline(take, joint, track)).plot(linewidth=0.8)
         kind = "simulated" if self.summary.get("simulated") else "recorded"
         axes.set(xlabel="time (s)", ylabel="error (cm)", title=f"{take}, {joint}, {kind}")
         return axes

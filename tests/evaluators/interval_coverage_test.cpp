@@ -48,7 +48,8 @@ bool interval_holds(std::size_t clusters, bool skewed, std::uint64_t campaign) {
   return e.low() <= kTruth_m && kTruth_m <= e.high();
 }
 
-// Of twelve methods that are equally good, whether one that was named before is not told apart from the best.
+// Draws errors of twelve methods that are equally good. True when the method named beforehand is not told
+// apart from the best.
 bool set_holds_the_best(std::size_t clusters, std::uint64_t campaign) {
   constexpr std::size_t kMethods = 12;
   Draws draws(campaign);

@@ -232,7 +232,7 @@ TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
   }
 }
 
-// Of a single take its blocks tell methods apart, as they make intervals.
+// With a single take its blocks of time are the clusters: they tell methods apart and give intervals.
 TEST(Statistics, MethodsOfASingleTakeAreMarked) {
   Evaluated evaluated;
   const ResultsSummary summary = evaluated.of(

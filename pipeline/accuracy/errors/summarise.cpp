@@ -436,7 +436,7 @@ class Summary {
     return cell;
   }
 
-  // Of all that is asked: what is not answered is not near.
+  // The share is taken of all samples; one without an answer counts as not near.
   std::array<double, 3> pck_of(const ConditionErrors& errors, std::size_t m, std::size_t a) const {
     std::array<double, 3> pck{};
     for (std::size_t r = 0; r < pck.size(); ++r) {

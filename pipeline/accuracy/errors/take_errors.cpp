@@ -155,7 +155,7 @@ struct LengthSum {
   double length_m = 0.0;
 };
 
-// Of one track; quantities are its joints.
+// Sums the errors of one track; its quantities are the joints.
 class TrackErrors {
  public:
   TrackErrors(const StoredTake& take, std::size_t track, const ErrorSettings& settings)

@@ -63,8 +63,8 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
-// Behind the activity of a take without mocap in a campaign in which others have one: a difference from a
-// sensor is no error.
+// Stands behind the activity of a take without mocap in a campaign in which other takes have one. Such a take
+// gives differences from a sensor, which are not errors.
 inline constexpr const char* kPredicted = ", against a left-out sensor";
 
 // Whether the truth of every take is what sensors see that are left out, and not mocap.

@@ -21,8 +21,8 @@ namespace trilat {
 // another point.
 class TruthTrack {
  public:
-  // Reads the export of a take to its end, or as far as is asked for. `joints` in the order wanted; those
-  // that the mapping does not map are never there. InputError for an asset that does not exist, has no
+  // Reads the export of a take from its start up to the last instant asked for. `joints` in the order wanted;
+  // those that the mapping does not map are never there. InputError for an asset that does not exist, has no
   // position, or is a bone in local coordinates.
   TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
              MocapTime until = {std::numeric_limits<std::int64_t>::max()});
