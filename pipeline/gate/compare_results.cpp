@@ -164,18 +164,23 @@ Json value_at(const Json& document, const Json::json_pointer& place) {
   return document.contains(place) ? document.at(place) : Json();
 }
 
-// The pointer, with the texts of the entry that it leads into: "/cells/0/mae_m (linear, standing)".
-std::string named(const Json& document, Json::json_pointer place) {
-  const std::string pointer = place.to_string();
-  while (!place.empty()) {
-    place.pop_back();
-    std::string name;
-    if (const Json entry = value_at(document, place); !place.empty() && entry.is_object())
-      for (const auto& [key, value] : entry.items())
-        if (value.is_string()) name += (name.empty() ? "" : ", ") + value.get<std::string>();
-    if (!name.empty()) return fmt::format("{} ({})", pointer, name);
+// Rows of lists by what names them, "linear, standing", instead of by their place: a row that only one side
+// has shifts no other.
+Json with_named_rows(const Json& document) {
+  if (!document.is_structured()) return document;
+  Json named = document.is_array() && !document.empty() ? Json::object() : Json(document.type());
+  for (const auto& [key, value] : document.items()) {
+    std::string name = key;
+    if (document.is_array() && value.is_object()) {
+      std::string texts;
+      for (const auto& [of, text] : value.items())
+        if (text.is_string()) texts += (texts.empty() ? "" : ", ") + text.get<std::string>();
+      if (!texts.empty()) name = texts;
+      for (int again = 2; named.contains(name); ++again) name = fmt::format("{} ({})", texts, again);
+    }
+    named[name] = with_named_rows(value);
   }
-  return pointer;
+  return named;
 }
 
 // The largest first; what has no size in percent before all others.
@@ -443,18 +448,18 @@ void judge_chances(const GateLimits& limits, GateReport& report) {
   });
 }
 
-void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,
-                     const GateLimits& limits, GateReport& report) {
+void compare_numbers(const std::string& study, const Json& document_before, const Json& document_now,
+                     bool alarm, const GateLimits& limits, GateReport& report) {
+  const Json before = with_named_rows(document_before), now = with_named_rows(document_now);
   std::vector<GateFinding> findings;
   for (const Json& step : Json::diff(before, now)) {
     const Json::json_pointer place(step.at("path").get<std::string>());
-    // "/list/-" is where a new entry is appended
     const Json here = step.value("value", Json()), there = value_at(before, place);
     ++report.looked_at;
     const std::string& key = place.back();
     if (!is_news(key)) continue;
     GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, alarm);
-    finding.what = named(now, place);
+    finding.what = place.to_string();
     if (here.is_number()) finding.now = here.get<double>();
     if (there.is_number()) finding.before = there.get<double>();
     if (here.is_number() && there.is_number()) {

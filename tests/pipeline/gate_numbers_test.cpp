@@ -30,16 +30,24 @@ TEST(GateNumbers, WhatDiffersByMoreThanTheSmallestEffectIsAnAlarm) {
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_TRUE(found[0].alarm);
   EXPECT_NEAR(found[0].percent, 10.0, 1e-9);
-  EXPECT_EQ(found[0].what, "/cells/0/mae_m (a)");
+  EXPECT_EQ(found[0].what, "/cells/a/mae_m");
   found = changes(document_with(0.1, 9.0), document_with(0.09, 8.0));
   ASSERT_THAT(found, SizeIs(2));  // in either direction, the smaller change last
   EXPECT_NEAR(found[0].percent, -100.0 / 9.0, 1e-9);
-  EXPECT_EQ(found[1].what, "/cells/0/mae_m (a)");
+  EXPECT_EQ(found[1].what, "/cells/a/mae_m");
   EXPECT_NEAR(found[1].percent, -10.0, 1e-9);
   found = changes(document_with(0.1, 9.0), document_with(0.1005, 9.0));
   ASSERT_THAT(found, SizeIs(1));
   EXPECT_FALSE(found[0].alarm);
   EXPECT_NEAR(found[0].percent, 0.5, 1e-9);
+}
+
+TEST(GateNumbers, RowsAreComparedByName) {
+  Json now = document_with(0.1, 9.0);
+  now["cells"].insert(now["cells"].begin(), Json({{"method", "new"}, {"mae_m", 0.3}}));
+  const auto found = changes(document_with(0.1, 9.0), now);
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].what, "/cells/new");
 }
 
 // Of nothing there is no share: 0 to 1e-18 is no change, and 0 to a length is one without a percentage.

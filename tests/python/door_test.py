@@ -87,6 +87,14 @@ class DoorTest(unittest.TestCase):
         self.assertEqual(mean["condition"], "swing")
         self.assertTrue(0.01 < mean["bearing_m"][0] < 0.15 and mean["n"] > 1000, mean)
         self.assertTrue(0.0 < mean["bone_m"][0] < 0.1 < mean["jerk_m_s3"][0], mean)
+        if missing("pandas"):
+            return
+        take = results.columns()["take"][0]
+        errors = {track: results.timeline(take, "wrist_left", track)["mean"].mean() for track in ("C001", "C002")}
+        self.assertEqual(results.timeline(take, "wrist_left")["mean"].mean(), errors["C001"])
+        self.assertNotEqual(errors["C001"], errors["C002"])
+        with self.assertRaisesRegex(trilat.InputError, 'no track "k9"; it has C001, C002, C003'):
+            results.timeline(take, "wrist_left", "k9")
 
     def test_mean_error_of_the_columns_is_the_tables(self):
         columns = self.results.columns()
