@@ -36,12 +36,13 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   for (const char* method : {"nonlinear", "linear", "geometric"})
     if (const SummaryCell* c = cell(method)) {
       ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_text(*c));
-      printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", printed_table3_cm(group, method));
+      if (const double cm = printed_table3_cm(s, kCondition, group, method); std::isfinite(cm))
+        printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", cm);
     }
   if (ours.empty()) return answers;
   answers.push_back(fmt::format("**Trilateration** of {} walker{}, {}: mean error {}.{}", s.participants,
                                 s.participants == 1 ? "" : "s", s.simulated ? "simulated" : "recorded", ours,
-                                relative ? " The paper prints " + printed + " cm." : ""));
+                                relative && !printed.empty() ? " The paper prints " + printed + " cm." : ""));
   if (const SummaryCell* mean = cell("mean")) {
     const std::string against = difference_text(s, kCondition, alignment, "mean");
     answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}{}{}.", error_text(*mean),
@@ -86,7 +87,7 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   headline.origin = simulated && recorded ? "Simulated and recorded data"
                     : simulated           ? "Simulated data"
                                           : "Recorded data";
-  const bool on_the_paper = paper && paper->evidence.walking;
+  const bool on_the_paper = paper && paper->evidence.walking && !paper->evidence.walking->left_out();
   for (const Chapter& chapter : content.chapters)
     for (const std::string& warning : chapter.warnings)
       if (!on_the_paper || chapter.provenance.study == paper->evidence.walking->study)

@@ -24,6 +24,4 @@ PrintedCalibration printed_calibration() {
 }
 PrintedErrata printed_errata() { return read_printed<PrintedErrata>(embedded::errata_json, "errata.json"); }
 
-Json printed_claims() { return parse_json(embedded::claims_json, "datasets/paper/claims.json"); }
-
 }  // namespace trilat

@@ -102,18 +102,13 @@ struct PrintedTable4 {
 
 PrintedTable4 printed_table4();
 
-// What the paper claims, in our words, with its numbers, and how each claim is judged: the rows of
-// datasets/paper/claims.json, which reports/claims reads.
-Json printed_claims();
-
 // What the paper prints that cannot be so, in our words, with the numbers of its text that its tables
 // contradict.
 struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;
     bool changes_results = true;  // false: of the text or of a printed table alone
-    std::optional<Json> effect;   // how what it does to errors is measured, as a part of a claim
-    TRILAT_FIELDS(id, where, printed, problem, corrected, changes_results, effect)
+    TRILAT_FIELDS(id, where, printed, problem, corrected, changes_results)
   };
   struct Improvement {
     std::string where, method;  // of the abstract or the text; better than which method
@@ -123,11 +118,9 @@ struct PrintedErrata {
   std::string source;
   std::vector<Erratum> errata;
   std::vector<Improvement> improvements;
-  double largest_wrist_deviation_cm = 0.0;
   std::array<double, 2> gait_cycles{};
   double systems_named = 0.0, systems_shown = 0.0;
-  TRILAT_FIELDS(source, errata, improvements, largest_wrist_deviation_cm, gait_cycles, systems_named,
-                systems_shown)
+  TRILAT_FIELDS(source, errata, improvements, gait_cycles, systems_named, systems_shown)
 };
 
 PrintedErrata printed_errata();

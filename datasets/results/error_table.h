@@ -13,10 +13,10 @@
 
 namespace trilat {
 
-// Which samples of a take a row is of: all; those that a sensor sees occluded; those of the faster half of
-// the joint's instants.
-enum class Subset : std::uint8_t { all, occluded, fast };
-inline constexpr std::array kSubsetNames{"all", "occluded", "fast"};
+// Which samples of a take a row is of: all; those that a sensor sees occluded; the half of a joint's instants
+// at which its truth has the larger acceleration.
+enum class Subset : std::uint8_t { all, occluded, abrupt };
+inline constexpr std::array kSubsetNames{"all", "occluded", "abrupt"};
 
 inline constexpr std::size_t kMostStatuses = 16;
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -168,35 +169,14 @@ struct TruthSpeed {
   TRILAT_FIELDS(condition, group, mean_m_s)
 };
 
-// A method and the study's reference on the same samples, each aligned on just these: their mean distances.
-struct PairedErrors {
-  std::uint64_t n = 0;
-  double mae_m = kNoNumber, reference_mae_m = kNoNumber;
-
-  TRILAT_FIELDS(n, mae_m, reference_mae_m)
-};
-
-// Mean distances in the slower and the faster half of a joint's answered samples, by its speed.
-struct SpeedErrors {
-  std::uint64_t slow = 0, fast = 0;  // samples
-  double slow_mae_m = kNoNumber, fast_mae_m = kNoNumber;
-
-  TRILAT_FIELDS(slow, slow_mae_m, fast, fast_mae_m)
-};
-
 // One joint of one take and method under the study's first alignment: where an odd take, person or side
-// shows, and what every comparison of methods with participants as clusters can be made from.
+// shows.
 struct TakeJointRow {
   std::string take, participant, condition, group, joint, method;  // condition and group: as of a SummaryCell
   std::uint64_t asked = 0, answered = 0;
   double mae_m = kNoNumber;
-  PairedErrors both = {};  // where both answer
-  PairedErrors complete =
-      {};  // where any of the two does: its error stands for both where the other is silent
-  SpeedErrors by_speed = {};  // of all samples; empty in conditions of occluded ones
 
-  TRILAT_FIELDS(take, participant, condition, group, joint, method, asked, answered, mae_m, both, complete,
-                by_speed)
+  TRILAT_FIELDS(take, participant, condition, group, joint, method, asked, answered, mae_m)
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
@@ -253,6 +233,7 @@ struct ResultsSummary {
   std::vector<TakeNote> notes;
   std::string truth = kMocapTruth;
   std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
+  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
 
   // The truth is what each sensor sees, left out in turn.
   bool left_out() const { return truth == kLeftOutTruth; }
@@ -263,7 +244,7 @@ struct ResultsSummary {
 
   TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
                 family_cells, best, reference, conditions, groups, alignments, cells, differences, bodies,
-                truth_speed, by_take, notes, truth, cross_checks)
+                truth_speed, by_take, notes, truth, cross_checks, claims)
   void check(const JsonObject& object) const;
 };
 

@@ -77,12 +77,4 @@ std::pair<double, double> mean_interval(const std::vector<double>& sums, const s
   return {mean.low(), mean.high()};
 }
 
-std::pair<double, double> share_interval(const std::vector<double>& parts,
-                                         const std::vector<double>& wholes) {
-  auto [low, high] = mean_interval(parts, wholes);
-  if (low < 0.0) low = 0.0;
-  if (high > 1.0) high = 1.0;
-  return {low, high};
-}
-
 }  // namespace trilat

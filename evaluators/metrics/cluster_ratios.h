@@ -46,7 +46,5 @@ bool is_told_apart(const ContrastEstimate& difference, std::size_t others);
 
 // The 95 % interval of sum(sums) / sum(counts), one of each a cluster; NaN with fewer than two.
 std::pair<double, double> mean_interval(const std::vector<double>& sums, const std::vector<double>& counts);
-// The same of a share, which is never below 0 nor above 1.
-std::pair<double, double> share_interval(const std::vector<double>& parts, const std::vector<double>& wholes);
 
 }  // namespace trilat

@@ -12,10 +12,11 @@
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
-#include "pipeline/accuracy/errors/summarise.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take_key.h"
+#include "pipeline/claims/paper_claims.h"
+#include "pipeline/errors/summarise.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 
@@ -165,7 +166,10 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   const RunOutcome outcome = outcome_of(run.plan, results, run.cross_check);
   write_beside(folder, outcome.tracking);
   ResultsSummary summary = summary_head(run.plan, outcome);
-  summarise(tables, names_of(run.plan.joints), summary);
+  const std::vector<std::string> joints = names_of(run.plan.joints);
+  const StudyErrors errors(tables, joints, summary);
+  summarise(errors, summary);
+  summary.claims = claims_of(errors);
   write_summary(folder, summary);
   watch.tell(1.0);
 }
@@ -246,7 +250,9 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
   run->hashes = hashes;
   run->inputs.resize(run->plan.takes.size());
   run->tables.resize(run->plan.takes.size());
-  run->errors = error_settings(run->plan.study, run->plan.methods, run->plan.reference);
+  const StudySpec& study_of = run->plan.study;
+  run->errors = {study_of.alignments, study_of.training_share, study_of.occluded_apart, study_of.rate_hz,
+                 compared_methods(run->plan.methods, run->plan.reference)};
   run->parameters = read_declared_parameters(campaign.folder);
   Study study{.kind = name_of(StudyKind::accuracy),
               .settings = resolved_json(run->plan.study),

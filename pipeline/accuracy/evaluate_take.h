@@ -9,10 +9,10 @@
 
 #include "datasets/results/error_table.h"
 #include "datasets/results/item_store.h"
-#include "pipeline/accuracy/errors/take_errors.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_result.h"
+#include "pipeline/errors/take_errors.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

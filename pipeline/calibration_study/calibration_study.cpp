@@ -19,6 +19,7 @@
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/calibration_study/wand_samples.h"
+#include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/study.h"
 
@@ -211,6 +212,7 @@ CalibrationSummary summarise(const CalibrationSpec& spec, const Outcomes& outcom
   summary.wand_samples = std::move(wand.samples);
   summary.distortion = read_distortion(spec, outcomes);
   summary.rigs = read_rigs(spec, outcomes);
+  summary.claims = claims_of(summary);
   return summary;
 }
 

@@ -13,7 +13,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
 #include "evaluators/calibration/wand_positions.h"
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/share.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/calibration_study/wand_samples.h"
@@ -194,7 +194,9 @@ void add_misfits(const std::vector<RunOutcome>& outcomes, RigRow& row) {
   if (asked.empty()) return;
   row.coverage_share =
       std::accumulate(covered.begin(), covered.end(), 0.0) / std::accumulate(asked.begin(), asked.end(), 0.0);
-  std::tie(row.coverage_low, row.coverage_high) = share_interval(covered, asked);
+  const ShareEstimate share = estimate_share(covered, asked);
+  row.coverage_low = share.low;
+  row.coverage_high = share.high;
   row.position_z_rms = std::sqrt(position_z2 / poses);
   row.rotation_z_rms = std::sqrt(rotation_z2 / poses);
   row.mahalanobis2_mean = mahalanobis2 / poses;

@@ -7,11 +7,11 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/strict_json.h"
-#include "pipeline/accuracy/errors/participant_errors.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
 #include "reports/claims/claims.h"
 #include "reports/render/render.h"
@@ -75,6 +75,13 @@ std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem:
   return results;
 }
 
+PaperFindings judged_paper(const std::vector<std::filesystem::path>& results) {
+  if (std::optional<PaperFindings> findings = judge_paper(results)) return std::move(*findings);
+  throw InputError(
+      "--paper",
+      "needs results of a study that is named table3 or table2: the paper's claims are judged by these");
+}
+
 int report(const ReportArguments& arguments) {
   if (arguments.audit && arguments.results.empty()) return print_audit(arguments.json);
   if (arguments.results.empty())
@@ -88,7 +95,7 @@ int report(const ReportArguments& arguments) {
   {
     Progress progress("writing the report");
     files = write_report(results, arguments.output,
-                         {.paper = arguments.paper ? judge_paper(results) : std::nullopt,
+                         {.paper = arguments.paper ? std::optional(judged_paper(results)) : std::nullopt,
                           .changes = arguments.paper ? std::nullopt : changes_between(results),
                           .history = arguments.history.empty() ? History{} : read_history(arguments.history),
                           .made = arguments.time,

@@ -14,7 +14,7 @@
 #include "datasets/base/error.h"
 #include "datasets/results/gate_history.h"
 #include "evaluators/metrics/student.h"
-#include "pipeline/accuracy/errors/participant_errors.h"
+#include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
 
 namespace trilat {

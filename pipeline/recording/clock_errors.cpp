@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/share.h"
 #include "pipeline/recording/clock_methods.h"
 #include "pipeline/recording/processing_time.h"
 #include "pipeline/study/parallel.h"
@@ -105,7 +105,9 @@ ClockErrorRow row_of(const NetworkSpec& network, std::size_t method, const std::
   row.error = spread_times(std::move(all_s));
   if (row.error.n == 0) return row;
   row.below_2ms = static_cast<double>(row.error.bins[0]) / static_cast<double>(row.error.n);
-  std::tie(row.below_2ms_low, row.below_2ms_high) = share_interval(good, answered);
+  const ShareEstimate share = estimate_share(good, answered);
+  row.below_2ms_low = share.low;
+  row.below_2ms_high = share.high;
   return row;
 }
 
@@ -120,10 +122,13 @@ QueueRow queue_row_of(const NetworkSpec& network, std::size_t method, std::size_
     row.counts.too_early += counts.too_early;
     row.counts.too_late += counts.too_late;
     row.counts.taken += counts.taken;
+    row.units.push_back({counts.came, counts.taken});
     taken.push_back(static_cast<double>(counts.taken));
     came.push_back(static_cast<double>(counts.came));
   }
-  std::tie(row.taken_low, row.taken_high) = share_interval(taken, came);
+  const ShareEstimate share = estimate_share(taken, came);
+  row.taken_low = share.low;
+  row.taken_high = share.high;
   return row;
 }
 

@@ -11,6 +11,7 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/recording_summary.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/claims/paper_claims.h"
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
 #include "pipeline/study/machine.h"
@@ -177,6 +178,7 @@ RecordingSummary summarise(const RecordingSpec& spec, const Outcomes& outcomes) 
   summary.clocks = std::move(clocks.rows);
   summary.fits = std::move(clocks.fits);
   summary.queues = std::move(clocks.queues);
+  summary.claims = claims_of(summary);
   return summary;
 }
 

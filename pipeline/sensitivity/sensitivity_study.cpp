@@ -14,7 +14,7 @@
 #include "datasets/results/results_file.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/errors/summarise.h"
+#include "pipeline/errors/summarise.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/simulate_take.h"

@@ -14,6 +14,7 @@
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
+#include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/sweep/interpretation_search.h"
@@ -256,7 +257,9 @@ Study sweep_study(const SweepPlan& whole) {
               .settings = resolved_json(plan->spec),
               .reduce =
                   [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-                    write_results(results, summary_of(*plan, cells_of(*plan, outcomes)));
+                    SweepSummary summary = summary_of(*plan, cells_of(*plan, outcomes));
+                    summary.claims = claims_of(summary);
+                    write_results(results, summary);
                   },
               .manifest = [plan] { return manifest_of_sweep(*plan); }};
   for (const SweepItem& item : items_of(*plan))

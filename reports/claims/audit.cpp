@@ -91,17 +91,7 @@ void audit_times(Table& table, const PrintedTable4& paper) {
           fmt::format("{} below 33 ms of {}", in_time, paper.frames));
 }
 
-void audit_words(Table& table, const PrintedTable3& paper, const PrintedErrata& errata) {
-  const std::vector<double>& wrist_cm = printed_row(paper, "wrist");
-  for (std::size_t m = 0; m < paper.methods.size(); ++m) {
-    const bool possible = wrist_cm[m] <= errata.largest_wrist_deviation_cm;
-    table.rows.push_back({row_key(table, "E15"), TableValue::of("E15"),
-                          TableValue::of("largest deviation of the wrist (cm)"),
-                          TableValue::of(errata.largest_wrist_deviation_cm, 1),
-                          TableValue::of(wrist_cm[m], 1), TableValue::of(possible ? kAgrees : kDiffers),
-                          TableValue::of(fmt::format("the printed mean of {}: no maximum is below its mean",
-                                                     paper.methods[m]))});
-  }
+void audit_words(Table& table, const PrintedErrata& errata) {
   compare(table, "E15", "gait cycles of a participant", errata.gait_cycles[1], errata.gait_cycles[0], 0,
           "stated twice");
   compare(table, "E15", "trilateration systems compared", errata.systems_named, errata.systems_shown, 0,
@@ -177,12 +167,7 @@ std::string effect_of(const std::string& erratum, const PaperFindings& findings)
   if (erratum == "E18") return mean_spread_effect(e);
   if (erratum == "E11") return clock_effect(e);
   const auto found = findings.errata.find(erratum);
-  std::string text;
-  if (found != findings.errata.end()) {
-    text = parts_text(found->second, false);
-    if (found->second.front().complete)
-      text += "; over what any of the two answers " + parts_text(found->second, true);
-  }
+  const std::string text = found == findings.errata.end() ? std::string() : numbers_text(found->second);
   return erratum == "E7" ? both(steps_effect(e), text) : text;
 }
 
@@ -200,7 +185,7 @@ Table audit_table() {
   audit_improvements(table, table3, errata);
   audit_averages(table, table3);
   audit_times(table, printed_table4());
-  audit_words(table, table3, errata);
+  audit_words(table, errata);
   add_notes(table, "audit", {{"source", errata.source}});
   return table;
 }

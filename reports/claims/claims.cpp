@@ -10,32 +10,39 @@
 namespace trilat {
 namespace {
 
-std::string estimate_text(const ClaimEstimate& e, const std::string& unit) {
-  if (!std::isfinite(e.value)) return "no answer";
-  const int decimals = std::abs(e.value) < 10.0 ? 2 : std::abs(e.value) < 100.0 ? 1 : 0;
-  const std::string value = fmt::format("{:.{}f} {}", e.value, decimals, unit);
-  if (!std::isfinite(e.low)) return value;
-  const std::string level = e.level_percent == 95.0 ? "" : fmt::format(" at {:.4g} %", e.level_percent);
-  return fmt::format("{} ({:.{}f} to {:.{}f}{})", value, e.low, decimals, e.high, decimals, level);
+std::string number_text(const ClaimNumber& number) {
+  if (!std::isfinite(number.value)) return "no answer";
+  const double size = std::abs(number.value);
+  const int decimals = size < 10.0 ? 2 : size < 99.0 || size >= 100.0 ? (size < 100.0 ? 1 : 0) : 3;
+  std::string text = fmt::format("{:.{}f} {}", number.value, decimals, number.unit);
+  if (std::isfinite(number.low))
+    text += fmt::format(" ({:.{}f} to {:.{}f})", number.low, decimals, number.high, decimals);
+  constexpr double kNearlyAll = 0.995;
+  if (number.compared < kNearlyAll)
+    text += fmt::format(", where both answer ({:.0f} % of the samples)", 100.0 * number.compared);
+  return text;
 }
 
 std::string rule_text(const JudgedClaim& claim) {
-  if (claim.parts.empty()) return claim.reason;
+  if (claim.numbers.empty()) return claim.reason;
   std::string bounds;
-  for (const ClaimPart& part : claim.parts)
-    if (bounds.find(part.bound) == std::string::npos) bounds += (bounds.empty() ? "" : ", ") + part.bound;
-  return fmt::format("{}: {}; over {}", bounds, claim.reason, claim.clusters);
+  for (const ClaimNumber& number : claim.numbers)
+    if (bounds.find(number.bound) == std::string::npos) bounds += (bounds.empty() ? "" : ", ") + number.bound;
+  return fmt::format("{}: {}; over {}", bounds, claim.reason, claim.numbers.front().over);
+}
+
+std::string p_text(const JudgedClaim& claim) {
+  constexpr double kLeast = 1e-4;
+  if (std::isnan(claim.p)) return "–";
+  return claim.p < kLeast ? "< 0.0001" : fmt::format("{:.4f}", claim.p);
 }
 
 }  // namespace
 
-std::string parts_text(const std::vector<ClaimPart>& parts, bool complete) {
+std::string numbers_text(const std::vector<ClaimNumber>& numbers) {
   std::string text;
-  for (const ClaimPart& part : parts) {
-    if (complete && !part.complete) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", part.what,
-                        estimate_text(complete ? *part.complete : part.estimate, part.unit));
-  }
+  for (const ClaimNumber& number : numbers)
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", number.what, number_text(number));
   return text.empty() ? "–" : text;
 }
 
@@ -49,11 +56,9 @@ Table claims_table(const PaperFindings& findings) {
       {{"claim", "claim", as_text(&R::claim)},
        {"verdict", "verdict", as_text(&R::verdict)},
        {"paper", "paper", as_text(&R::printed)},
-       {"ours, with interval", "ours", as_text([](const R& r) { return parts_text(r.parts, false); })},
-       {"where any answers", "complete", as_text([](const R& r) { return parts_text(r.parts, true); })},
+       {"ours, with interval", "ours", as_text([](const R& r) { return numbers_text(r.numbers); })},
        {"margin and reason", "rule", as_text(rule_text)},
-       {"p", "p", as_number(4, &R::chance)},
-       {"corrected", "corrected", as_text([](const R& r) { return r.confirmatory ? "Holm" : "no"; })},
+       {"p, corrected", "p", as_text(p_text)},
        {"where", "where", as_text(&R::where)}});
   add_notes(table, "paper_claims", {{"source", printed_errata().source}});
   if (findings.evidence.any_simulated()) add_notes(table, "simulated_claims");

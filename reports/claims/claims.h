@@ -12,9 +12,8 @@ namespace trilat {
 // Each claim of the paper, ours with its interval, and the verdict. Those from simulated sensors say so.
 Table claims_table(const PaperFindings& findings);
 
-// "6.4 % (5.9 to 6.9)" of each number, after what it is; over what both answer, or (`complete`) any of the
-// two. A dash without any.
-std::string parts_text(const std::vector<ClaimPart>& parts, bool complete);
+// "6.4 % (5.9 to 6.9)" of each number, after what it is. A dash without any.
+std::string numbers_text(const std::vector<ClaimNumber>& numbers);
 
 // What the paper's own printed numbers imply, recomputed from them alone (errata E12 to E15), and which of
 // them agree with each other.

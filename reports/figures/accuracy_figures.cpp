@@ -38,7 +38,7 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition, boo
       if (const SummaryCell* c = find_cell(s, figure.y_names[m], condition, groups[g], alignment))
         ours.points.push_back({c->mae_m * kCentimetresPerMetre, y, c->mae_low_m * kCentimetresPerMetre,
                                c->mae_high_m * kCentimetresPerMetre});
-      if (const double printed_cm = printed_table3_cm(groups[g], figure.y_names[m]);
+      if (const double printed_cm = printed_table3_cm(s, condition, groups[g], figure.y_names[m]);
           with_paper && std::isfinite(printed_cm))
         paper.points.push_back({printed_cm, y});
     }

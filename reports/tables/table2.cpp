@@ -25,19 +25,28 @@ double printed_cm(const PrintedTable2::Row& row, const std::string& method) {
   return kNoNumber;
 }
 
+// Whether a condition is averaged over joints of the paper's part alone.
+bool has_the_papers_joints(const ResultsSummary& s, const std::string& condition,
+                           const PrintedTable2::Row& printed) {
+  return std::ranges::all_of(groups_in(s, condition), [&](const std::string& group) {
+    return group == kAverageGroup || std::ranges::find(printed.groups, group) != printed.groups.end();
+  });
+}
+
 void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table& table) {
   const std::string occluded = occluded_condition(printed.condition);
   for (const std::string& condition : {occluded, printed.condition}) {
     if (!has_condition(s, condition)) continue;
+    const bool is_beside = condition == occluded && has_the_papers_joints(s, condition, printed);
     for (const std::string& method : s.methods) {
       const SummaryCell* cell = find_cell(s, method, condition, kAverageGroup, kAlignment);
       if (!cell) continue;
-      table.rows.push_back(
-          {TableValue::of(printed.part),
-           TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
-           TableValue::of(condition == occluded ? printed_cm(printed, method) : kNoNumber, 1),
-           cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m), count_cell(cell->answered),
-           percent_cell(cell->coverage())});
+      table.rows.push_back({TableValue::of(printed.part),
+                            TableValue::of(std::string(condition == occluded ? "occluded" : "all")),
+                            TableValue::of(method),
+                            TableValue::of(is_beside ? printed_cm(printed, method) : kNoNumber, 1),
+                            cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m),
+                            count_cell(cell->answered), percent_cell(cell->coverage())});
     }
   }
 }

@@ -93,8 +93,14 @@ std::vector<std::string> leading_methods(const ResultsSummary& s, const std::str
   return by_error(s, condition, std::move(leading));
 }
 
-double printed_table3_cm(const std::string& group, const std::string& method) {
+double printed_table3_cm(const ResultsSummary& s, const std::string& condition, const std::string& group,
+                         const std::string& method) {
   const PrintedTable3 printed = printed_table3();
+  const std::vector<std::string> ours = groups_in(s, condition);
+  const auto is_ours = [&](const PrintedTable3::Row& r) { return has(ours, r.group); };
+  if (group == kAverageGroup &&
+      !(ours.size() == printed.rows.size() && std::ranges::all_of(printed.rows, is_ours)))
+    return kNoNumber;
   const auto column = std::ranges::find(printed.methods, method);
   const auto row = std::ranges::find(printed.rows, group, &PrintedTable3::Row::group);
   if (column == printed.methods.end() || row == printed.rows.end()) return kNoNumber;
@@ -119,7 +125,7 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
     std::vector<TableValue> cells{TableValue::of(method)};
     for (const std::string& group : groups)
       cells.push_back(error_cell(s, condition, alignment, group, method,
-                                 with_paper ? printed_table3_cm(group, method) : kNoNumber));
+                                 with_paper ? printed_table3_cm(s, condition, group, method) : kNoNumber));
     cells.push_back(answered_cell(s, condition, method));
     silent |= *cells.back().number < 100.0 * kWhole;
     table.rows.push_back(std::move(cells));

@@ -40,7 +40,8 @@ std::vector<std::string> groups_in(const ResultsSummary& summary, const std::str
 // Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
 bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
 // The paper's Table III; NaN where it prints nothing.
-double printed_table3_cm(const std::string& group, const std::string& method);
+double printed_table3_cm(const ResultsSummary& summary, const std::string& condition,
+                         const std::string& group, const std::string& method);
 
 // Which take or participant is odd: the leading methods' errors by take, the oddest first. Empty without more
 // than one take.

@@ -11,7 +11,7 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/results/studies/tracking_summary.h"
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/share.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/sensitivity/sensitivity_spec.h"
@@ -94,11 +94,11 @@ int run(const std::filesystem::path& file, std::size_t campaigns) {
       const Agreement& a = agreements[c][k];
       double agreeing = 0.0, pairs = 0.0;
       for (std::size_t i = 0; i < a.pairs.size(); ++i) agreeing += a.agreeing[i], pairs += a.pairs[i];
-      const auto [low, high] = share_interval(a.agreeing, a.pairs);
+      const ShareEstimate share = estimate_share(a.agreeing, a.pairs);
       fmt::print(
           "  pairs that differ by more than {:.0f} %: {:.1f} % ordered rightly ({:.1f} to {:.1f}), of "
           "{:.0f}\n",
-          100.0 * kApart[k], 100.0 * agreeing / pairs, 100.0 * low, 100.0 * high, pairs);
+          100.0 * kApart[k], 100.0 * agreeing / pairs, 100.0 * share.low, 100.0 * share.high, pairs);
     }
   }
   return 0;

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "datasets/base/philox.h"
 #include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/share.h"
 
 namespace trilat {
 namespace {
@@ -97,7 +99,48 @@ TEST(Intervals, CountClustersWithDataAlone) {
   EXPECT_NEAR(low, 3.0 - 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);  // Student's t of two degrees
   EXPECT_NEAR(high, 3.0 + 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);
   EXPECT_TRUE(std::isnan(mean_interval({1.0}, {1.0}).first));
-  EXPECT_EQ(share_interval({9.0, 10.0, 10.0}, {10.0, 10.0, 10.0}).second, 1.0);
+}
+
+// Clopper and Pearson's own interval of 9 in 10, and of 10 in 10: (alpha / 2)^(1/10).
+TEST(Shares, AreExactForIndependentTrials) {
+  const ShareEstimate most = estimate_share(9.0, 10.0), all = estimate_share(10.0, 10.0);
+  EXPECT_NEAR(most.low, 0.55498, 1e-5);
+  EXPECT_NEAR(most.high, 0.99747, 1e-5);
+  EXPECT_NEAR(all.low, std::pow(0.025, 0.1), 1e-9);
+  EXPECT_EQ(all.high, 1.0);
+  EXPECT_NEAR(all.chance_of_more(0.5), std::pow(0.5, 10), 1e-12);
+  EXPECT_EQ(all.chance_of_fewer(0.5), 1.0);
+}
+
+// 16 runs of a thousand frames, in each of which all are right: as much is known as from 16 trials.
+TEST(Shares, ClustersWithoutAnySpreadCountAsOneTrialEach) {
+  const std::vector<double> frames(16, 1000.0);
+  const ShareEstimate all = estimate_share(frames, frames);
+  EXPECT_EQ(all.value, 1.0);
+  EXPECT_NEAR(all.low, std::pow(0.025, 1.0 / 16.0), 1e-9);
+  EXPECT_NEAR(all.chance_of_more(0.9), std::pow(0.9, 16), 1e-12);
+  EXPECT_TRUE(std::isnan(estimate_share(std::vector{1.0}, std::vector{1.0}).low));
+}
+
+// 40 clusters of 25 trials that share a cause: the shares of clusters are beta distributed.
+TEST(Shares, OfClustersHoldTheTruth) {
+  constexpr double kShare = 0.95, kTogether = 20.0;  // a beta distribution of a + b = kTogether
+  constexpr int kSets = 1000;
+  int held = 0, within = 0;
+  std::mt19937_64 random(7);
+  std::gamma_distribution<double> of_share(kShare * kTogether), of_rest((1.0 - kShare) * kTogether);
+  for (int set = 0; set < kSets; ++set) {
+    std::vector<double> successes, trials(40, 25.0);
+    for (std::size_t c = 0; c < trials.size(); ++c) {
+      const double a = of_share(random), b = of_rest(random);
+      successes.push_back(std::binomial_distribution<int>(25, a / (a + b))(random));
+    }
+    const ShareEstimate share = estimate_share(successes, trials);
+    held += share.low <= kShare && kShare <= share.high;
+    within += share.low >= 0.0 && share.high <= 1.0 && share.low < share.high;
+  }
+  EXPECT_GE(held, 930);
+  EXPECT_EQ(within, kSets);
 }
 
 }  // namespace

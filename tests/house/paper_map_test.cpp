@@ -28,11 +28,20 @@ std::set<std::string> named(const std::string& text) {
   return found;
 }
 
-std::set<std::string> ids_in(const char* file, const char* list) {
+// The first text of each row of the table.
+std::set<std::string> ids_of_claims() {
   std::set<std::string> ids;
-  const Json json = read_json(std::filesystem::path(kSourceDir) / "datasets/paper" / file);
-  for (const Json& row : json[list]) ids.insert(row["id"].get<std::string>());
+  const std::string text = read_file(std::filesystem::path(kSourceDir) / "pipeline/claims/paper_claims.cpp");
+  const std::string row = "PaperClaim{";
+  for (std::size_t at = text.find(row); at != std::string::npos; at = text.find(row, at + 1)) {
+    const std::size_t begin = text.find('"', at) + 1;
+    ids.insert(text.substr(begin, text.find('"', begin) - begin));
+  }
   return ids;
+}
+
+std::size_t errata() {
+  return read_json(std::filesystem::path(kSourceDir) / "datasets/paper/errata.json")["errata"].size();
 }
 
 TEST(PaperMap, EveryPlaceItNamesIsThere) {
@@ -47,8 +56,8 @@ TEST(PaperMap, EveryPlaceItNamesIsThere) {
 
 TEST(PaperMap, EveryClaimAndErratumIsInItAndNoOther) {
   const std::string text = map_text();
-  EXPECT_EQ(named(text.substr(text.find("## Claims"))), ids_in("claims.json", "claims"));
-  EXPECT_NE(text.find("E1 to E" + std::to_string(ids_in("errata.json", "errata").size())), std::string::npos);
+  EXPECT_EQ(named(text.substr(text.find("## Claims"))), ids_of_claims());
+  EXPECT_NE(text.find("E1 to E" + std::to_string(errata())), std::string::npos);
 }
 
 TEST(PaperMap, AllTwentyTwoEquationsAndFourTablesAreInIt) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/errors/error_changes.h"
+
 #include <cmath>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "pipeline/accuracy/errors/participant_errors.h"
 #include "reports/tables/tables.h"
 #include "tests/support/scratch.h"
 
@@ -25,18 +26,8 @@ std::filesystem::path results_of(const ScratchFolder& folder, const std::string&
   s.groups = {"wrist"};
   s.alignments = {alignment};
   for (std::size_t p = 0; p < errors_cm.size(); ++p)
-    s.by_take.push_back({fmt::format("t{}", p),
-                         fmt::format("{}{}", person, p),
-                         "walking",
-                         "wrist",
-                         "wrist_left",
-                         "mean",
-                         10,
-                         10,
-                         0.01 * errors_cm[p],
-                         {},
-                         {},
-                         {}});
+    s.by_take.push_back({fmt::format("t{}", p), fmt::format("{}{}", person, p), "walking", "wrist",
+                         "wrist_left", "mean", 10, 10, 0.01 * errors_cm[p]});
   std::filesystem::create_directories(folder / name);
   write_summary(folder / name, s);
   return folder / name;

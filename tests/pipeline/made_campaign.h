@@ -2,77 +2,140 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "datasets/results/paper_evidence.h"
+#include "pipeline/claims/paper_claims.h"
+#include "pipeline/errors/condition_errors.h"
 
 namespace trilat {
 
-// Errors of made participants, drawn so that every method, joint and condition has the same mean but for
-// `factors`, which multiply those of all methods that are not the reference: no claim of a difference is
+// A study with made errors: of each participant one take of each activity, all methods under one alignment.
+struct MadeStudy {
+  static constexpr std::uint32_t kSamples = 100;  // of a joint
+  ResultsSummary names;
+  std::vector<std::string> joints;
+  std::vector<TakeTable> takes;
+
+  MadeStudy(const std::string& study, std::vector<std::string> joints_, std::vector<std::string> methods)
+      : joints(std::move(joints_)) {
+    names.study = study;
+    names.simulated = true;
+    names.methods = std::move(methods);
+    names.alignments = {"mean"};
+    names.groups = groups_of(joints);
+  }
+
+  // A mean error (m) by joint and method, for all samples and the subsets.
+  using ErrorOf = std::function<double(std::uint32_t joint, std::uint32_t method, Subset subset)>;
+  // The numbers of samples that a method answers; all where it is not given.
+  using AnswersOf = std::function<std::uint32_t(std::uint32_t method)>;
+
+  void add(
+      const std::string& participant, const std::string& activity, const ErrorOf& error_m,
+      const AnswersOf& answers = [](std::uint32_t) { return kSamples; }) {
+    TakeTable& take = takes.emplace_back(TakeTable{participant + "-" + activity, participant, activity, {}});
+    take.errors.alignments = names.alignments;
+    for (std::uint32_t j = 0; j < joints.size(); ++j) {
+      for (std::uint32_t m = 0; m < names.methods.size(); ++m)
+        for (const Subset subset : {Subset::all, Subset::occluded, Subset::abrupt})
+          add_errors(take.errors, j, m, subset, answers(m), error_m(j, m, subset));
+      for (std::uint32_t b = 0; b < names.methods.size(); ++b)
+        for (std::uint32_t a = 0; a < b; ++a)
+          for (const Subset subset : {Subset::all, Subset::occluded})
+            add_pair(take.errors, j, a, b, subset, std::min(answers(a), answers(b)), error_m);
+      take.errors.truth.push_back({j, kSamples, 0, 0.5 * kSamples, 0.0});
+    }
+    if (std::ranges::find(names.conditions, activity) == names.conditions.end())
+      names.conditions.push_back(activity);
+    std::vector<std::string> people;
+    for (const TakeTable& other : takes)
+      if (std::ranges::find(people, other.participant) == people.end()) people.push_back(other.participant);
+    names.participants = people.size();
+  }
+
+  std::vector<ClaimNumber> claims() const { return claims_of(StudyErrors(takes, joints, names)); }
+
+ private:
+  static void add_errors(ErrorTable& table, std::uint32_t j, std::uint32_t m, Subset subset, std::uint32_t n,
+                         double error_m) {
+    const std::uint32_t samples = subset == Subset::abrupt ? n / 2 : n;
+    ErrorRow row{0, j, m, 0, static_cast<std::uint32_t>(subset), samples};
+    row.statuses[0] = samples;
+    row.statuses[1] = kSamples - n;
+    row.length_m = samples * error_m;
+    row.largest_m = error_m;
+    table.errors.push_back(row);
+    if (subset != Subset::all || samples == 0) return;
+    table.histograms.push_back({j, m, 0, 0, 1});
+    table.bins.push_back({static_cast<std::uint32_t>(error_m / kBin_m), samples});
+  }
+  static void add_pair(ErrorTable& table, std::uint32_t j, std::uint32_t a, std::uint32_t b, Subset subset,
+                       std::uint32_t n, const ErrorOf& error_m) {
+    if (n > 0)
+      table.pairs.push_back({0, j, a, b, 0, static_cast<std::uint32_t>(subset), n, n * error_m(j, a, subset),
+                             n * error_m(j, b, subset)});
+  }
+};
+
+// Studies of made participants, in which every method, joint and condition has the same mean error but for
+// `factor`, which multiplies those of all methods that are not the first: at 1 no claim of a difference is
 // true.
 struct MadeCampaign {
   std::size_t participants = 16;
-  double participant_spread = 0.2, method_spread = 0.1;  // of the logarithm, a row
+  double participant_spread = 0.2, method_spread = 0.1;  // of the logarithm
   double factor = 1.0;
-  double coverage = 1.0;
 
-  PaperEvidence draw(std::uint64_t seed) const {
+  // The numbers that the studies store for the paper's claims.
+  std::vector<ClaimNumber> draw(std::uint64_t seed) const {
     std::mt19937_64 random(seed);
-    PaperEvidence evidence;
-    evidence.walking = study(
-        random, {"walking"}, {"head", "shoulder", "elbow", "wrist"}, "nonlinear",
-        {"nonlinear", "linear", "geometric", "mean", "single k1", "single k2", "geometric, each three a",
-         "geometric, each three b", "nonlinear, each three a", "nonlinear, each three b"},
-        {{"single", 1, {"single k1", "single k2"}},
-         {"geometric, each three", 3, {"geometric, each three a", "geometric, each three b"}},
-         {"nonlinear, each three", 3, {"nonlinear, each three a", "nonlinear, each three b"}}});
-    evidence.occluded =
-        study(random, {"arm_swing", "leg_crossing", "arm_swing, occluded", "leg_crossing, occluded"},
-              {"elbow", "ankle"}, "nonlinear", {"nonlinear", "nonlinear, occlusion corrected"}, {});
-    for (int rig = 0; rig < 2; ++rig)
-      evidence.sensor_counts.push_back(
-          study(random, {"walking"}, {"head", "wrist"}, "nonlinear, 8 sensors",
-                {"nonlinear, 8 sensors", "nonlinear, 4 sensors a", "nonlinear, 4 sensors b"},
-                {{"nonlinear, 4 sensors", 4, {"nonlinear, 4 sensors a", "nonlinear, 4 sensors b"}}}));
-    return evidence;
+    std::vector<ClaimNumber> numbers;
+    const auto add = [&](MadeStudy study, const std::vector<std::string>& activities) {
+      fill(study, activities, random);
+      for (ClaimNumber& number : study.claims()) numbers.push_back(std::move(number));
+    };
+    MadeStudy table3("table3", {"head", "shoulder_left", "elbow_left", "wrist_right"},
+                     {"nonlinear", "linear", "geometric", "mean", "single k1", "single k2", "geometric a",
+                      "geometric b", "nonlinear a", "nonlinear b"});
+    table3.names.families = {{"single", 1, {"single k1", "single k2"}},
+                             {"geometric, each three", 3, {"geometric a", "geometric b"}},
+                             {"nonlinear, each three", 3, {"nonlinear a", "nonlinear b"}}};
+    add(std::move(table3), {"walking"});
+    add(MadeStudy("table2",
+                  {"shoulder_left", "elbow_left", "wrist_left", "hip_left", "knee_left", "ankle_left"},
+                  {"nonlinear", "nonlinear, occlusion corrected"}),
+        {"arm_swing", "leg_crossing"});
+    for (const char* rig : {"sensors_different_heights", "sensors_equal_heights"}) {
+      MadeStudy sensors(rig, {"head", "shoulder_left", "elbow_left", "wrist_left"},
+                        {"nonlinear, 8 sensors", "nonlinear, 4 sensors a", "nonlinear, 4 sensors b"});
+      sensors.names.families = {
+          {"nonlinear, 4 sensors", 4, {"nonlinear, 4 sensors a", "nonlinear, 4 sensors b"}}};
+      add(std::move(sensors), {"walking"});
+    }
+    return numbers;
   }
 
  private:
-  ResultsSummary study(std::mt19937_64& random, const std::vector<std::string>& conditions,
-                       const std::vector<std::string>& groups, const std::string& reference,
-                       const std::vector<std::string>& methods,
-                       const std::vector<MethodFamily>& families) const {
+  void fill(MadeStudy& study, const std::vector<std::string>& activities, std::mt19937_64& random) const {
     std::normal_distribution<double> normal;
-    ResultsSummary s;
-    s.conditions = conditions;
-    s.groups = groups;
-    s.methods = methods;
-    s.reference = reference;
-    s.families = families;
-    s.simulated = true;
     const double shift = 0.5 * (participant_spread * participant_spread + method_spread * method_spread);
     for (std::size_t p = 0; p < participants; ++p) {
       const double own = participant_spread * normal(random);
-      for (const std::string& condition : conditions)
-        for (const std::string& group : groups) {
-          std::vector<double> error_m;
-          for (const std::string& method : methods)
-            error_m.push_back((method == reference ? 1.0 : factor) * 0.06 *
-                              std::exp(own + method_spread * normal(random) - shift));
-          for (std::size_t m = 0; m < methods.size(); ++m) {
-            TakeJointRow row{"t", "p" + std::to_string(p), condition, group, group, methods[m], 100, 100};
-            row.answered = static_cast<std::uint64_t>(100.0 * coverage);
-            row.mae_m = error_m[m];
-            row.both = {row.answered, error_m[m], error_m[0]};
-            row.complete = {100, error_m[m], error_m[0]};
-            s.by_take.push_back(row);
-          }
+      for (const std::string& activity : activities) {
+        std::vector<double> drawn_m(study.joints.size() * study.names.methods.size() * kSubsetNames.size());
+        for (std::size_t k = 0; k < drawn_m.size(); ++k) {
+          const bool is_first = k / kSubsetNames.size() % study.names.methods.size() == 0;
+          drawn_m[k] =
+              (is_first ? 1.0 : factor) * 0.06 * std::exp(own + method_spread * normal(random) - shift);
         }
+        study.add("p" + std::to_string(p), activity, [&](std::uint32_t j, std::uint32_t m, Subset subset) {
+          return drawn_m[(j * study.names.methods.size() + m) * kSubsetNames.size() +
+                         static_cast<std::size_t>(subset)];
+        });
+      }
     }
-    return s;
   }
 };
 

@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/errors/summarise.h"
+#include "pipeline/errors/summarise.h"
 #include "pipeline/sensitivity/sensitivity_analysis.h"
 #include "pipeline/sensitivity/sensitivity_study.h"
 #include "reports/tables/tables.h"

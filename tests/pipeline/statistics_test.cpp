@@ -7,9 +7,9 @@
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/errors/summarise.h"
-#include "pipeline/accuracy/errors/take_errors.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/errors/summarise.h"
+#include "pipeline/errors/take_errors.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -15,7 +15,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["TRILAT"]
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "made", "seed": 5, "participants": 4, "body_tracker": {},
               "activities": [{"name": "walking", "duration_s": 8}, {"name": "arm_swing", "duration_s": 8}]}
-STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "made", "alignments": ["mean", "none"],
+STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "table3", "alignments": ["mean", "none"],
          "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k2"]}]}
 UNSETTLED = {"run.json", "hashes.json", "timings.json"}  # of the machine and of the time
 

@@ -75,11 +75,15 @@ TEST(Errata, AllAreListedAndWithoutAStudyNoEffectIsClaimed) {
 
 TEST(Errata, TheEffectIsPrintedBesideCorrected) {
   PaperFindings findings;
-  findings.errata["E8"] = {
-      {"printed stop against nonlinear", "%", {33.3, 30.0, 36.0, 4}, ClaimEstimate{20.0}, ""}};
+  findings.errata["E8"] = {{.claim = "E8",
+                            .what = "printed stop against nonlinear",
+                            .unit = "%",
+                            .value = 33.3,
+                            .low = 30.0,
+                            .high = 36.0,
+                            .compared = 0.8}};
   EXPECT_EQ(errata_table(findings).rows[7][5].text,
-            "printed stop against nonlinear: 33.3 % (30.0 to 36.0); over what any of the two answers printed "
-            "stop against nonlinear: 20.0 %");
+            "printed stop against nonlinear: 33.3 % (30.0 to 36.0), where both answer (80 % of the samples)");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "datasets/base/described.h"
+#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -111,11 +112,13 @@ struct CalibrationSummary {
   std::vector<DistortionCurve> distortion;
   std::uint64_t positions = 0;  // of the wand in a run
   std::vector<RigRow> rigs;
+  std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(study)
     field("simulated", true);
-    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs)
+    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs,
+                claims)
   }
   void check(const JsonObject& object) const {
     const auto has_row = [&](const WandSample& sample) { return sample.row < wand.size(); };

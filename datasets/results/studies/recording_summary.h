@@ -9,6 +9,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/studies/timings.h"
 
@@ -50,6 +51,14 @@ struct QueueCounts {
   TRILAT_FIELDS(came, untimed, too_early, too_late, taken)
 };
 
+// One sensor's frames in one run.
+struct QueueUnit {
+  std::uint64_t came = 0, taken = 0;
+
+  static constexpr bool as_list = true;
+  TRILAT_FIELDS(came, taken)
+};
+
 // Of all runs and sensors, by one way to give a frame its time, over one kind of network.
 struct QueueRow {
   std::string network, method;
@@ -57,11 +66,12 @@ struct QueueRow {
   QueueCounts counts;
   // Of the share that is taken, 95 % over sensors and runs.
   double taken_low = TimeSpread::kNone, taken_high = TimeSpread::kNone;
+  std::vector<QueueUnit> units = {};  // one a run and sensor, all sensors of the first run first
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(network, method, server)
     QueueCounts::fields(self.counts, field);
-    TRILAT_EACH(taken_low, taken_high)
+    TRILAT_EACH(taken_low, taken_high, units)
   }
 };
 
@@ -86,11 +96,12 @@ struct RecordingSummary {
   std::vector<ClockFitRow> fits;
   double late_s = 0.0;  // the queue's limit
   std::vector<QueueRow> queues;
+  std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
 
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(study)
     field("simulated", true);
-    TRILAT_EACH(seed, frames, sensors, runs, clocks, fits, late_s, queues)
+    TRILAT_EACH(seed, frames, sensors, runs, clocks, fits, late_s, queues, claims)
   }
   void check(const JsonObject& object) const {
     const auto whole = [&](const ClockErrorRow& row) { return row.units.size() == runs * sensors; };

@@ -13,6 +13,7 @@
 
 #include "datasets/base/described.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -136,13 +137,14 @@ struct SweepSummary {
   std::vector<SweepInterpretation> interpretations;
   std::vector<SweepCell> cells;  // interpretation by interpretation, in each threshold by threshold
   std::optional<SweepSearch> search;
+  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
 
   const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
     return cells.at((interpretation * thresholds.size() + threshold) * ranges.size() + range);
   }
 
   TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, interpretations,
-                cells, search)
+                cells, search, claims)
   void check(const JsonObject& object) const;
 };
 

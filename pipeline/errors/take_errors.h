@@ -8,7 +8,6 @@
 
 #include "datasets/results/stored_take.h"
 #include "evaluators/alignment/alignment.h"
-#include "pipeline/accuracy/methods/method.h"
 
 namespace trilat {
 
@@ -26,14 +25,6 @@ struct ErrorSettings {
   std::uint32_t body_alignment() const;
   std::string sha256() const;
 };
-
-// Every two methods are compared; but a set of sensors only with its method on all sensors and on the sets
-// that it contains, and with `mean`, `nonlinear` and the study's reference.
-ErrorSettings error_settings(const StudySpec& study, const std::vector<Method>& methods,
-                             std::size_t reference);
-
-// All but sets of sensors that an entry of the study has several of.
-bool competes(const std::vector<Method>& methods, std::size_t method);
 
 // The instants of a block of time: five seconds; a twelfth of the take where that is longer.
 std::uint64_t block_instants(std::uint64_t instants, double rate_hz);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/errors/take_errors.h"
+#include "pipeline/errors/take_errors.h"
 
 #include <algorithm>
 #include <array>
@@ -14,94 +14,11 @@
 #include "datasets/base/error.h"
 #include "datasets/skeleton/skeleton.h"
 #include "evaluators/metrics/body_metrics.h"
-#include "pipeline/accuracy/methods/method_kinds.h"
+#include "evaluators/solvers/point_estimate.h"
+#include "pipeline/errors/sample_windows.h"
 
 namespace trilat {
 namespace {
-
-constexpr std::uint64_t kInMemoryBytes = 64'000'000;
-constexpr std::uint64_t kRead = 512;    // instants that are read together
-constexpr std::uint64_t kMargin = 2;    // and on either side, for differences in time
-constexpr std::uint64_t kFewest = 16;   // instants that are looked at together
-constexpr std::size_t kNear = 1 << 16;  // bytes of estimates that stay in the cache
-
-// Joints at instants, one bit each.
-class SampleSet {
- public:
-  explicit SampleSet(std::size_t size) : words_((size + 63) / 64) {}
-  void add(std::size_t k) { words_[k / 64] |= std::uint64_t{1} << (k % 64); }
-  bool has(std::size_t k) const { return (words_[k / 64] >> (k % 64) & 1) != 0; }
-  SampleSet operator&(const SampleSet& other) const {
-    SampleSet both(0);
-    for (std::size_t w = 0; w < words_.size(); ++w) both.words_.push_back(words_[w] & other.words_[w]);
-    return both;
-  }
-  bool operator==(const SampleSet&) const = default;
-
- private:
-  std::vector<std::uint64_t> words_;
-};
-
-// Instants [first, end) of a take, none of another block of time; `block` holds those around them, too.
-struct Window {
-  const SampleBlock& block;
-  std::uint64_t first, end;
-  std::size_t joints, methods;
-
-  std::uint64_t begins() const { return block.first_instant; }
-  std::uint64_t ends() const { return block.first_instant + block.instants; }
-  std::size_t place(std::uint64_t i, std::size_t j) const { return (i - block.first_instant) * joints + j; }
-  std::size_t slot(std::uint64_t i, std::size_t j, std::size_t m) const { return place(i, j) * methods + m; }
-  Eigen::Map<const Eigen::Vector3d> truth_m(std::uint64_t i, std::size_t j) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[place(i, j) * 3]);
-  }
-  Eigen::Map<const Eigen::Vector3d> estimate_m(std::size_t slot) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
-  }
-  SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
-};
-
-// The windows of a take, as often as it takes.
-class Windows {
- public:
-  Windows(const StoredTake& take, std::size_t track, std::uint64_t of_block)
-      : take_(take), track_(track), of_block_(of_block) {
-    const TakeHead& head = take.head();
-    if (head.instants * head.joints.size() * head.methods.size() * sizeof(double) * 4 <= kInMemoryBytes)
-      whole_ = take.read(track, 0, head.instants, SampleColumns::errors);
-    const std::size_t bytes =
-        std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(double);
-    together_ = whole_ ? std::max<std::uint64_t>(kFewest, kNear / bytes) : kRead;
-  }
-  // Calls visit(window) in the order of time, and end_block(number) behind each block of time.
-  template <class Visit, class EndBlock>
-  void each(const Visit& visit, const EndBlock& end_block) const {
-    const TakeHead& head = take_.head();
-    SampleBlock part;
-    std::uint32_t block = 0;
-    for (std::uint64_t first = 0; first < head.instants;) {
-      const std::uint64_t end_of_block = std::min(head.instants, (block + 1) * of_block_);
-      const std::uint64_t end = std::min(end_of_block, first + together_);
-      if (!whole_) {
-        const std::uint64_t from = first - std::min(first, kMargin);
-        take_.read(track_, from, std::min(end + kMargin, head.instants) - from, SampleColumns::errors, part);
-      }
-      visit(Window{whole_ ? *whole_ : part, first, end, head.joints.size(), head.methods.size()});
-      first = end;
-      if (end == end_of_block) end_block(block++);
-    }
-  }
-  template <class Visit>
-  void each(const Visit& visit) const {
-    each(visit, [](std::uint32_t) {});
-  }
-
- private:
-  const StoredTake& take_;
-  std::size_t track_;
-  std::uint64_t of_block_, together_;
-  std::optional<SampleBlock> whole_;
-};
 
 // How the samples of one joint and column are laid over the truth.
 struct JointAlignment {
@@ -127,9 +44,9 @@ struct AlignedSums {
 
 // What all three passes over the samples know of a sample's joint at its instant.
 struct Mark {
-  static constexpr std::uint8_t asked = 1, occluded = 2, fast = 4;
+  static constexpr std::uint8_t asked = 1, occluded = 2, abrupt = 4;
 };
-constexpr std::size_t kParts = 4;  // of the samples that are asked: occluded or not, fast or not
+constexpr std::size_t kParts = 4;  // of the samples that are asked: occluded or not, abrupt or not
 std::size_t part_of(std::uint8_t marks) { return marks >> 1U; }
 bool is_part_of(std::size_t part, Subset subset) {
   if (subset == Subset::occluded) return (part & 1U) != 0;
@@ -164,7 +81,9 @@ class TrackErrors {
         joints_(head_.joints.size()),
         methods_(head_.methods.size()),
         alignments_(settings.alignments.size()),
-        windows_(take, track, block_instants(head_.instants, settings.rate_hz)),
+        beside_(instants_beside(settings.rate_hz)),
+        windows_(take, track, block_instants(head_.instants, settings.rate_hz),
+                 std::max<std::uint64_t>(2, beside_)),
         marks_(joints_ * head_.instants) {
     TRILAT_CHECK(head_.status_names.size() <= kMostStatuses, "every status has its column");
     turns_ = std::ranges::find(settings.alignments, AlignmentKind::rigid) != settings.alignments.end();
@@ -189,16 +108,13 @@ class TrackErrors {
 
   // First pass: which samples there are, how the truth moves, and who answers.
   void look_at_truth() {
-    constexpr double kSpeedBin_m_s = 0.02;
-    constexpr std::uint8_t kBins = 255, kUnknown = 255;  // the last bin holds all that is faster
-    std::vector<std::uint8_t> speed(marks_.size(), kUnknown);
-    std::vector<std::array<std::uint32_t, kBins>> speeds(joints_);
+    std::vector<std::uint8_t> acceleration(marks_.size(), kUnknown);
+    std::vector<Accelerations> accelerations(joints_);
     answered_.assign(methods_, SampleSet(marks_.size()));
     table_.truth.resize(joints_);
     windows_.each([&](const Window& w) {
       for (std::size_t j = 0; j < joints_; ++j) {
-        TruthRow& row = table_.truth[j];
-        row.quantity = static_cast<std::uint32_t>(j);
+        table_.truth[j].quantity = static_cast<std::uint32_t>(j);
         for (std::uint64_t i = w.first; i < w.end; ++i) {
           if (!has_truth(w, i, j, 0, 0)) continue;
           const std::size_t k = mark(i, j);
@@ -206,33 +122,56 @@ class TrackErrors {
           if (w.block.occluded[w.place(i, j)] > 0) marks_[k] |= Mark::occluded;
           for (std::size_t m = 0; m < methods_; ++m)
             if (is_usable(w.status(w.slot(i, j, m)))) answered_[m].add(k);
-          if (!has_truth(w, i, j, 1, 1)) continue;
-          const double m_s = (w.truth_m(i + 1, j) - w.truth_m(i - 1, j)).norm() * settings_.rate_hz / 2.0;
-          ++row.speeds;
-          row.speed_m_s += m_s;
-          speed[k] = static_cast<std::uint8_t>(std::min(kBins - 1.0, m_s / kSpeedBin_m_s));
-          ++speeds[j][speed[k]];
-          if (!has_truth(w, i, j, 1, 2)) continue;
-          ++row.jerks;
-          row.jerk_m_s3 += jerk_m_s3(w.truth_m(i - 1, j), w.truth_m(i, j), w.truth_m(i + 1, j),
-                                     w.truth_m(i + 2, j), settings_.rate_hz);
+          add_movement(w, i, j);
+          if (!has_truth(w, i, j, beside_, beside_)) continue;
+          acceleration[k] = bin_of_acceleration(w, i, j);
+          ++accelerations[j][acceleration[k]];
         }
       }
     });
     for (std::size_t j = 0; j < joints_; ++j) {
-      const std::uint8_t half = half_of(speeds[j]);
+      const std::uint8_t half = half_of(accelerations[j]);
       for (std::uint64_t i = 0; i < head_.instants; ++i)
-        if (const std::size_t k = mark(i, j); speed[k] != kUnknown && speed[k] >= half)
-          marks_[k] |= Mark::fast;
+        if (const std::size_t k = mark(i, j); acceleration[k] != kUnknown && acceleration[k] >= half)
+          marks_[k] |= Mark::abrupt;
     }
   }
 
-  // The bin from which on samples are of the faster half.
-  static std::uint8_t half_of(const auto& bins) {
-    std::uint64_t all = 0, slower = 0;
+  void add_movement(const Window& w, std::uint64_t i, std::size_t j) {
+    TruthRow& row = table_.truth[j];
+    if (!has_truth(w, i, j, 1, 1)) return;
+    ++row.speeds;
+    row.speed_m_s += (w.truth_m(i + 1, j) - w.truth_m(i - 1, j)).norm() * settings_.rate_hz / 2.0;
+    if (!has_truth(w, i, j, 1, 2)) return;
+    ++row.jerks;
+    row.jerk_m_s3 += jerk_m_s3(w.truth_m(i - 1, j), w.truth_m(i, j), w.truth_m(i + 1, j), w.truth_m(i + 2, j),
+                               settings_.rate_hz);
+  }
+
+  // Of the truth's acceleration, in bins of 0.1 m/s2; the last holds all that is larger.
+  static constexpr double kAccelerationBin_m_s2 = 0.1;
+  static constexpr std::uint8_t kBins = 255, kUnknown = 255;
+  using Accelerations = std::array<std::uint32_t, kBins>;
+  // From positions a fifteenth of a second apart, so that a marker's noise of some tenths of a millimetre
+  // does not decide.
+  std::uint8_t bin_of_acceleration(const Window& w, std::uint64_t i, std::size_t j) const {
+    const double step_s = static_cast<double>(beside_) / settings_.rate_hz;
+    const double m_s2 =
+        (w.truth_m(i + beside_, j) - 2.0 * w.truth_m(i, j) + w.truth_m(i - beside_, j)).norm() /
+        (step_s * step_s);
+    return static_cast<std::uint8_t>(std::min(kBins - 1.0, m_s2 / kAccelerationBin_m_s2));
+  }
+  static std::uint64_t instants_beside(double rate_hz) {
+    constexpr double kBeside_s = 1.0 / 15.0;
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(kBeside_s * rate_hz)));
+  }
+
+  // The bin from which on samples are of the half with the larger acceleration.
+  static std::uint8_t half_of(const Accelerations& bins) {
+    std::uint64_t all = 0, smaller = 0;
     for (const std::uint32_t n : bins) all += n;
     std::uint8_t bin = 0;
-    while (bin < bins.size() && 2 * slower < all) slower += bins[bin++];
+    while (bin < bins.size() && 2 * smaller < all) smaller += bins[bin++];
     return bin;
   }
 
@@ -517,8 +456,8 @@ class TrackErrors {
   }
 
   std::vector<Subset> subsets() const {
-    if (settings_.occluded_apart) return {Subset::all, Subset::occluded, Subset::fast};
-    return {Subset::all, Subset::fast};
+    if (settings_.occluded_apart) return {Subset::all, Subset::occluded, Subset::abrupt};
+    return {Subset::all, Subset::abrupt};
   }
 
   void end_block(std::uint32_t block) {
@@ -547,7 +486,7 @@ class TrackErrors {
     for (std::uint32_t j = 0; j < joints_; ++j)
       for (std::uint32_t a = 0; a < alignments_; ++a)
         for (const Subset subset : subsets()) {
-          if (subset == Subset::fast) continue;
+          if (subset == Subset::abrupt) continue;
           const LengthSum of_first = length_of(pairs_[p].first, j, a, subset);
           const LengthSum of_second = length_of(pairs_[p].second, j, a, subset);
           if (of_first.n == 0 || of_second.n != of_first.n) continue;
@@ -584,7 +523,7 @@ class TrackErrors {
       for (std::uint32_t m = 0; m < methods_; ++m)
         for (std::uint32_t a = 0; a < alignments_; ++a)
           for (const Subset subset : subsets())
-            if (subset != Subset::fast) add_histogram(j, m, a, subset);
+            if (subset != Subset::abrupt) add_histogram(j, m, a, subset);
     for (std::uint32_t m = 0; m < methods_; ++m) {
       ShapeRow& row = table_.shapes[m];
       row.method = m;
@@ -626,6 +565,7 @@ class TrackErrors {
   const TakeHead& head_;
   const ErrorSettings& settings_;
   const std::size_t joints_, methods_, alignments_;
+  const std::uint64_t beside_;  // instants: how far to either side an acceleration looks
   const Windows windows_;
   std::uint64_t training_end_ = 0;
   bool turns_ = false;               // an alignment has a rotation
@@ -646,22 +586,6 @@ class TrackErrors {
   ErrorTable table_;
 };
 
-bool is_base_of(const MethodSpec& spec) { return spec.name == "mean" || spec.name == "nonlinear"; }
-
-// Whether all sensors of one set are in the other.
-bool contains(const MethodSpec& set, const MethodSpec& other) {
-  return std::ranges::all_of(other.sensors, [&](const std::string& sensor) {
-    return std::ranges::find(set.sensors, sensor) != set.sensors.end();
-  });
-}
-
-// Whether two methods differ in their sensors alone, as far as the study says, and one's are among the
-// other's.
-bool are_sets_of_one_method(const MethodSpec& a, const MethodSpec& b) {
-  if (a.kind != b.kind) return false;
-  return a.sensors.empty() || b.sensors.empty() || contains(a, b) || contains(b, a);
-}
-
 }  // namespace
 
 std::uint32_t ErrorSettings::body_alignment() const {
@@ -678,27 +602,6 @@ std::string ErrorSettings::sha256() const {
                                      {"rate_hz", rate_hz},
                                      {"pairs", pairs}},
                                 -1));
-}
-
-bool competes(const std::vector<Method>& methods, std::size_t method) {
-  const MethodSpec& spec = methods[method].spec;
-  const auto of_entry =
-      std::ranges::count_if(methods, [&](const Method& other) { return other.spec.family == spec.family; });
-  return spec.family.empty() || spec.sensors.size() <= 1 || of_entry == 1;
-}
-
-ErrorSettings error_settings(const StudySpec& study, const std::vector<Method>& methods,
-                             std::size_t reference) {
-  ErrorSettings settings{study.alignments, study.training_share, study.occluded_apart, study.rate_hz, {}};
-  const auto meets = [&](std::size_t set, std::size_t other) {
-    const MethodSpec& spec = methods[other].spec;
-    return competes(methods, set) || other == reference || is_base_of(spec) ||
-           are_sets_of_one_method(methods[set].spec, spec);
-  };
-  for (std::uint32_t b = 0; b < methods.size(); ++b)
-    for (std::uint32_t a = 0; a < b; ++a)
-      if (meets(a, b) && meets(b, a)) settings.pairs.emplace_back(a, b);
-  return settings;
 }
 
 std::uint64_t block_instants(std::uint64_t instants, double rate_hz) {

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/base/described.h"
+#include "datasets/results/results_file.h"
+
+namespace trilat {
+
+// One number that a claim or an erratum of the paper is judged by, as a study stores it with its results. NaN
+// where there is none.
+struct ClaimNumber {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::string claim = {};                           // its id: "better_than_linear", "E7"
+  std::string what = {};                            // "linear against nonlinear, head"
+  std::string unit = {};                            // "%" or "cm"
+  double value = kNone, low = kNone, high = kNone;  // 95 %
+  std::uint64_t clusters = 0;
+  std::string over = {};    // what the interval is over: "participants"
+  double compared = kNone;  // of two methods: the share of the samples that both answer
+  std::string bound = {};   // "more than 1 %"; empty where nothing is decided
+  // The probabilities of a number so far on its side of the bound (or on the other) by chance, twice the
+  // one-sided ones: 0.05 is where the 95 % interval touches the bound. Of what was not sampled but listed
+  // whole, 0 or 1.
+  double p_holds = kNone, p_fails = kNone;
+  std::string missing = {};  // why there is no number
+
+  TRILAT_FIELDS(claim, what, unit, value, low, high, clusters, over, compared, bound, p_holds, p_fails,
+                missing)
+};
+
+inline constexpr const char* kHolds = "holds";
+inline constexpr const char* kDoesNotHold = "does not hold";
+inline constexpr const char* kUndecided = "undecided";
+inline constexpr const char* kContradicts = "contradicts itself";
+inline constexpr const char* kCannotTest = "cannot be tested here";
+
+// What a claim of the paper comes to.
+struct JudgedClaim {
+  std::string id, where, claim, printed;
+  std::string reason;  // why that margin, or why there is no verdict
+  std::vector<ClaimNumber> numbers;
+  double p = ClaimNumber::kNone;  // corrected for how many claims are tested (Holm 1979)
+  std::string verdict;            // one of the five above
+};
+
+}  // namespace trilat

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "datasets/results/claims.h"
+#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/share.h"
+
+namespace trilat {
+
+// On which side of a margin a number has to lie for a claim to hold: above it, below it, or nearer to zero
+// than it.
+struct ClaimBound {
+  enum class Side { more_than, less_than, within } side = Side::more_than;
+  double margin = 0.0;  // in the number's unit
+};
+inline constexpr ClaimBound more_than(double margin) { return {ClaimBound::Side::more_than, margin}; }
+inline constexpr ClaimBound less_than(double margin) { return {ClaimBound::Side::less_than, margin}; }
+inline constexpr ClaimBound within(double margin) { return {ClaimBound::Side::within, margin}; }
+
+// What was measured, as a share of one (its unit is "%" then) or in the unit. A plain number is of all that
+// there is: nothing was sampled.
+using MeasuredNumber = std::variant<ContrastEstimate, ShareEstimate, double>;
+
+struct Measurement {
+  std::string what = {};  // "linear against nonlinear, head"
+  std::string unit = {};  // "%" or "cm"
+  MeasuredNumber number = ContrastEstimate{};
+  std::string over = "participants";
+  double compared = kNaN;                // share of the samples that both methods answer
+  std::optional<ClaimBound> bound = {};  // instead of the claim's
+  std::string missing = {};              // why nothing was measured; the rest is empty then
+};
+using Measurements = std::vector<Measurement>;
+
+inline Measurements lacking(std::string what) { return {{.missing = std::move(what)}}; }
+
+// Twice the one-sided probabilities, at most 1, that a number lies so far on its side of the bound (or on the
+// other) by chance: by Student's t of an estimate between clusters, exact of a share. 1 where nothing is
+// known of the spread; 0 and 1 where nothing was sampled.
+struct ClaimChance {
+  double holds = 1.0, fails = 1.0;
+  double decided() const { return holds < fails ? holds : fails; }
+};
+ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound);
+
+// A claim of several numbers holds when all do (the largest of their chances: Berger 1982) and fails when one
+// does (the smallest, times their number).
+ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers);
+
+// As it is stored; without a bound where nothing is to be decided.
+ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
+                         const std::optional<ClaimBound>& bound);
+
+}  // namespace trilat

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/claims/error_measures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/paper/printed_tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::string_view kBestOf = "best of ";
+constexpr const char* kVia = "nonlinear";  // families are compared by way of it
+
+// The joint groups of which the paper prints errors in a condition.
+std::vector<std::string> printed_groups(const std::string& condition) {
+  for (const PrintedTable2::Row& row : printed_table2().rows)
+    if (condition == row.condition || condition == occluded_condition(row.condition)) return row.groups;
+  std::vector<std::string> groups;
+  for (const PrintedTable3::Row& row : printed_table3().rows)
+    if (row.group != kAverageGroup) groups.push_back(row.group);
+  return groups;
+}
+
+// Sums of some methods against one, on the samples that both answer.
+struct PairOf {
+  ClusterSums difference_m, second_m;
+  double n = 0.0;
+};
+
+// By cluster, which of the methods does best on all the others, against `against`; empty without others.
+std::vector<std::size_t> best_on_others(const ConditionErrors& errors, const std::vector<std::size_t>& groups,
+                                        const std::vector<std::size_t>& methods, std::size_t against) {
+  std::vector<std::size_t> best;
+  const auto sum_without = [](const std::vector<double>& sums, std::size_t without) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < sums.size(); ++c) sum += c == without ? 0.0 : sums[c];
+    return sum;
+  };
+  for (std::size_t c = 0; c < errors.cluster_count(); ++c) {
+    double least = HUGE_VAL;
+    std::size_t chosen = methods.front();
+    for (const std::size_t m : methods) {
+      double ratio = 0.0;  // on the same samples, so that few answers win nothing
+      for (const std::size_t g : groups) {
+        const PairSums& pair = errors.pair(g, m, against, 0);
+        ratio += sum_without(pair.first_m.sum, c) / sum_without(pair.second_m.sum, c);
+      }
+      if (!(ratio < least)) continue;
+      least = ratio;
+      chosen = m;
+    }
+    if (!std::isfinite(least)) return {};
+    best.push_back(chosen);
+  }
+  return best;
+}
+
+// `best`: by cluster the only method that counts there; empty: all do.
+PairOf pair_of(const ConditionErrors& errors, std::size_t group, const std::vector<std::size_t>& methods,
+               std::size_t against, const std::vector<std::size_t>& best) {
+  PairOf sums;
+  for (const std::size_t m : methods) {
+    const PairSums& pair = errors.pair(group, m, against, 0);
+    for (std::size_t c = 0; c < pair.difference_m.n.size(); ++c) {
+      if (!best.empty() && best[c] != m) continue;
+      sums.n += pair.difference_m.n[c];
+      sums.difference_m.add(c, pair.difference_m.sum[c], pair.difference_m.n[c]);
+      sums.second_m.add(c, pair.second_m.sum[c], pair.second_m.n[c]);
+    }
+  }
+  return sums;
+}
+
+double asked_of(const ConditionErrors& errors, const std::vector<std::size_t>& groups,
+                const std::vector<std::size_t>& methods) {
+  double asked = 0.0;
+  for (const std::size_t g : groups)
+    for (const std::size_t m : methods) asked += static_cast<double>(errors.cell(g, m, 0).asked);
+  return asked;
+}
+
+}  // namespace
+
+const ConditionErrors& ErrorMeasures::in(const std::string& condition, Subset subset) const {
+  auto& kept = conditions_[{condition, subset}];
+  if (!kept) kept = std::make_unique<ConditionErrors>(errors_.in(condition, subset));
+  return *kept;
+}
+
+std::vector<std::size_t> ErrorMeasures::methods_of(const std::string& name) const {
+  if (name.starts_with(kBestOf)) return methods_of(name.substr(kBestOf.size()));
+  const ResultsSummary& names = errors_.names();
+  std::vector<std::size_t> methods;
+  const auto add = [&](const std::string& method) {
+    const auto found = std::ranges::find(names.methods, method);
+    if (found != names.methods.end())
+      methods.push_back(static_cast<std::size_t>(found - names.methods.begin()));
+  };
+  const auto family = std::ranges::find(names.families, name, &MethodFamily::name);
+  if (family != names.families.end())
+    std::ranges::for_each(family->methods, add);
+  else
+    add(name);
+  return methods;
+}
+
+// Empty where one of the paper's groups is missing; of occluded samples, those that there are.
+std::vector<std::size_t> ErrorMeasures::groups_of(const ErrorPlace& place) const {
+  const ConditionErrors& errors = in(place.condition);
+  const std::vector<std::string> wanted =
+      place.group.empty() ? printed_groups(place.condition) : std::vector{place.group};
+  std::vector<std::size_t> groups;
+  for (const std::size_t g : errors.groups())
+    if (std::ranges::find(wanted, errors_.axes().groups[g]) != wanted.end()) groups.push_back(g);
+  const bool may_lack = place.condition.find(", occluded") != std::string::npos;
+  return groups.size() == wanted.size() || may_lack ? groups : std::vector<std::size_t>{};
+}
+
+std::string ErrorMeasures::lacking_joints(const std::string& condition) const {
+  return fmt::format("a study of {} with the joints of {}", condition,
+                     fmt::join(printed_groups(condition), ", "));
+}
+
+std::string ErrorMeasures::silence_of(const std::string& name) const {
+  return fmt::format("{} answers nothing on the rig of {}", name, errors_.names().campaign);
+}
+
+Measurement ErrorMeasures::compared(const Comparison& c, const std::vector<std::size_t>& groups,
+                                    const std::string& group_name) const {
+  const ConditionErrors& errors = in(c.condition);
+  const std::vector<std::size_t> of = methods_of(c.of), against = methods_of(c.against);
+  const std::vector<std::size_t> via = against.size() == 1 ? against : methods_of(kVia);
+  if (via.size() != 1) return {.missing = fmt::format("the method {}", kVia)};
+  const bool is_best = c.of.starts_with(kBestOf);
+  const std::vector<std::size_t> best =
+      is_best ? best_on_others(errors, groups, of, via.front()) : std::vector<std::size_t>{};
+  if (is_best && best.empty()) return {.missing = "more than one participant"};
+  const double weight = 1.0 / static_cast<double>(groups.size());
+  Contrast contrast;
+  double n = 0.0;
+  for (const std::size_t g : groups) {
+    const PairOf pair = pair_of(errors, g, of, via.front(), best);
+    if (pair.n == 0.0)
+      return {.missing = fmt::format("{} and {} never answer the same sample", c.of, c.against)};
+    n += pair.n;
+    const std::size_t clusters = errors.cluster_count();
+    contrast.value.push_back(pair.difference_m.ratio(clusters, weight));
+    contrast.base.push_back(pair.second_m.ratio(clusters, weight));
+    if (against.size() == 1) continue;
+    const PairOf other = pair_of(errors, g, against, via.front(), {});
+    contrast.value.push_back(other.difference_m.ratio(clusters, -weight));
+    contrast.base.push_back(other.difference_m.ratio(clusters, weight));
+  }
+  return {
+      .what = fmt::format("{} against {}{}", c.of, c.against, group_name.empty() ? "" : ", " + group_name),
+      .unit = "%",
+      .number = solve_contrast(contrast),
+      .over = errors.clusters(),
+      .compared = n / asked_of(errors, groups, of) * (is_best ? static_cast<double>(of.size()) : 1.0)};
+}
+
+Measurements ErrorMeasures::difference(const Comparison& c) const {
+  for (const std::string& name : {c.of, c.against})
+    if (methods_of(name).empty()) return lacking(fmt::format("a study with {}", name));
+  const ConditionErrors& errors = in(c.condition);
+  for (const std::string& name : {c.of, c.against}) {
+    std::uint64_t answered = 0;
+    for (const std::size_t g : errors.groups())
+      for (const std::size_t m : methods_of(name)) answered += errors.cell(g, m, 0).answered;
+    if (answered == 0 && !errors.groups().empty()) return lacking(silence_of(name));
+  }
+  Measurements measured;
+  const std::vector<std::string> each = c.each.empty() ? std::vector<std::string>{""} : c.each;
+  for (const std::string& group : each) {
+    const std::vector<std::size_t> groups = groups_of({c.condition, group});
+    if (groups.empty()) return lacking(lacking_joints(c.condition));
+    measured.push_back(compared(c, groups, group));
+  }
+  return measured;
+}
+
+Measurements ErrorMeasures::places(const std::string& method, const ErrorPlace& place,
+                                   const ErrorPlace& other) const {
+  const std::vector<std::size_t> methods = methods_of(method);
+  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
+  Contrast contrast;
+  std::array<const ConditionErrors*, 2> errors{};
+  for (const std::size_t side : {0u, 1u}) {
+    const ErrorPlace& where = side == 0 ? place : other;
+    errors[side] = &in(where.condition);
+    const std::vector<std::size_t> groups = groups_of(where);
+    if (groups.empty()) return lacking(lacking_joints(where.condition));
+    const double weight = 1.0 / static_cast<double>(groups.size());
+    for (const std::size_t g : groups) {
+      const ClusterSums& sums = errors[side]->cell(g, methods.front(), 0).length_m;
+      contrast.value.push_back(sums.ratio(errors[side]->cluster_count(), side == 0 ? weight : -weight));
+      if (side == 1) contrast.base.push_back(sums.ratio(errors[side]->cluster_count(), weight));
+    }
+  }
+  if (errors[0]->cluster_count() != errors[1]->cluster_count()) return lacking("more than one take");
+  const auto name = [&](const ErrorPlace& p) { return p.group.empty() ? p.condition : p.group; };
+  const ContrastEstimate estimate = solve_contrast(contrast);
+  if (!std::isfinite(estimate.value)) return lacking(silence_of(method));
+  return {{.what = fmt::format("{}: {} against {}", method, name(place), name(other)),
+           .unit = "%",
+           .number = estimate,
+           .over = errors[0]->clusters()}};
+}
+
+Measurements ErrorMeasures::abrupt(const std::string& method) const {
+  const std::vector<std::size_t> methods = methods_of(method), groups = groups_of({});
+  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
+  if (groups.empty()) return lacking(lacking_joints("walking"));
+  const ConditionErrors &all = in("walking"), &abrupt = in("walking", Subset::abrupt);
+  const double weight = 1.0 / static_cast<double>(groups.size());
+  Contrast contrast;
+  for (const std::size_t g : groups) {
+    const WeightedRatio larger =
+        abrupt.cell(g, methods.front(), 0).length_m.ratio(all.cluster_count(), weight);
+    WeightedRatio rest = all.cell(g, methods.front(), 0).length_m.ratio(all.cluster_count(), weight);
+    for (std::size_t c = 0; c < rest.numerator.size(); ++c) {
+      rest.numerator[c] -= larger.numerator[c];
+      rest.denominator[c] -= larger.denominator[c];
+    }
+    contrast.base.push_back(rest);
+    rest.weight = -weight;
+    contrast.value.push_back(larger);
+    contrast.value.push_back(rest);
+  }
+  const ContrastEstimate estimate = solve_contrast(contrast);
+  if (!std::isfinite(estimate.value)) return lacking(silence_of(method));
+  return {{.what = fmt::format("{}: the half of each joint's samples with the larger acceleration", method),
+           .unit = "%",
+           .number = estimate,
+           .over = all.clusters()}};
+}
+
+Measurements ErrorMeasures::clock_cost(const std::string& method, double clock_s) const {
+  const std::vector<std::size_t> methods = methods_of(method), groups = groups_of({});
+  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
+  if (groups.empty()) return lacking(lacking_joints("walking"));
+  const ConditionErrors& errors = in("walking");
+  std::size_t fastest = groups.front();
+  double most_m_s = 0.0;
+  for (const std::size_t g : groups) {
+    double speed_m_s = 0.0, n = 0.0;
+    for (const TakeTable* take : errors.takes())
+      for (const TruthRow& row : take->errors.truth)
+        if (errors_.axes().group_of(row) == g) {
+          speed_m_s += row.speed_m_s;
+          n += row.speeds;
+        }
+    if (!(speed_m_s / n > most_m_s)) continue;
+    most_m_s = speed_m_s / n;
+    fastest = g;
+  }
+  const WeightedRatio error = errors.cell(fastest, methods.front(), 0).length_m.ratio(errors.cluster_count());
+  WeightedRatio way = error;
+  for (std::size_t c = 0; c < way.numerator.size(); ++c)
+    way.numerator[c] = clock_s * most_m_s * way.denominator[c];
+  return {{.what = fmt::format("{:g} ms at {:.2f} m/s against the error of {}, {}", 1e3 * clock_s, most_m_s,
+                               method, errors_.axes().groups[fastest]),
+           .unit = "%",
+           .number = solve_contrast({{way}, {error}}),
+           .over = errors.clusters()}};
+}
+
+Measurements ErrorMeasures::wrist_deviation(const std::string& method) const {
+  const std::vector<std::size_t> methods = methods_of(method);
+  const auto joint = std::ranges::find(errors_.joints(), "wrist_right") - errors_.joints().begin();
+  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
+  if (joint == std::ssize(errors_.joints())) return lacking("a study of walking with the right wrist");
+  const auto is_of = [&](const auto& row) {
+    return errors_.axes().joint_of(row) == static_cast<std::size_t>(joint) && row.method == methods.front() &&
+           row.alignment == 0 && row.subset == static_cast<std::uint32_t>(Subset::all);
+  };
+  constexpr auto kNearBins = static_cast<std::uint32_t>(0.01 / kBin_m);
+  std::vector<std::string> names;
+  ClusterSums largest_m, near;
+  const ConditionErrors& errors = in("walking");
+  for (const TakeTable* take : errors.takes()) {
+    const std::string& name = errors.clusters() == std::string("participants") ? take->participant : take->id;
+    auto found = std::ranges::find(names, name);
+    if (found == names.end()) found = names.insert(names.end(), name);
+    const auto c = static_cast<std::size_t>(found - names.begin());
+    double most_m = kNaN, answered = 0.0, below_1cm = 0.0;
+    for (const ErrorRow& row : take->errors.errors)
+      if (is_of(row) && row.answered > 0) {
+        most_m = std::isnan(most_m) ? row.largest_m : std::max(most_m, row.largest_m);
+        answered += row.answered;
+      }
+    std::size_t bin = 0;
+    for (const HistogramRow& row : take->errors.histograms)
+      for (std::uint32_t k = 0; k < row.bins; ++k, ++bin)
+        if (is_of(row) && take->errors.bins[bin].bin < kNearBins) below_1cm += take->errors.bins[bin].n;
+    if (std::isnan(most_m)) continue;
+    largest_m.add(c, most_m, 1.0);
+    near.add(c, below_1cm, answered);
+  }
+  if (largest_m.n.empty()) return lacking(silence_of(method));
+  const std::string over = errors.clusters() == std::string("participants") ? "participants" : "takes";
+  return {{.what = fmt::format("{}: largest error of the right wrist in a take, on average", method),
+           .unit = "cm",
+           .number = solve_contrast({{largest_m.ratio(names.size())}, {}}),
+           .over = over,
+           .bound = less_than(5.0)},
+          {.what = "share of its samples below 1 cm",
+           .unit = "%",
+           .number = estimate_share(near.sum, near.n),
+           .over = over,
+           .bound = more_than(50.0)}};
+}
+
+}  // namespace trilat

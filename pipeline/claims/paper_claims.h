@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pipeline/claims/claim_number.h"
+#include "pipeline/claims/error_measures.h"
+#include "pipeline/claims/study_measures.h"
+
+namespace trilat {
+
+// How the numbers of a claim come about; monostate: none are needed.
+using ClaimMeasure =
+    std::variant<std::monostate, Measurements (*)(const ErrorMeasures&),
+                 Measurements (*)(const SweepSummary&), Measurements (*)(const RecordingSummary&),
+                 Measurements (*)(const CalibrationSummary&)>;
+
+// Which claims count as one of a family of tests.
+enum class ClaimKind {
+  tested,       // its probability is corrected for how many are tested (Holm 1979)
+  listed,       // decided by what is listed whole: no probability
+  contradicts,  // by the paper's own numbers
+  untestable,   // here; `why` says what would have to be
+};
+
+struct PaperClaim {
+  const char *id, *where, *text, *printed;
+  ClaimKind kind = ClaimKind::tested;
+  const char* study;  // whose results it is judged by; "sensors_*": each whose name begins so
+  std::optional<ClaimBound> bound;
+  const char* why;  // this margin
+  ClaimMeasure measure;
+};
+std::span<const PaperClaim> paper_claims();
+
+// What an erratum does to errors: the method as printed against the corrected one.
+struct ErratumEffect {
+  const char *id, *study;
+  ClaimMeasure measure;
+};
+std::span<const ErratumEffect> erratum_effects();
+
+// Whether results of the study with this name are what `study` of a claim asks for.
+bool is_evidence(const std::string& study, const std::string& name);
+
+// Every number that a study's results bear on, of claims and errata, as it is stored with them.
+std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
+std::vector<ClaimNumber> claims_of(const SweepSummary& summary);
+std::vector<ClaimNumber> claims_of(const RecordingSummary& summary);
+std::vector<ClaimNumber> claims_of(const CalibrationSummary& summary);
+
+}  // namespace trilat

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/claims/study_measures.h"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/base/units.h"
+#include "datasets/paper/printed_tables.h"
+
+namespace trilat {
+namespace {
+
+constexpr const char* kRuns = "runs of a sensor";
+constexpr const char* kUnits = "sensor units";
+
+// By unit, the sums of the errors of the wand's distance within a zone: what a laser meter can tell.
+WeightedRatio errors_in(const CalibrationSummary& s, std::size_t row, const WandZone& zone) {
+  WeightedRatio mean{std::vector<double>(s.units, 0.0), std::vector<double>(s.units, 0.0), 1.0};
+  const auto is_within = [](double value, const std::array<double, 2>& bounds) {
+    return value >= bounds[0] && value < bounds[1];
+  };
+  for (const WandSample& sample : s.wand_samples) {
+    if (sample.row != row || sample.unit >= s.units || !std::isfinite(sample.distance_error_m)) continue;
+    if (!is_within(sample.distance_m, zone.distance_m)) continue;
+    if (!is_within(sample.angle_rad * kDegreesPerRad, zone.angle_deg)) continue;
+    mean.numerator[sample.unit] += sample.distance_error_m;
+    mean.denominator[sample.unit] += 1.0;
+  }
+  return mean;
+}
+
+// The number of the paper's way to find the wand among the rows.
+std::optional<std::size_t> wand_row(const CalibrationSummary& s) {
+  for (std::size_t row = 0; row < s.wand.size(); ++row)
+    if (s.wand[row].method == "corrected by the mid-range" && s.wand[row].scene == "far wall") return row;
+  return std::nullopt;
+}
+
+Measurements lacking_wand() { return lacking("a calibration study with the wand before a far wall"); }
+
+// What one reading of Table I comes to.
+struct Reading {
+  bool is_near = false;        // every error, as the mean distance or as the mean over axes
+  bool is_compromise = false;  // C = 1e-4, at every error range
+};
+
+Reading judge(const SweepSummary& s, std::size_t reading, const PrintedTable1& paper) {
+  constexpr double kNear = 2.0, kAnswered = 0.9, kSteps = 2.0, kGain = 1.1;
+  const std::size_t last = s.thresholds.size() - 1;
+  Reading result{.is_compromise = true};
+  std::array<bool, 2> near{true, true};
+  for (std::size_t range = 0; range < s.ranges.size(); ++range) {
+    for (std::size_t t = 0; t <= last; ++t) {
+      const SweepCell& cell = s.cell(reading, t, range);
+      const double printed_m = paper.rows[t].error_cm[range] / kCentimetresPerMetre;
+      const bool answers = static_cast<double>(cell.answered) >= kAnswered * static_cast<double>(cell.asked);
+      const std::array<double, 2> error_m{cell.mae_m, cell.axis_mean_mae_m()};
+      for (const std::size_t k : {0u, 1u})
+        near[k] = near[k] && answers && error_m[k] <= kNear * printed_m && error_m[k] >= printed_m / kNear;
+    }
+    const SweepCell &first = s.cell(reading, 0, range), &chosen = s.cell(reading, last - 1, range),
+                    &least = s.cell(reading, last, range);
+    result.is_compromise = result.is_compromise && least.mean_iterations >= kSteps * chosen.mean_iterations &&
+                           first.mae_m >= kGain * chosen.mae_m;
+  }
+  result.is_near = near[0] || near[1];
+  return result;
+}
+
+}  // namespace
+
+Measurements acceptable_readings(const SweepSummary& s) {
+  const PrintedTable1 paper = printed_table1();
+  if (s.thresholds.size() != paper.rows.size() || s.ranges.size() != paper.ranges_cm.size() ||
+      s.thresholds.size() < 3)
+    return lacking("a sweep over the thresholds and error ranges of Table I");
+  struct Count {
+    int near = 0, compromise = 0;
+  } printed, corrected;
+  for (std::size_t r = 0; r < s.interpretations.size(); ++r) {
+    const Reading reading = judge(s, r, paper);
+    if (!reading.is_near) continue;
+    Count& count = s.interpretations[r].gradient == "printed" ? printed : corrected;
+    ++count.near;
+    count.compromise += reading.is_compromise;
+  }
+  const int near = printed.near + corrected.near;
+  if (near == 0) return lacking("a reading of Table I whose every error is that near the printed one");
+  return {
+      {.what = fmt::format(
+           "of {} acceptable readings of {}: {} of {} with equation 17 as printed, {} of {} corrected", near,
+           s.interpretations.size(), printed.compromise, printed.near, corrected.compromise, corrected.near),
+       .unit = "%",
+       .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
+       .over = "readings, all of them listed"}};
+}
+
+Measurements clock_share(const RecordingSummary& recording, const std::string& method, double below_s) {
+  Measurements measured;
+  for (const ClockErrorRow& row : recording.clocks) {
+    if (row.method != method) continue;
+    std::vector<double> below, asked;
+    for (const ClockUnit& unit : row.units) {
+      below.push_back(static_cast<double>(below_s == 0.002 ? unit.below_2ms : unit.below_4ms));
+      asked.push_back(static_cast<double>(unit.asked));
+    }
+    measured.push_back(
+        {.what = row.network, .unit = "%", .number = estimate_share(below, asked), .over = kRuns});
+  }
+  return measured.empty() ? lacking("a recording study with clocks " + method) : measured;
+}
+
+Measurements queue_share(const RecordingSummary& recording, const std::string& method,
+                         const std::string& server) {
+  Measurements measured;
+  for (const QueueRow& row : recording.queues) {
+    if (row.method != method || row.server != server) continue;
+    std::vector<double> taken, came;
+    for (const QueueUnit& unit : row.units) {
+      taken.push_back(static_cast<double>(unit.taken));
+      came.push_back(static_cast<double>(unit.came));
+    }
+    measured.push_back(
+        {.what = row.network, .unit = "%", .number = estimate_share(taken, came), .over = kRuns});
+  }
+  return measured.empty() ? lacking("a recording study with the queue of " + method) : measured;
+}
+
+Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {
+  const std::optional<std::size_t> row = wand_row(s);
+  if (!row) return lacking_wand();
+  ContrastEstimate error_m = solve_contrast({{errors_in(s, *row, zone)}, {}});
+  error_m.value -= less_m;
+  return {{.what = fmt::format("distance of the wand, less {:g} cm", kCentimetresPerMetre * less_m),
+           .unit = "cm",
+           .number = error_m,
+           .over = kUnits}};
+}
+
+Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, const WandZone& other) {
+  const std::optional<std::size_t> row = wand_row(s);
+  if (!row) return lacking_wand();
+  const WeightedRatio base = errors_in(s, *row, other);
+  Contrast contrast{{errors_in(s, *row, zone), base}, {base}};
+  contrast.value[1].weight = -1.0;
+  return {{.what = "distance of the wand", .unit = "%", .number = solve_contrast(contrast), .over = kUnits}};
+}
+
+Measurements image_edges(const CalibrationSummary& calibration, const std::array<double, 2>& middle) {
+  WeightedRatio outer, inner;
+  for (const DistortionCurve& curve : calibration.distortion) {
+    std::array<double, 2> sums{}, counts{};
+    for (std::size_t c = 0; c < curve.depth_residual_m.size(); ++c) {
+      if (!std::isfinite(curve.depth_residual_m[c])) continue;
+      const auto column = static_cast<double>(c);
+      const std::size_t place = column < middle[0] || column > middle[1] ? 0 : 1;
+      sums[place] += curve.depth_residual_m[c];
+      counts[place] += 1.0;
+    }
+    outer.numerator.push_back(sums[0]);
+    outer.denominator.push_back(counts[0]);
+    inner.numerator.push_back(sums[1]);
+    inner.denominator.push_back(counts[1]);
+  }
+  if (outer.numerator.empty()) return lacking("a calibration study with a wall");
+  Contrast contrast{{outer, inner}, {inner}};
+  contrast.value[1].weight = -1.0;
+  return {{.what = "outer columns against the middle",
+           .unit = "%",
+           .number = solve_contrast(contrast),
+           .over = kUnits}};
+}
+
+}  // namespace trilat

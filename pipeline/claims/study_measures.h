@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "datasets/results/studies/calibration_summary.h"
+#include "datasets/results/studies/recording_summary.h"
+#include "datasets/results/studies/sweep_summary.h"
+#include "pipeline/claims/claim_number.h"
+
+namespace trilat {
+
+// Among the readings of Table I whose every error is within a factor of 2 of the printed one, the share in
+// which a smaller threshold costs twice the steps and gains a tenth of accuracy. They are listed, not drawn.
+Measurements acceptable_readings(const SweepSummary& sweep);
+
+// The share of clock errors below 2 or 4 ms by one way to correct clocks, over each network.
+Measurements clock_share(const RecordingSummary& recording, const std::string& method, double below_s);
+
+// The share of frames that the paper's queue takes, over each network; `server`: when it takes them out.
+Measurements queue_share(const RecordingSummary& recording, const std::string& method,
+                         const std::string& server);
+
+// Where a ball is seen: from the first distance (angle from the central line) to below the second.
+struct WandZone {
+  std::array<double, 2> distance_m{}, angle_deg{};
+};
+inline constexpr WandZone kRecommendedZone{{0.8, 3.0}, {0.0, 26.0}};
+
+// The mean error of the wand's distance within a zone, corrected by the mid-range of the depths, the wall far
+// away; less a printed number.
+Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, double less_m);
+// The same in one zone against another: (zone - other) / other.
+Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);
+
+// The depth error of an image row without its constant part: the columns outside of `middle` against these.
+Measurements image_edges(const CalibrationSummary& calibration, const std::array<double, 2>& middle);
+
+}  // namespace trilat

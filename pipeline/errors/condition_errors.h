@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/results/error_table.h"
+#include "datasets/results/summary.h"
+#include "evaluators/metrics/cluster_ratios.h"
+
+namespace trilat {
+
+// A take that was evaluated, and the errors of its samples.
+struct TakeTable {
+  std::string id, participant, activity;
+  ErrorTable errors;
+};
+
+// With fewer participants than this takes are the clusters of intervals.
+inline constexpr std::size_t kFewestParticipants = 3;
+
+// The tables group, as of the paper, that a joint belongs to; its own name when it belongs to none.
+std::string group_of(const std::string& joint);
+
+// Each once, in the order of the joints.
+std::vector<std::string> groups_of(const std::vector<std::string>& joints);
+
+// A mean, as sums by cluster.
+struct ClusterSums {
+  std::vector<double> sum, n;
+  void add(std::size_t cluster, double more, double count);
+  void add(const ClusterSums& more);
+  // Of so many clusters.
+  WeightedRatio ratio(std::size_t clusters, double weight = 1.0) const;
+};
+
+// All samples of one group, method and alignment.
+struct CellSums {
+  std::uint64_t asked = 0, answered = 0, iterations = 0;
+  std::array<std::uint64_t, kMostStatuses> statuses{};
+  double length_m2 = 0.0, largest_m = 0.0;
+  std::array<double, 3> absolute_m{};
+  ClusterSums length_m;
+  std::vector<std::uint64_t> histogram;
+
+  void add(const ErrorRow& row, std::size_t cluster);
+  void add(std::span<const BinRow> bins);
+  // Type 7 of Hyndman and Fan 1996, with the samples of a bin spread evenly over it.
+  double quantile_m(double q) const;
+  // The samples whose error is less than so many bins.
+  std::uint64_t below(std::size_t bins) const;
+
+ private:
+  double length_at(std::uint64_t place) const;
+};
+
+// Two methods on the samples that both answer.
+struct PairSums {
+  std::uint64_t n = 0;
+  ClusterSums first_m, difference_m, second_m;  // difference: first - second
+};
+
+// Two methods on the samples that both answer: first - second, and that over the second's.
+struct MethodDifference {
+  std::uint64_t n = 0;
+  ContrastEstimate m, share;
+};
+
+// What the tables are grouped by. Joints are those of any track.
+struct TableAxes {
+  std::vector<std::string> groups;
+  std::vector<std::size_t> group_of_joint;
+  std::size_t methods = 0, alignments = 0;
+
+  TableAxes(const std::vector<std::string>& joints, std::size_t methods, std::size_t alignments);
+  std::size_t joint_of(const auto& row) const { return row.quantity % group_of_joint.size(); }
+  std::size_t group_of(const auto& row) const { return group_of_joint[joint_of(row)]; }
+};
+
+// The samples of the takes of one activity, of one subset, by group, method and alignment, which are numbers.
+// Clusters of intervals are participants; of fewer than three takes; of a single take its blocks of time.
+class ConditionErrors {
+ public:
+  ConditionErrors(std::span<const TakeTable> takes, const std::string& activity, Subset subset,
+                  std::uint64_t participants, const TableAxes& axes);
+
+  const std::vector<const TakeTable*>& takes() const { return takes_; }
+  // Those of which anything is asked.
+  const std::vector<std::size_t>& groups() const { return groups_; }
+  // "participants", "takes" or "blocks of time".
+  const char* clusters() const { return cluster_kind_; }
+  // Of the same kind, cluster number k is the same one in every condition of the same takes.
+  std::size_t cluster_count() const { return cluster_count_; }
+
+  const CellSums& cell(std::size_t group, std::size_t method, std::size_t alignment) const;
+  // Empty for two methods that the tables do not compare.
+  const PairSums& pair(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const;
+
+  // The plain mean of some groups' mean errors.
+  ContrastEstimate mean_m(std::span<const std::size_t> groups, std::size_t method,
+                          std::size_t alignment) const;
+  // The same, of two methods on the samples that both answer.
+  MethodDifference difference(std::span<const std::size_t> groups, std::size_t first, std::size_t second,
+                              std::size_t alignment) const;
+
+  // Whole bodies.
+  ContrastEstimate mpjpe_m(std::size_t method) const;
+  ContrastEstimate pa_mpjpe_m(std::size_t method) const;
+  std::uint64_t bodies(std::size_t method) const;
+
+ private:
+  std::size_t place(std::size_t group, std::size_t method, std::size_t alignment) const;
+  std::size_t place(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const;
+  void add(const ErrorTable& table, Subset subset, std::size_t cluster, bool by_block);
+  void add_pair(const PairRow& row, std::size_t cluster);
+
+  const TableAxes& axes_;
+  std::vector<const TakeTable*> takes_;
+  const char* cluster_kind_ = "participants";
+  std::size_t cluster_count_ = 0;
+  std::vector<CellSums> cells_;
+  std::vector<PairSums> pairs_;
+  std::vector<ClusterSums> bodies_;  // by method: MPJPE, PA-MPJPE
+  std::vector<std::size_t> groups_;
+};
+
+// The errors of a study's takes, by condition. Keeps references to the takes and to `names`, whose methods,
+// alignments and number of participants it uses.
+class StudyErrors {
+ public:
+  // `joints`: of the tables.
+  StudyErrors(std::span<const TakeTable> takes, const std::vector<std::string>& joints,
+              const ResultsSummary& names);
+
+  std::span<const TakeTable> takes() const { return takes_; }
+  const std::vector<std::string>& joints() const { return joints_; }
+  const ResultsSummary& names() const { return names_; }
+  const TableAxes& axes() const { return axes_; }
+  // By the name of an activity or of its occluded samples; `subset` instead of all samples of an activity.
+  ConditionErrors in(const std::string& condition, Subset subset = Subset::all) const;
+
+ private:
+  std::span<const TakeTable> takes_;
+  const std::vector<std::string>& joints_;
+  const ResultsSummary& names_;
+  TableAxes axes_;
+};
+
+// The mean error of each method (row) over the samples that each other one (column) answers too, both aligned
+// on these; of a method with itself over all its answers. In metres, the mean of the joint groups, of the
+// takes of one activity; NaN where a group has no such sample, or the pair is in no table. One such matrix
+// behind the other for each alignment.
+std::vector<double> paired_errors_m(std::span<const TakeTable> takes, const std::vector<std::string>& joints,
+                                    std::size_t methods, const std::string& activity);
+
+}  // namespace trilat
