@@ -31,7 +31,7 @@ struct ErrorRow {
   std::uint32_t iterations = 0;                         // of all that is asked
   // Of the answered: estimate - truth after alignment, its length, squares and parts along the world's axes.
   double length_m = 0.0, length_m2 = 0.0, largest_m = 0.0;
-  std::array<double, 3> error_m{}, error_m2{}, absolute_m{};
+  std::array<double, 3> error_m{}, error_m2{}, absolute_m{}, largest_axis_m{};
 
   std::uint32_t asked() const {
     std::uint32_t sum = 0;
@@ -39,7 +39,7 @@ struct ErrorRow {
     return sum;
   }
   TRILAT_FIELDS(block, quantity, method, alignment, subset, answered, statuses, iterations, length_m,
-                length_m2, largest_m, error_m, error_m2, absolute_m)
+                length_m2, largest_m, error_m, error_m2, absolute_m, largest_axis_m)
 };
 
 // Lengths of the errors of two methods on the samples that both answer, each aligned on just these.

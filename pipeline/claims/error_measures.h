@@ -39,7 +39,8 @@ class ErrorMeasures {
   Measurements abrupt(const std::string& method) const;
   // How far the fastest of the joints goes in that time, in shares of the method's error there.
   Measurements clock_cost(const std::string& method, double clock_s) const;
-  // Of the right wrist, as in the paper's figure: the largest error in a take, and the share below 1 cm.
+  // Of the height of the right wrist, which the paper's figure shows: the largest error in a take, and the
+  // mean.
   Measurements wrist_deviation(const std::string& method) const;
 
  private:

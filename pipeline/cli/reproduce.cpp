@@ -54,7 +54,7 @@ struct Scale {
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 const std::vector<Scale> kScales{
     {"quick", "a minute", "0.3 GB", 4, 2, 1, 60, 2, 30, 10, 1, 50, 2, 1000, 2, 1, 2, 1, 3},
-    {"paper", "two minutes", "0.7 GB", 16, 3, 2, 80, 4, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4},
+    {"paper", "two minutes", "0.7 GB", 16, 3, 2, 80, 16, 30, 10, 3, 200, 3, 3000, 4, 1, 5, 1, 4},
     {"full", "half an hour", "", kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll, kAll,
      kAll, kAll, kAll}};
 

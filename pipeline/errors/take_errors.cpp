@@ -64,6 +64,7 @@ void add(ErrorRow& sum, const ErrorRow& more) {
     sum.error_m[axis] += more.error_m[axis];
     sum.error_m2[axis] += more.error_m2[axis];
     sum.absolute_m[axis] += more.absolute_m[axis];
+    sum.largest_axis_m[axis] = std::max(sum.largest_axis_m[axis], more.largest_axis_m[axis]);
   }
 }
 
@@ -343,6 +344,7 @@ class TrackErrors {
         row.error_m[x] += error_m[axis];
         row.error_m2[x] += error_m[axis] * error_m[axis];
         row.absolute_m[x] += std::abs(error_m[axis]);
+        row.largest_axis_m[x] = std::max(row.largest_axis_m[x], std::abs(error_m[axis]));
       }
       const auto bin = static_cast<std::size_t>(std::min<double>(kLastBin, length_m / kBin_m));
       std::vector<std::uint32_t>& of_part = bins[part_of(marks)];

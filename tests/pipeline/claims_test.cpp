@@ -199,7 +199,8 @@ TEST(Claims, TheWristOfTheFigureIsJudgedByItsLargestError) {
   ASSERT_EQ(numbers.size(), 2u);
   EXPECT_NEAR(numbers[0].value, (4.0 + 0.5 + 12.0 + 16.0) / 4.0, 1e-9);
   EXPECT_EQ(numbers[0].bound, "less than 5 cm");
-  EXPECT_NEAR(numbers[1].value, 25.0, 1e-9);
+  EXPECT_NEAR(numbers[1].value, 0.5 * (4.0 + 0.5 + 12.0 + 16.0) / 4.0, 1e-9);
+  EXPECT_EQ(numbers[1].bound, "less than 1 cm");
 }
 
 TEST(Claims, AreHonestWithoutResults) {

@@ -67,6 +67,8 @@ struct MadeStudy {
     row.statuses[1] = kSamples - n;
     row.length_m = samples * error_m;
     row.largest_m = error_m;
+    row.absolute_m[1] = samples * 0.5 * error_m;
+    row.largest_axis_m[1] = error_m;
     table.errors.push_back(row);
     if (subset != Subset::all || samples == 0) return;
     table.histograms.push_back({j, m, 0, 0, 1});
