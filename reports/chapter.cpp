@@ -8,11 +8,12 @@
 #include <fmt/ranges.h>
 
 #include "datasets/results/results_file.h"
+#include "datasets/results/studies/variations_summary.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/table.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -105,28 +106,19 @@ Chapter calibration_chapter(const std::filesystem::path& path, bool) {
   return chapter;
 }
 
-Chapter budget_chapter(const std::filesystem::path& path, bool) {
-  const BudgetSummary s = read_results<BudgetSummary>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format("Error budget of {}, **simulated**: {} participants, seed {}.", s.campaign,
-                              s.participants, s.seed);
-  append(chapter, budget_tables(s));
-  chapter.first_tables = 1;
-  return chapter;
-}
-
-Chapter sensitivity_chapter(const std::filesystem::path& path, bool) {
-  const SensitivitySummary s = read_sensitivity_summary(path);
+// As it was stored.
+Chapter variations_chapter(const std::filesystem::path& path, bool) {
+  const VariationsSummary s = read_results<VariationsSummary>(path);
   Chapter chapter = new_chapter(path, s.study);
   chapter.about = fmt::format(
-      "Where conclusions hold, **simulated**: {} campaigns of {} participants over {} settings, seed {}.",
-      s.points.size(), s.participants, s.factors.size(), s.seed);
-  chapter.sentences = sensitivity_sentences(s);
-  chapter.findings = chapter.sentences;
-  append(chapter, sensitivity_tables(s));
-  append(chapter, sensitivity_figures(s));
+      "Variations of a simulation, **simulated**: {} campaigns of {} participant{} each, seed {}.",
+      s.points.size(), s.participants, s.participants == 1 ? "" : "s", s.seed);
+  chapter.sentences = s.sentences;
+  chapter.findings = s.sentences;
+  if (const auto stored = read_beside<StoredTables>(path)) append(chapter, stored->tables);
+  if (const auto stored = read_beside<StoredFigures>(path)) append(chapter, stored->figures);
   chapter.first_tables = 1;
-  chapter.first_figures = 2;
+  chapter.first_figures = 1;
   return chapter;
 }
 
@@ -147,9 +139,11 @@ Chapter recording_chapter(const std::filesystem::path& path, bool) {
 
 Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   static const std::map<StudyKind, Chapter (*)(const std::filesystem::path&, bool)> kChapters{
-      {StudyKind::accuracy, accuracy_chapter},       {StudyKind::threshold_sweep, sweep_chapter},
-      {StudyKind::calibration, calibration_chapter}, {StudyKind::error_budget, budget_chapter},
-      {StudyKind::recording, recording_chapter},     {StudyKind::sensitivity, sensitivity_chapter}};
+      {StudyKind::accuracy, accuracy_chapter},
+      {StudyKind::threshold_sweep, sweep_chapter},
+      {StudyKind::calibration, calibration_chapter},
+      {StudyKind::recording, recording_chapter},
+      {StudyKind::variations, variations_chapter}};
   Chapter chapter = kChapters.at(results_kind(path))(path, paper);
   chapter.first_tables = std::min(chapter.first_tables, chapter.tables.size());
   chapter.first_figures = std::min(chapter.first_figures, chapter.figures.size());

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/table.h"
 #include "reports/figures/draw_figures.h"
 #include "reports/page/replay_data.h"
 #include "reports/provenance.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 

@@ -101,7 +101,7 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
     headline.answers = answers_on_the_paper(*paper->evidence.walking);
     for (const Chapter& chapter : content.chapters)
       for (const std::string& finding : chapter.findings)
-        if (is_of(chapter, StudyKind::sensitivity) && finding.starts_with("**nonlinear before the mean**"))
+        if (is_of(chapter, StudyKind::variations) && finding.starts_with("**nonlinear before the mean**"))
           headline.answers.push_back(finding);
     if (simulated) headline.answers.emplace_back(kRecorded);
     add_figure(
@@ -112,7 +112,10 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
         },
         headline);
     add_figure(
-        content, [](const Chapter& c, const Figure& f) { return is_of(c, StudyKind::sensitivity) && f.map; },
+        content,
+        [](const Chapter& c, const Figure& f) {
+          return is_of(c, StudyKind::variations) && f.id.ends_with("comparisons");
+        },
         headline);
     return headline;
   }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 namespace {
@@ -16,17 +16,6 @@ std::string scalar_text(const Json& json, const std::string& key) {
   if (found == json.end() || found->is_null()) return {};
   if (found->is_string()) return found->get<std::string>();
   return found->is_number_float() ? fmt::format("{:.1f}", found->get<double>()) : found->dump();
-}
-
-// The study as it can be run again. That of an error budget stands in the manifest as the accuracy study that
-// all its campaigns are sent through, with what they share beside it.
-Json runnable_study(const Json& manifest, StudyKind kind) {
-  Json study = manifest.at("study");
-  if (kind != StudyKind::error_budget) return study;
-  study["kind"] = name_of(kind);
-  for (const char* key : {"seed", "participants", "calibration_sigma_m", "calibration_sigma_deg"})
-    if (manifest.contains(key)) study[key] = manifest.at(key);
-  return study;
 }
 
 void read_inputs(JsonObject& manifest, Provenance& provenance) {
@@ -45,7 +34,7 @@ void read_manifest(const std::filesystem::path& path, const std::string& campaig
   p.program = manifest.text("program");
   check_same_run(manifest, p.kind, p.study, campaign);
   p.campaign = campaign;
-  const Json again = runnable_study(json, p.kind);
+  const Json again = json.at("study");
   p.config = json_text(again, 1);
   p.seed = scalar_text(again, "seed");
   p.study_sha256 = scalar_text(json, "study_sha256");

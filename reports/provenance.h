@@ -7,7 +7,7 @@
 
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/results_file.h"
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

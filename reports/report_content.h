@@ -10,8 +10,8 @@
 #include "datasets/results/gate_history.h"
 #include "datasets/results/paper_evidence.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/table.h"
 #include "reports/chapter.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 

@@ -73,6 +73,8 @@ Json written(const T& value) {
     return json;
   } else if constexpr (Described<T>) {
     return json_of(value);
+  } else if constexpr (std::is_enum_v<T>) {
+    return static_cast<std::underlying_type_t<T>>(value);
   } else if constexpr (std::is_same_v<T, Json> || std::is_arithmetic_v<T> ||
                        std::convertible_to<T, std::string>) {
     return value;
@@ -156,6 +158,10 @@ struct Reader {
       if (!fits)
         object.refuse_below(path, fmt::format("must lie between {} and {}", Limits::min(), Limits::max()));
       into = json.get<T>();
+    } else if constexpr (std::is_enum_v<T>) {
+      std::underlying_type_t<T> number{};
+      get(json, path, number);
+      into = static_cast<T>(number);
     } else if constexpr (std::is_same_v<T, std::string>) {
       want(json.is_string(), "a text");
       into = json.get<std::string>();

@@ -13,8 +13,8 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy",     "threshold_sweep", "calibration",
-                                      "error_budget", "recording",       "sensitivity"};
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "recording",
+                                      "variations"};
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 8;
@@ -87,7 +87,7 @@ void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& stu
                                      found, wanted));
   };
   JsonObject of_study = manifest.object("study");
-  same(of_study, "kind", name_of(kind == StudyKind::error_budget ? StudyKind::accuracy : kind));
+  same(of_study, "kind", name_of(kind));
   same(of_study, "name", study);
   if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
 }

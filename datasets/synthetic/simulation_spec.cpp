@@ -299,6 +299,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
 
 SimulationSpec read_simulation(const std::filesystem::path& path) {
   Json json = read_json(path);
+  if (json.is_object()) json.erase("scales");  // of `trilat reproduce`
   std::filesystem::path tracker;
   if (json.is_object() && json.contains("body_tracker") && json["body_tracker"].is_string()) {
     JsonObject object(json, path.string(), "");

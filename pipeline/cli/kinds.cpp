@@ -6,14 +6,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/synthetic/error_sources.h"
+#include "datasets/results/studies/variations_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
-#include "pipeline/cli/embedded_campaigns.h"
+#include "pipeline/cli/built_in.h"
 #include "pipeline/recording/recording_study.h"
-#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
+#include "pipeline/variations/variations_study.h"
 #include "reports/render/render.h"
 #include "reports/tables/tables.h"
 
@@ -54,30 +53,19 @@ OpenedStudy open_recording(const RunArguments& arguments, const Json& study) {
                   spec.frames));
 }
 
-OpenedStudy open_budget(const RunArguments& arguments, const Json& study) {
-  const char* place = "pipeline/studies/paper_campaign.json";
-  const SimulationSpec paper = parse_simulation(parse_json(embedded::paper_campaign_json, place), place, {});
-  const std::filesystem::path folder = arguments.study.parent_path();
-  const BudgetSpec spec = parse_budget(study, arguments.study.string(), folder, paper);
-  OpenedStudy budget = opened(
-      budget_study(spec),
-      {{"study", resolved_json(spec.study)},
-       {"participants", spec.simulation.participants},
-       {"campaigns", error_sources().size()}},
-      fmt::format("study {} (simulated): {} campaigns of {} participants, one for every source of error",
-                  spec.study.name, error_sources().size(), spec.simulation.participants));
-  if (study.contains("simulation")) budget.inputs = {folder / study["simulation"].get<std::string>()};
-  return budget;
-}
-
-OpenedStudy open_sensitivity(const RunArguments& arguments, const Json& study) {
-  const SensitivitySpec spec =
-      parse_sensitivity(study, arguments.study.string(), arguments.study.parent_path(),
-                        parse_json(embedded::paper_campaign_json, "pipeline/studies/paper_campaign.json"));
-  const std::size_t campaigns = campaigns_of(spec);
-  return opened(sensitivity_study(spec), {{"study", resolved_json(spec)}, {"campaigns", campaigns}},
-                fmt::format("study {} (simulated): {} campaigns of {} participants over {} settings",
-                            spec.head.study, campaigns, spec.head.participants, spec.head.factors.size()));
+OpenedStudy open_variations(const RunArguments& arguments, const Json& study) {
+  const VariationsSpec spec = parse_variations(study, arguments.study.string(), arguments.study.parent_path(),
+                                               built_in_campaign("paper_campaign"));
+  const std::size_t campaigns = spec.head.points.size();
+  OpenedStudy variations =
+      opened(variations_study(spec), {{"study", resolved_json(spec)}, {"campaigns", campaigns}},
+             fmt::format("study {} (simulated): {} campaigns of {} participants, {}", spec.head.study,
+                         campaigns, spec.head.participants,
+                         spec.patches.empty() ? fmt::format("at points of {} ranges", spec.head.ranges.size())
+                                              : std::string("one a patch")));
+  if (study.contains("simulation") && study["simulation"].is_string())
+    variations.inputs = {arguments.study.parent_path() / study["simulation"].get<std::string>()};
+  return variations;
 }
 
 int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
@@ -90,6 +78,18 @@ int print_tables(const std::filesystem::path& results, const std::vector<Table>&
   for (const Table& table : tables) fmt::print("{}\n", markdown_of(table));
   fmt::print("results: {}\n", results.string());
   return kDone;
+}
+
+int print_variations(const std::filesystem::path& results, Json document, const Shown& shown) {
+  const VariationsSummary summary = read_results<VariationsSummary>(results);
+  const auto tables = read_beside<StoredTables>(results);
+  print_tables(results, tables ? tables->tables : std::vector<Table>{}, std::move(document), shown);
+  for (const std::string& sentence : summary.sentences)
+    if (!shown.json) fmt::print("{}\n", sentence);
+  if (summary.failed() == 0) return kDone;
+  fmt::print(stderr, "failed: {} of {} campaigns have no errors; {} names why\n", summary.failed(),
+             summary.points.size(), (results / "points.csv").string());
+  return kItemsFailed;
 }
 
 }  // namespace
@@ -106,15 +106,6 @@ const std::vector<Kind>& kinds() {
                              std::move(document), shown);
        },
        calibration_study_schema},
-      {StudyKind::error_budget, "sources of error",
-       "an error budget simulates its own campaigns; name their simulation.json in the study, as "
-       "\"simulation\"",
-       open_budget,
-       [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, budget_tables(read_results<BudgetSummary>(results)),
-                             std::move(document), shown);
-       },
-       budget_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
        [](const std::filesystem::path& results, Json document, const Shown& shown) {
          return print_tables(
@@ -122,20 +113,11 @@ const std::vector<Kind>& kinds() {
              std::move(document), shown);
        },
        recording_schema},
-      {StudyKind::sensitivity, "rows of campaigns",
-       "a sensitivity study simulates its own campaigns; say in the study, as \"simulation\", what they have "
-       "in common",
-       open_sensitivity,
-       [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         const SensitivitySummary summary = read_sensitivity_summary(results);
-         const int code = print_tables(results, sensitivity_tables(summary), std::move(document), shown);
-         const std::size_t failed = failed_points(summary);
-         if (failed > 0)
-           fmt::print(stderr, "failed: {} of {} campaigns have no errors; {} names why\n", failed,
-                      summary.points.size(), (results / "points.csv").string());
-         return failed > 0 ? int{kItemsFailed} : code;
-       },
-       sensitivity_schema}};
+      {StudyKind::variations, "campaigns",
+       "a study of variations simulates its own campaigns; say in the study, as \"simulation\", what they "
+       "have in "
+       "common",
+       open_variations, print_variations, variations_schema}};
   return kinds;
 }
 

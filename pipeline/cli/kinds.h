@@ -73,8 +73,7 @@ int print_sweep(const std::filesystem::path& results, Json document, const Shown
 Json accuracy_schema();
 Json sweep_schema();
 Json calibration_study_schema();
-Json budget_schema();
 Json recording_schema();
-Json sensitivity_schema();
+Json variations_schema();
 
 }  // namespace trilat

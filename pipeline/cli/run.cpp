@@ -5,8 +5,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
+#include "pipeline/cli/built_in.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/embedded_studies.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/run_words.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -63,18 +63,18 @@ void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, 
                        arguments.force);
 }
 
-// A file, or the name of a study that is built in.
+// A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.
 Json read_study(const std::filesystem::path& study) {
-  std::vector<std::string> names;
-  for (const auto& built_in : embedded::studies) names.emplace_back(built_in.name);
-  const auto found = std::ranges::find(names, study.string());
-  if (found != names.end() && !std::filesystem::exists(study))
-    return parse_json(embedded::studies[static_cast<std::size_t>(found - names.begin())].text,
-                      study.string());
-  if (!study.has_extension() && !study.has_parent_path() && !std::filesystem::exists(study))
+  const std::vector<std::string> names = built_in_studies();
+  if (std::filesystem::exists(study) || study.has_extension() || study.has_parent_path()) {
+    Json json = read_json(study);
+    if (json.is_object()) json.erase("scales");
+    return json;
+  }
+  if (std::ranges::find(names, study.string()) == names.end())
     throw InputError(study.string(),
                      "is no file and no study that is built in; " + known_names(study.string(), names));
-  return read_json(study);
+  return built_in_study(study.string());
 }
 
 int run(const RunArguments& arguments) {
@@ -100,9 +100,10 @@ int run(const RunArguments& arguments) {
 }  // namespace
 
 void add_run(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<RunArguments>(
-      app, code, "run",
-      "a study: takes x methods, a threshold sweep, calibration, clocks or an error budget -> results", run);
+  auto [verb, a] = add_verb<RunArguments>(app, code, "run",
+                                          "a study: takes x methods, a threshold sweep, calibration, clocks "
+                                          "or variations of a simulation -> results",
+                                          run);
   verb.add_option("study", a.study, "study.json, or the name of one that is built in: table3")->required();
   verb.add_option("--campaign", a.campaign, "folder of takes, instead of the study's own");
   verb.add_option("--calibration", a.calibration, "calibration.json, instead of the takes' own");

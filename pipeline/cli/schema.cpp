@@ -10,13 +10,12 @@
 #include "datasets/take/campaign.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/methods/study_spec.h"
-#include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_study.h"
-#include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/sweep/sweep_spec.h"
+#include "pipeline/variations/variations_spec.h"
 
 namespace trilat {
 namespace {
@@ -147,28 +146,22 @@ Json calibration_study_schema() {
                    [](const Json& json) { parse_calibration_spec(json, "example"); });
 }
 
-Json budget_schema() {
-  const Json example = with_methods(study("error_budget", R"({"alignments": ["mean"]})"), false);
-  return schema_of({example}, [](const Json& json) { parse_budget(json, "example", {}, SimulationSpec{}); });
-}
-
 Json recording_schema() {
   const Json example =
       with_methods(study("recording", R"({"networks": [{"name": "a", "jitter_back_s": 0}]})"), true);
   return schema_of({example}, [](const Json& json) { parse_recording_spec(json, "example"); });
 }
 
-Json sensitivity_schema() {
-  const Json example = with_methods(
-      study("sensitivity",
-            R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1},
-      "space": [{"setting": "/rig/radius_m", "low": 1, "high": 2}, {"setting": "/sensor/rate_hz", "values": [10, 30]}],
-      "claims": [{"better": "mean", "than": ["linear"]}],
-      "parts": [{"factor": "radius_m", "low": 1, "high": 2}],
-      "slices": [{"x": "radius_m", "y": "rate_hz"}]})"),
-      false);
-  return schema_of({example},
-                   [](const Json& json) { parse_sensitivity(json, "example", {}, Json::object()); });
+Json variations_schema() {
+  const auto example = [](const char* more) { return with_methods(study("variations", more), false); };
+  return schema_of(
+      {example(
+           R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1}, "patch": {},
+      "ranges": [{"setting": "/rig/radius_m", "low": 1, "high": 2}, {"setting": "/sensor/rate_hz", "values": [10, 30]}],
+      "comparisons": [{"better": "mean", "than": ["linear"]}]})"),
+       example(R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1},
+      "patches": [{"name": "nearer", "patch": {"rig": {"radius_m": 1}}}]})")},
+      [](const Json& json) { parse_variations(json, "example", {}, Json::object()); });
 }
 
 namespace {

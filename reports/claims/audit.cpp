@@ -7,9 +7,9 @@
 #include "datasets/base/median.h"
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/table.h"
 #include "reports/claims/claims.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 namespace {

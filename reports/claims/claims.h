@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "datasets/results/paper_evidence.h"
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

@@ -8,9 +8,9 @@
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "datasets/results/table.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "reports/figures/figure.h"
+#include "datasets/results/figure.h"
 
 namespace trilat {
 

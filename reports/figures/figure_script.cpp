@@ -90,18 +90,11 @@ struct Range {
   }
 };
 
-// A map's cells around their middles.
-Range cells_of(const std::vector<double>& middles) {
-  const double half = middles.size() < 2 ? 0.5 : 0.5 * (middles[1] - middles[0]);
-  return {middles.front() - half, middles.back() + half};
-}
-
 Range names_range(const std::vector<std::string>& names) {
   return {-0.6, static_cast<double>(names.size()) - 0.4};
 }
 
 Range x_range(const Figure& figure) {
-  if (figure.map && !figure.map->x.empty()) return cells_of(figure.map->x);
   if (!figure.x_names.empty()) return names_range(figure.x_names);
   Range range;
   for (const FigureSeries& s : figure.series)
@@ -120,7 +113,6 @@ Range x_range(const Figure& figure) {
 }
 
 Range y_range(const Figure& figure) {
-  if (figure.map && !figure.map->y.empty()) return cells_of(figure.map->y);
   if (!figure.y_names.empty()) return names_range(figure.y_names);
   Range range;
   for (const FigureSeries& s : figure.series)
@@ -220,9 +212,9 @@ class Script {
     }
     if (!figure_.y_names.empty())
       text += "set grid noytics\n" + ticks("y", figure_.y_names) + steps("x", x_, panel_width_mm() / 9.0);
-    text += fmt::format("set xrange [{}:{}]{}\nset yrange [{}:{}]{}\n", x_.low, x_.high,
-                        figure_.map ? " noextend" : "", figure_.y_names.empty() ? y_.low : y_.high,
-                        figure_.y_names.empty() ? y_.high : y_.low, figure_.map ? " noextend" : "");
+    text +=
+        fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_.low, x_.high,
+                    figure_.y_names.empty() ? y_.low : y_.high, figure_.y_names.empty() ? y_.high : y_.low);
     for (std::size_t k = 0; k < figure_.bands.size(); ++k)
       text += fmt::format(
           "set object {} rectangle from {}, graph 0 to {}, graph 1 behind fillcolor rgb '{}' fillstyle solid "
@@ -264,7 +256,6 @@ class Script {
     plots_.clear();
     titled_ = !direct_ && figure_.panels.empty();
     if (!figure_.panels.empty()) place_panel(panel);
-    if (figure_.map) add_map(*figure_.map);
     const std::vector<Entry> entries = entries_of(figure_, panel);
     for (const Entry& e : entries) add_points(e);
     for (const FigureLine& line : figure_.lines)
@@ -413,29 +404,6 @@ class Script {
                          1.0 - (4.0 + kLetter_mm * static_cast<double>(longest(names))) / size_.width_mm);
   }
 
-  void add_map(const FigureMap& map) {
-    const bool both_signs = map.least < 0.0 && map.most > 0.0;
-    // below zero blue, above it orange, both the darker the farther off
-    text_ +=
-        both_signs
-            ? "set palette defined (-1 '#08306b', -0.5 '#4a8fd0', 0 '#ffffff', 0.5 '#e88a3c', 1 '#7f2704')\n"
-            : "set palette defined (0 '#440154', 0.25 '#3b528b', 0.5 '#21918c', 0.75 '#5ec962', 1 "
-              "'#fde725')\n";
-    text_ += fmt::format("set cbrange [{}:{}]\nset cblabel {} noenhanced\nset cbtics scale 0.5\n", map.least,
-                         map.most, gnuplot_text(map.label));
-    if (both_signs) text_ += "set cbtics add ('0 =' 0)\n";
-    const std::string block = begin_block();
-    for (std::size_t r = 0; r < map.y.size(); ++r) {
-      for (std::size_t c = 0; c < map.x.size(); ++c) {
-        const double value = map.values[r * map.x.size() + c];
-        row({map.x[c], map.y[r], std::isnan(value) ? value : std::clamp(value, map.least, map.most)});
-      }
-      text_ += '\n';
-    }
-    end_block();
-    plots_.push_back(block + " using 1:2:3 with image pixels notitle");
-  }
-
   static std::string marks_of(const Entry& entry, double dot) {
     const bool hollow = entry.series.front()->hollow;
     return fmt::format("pt {} ps {}", hollow ? hollow_of(entry.look.marker) : entry.look.marker,
@@ -518,7 +486,6 @@ class Script {
 FigureSize size_of(const Figure& figure) {
   const bool narrow = figure.width == FigureWidth::column;
   FigureSize size{narrow ? kColumn_mm : kPage_mm, narrow ? 62.0 : 90.0};
-  if (figure.map) size.height_mm = narrow ? 72.0 : 120.0;
   const auto rows = static_cast<double>((panels_of(figure) + columns_of(figure) - 1) / columns_of(figure));
   if (!figure.y_names.empty())
     size.height_mm = 26.0 + 4.4 * static_cast<double>(figure.y_names.size());

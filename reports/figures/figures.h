@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/figure.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "datasets/results/summary.h"
-#include "reports/figures/figure.h"
 
 namespace trilat {
 
@@ -24,10 +23,6 @@ Figure methods_figure(const ResultsSummary& summary, const std::string& conditio
 // verdict in words.
 std::optional<Figure> history_figure(const History& history);
 std::vector<std::string> history_sentences(const History& history);
-
-// The slices of a sensitivity study as maps of a claim's difference, and for every claim the difference over
-// the ranges of the factors that decide it most.
-std::vector<Figure> sensitivity_figures(const SensitivitySummary& summary);
 
 // The paper's two calibration figures, from simulated samples: error against distance and angle, and depth
 // error against image column. Each needs its part of the study.

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/results/table.h"
 #include "reports/figures/figures.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 namespace {

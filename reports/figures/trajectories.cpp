@@ -9,8 +9,8 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/item_store.h"
+#include "datasets/results/table.h"
 #include "reports/figures/figures.h"
-#include "reports/tables/table.h"
 
 namespace trilat {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

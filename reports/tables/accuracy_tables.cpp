@@ -8,9 +8,9 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/table.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

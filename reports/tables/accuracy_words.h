@@ -9,7 +9,7 @@
 
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

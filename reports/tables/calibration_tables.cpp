@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
+#include "datasets/results/table.h"
 #include "reports/tables/accuracy_words.h"
 #include "reports/tables/calibration_findings.h"
-#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

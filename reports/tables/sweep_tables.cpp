@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/results/table.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

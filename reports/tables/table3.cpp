@@ -8,8 +8,8 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "datasets/results/table.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

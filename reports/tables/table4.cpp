@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {

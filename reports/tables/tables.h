@@ -6,17 +6,19 @@
 #include <vector>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/studies/budget_summary.h"
 #include "datasets/results/studies/calibration_summary.h"
 #include "datasets/results/studies/recording_summary.h"
-#include "datasets/results/studies/sensitivity_summary.h"
 #include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
-#include "reports/tables/table.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
+
+// Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
+void add_notes(Table& table, const std::string& section,
+               const std::map<std::string, std::string>& names = {});
 
 // One table a condition and alignment: every group and method with n, coverage, statuses and all statistics;
 // behind it the differences from the reference, and behind those of a condition its whole bodies.
@@ -64,24 +66,6 @@ Table bodies_table(const ResultsSummary& summary, const std::string& condition);
 // Each joint of each take by method, under the study's first alignment: takes, participants, joints and sides
 // are group-bys of it.
 std::vector<Table> apart_tables(const ResultsSummary& summary);
-
-// One table for each condition and alignment: a row for every method and joint group, a column for every
-// source of error alone, their sum and what all of them together give; and a table of what the sources are.
-std::vector<Table> budget_tables(const BudgetSummary& summary);
-
-// The root mean square error with one source alone, of the row that is `like` this one but for the source;
-// NaN when there is none.
-double rmse_of_source_m(const BudgetSummary& summary, const BudgetRow& like, const std::string& source);
-// What the source adds to the mean square error: "none" is in every other source and is taken off.
-double added_m2(const BudgetSummary& summary, const BudgetRow& like, const std::string& source);
-// The root of the sum over all sources, "none" counted once. NaN when one is not known.
-double sum_of_sources_m(const BudgetSummary& summary, const BudgetRow& like);
-
-// Which claims hold where: their shares of the space and where they change; which method errs least; what
-// decides; and the space itself.
-std::vector<Table> sensitivity_tables(const SensitivitySummary& summary);
-// A sentence a claim.
-std::vector<std::string> sensitivity_sentences(const SensitivitySummary& summary);
 
 // The tables of a calibration study beside the paper's statements; a part that was not run gives none.
 std::vector<Table> calibration_tables(const CalibrationSummary& summary);

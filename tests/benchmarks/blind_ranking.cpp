@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How often methods are ordered without truth as the truth orders them, in simulated campaigns all over the
-// space of a sensitivity study. Usage: blind_ranking STUDY.json [CAMPAIGNS]
+// ranges of a study of variations. Usage: blind_ranking STUDY.json [CAMPAIGNS]
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -12,10 +12,9 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "evaluators/metrics/share.h"
-#include "evaluators/metrics/sobol_indices.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/sensitivity/sensitivity_spec.h"
 #include "pipeline/simulate/campaign_study.h"
+#include "pipeline/variations/variations_spec.h"
 
 namespace trilat {
 namespace {
@@ -38,17 +37,17 @@ std::vector<double> errors_m(const ResultsSummary& summary) {
 }
 
 int run(const std::filesystem::path& file, std::size_t campaigns) {
-  SensitivitySpec spec = parse_sensitivity(read_json(file), file.string(), file.parent_path(), {});
+  Json study = read_json(file);
+  study.erase("scales");
+  study["points"] = campaigns;
+  VariationsSpec spec = parse_variations(study, file.string(), file.parent_path(), {});
   spec.study.alignments = {AlignmentKind::none};
-  const auto design = saltelli_design(spec.head.factors.size(), campaigns);
-  const std::size_t columns = spec.head.factors.size() + 2;
   std::array<std::array<Agreement, std::size(kApart)>, std::size(kCriteria)> agreements;
   std::array<double, std::size(kCriteria)> worse{};
   double judged = 0.0;
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("blind-ranking-{}", getpid());
   for (std::size_t row = 0; row < campaigns; ++row) {
-    const Campaign campaign =
-        simulate_campaign(simulation_at(spec, design[row * columns], row + 1), folder / "campaign", {});
+    const Campaign campaign = simulate_campaign(simulation_at(spec, row), folder / "campaign", {});
     StudySpec blind = spec.study;
     blind.truth = TruthSource::left_out_sensor;
     const std::vector<double> truth_m = errors_m(execute_study(spec.study, campaign, folder / "seen", {}));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "datasets/synthetic/perturbed_calibration.h"
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
-
-#include "datasets/synthetic/error_sources.h"
 
 namespace trilat {
 namespace {

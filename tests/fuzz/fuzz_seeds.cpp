@@ -114,9 +114,9 @@ void write_campaign_seeds(const SeedPath& seed) {
 
 void write_settings_seeds(const SeedPath& seed) {
   int number = 0;
-  for (const char* study : {embedded::calibration_json, embedded::error_budget_json, embedded::sensors_json,
-                            embedded::table1_json, embedded::table1_search_json, embedded::table2_json,
-                            embedded::table3_json, embedded::table4_json})
+  for (const char* study :
+       {embedded::calibration_json, embedded::sensors_json, embedded::table1_json,
+        embedded::table1_search_json, embedded::table2_json, embedded::table3_json, embedded::table4_json})
     write_file(seed("study", std::to_string(number++)), study);
   const StudySpec study = study_of(R"("methods": [{"name": "nonlinear", "method": "nonlinear"},
                                                   {"name": "window", "method": "window"}])");

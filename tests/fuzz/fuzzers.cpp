@@ -20,13 +20,12 @@
 #include "datasets/synthetic/simulation_spec.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/accuracy/methods/study_spec.h"
-#include "pipeline/budget/budget_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/gate/found_results.h"
 #include "pipeline/recording/recording_study.h"
-#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_plan.h"
+#include "pipeline/variations/variations_study.h"
 #include "recorders/network/link/message_link.h"
 #include "recorders/network/link/socket_address.h"
 #include "recorders/network/link/tls_keys.h"
@@ -87,14 +86,11 @@ void read_study(const Json& json) {
     case StudyKind::calibration:
       resolved_json(parse_calibration_spec(json, kPlace));
       return;
-    case StudyKind::error_budget:
-      resolved_json(parse_budget(json, kPlace, {}, {}).study);
-      return;
     case StudyKind::recording:
       recording_parameters(parse_recording_spec(json, kPlace));
       return;
-    case StudyKind::sensitivity:
-      resolved_json(parse_sensitivity(json, kPlace, {}, Json::object()));
+    case StudyKind::variations:
+      resolved_json(parse_variations(json, kPlace, {}, Json::object()));
       return;
   }
 }

@@ -3,11 +3,10 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/studies/budget_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/recording/recording_study.h"
-#include "pipeline/sensitivity/sensitivity_study.h"
 #include "pipeline/sweep/sweep_study.h"
+#include "pipeline/variations/variations_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/reports/calibration_summaries.h"
@@ -42,30 +41,16 @@ void write_recording(const fs::path& scratch) {
   run_study(study, scratch / "recording", {.threads = 1});
 }
 
-void write_budget(const fs::path& folder) {
-  BudgetSummary budget;
-  budget.study = "budget";
-  budget.campaign = "tiny";
-  budget.participants = 2;
-  budget.sources = {"none", "jitter", "all"};
-  budget.descriptions = {"nothing", "noise of each frame", "everything"};
-  for (const std::string& source : budget.sources)
-    for (const char* group : {"head", "wrist"})
-      budget.rows.push_back({source, "nonlinear", "walking", group, "none", 90, 0.04, 0.03});
-  make_folder(folder);
-  write_results(folder, budget);
-}
-
-void write_sensitivity(const fs::path& folder) {
+void write_variations(const fs::path& folder) {
   const std::string text =
-      R"({"format": "trilat.study", "version": 1, "kind": "sensitivity", "name": "map", "clock": "stated",
-          "participants": 1, "rows": 4, "alignments": ["none"],
-          "simulation": {"format": "trilat.simulation", "version": 1, "body_tracker": {},
+      R"({"format": "trilat.study", "version": 1, "kind": "variations", "name": "map", "clock": "stated",
+          "points": 8, "alignments": ["none"],
+          "simulation": {"format": "trilat.simulation", "version": 1, "body_tracker": {}, "participants": 1,
                          "activities": [{"name": "walking", "duration_s": 0.3}]},
           "methods": [{"method": "mean"}, {"method": "nonlinear"}],
-          "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
-          "claims": [{"better": "nonlinear", "than": ["mean"]}]})";
-  run_study(sensitivity_study(parse_sensitivity(parse_json(text, "map.json"), "map.json", {}, {})), folder,
+          "ranges": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
+          "comparisons": [{"better": "nonlinear", "than": ["mean"]}]})";
+  run_study(variations_study(parse_variations(parse_json(text, "map.json"), "map.json", {}, {})), folder,
             {.threads = 1});
 }
 
@@ -103,8 +88,7 @@ void write_sound_results(const fs::path& scratch) {
   write_recording(scratch);
   make_folder(scratch / "calibration");
   write_results(scratch / "calibration", hand_made_calibration());
-  write_budget(scratch / "budget");
-  write_sensitivity(scratch / "sensitivity");
+  write_variations(scratch / "variations");
   write_gate_files(scratch / "gate");
 }
 

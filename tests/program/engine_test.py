@@ -22,12 +22,11 @@ STUDIES = {
     "calibration": {"units": 2, "samples": 6, "near_samples": 2, "frames": 1, "distortion_units": 2, "distortion_frames": 2,
                     "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 0.5,
                     "bodies_instants": 5},
-    "error_budget": {"simulation": "walk.json", "participants": 1, "methods": SOLVERS},
     "recording": {"frames": 600, "sensors": 2, "runs": 4,
                   "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}], "methods": SOLVERS},
-    "sensitivity": {"clock": "stated", "participants": 1, "rows": 4, "methods": SOLVERS, "simulation": WALK,
-                    "space": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
-                    "claims": [{"better": "nonlinear", "than": ["mean"]}]},
+    "variations": {"clock": "stated", "points": 8, "methods": SOLVERS, "simulation": WALK, "patch": {"participants": 1},
+                   "ranges": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
+                   "comparisons": [{"better": "nonlinear", "than": ["mean"]}]},
 }
 MARK = {"simulation": "campaign.json"}  # the file that finishes an output
 KINDS = set(os.environ.get("TRILAT_KINDS", "simulation " + " ".join(STUDIES)).split())
@@ -159,7 +158,7 @@ class Stops(Studies):
             self.assertEqual((results / name).read_text(), "ten years of work")
 
     def test_two_runs_cannot_fill_one_folder(self):
-        words = ["run", self.study("sensitivity"), "-o", self.folder / "results"]
+        words = ["run", self.study("variations"), "-o", self.folder / "results"]
         os.symlink("results", self.folder / "link")
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while not (self.folder / "results.lock").exists() and first.poll() is None:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/figures/figure.h"
+#include "datasets/results/figure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,6 @@ std::string csv_of(const Figure& figure) {
   std::string text =
       (figure.panels.empty() ? "series" : "panel,series") + add(figure.x_label) + add(figure.y_label);
   if (intervals) text += add("low" + unit) + add("high" + unit);
-  if (figure.map) text += add(figure.map->label);
   text += "\r\n";
   const auto named = [](const std::vector<std::string>& names, double place) {
     const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, place)));
@@ -50,14 +49,8 @@ std::string csv_of(const Figure& figure) {
       if (!figure.panels.empty()) text += csv_field(figure.panels.at(s.panel)) + ',';
       text += csv_field(s.name) + ',' + named(figure.x_names, p.x) + ',' + named(figure.y_names, p.y);
       if (intervals) text += ',' + number(p.low) + ',' + number(p.high);
-      text += figure.map ? ",\r\n" : "\r\n";
+      text += "\r\n";
     }
-  if (!figure.map) return text;
-  const std::string gap = intervals ? ",," : "";
-  for (std::size_t r = 0; r < figure.map->y.size(); ++r)
-    for (std::size_t c = 0; c < figure.map->x.size(); ++c)
-      text += csv_field(figure.map->label) + ',' + number(figure.map->x[c]) + ',' + number(figure.map->y[r]) +
-              gap + ',' + number(figure.map->values[r * figure.map->x.size() + c]) + "\r\n";
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/base/units.h"
 #include "datasets/results/summary.h"
 
@@ -20,13 +21,15 @@ namespace trilat {
 // or a text. CSV gets the number unrounded.
 struct TableValue {
   // How it stands in its row or column, where a table says so.
-  enum class Mark { none, best, like_best };
+  enum class Mark : std::uint8_t { none, best, like_best };
   std::optional<double> number;
   int decimals = 1;
   std::string text;
   double low = kNoNumber, high = kNoNumber;  // of a number in a column with intervals
   Mark mark = Mark::none;
   std::string beside = {};  // what stands behind a number: "paper 8.7"
+
+  TRILAT_FIELDS(number, decimals, text, low, high, mark, beside)
 
   static TableValue of(double value, int decimals) { return {value, decimals, {}}; }
   static TableValue of(std::string text) { return {std::nullopt, 0, std::move(text)}; }
@@ -39,6 +42,8 @@ struct TableColumn {
   bool has_interval = false;
   // Of the interval's ends: "mae_from_cm" of "mae_cm".
   std::string key_of_end(const char* end) const;
+
+  TRILAT_FIELDS(name, key, is_text, has_interval)
 };
 inline TableColumn interval_column(std::string name, std::string key) {
   return {std::move(name), std::move(key), false, true};
@@ -57,7 +62,9 @@ struct Table {
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
   std::vector<std::string> notes;  // one sentence each
-  std::size_t first_rows = 0;      // what a reader sees before asking for more; 0: all
+  std::uint64_t first_rows = 0;    // what a reader sees before asking for more; 0: all
+
+  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows)
 };
 
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
@@ -151,8 +158,12 @@ Table table_of(
 std::vector<TableValue> row_by_key(const Table& table,
                                    std::initializer_list<std::pair<const char*, TableValue>> cells);
 
-// Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
-void add_notes(Table& table, const std::string& section,
-               const std::map<std::string, std::string>& names = {});
+// tables.json, beside a study's summary.json: what the study shows, as it is rendered.
+struct StoredTables {
+  static constexpr const char *kFile = "tables.json", *kFormat = "trilat.tables";
+  std::vector<Table> tables;  // those that answer the study's question first
+
+  TRILAT_FIELDS(tables)
+};
 
 }  // namespace trilat
