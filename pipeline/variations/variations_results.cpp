@@ -265,6 +265,7 @@ Figure shares_figure(const VariationsSummary& s) {
       fmt::format("{}, each at one point of {} ranges of settings; exact 95 % intervals of the share.",
                   campaigns_text(s), s.ranges.size());
   figure.x_label = "campaigns in which it holds (%)";
+  figure.panels = {fmt::format("{} campaigns", points_with_errors(s))};
   for (std::size_t a = 0; a < s.alignments.size(); ++a) {
     FigureSeries series{"aligned " + s.alignments[a], FigureSeries::Style::dots, {}};
     for (std::size_t c = 0; c < s.comparisons.size(); ++c) {
@@ -287,6 +288,7 @@ Figure patches_figure(const VariationsSummary& s) {
   figure.caption = fmt::format("Simulated: {} participants, aligned {}; 95 % intervals between them.",
                                s.participants, s.alignments.front());
   figure.x_label = "mean error (cm)";
+  figure.panels = {"aligned " + s.alignments.front()};
   for (std::size_t m = 0; m < s.methods.size(); ++m) {
     FigureSeries series{s.methods[m], FigureSeries::Style::dots, {}, {}, s.methods[m]};
     for (std::size_t p = 0; p < s.points.size(); ++p) {
